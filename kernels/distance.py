@@ -1,0 +1,251 @@
+"""Signed distance and outward normal of rigid tools (docs/theory.md, section 6). Negative inside the tool.
+
+A tool is a union of parts, each an analytic shape or a sampled volume in its own frame.
+"""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from .lanes import div, dot, fill, lane_types, larger, magnitude, mul, scale, smaller, spread, square_root, where_positive
+
+PLANE = wp.constant(0)  # solid z < 0
+SPHERE = wp.constant(1)  # radius
+CAPSULE = wp.constant(2)  # radius, half_length along x
+TORUS = wp.constant(3)  # tube radius, major radius in half_length, around z
+DOME_PUNCH = wp.constant(4)  # lower half of a capsule along x, extruded to z = +infinity
+DOME_OPENING = wp.constant(5)  # solid z < 0 with an opening: radius, half_length, edge_radius
+VOLUME = wp.constant(6)  # sampled distance
+
+
+@cache
+def tool_struct(real: type):
+    """One tool: its parts, friction and frame at zero displacement."""
+    vec3 = wp.types.vector(3, real)
+
+    @wp.struct
+    class Tool:
+        first_part: wp.int32
+        part_count: wp.int32
+        axis: vec3  # unit direction of the motion
+        friction: real  # Coulomb coefficient
+
+    return Tool
+
+
+@cache
+def part_struct(real: type):
+    """One part of a tool: kind, frame and dimensions [m]."""
+    vec3 = wp.types.vector(3, real)
+
+    @wp.struct
+    class ToolPart:
+        kind: wp.int32
+        origin: vec3
+        rotated: wp.int32  # 0: the rotation is the identity and is skipped
+        rotation: wp.types.matrix((3, 3), real)  # columns: the part's axes in the world
+        radius: real
+        half_length: real
+        edge_radius: real
+        volume: wp.uint64  # id of a wp.Volume in the part's frame
+        lower: vec3  # box of the volume; outside it the distance is at least that to the box
+        upper: vec3
+        reach: real  # value used outside the volume [m]
+
+    return ToolPart
+
+
+@cache
+def tool_set_struct(real: type):
+    """All tools and where they are now."""
+    Tool, ToolPart = tool_struct(real), part_struct(real)
+
+    @wp.struct
+    class Tools:
+        tool: wp.array(dtype=Tool)
+        part: wp.array(dtype=ToolPart)
+        displacement: wp.array(dtype=wp.float64)  # along each tool's axis [m]
+        velocity: wp.array(dtype=wp.float64)  # [m/s]
+
+    return Tools
+
+
+@wp.func
+def _profile(x: Any, y: Any, half_length: Any):
+    """Distance to a segment along x in the plan view, and the two components of its vector."""
+    zero = fill(x, 0.0)
+    over = larger(magnitude(x) - spread(x, half_length), zero)
+    along = where_positive(x, over, -over)
+    return square_root(along * along + y * y), along, y
+
+
+@wp.func
+def _safe_inverse(length: Any):
+    tiny = fill(length, 1.0e-12)
+    return fill(length, 1.0) / larger(length, tiny)
+
+
+@wp.func
+def dome_opening_distance(x: Any, y: Any, z: Any, radius: Any, half_length: Any, edge_radius: Any):
+    """Plate z < 0 with a stadium-shaped opening whose upper edge is rounded: distance and normal components."""
+    zero = fill(x, 0.0)
+    one = fill(x, 1.0)
+    out, along, across = _profile(x, y, half_length)
+    inverse_out = _safe_inverse(out)
+    edge = spread(x, edge_radius)
+    # coordinates from the centre of the edge circle: a < 0 over the opening, b > 0 above
+    a = out - spread(x, radius + edge_radius)
+    b = z + edge
+    wall = smaller(a, zero)
+    top = larger(b, zero)
+    corner = square_root(wall * wall + top * top)
+    # in the corner quadrant the rounded edge; elsewhere inside the solid the nearer of wall and top
+    rounded = corner - edge
+    inner = larger(-a, b) - edge
+    distance = where_positive(corner, rounded, inner)
+    inverse_corner = _safe_inverse(corner)
+    wall_nearer = where_positive(-a - b, one, zero)
+    normal_out = where_positive(corner, wall * inverse_corner, -wall_nearer)
+    normal_up = where_positive(corner, top * inverse_corner, one - wall_nearer)
+    return distance, normal_out * along * inverse_out, normal_out * across * inverse_out, normal_up
+
+
+@cache
+def tool_distance_function(real: type, lane_count: int):
+    """wp.func (parts, tool, displacement, x) -> (signed distance, outward normal), for lanes of points."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    Tool, ToolPart = tool_struct(real), part_struct(real)
+
+    @wp.func
+    def volume_distance(part: ToolPart, p: lanes3):
+        distance = lanes()
+        normal = lanes3()
+        for i in range(lane_count):
+            q = vec3(p[0, i], p[1, i], p[2, i])
+            inside = vec3(
+                wp.clamp(q[0], part.lower[0], part.upper[0]),
+                wp.clamp(q[1], part.lower[1], part.upper[1]),
+                wp.clamp(q[2], part.lower[2], part.upper[2]),
+            )
+            outside = wp.length(q - inside)
+            if outside > real(0.0):
+                distance[i] = part.reach + outside
+                normal[2, i] = real(1.0)
+            else:
+                index = wp.volume_world_to_index(part.volume, wp.vec3(float(q[0]), float(q[1]), float(q[2])))
+                gradient = wp.vec3(0.0, 0.0, 0.0)
+                value = wp.volume_sample_grad_f(part.volume, index, wp.Volume.LINEAR, gradient)
+                unit = wp.normalize(gradient)
+                distance[i] = real(value)
+                normal[0, i] = real(unit[0])
+                normal[1, i] = real(unit[1])
+                normal[2, i] = real(unit[2])
+        return distance, normal
+
+    @wp.func
+    def part_distance(part: ToolPart, p: lanes3):
+        x = p[0]
+        y = p[1]
+        z = p[2]
+        zero = fill(x, 0.0)
+        one = fill(x, 1.0)
+        distance = z
+        n0 = zero
+        n1 = zero
+        n2 = one
+        if part.kind == VOLUME:
+            distance, normal = volume_distance(part, p)
+            n0 = normal[0]
+            n1 = normal[1]
+            n2 = normal[2]
+        elif part.kind == DOME_OPENING:
+            distance, n0, n1, n2 = dome_opening_distance(x, y, z, part.radius, part.half_length, part.edge_radius)
+        elif part.kind == TORUS:
+            out = square_root(x * x + y * y)
+            a = out - spread(x, part.half_length)
+            length = square_root(a * a + z * z)
+            inverse = _safe_inverse(length)
+            inverse_out = _safe_inverse(out)
+            distance = length - spread(x, part.radius)
+            n0 = a * inverse * x * inverse_out
+            n1 = a * inverse * y * inverse_out
+            n2 = z * inverse
+        elif part.kind != PLANE:
+            half_length = part.half_length
+            if part.kind == SPHERE:
+                half_length = real(0.0)
+            if part.kind == DOME_PUNCH:
+                z = smaller(z, zero)
+            out, along, across = _profile(x, y, half_length)
+            length = square_root(out * out + z * z)
+            inverse = _safe_inverse(length)
+            distance = length - spread(x, part.radius)
+            n0 = along * inverse
+            n1 = across * inverse
+            n2 = z * inverse
+        return distance, wp.matrix_from_rows(n0, n1, n2)
+
+    @wp.func
+    def tool_distance(parts: wp.array(dtype=ToolPart), tool: Tool, displacement: real, x: lanes3):
+        distance = lanes()
+        normal = lanes3()
+        for k in range(tool.part_count):
+            part = parts[tool.first_part + k]
+            centre = part.origin + displacement * tool.axis
+            p = wp.matrix_from_rows(
+                x[0] - lanes(centre[0]), x[1] - lanes(centre[1]), x[2] - lanes(centre[2])
+            )
+            if part.rotated == 1:
+                p = wp.transpose(part.rotation) * p
+            part_d, part_n = part_distance(part, p)
+            if part.rotated == 1:
+                part_n = part.rotation * part_n
+            if k == 0:
+                distance = part_d
+                normal = part_n
+            else:
+                nearer = distance - part_d
+                distance = where_positive(nearer, part_d, distance)
+                for c in range(3):
+                    normal[c] = where_positive(nearer, part_n[c], normal[c])
+        return distance, normal
+
+    return tool_distance
+
+
+@cache
+def sample_distance_kernel(real: type, lane_count: int):
+    """Kernel that evaluates one tool at points given one per entry; the last block of lanes repeats the last point."""
+    types = lane_types(real, lane_count)
+    lanes3, vec3 = types.lanes3, types.vec3
+    Tool, ToolPart = tool_struct(real), part_struct(real)
+    tool_distance = tool_distance_function(real, lane_count)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def sample_distance(
+        # In
+        tools: wp.array(dtype=Tool),
+        parts: wp.array(dtype=ToolPart),
+        tool_index: wp.int32,
+        displacement: real,
+        points: wp.array(dtype=vec3),
+        # Out
+        distance: wp.array(dtype=real),
+        normal: wp.array(dtype=vec3),
+    ):
+        first = wp.tid() * lane_count
+        last = points.shape[0] - 1
+        x = lanes3()
+        for i in range(lane_count):
+            point = points[wp.min(first + i, last)]
+            for c in range(3):
+                x[c, i] = point[c]
+        d, n = tool_distance(parts, tools[tool_index], displacement, x)
+        for i in range(lane_count):
+            if first + i <= last:
+                distance[first + i] = d[i]
+                normal[first + i] = vec3(n[0, i], n[1, i], n[2, i])
+
+    return sample_distance

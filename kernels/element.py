@@ -1,0 +1,296 @@
+"""The 4-node Mindlin shell with one quadrature point: kinematics, resultants, nodal forces (docs/theory.md, 1 and 5).
+
+With the diagonals p = x_1 - x_3 and q = x_2 - x_4 every linear field of a quadrilateral has the gradient
+N_,alpha = b_p,alpha p + b_q,alpha q, so four numbers per element are all of its shape functions. The hourglass vector is
+gamma.x = (x_1 - x_2 + x_3 - x_4) - c_p p - c_q q. The same two formulas serve positions and directors.
+"""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from .lanes import (
+    angle_of,
+    cross,
+    div,
+    dot,
+    fill,
+    gather,
+    lane_maximum,
+    lane_types,
+    larger,
+    magnitude,
+    mul,
+    scale,
+    spread,
+    square_root,
+    where_positive,
+)
+from .sheet import bending_moments, shear_resultants, sheet_struct, transverse_shear_forces
+from .unit_cell import solve_unit_cell, unit_cell_energies, unit_cell_struct
+
+# A height change in one step beyond this share of the crimp heights is a snap: the energy that it frees is booked.
+SNAP_SHARE = wp.constant(0.05)
+# Rows of the cell report: residual and iterations of this step, energy lost in snaps so far [J/m^2], worst residual so far.
+CELL_REPORT_ROWS = ("residual", "iterations", "snap_loss", "worst_residual")
+# Rows of the corner array: 12 for the forces of the four corners, 12 for their director gradients.
+CORNER_ROW_COUNT = 24
+
+
+@cache
+def element_struct(real: type, lane_count: int):
+    """Constant element data; arrays are [row, block of lanes]."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Elements:
+        corner_node: wp.array2d(dtype=types.indices)  # 4 rows
+        shape_gradient: wp.array2d(dtype=types.lanes)  # b_p1, b_p2, b_q1, b_q2 [1/m]
+        hourglass_offset: wp.array2d(dtype=types.lanes)  # c_p, c_q
+        area: wp.array(dtype=types.lanes)  # reference area [m^2]; 0 for padding
+        flat: wp.int32  # 1: all initial strains are zero and are not read
+        initial_curvature: wp.array2d(dtype=types.lanes)  # k11, k12, k22 [1/m]
+        initial_transverse_shear: wp.array2d(dtype=types.lanes)  # g1, g2
+        initial_hourglass: wp.array2d(dtype=types.lanes)  # warping [m], director along a1, a2
+
+    return Elements
+
+
+@wp.func
+def corner_difference(gradient_p: Any, gradient_q: Any, p: Any, q: Any):
+    """Derivative of a bilinear field along one yarn, from its two diagonals."""
+    return scale(gradient_p, p) + scale(gradient_q, q)
+
+
+@wp.func
+def element_vectors(elements: Any, e: int, field: Any, like: Any):
+    """Derivatives along warp and weft, mean, and hourglass vector of a nodal vector field."""
+    v1 = gather(field, elements.corner_node[0, e], like)
+    v2 = gather(field, elements.corner_node[1, e], like)
+    v3 = gather(field, elements.corner_node[2, e], like)
+    v4 = gather(field, elements.corner_node[3, e], like)
+    p = v1 - v3
+    q = v2 - v4
+    along1 = corner_difference(elements.shape_gradient[0, e], elements.shape_gradient[2, e], p, q)
+    along2 = corner_difference(elements.shape_gradient[1, e], elements.shape_gradient[3, e], p, q)
+    even = v1 + v3
+    odd = v2 + v4
+    hourglass = (even - odd) - corner_difference(elements.hourglass_offset[0, e], elements.hourglass_offset[1, e], p, q)
+    return along1, along2, like.dtype(0.25) * (even + odd), hourglass
+
+
+@wp.func
+def element_strains(elements: Any, e: int, a1: Any, a2: Any, d1: Any, d2: Any, mean_director: Any):
+    """Curvatures k11, k12, k22 and transverse shears g1, g2, minus their initial values."""
+    k11 = dot(a1, d1)
+    k22 = dot(a2, d2)
+    k12 = k11.dtype(0.5) * (dot(a1, d2) + dot(a2, d1))
+    g1 = dot(a1, mean_director)
+    g2 = dot(a2, mean_director)
+    if elements.flat == 0:
+        k11 = k11 - elements.initial_curvature[0, e]
+        k12 = k12 - elements.initial_curvature[1, e]
+        k22 = k22 - elements.initial_curvature[2, e]
+        g1 = g1 - elements.initial_transverse_shear[0, e]
+        g2 = g2 - elements.initial_transverse_shear[1, e]
+    return k11, k12, k22, g1, g2
+
+
+@wp.func
+def hourglass_stiffnesses(elements: Any, laws: Any, e: int):
+    """Coefficients per reference area: in-plane [N/m^3], warping [N/m^3], directors [N/m^3 * m^2].
+
+    Each is a share of the exact stiffness of the mode on a square; the sum of squared gradients carries the size.
+    """
+    bp1 = elements.shape_gradient[0, e]
+    bp2 = elements.shape_gradient[1, e]
+    bq1 = elements.shape_gradient[2, e]
+    bq2 = elements.shape_gradient[3, e]
+    squares = bp1.dtype(2.0) * (bp1 * bp1 + bp2 * bp2 + bq1 * bq1 + bq2 * bq2)
+    return laws.hourglass_in_plane * squares, laws.hourglass_warping * squares, laws.hourglass_director * squares
+
+
+@wp.func
+def twist_weights(elements: Any, e: int):
+    """Weights of k11, k12, k22 in the natural twist k(xi, eta) = [k(p, p) - k(q, q)]/16, p, q the flat diagonals."""
+    bp1 = elements.shape_gradient[0, e]
+    bp2 = elements.shape_gradient[1, e]
+    bq1 = elements.shape_gradient[2, e]
+    bq2 = elements.shape_gradient[3, e]
+    inverse = fill(bp1, 1.0) / (bp1 * bq2 - bp2 * bq1)
+    square = bp1.dtype(0.0625) * inverse * inverse
+    # (p q) is the inverse of the gradients: p = (b_q2, -b_q1)/det, q = (-b_p2, b_p1)/det
+    return (
+        square * (bq2 * bq2 - bp2 * bp2),
+        bp1.dtype(2.0) * square * (bp1 * bp2 - bq1 * bq2),
+        square * (bq1 * bq1 - bp1 * bp1),
+    )
+
+
+@wp.func
+def hourglass_strains(
+    elements: Any, e: int, a1: Any, a2: Any, mean_director: Any, x_hourglass: Any, d_hourglass: Any, k11: Any, k12: Any, k22: Any
+):
+    """Warping freed of twist [m], and the director hourglass along a1 and a2, minus their initial values.
+
+    x_h/4 . d + k(xi, eta) is the part of the transverse shear that varies over the element: it vanishes in a pure twist.
+    """
+    weight11, weight12, weight22 = twist_weights(elements, e)
+    warping = k11.dtype(0.25) * dot(x_hourglass, mean_director) + weight11 * k11 + weight12 * k12 + weight22 * k22
+    along1 = dot(d_hourglass, a1)
+    along2 = dot(d_hourglass, a2)
+    if elements.flat == 0:
+        warping = warping - elements.initial_hourglass[0, e]
+        along1 = along1 - elements.initial_hourglass[1, e]
+        along2 = along2 - elements.initial_hourglass[2, e]
+    return warping, along1, along2
+
+
+@wp.func
+def store_corners(
+    target: Any, row: int, e: int, diagonal_p: Any, diagonal_q: Any, hourglass: Any, mean: Any, offset_p: Any, offset_q: Any
+):
+    """Nodal values from the conjugates of p, q, the hourglass vector and the mean, with the minus sign of a force."""
+    one = fill(offset_p, 1.0)
+    for i in range(3):
+        target[row + i, e] = -(diagonal_p[i] + (one - offset_p) * hourglass[i] + mean[i])
+        target[row + 3 + i, e] = -(diagonal_q[i] - (one + offset_q) * hourglass[i] + mean[i])
+        target[row + 6 + i, e] = diagonal_p[i] - (one + offset_p) * hourglass[i] - mean[i]
+        target[row + 9 + i, e] = diagonal_q[i] + (one - offset_q) * hourglass[i] - mean[i]
+
+
+@wp.func
+def yarn_displacements(cell: Any, m11: Any, m22: Any):
+    """Prescribed displacements u_k = (lambda_k - 1) L_k of the cell, without cancellation."""
+    one = fill(m11, 1.0)
+    stretch1 = square_root(m11)
+    stretch2 = square_root(m22)
+    u1 = cell.half_spacing[0] * ((m11 - one) / (stretch1 + one))
+    u2 = cell.half_spacing[1] * ((m22 - one) / (stretch2 + one))
+    return u1, u2, stretch1, stretch2
+
+
+@cache
+def element_force_kernel(real: type, lane_count: int):
+    """Kernel of one launch per step: nodal forces and director gradients of every element."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    Elements, UnitCell, SheetLaws = element_struct(real, lane_count), unit_cell_struct(real), sheet_struct(real)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def element_forces(
+        # In
+        first_block: wp.int32,
+        elements: Elements,
+        cell: UnitCell,
+        laws: SheetLaws,
+        position: wp.array(dtype=vec3),
+        director: wp.array(dtype=vec3),
+        # Out
+        crimp_change: wp.array2d(dtype=lanes),  # w_1, w_2 [m]
+        cell_report: wp.array2d(dtype=lanes),  # rows: see CELL_REPORT_ROWS
+        corner_force: wp.array2d(dtype=lanes),
+    ):
+        e = first_block + wp.tid()
+        a1, a2, mean_position, x_hourglass = element_vectors(elements, e, position, lanes3())
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, director, lanes3())
+
+        m11 = dot(a1, a1)
+        m12 = dot(a1, a2)
+        m22 = dot(a2, a2)
+        normal = cross(a1, a2)
+        area_ratio = square_root(dot(normal, normal))
+
+        # membrane: the unit cell
+        u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
+        start1 = crimp_change[0, e]
+        start2 = crimp_change[1, e]
+        w1, w2, yarn_force1, yarn_force2, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start1, start2)
+        crimp_change[0, e] = w1
+        crimp_change[1, e] = w2
+        cell_report[0, e] = residual
+        cell_report[1, e] = iterations
+        cell_report[3, e] = larger(cell_report[3, e], residual)
+        jump = larger(magnitude(w1 - start1), magnitude(w2 - start2))
+        if lane_maximum(jump) > real(SNAP_SHARE) * (cell.crimp_height[0] + cell.crimp_height[1]):
+            warp_before, weft_before, bending_before, contact_before = unit_cell_energies(cell, u1, u2, start1, start2)
+            warp_after, weft_after, bending_after, contact_after = unit_cell_energies(cell, u1, u2, w1, w2)
+            freed = (
+                (warp_before - warp_after) + (weft_before - weft_after)
+                + (bending_before - bending_after) + (contact_before - contact_after)
+            )
+            snapped = jump - spread(jump, real(SNAP_SHARE) * (cell.crimp_height[0] + cell.crimp_height[1]))
+            density = freed / spread(freed, real(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
+            cell_report[2, e] = cell_report[2, e] + where_positive(snapped, density, fill(density, 0.0))
+        t11 = yarn_force1 / ((real(2.0) * cell.half_spacing[1]) * stretch1)
+        t22 = yarn_force2 / ((real(2.0) * cell.half_spacing[0]) * stretch2)
+
+        # in-plane shear
+        angle = angle_of(m12, area_ratio, stretch1 * stretch2)
+        shear11, shear12, shear22 = shear_resultants(laws, m11, m12, m22, area_ratio, angle)
+
+        # bending and transverse shear
+        k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
+        moment11, moment12, moment22, bend11, bend12, bend22 = bending_moments(laws, m11, m12, m22, area_ratio, k11, k12, k22)
+        q1, q2, slide11, slide12, slide22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
+        t11 = t11 + shear11 + bend11 + slide11
+        t12 = shear12 + bend12 + slide12
+        t22 = t22 + shear22 + bend22 + slide22
+
+        # stabilisation
+        in_plane, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
+        warping, twist1, twist2 = hourglass_strains(
+            elements, e, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
+        )
+        warping_force = warping_stiffness * warping
+        weight11, weight12, weight22 = twist_weights(elements, e)
+        moment11 = moment11 + weight11 * warping_force
+        moment12 = moment12 + real(0.5) * weight12 * warping_force
+        moment22 = moment22 + weight22 * warping_force
+        twist1 = director_stiffness * twist1
+        twist2 = director_stiffness * twist2
+        unit_normal = scale(fill(area_ratio, 1.0) / area_ratio, normal)
+        height = dot(x_hourglass, unit_normal)
+        # the in-plane part |x_h|^2 - (x_h.n)^2 turns with the normal: height * (x_h . a^alpha) n
+        height1 = dot(x_hourglass, a1)
+        height2 = dot(x_hourglass, a2)
+        tilt = in_plane * height / (area_ratio * area_ratio)
+        normal1 = tilt * (m22 * height1 - m12 * height2)
+        normal2 = tilt * (m11 * height2 - m12 * height1)
+
+        # dpsi/da_alpha, dpsi/dd_alpha, dpsi/d(mean director), dpsi/d(hourglass vectors)
+        p1 = (
+            scale(t11, a1) + scale(t12, a2) + scale(moment11, d1) + scale(moment12, d2)
+            + scale(q1, mean_director) + scale(twist1, d_hourglass) + scale(normal1, unit_normal)
+        )
+        p2 = (
+            scale(t12, a1) + scale(t22, a2) + scale(moment12, d1) + scale(moment22, d2)
+            + scale(q2, mean_director) + scale(twist2, d_hourglass) + scale(normal2, unit_normal)
+        )
+        r1 = scale(moment11, a1) + scale(moment12, a2)
+        r2 = scale(moment12, a1) + scale(moment22, a2)
+        quarter_warping = real(0.25) * warping_force
+        x_stabilising = scale(in_plane, x_hourglass - scale(height, unit_normal)) + scale(quarter_warping, mean_director)
+        d_stabilising = scale(twist1, a1) + scale(twist2, a2)
+        mean_conjugate = scale(q1, a1) + scale(q2, a2) + scale(quarter_warping, x_hourglass)
+
+        area = elements.area[e]
+        bp1 = area * elements.shape_gradient[0, e]
+        bp2 = area * elements.shape_gradient[1, e]
+        bq1 = area * elements.shape_gradient[2, e]
+        bq2 = area * elements.shape_gradient[3, e]
+        offset_p = elements.hourglass_offset[0, e]
+        offset_q = elements.hourglass_offset[1, e]
+        store_corners(
+            corner_force, 0, e,
+            corner_difference(bp1, bp2, p1, p2), corner_difference(bq1, bq2, p1, p2),
+            scale(area, x_stabilising), lanes3(), offset_p, offset_q,
+        )  # fmt: skip
+        store_corners(
+            corner_force, 12, e,
+            corner_difference(bp1, bp2, r1, r2), corner_difference(bq1, bq2, r1, r2),
+            scale(area, d_stabilising), scale(real(0.25) * area, mean_conjugate), offset_p, offset_q,
+        )  # fmt: skip
+
+    return element_forces

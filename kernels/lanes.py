@@ -1,0 +1,258 @@
+"""The lane vocabulary: every formula works on W elements (or nodes) at once.
+
+A kernel thread holds W scalars in a Warp vector ("lanes") and W 3-vectors in a 3 x W matrix ("lanes3").
+Clang turns the componentwise operations into SIMD instructions; on a GPU, and in most tests, W = 1 and the same
+source is plain scalar code. The functions below are generic: they never name W or the precision.
+
+Componentwise ``a * b`` and ``a / b`` of two lane vectors come from the overloads ``mul`` and ``div``: a module whose
+formulas use them must import these two names, because Warp looks an operator up among the globals of the module.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+CPU_LANE_COUNT = 16
+GPU_LANE_COUNT = 1
+
+
+@dataclass(frozen=True)
+class LaneTypes:
+    """Warp types of one precision and lane count."""
+
+    real: type
+    lane_count: int
+    lanes: type
+    lanes3: type
+    indices: type
+    vec3: type
+    vec4: type
+
+
+@cache
+def lane_types(real: type, lane_count: int) -> LaneTypes:
+    """Types for ``real`` (wp.float32 or wp.float64) and ``lane_count`` (1 or 16)."""
+    return LaneTypes(
+        real=real,
+        lane_count=lane_count,
+        lanes=wp.types.vector(lane_count, real),
+        lanes3=wp.types.matrix((3, lane_count), real),
+        indices=wp.types.vector(lane_count, wp.int32),
+        vec3=wp.types.vector(3, real),
+        vec4=wp.types.vector(4, real),
+    )
+
+
+_Single1 = lane_types(wp.float32, GPU_LANE_COUNT).lanes
+_Single16 = lane_types(wp.float32, CPU_LANE_COUNT).lanes
+_Double1 = lane_types(wp.float64, GPU_LANE_COUNT).lanes
+_Double16 = lane_types(wp.float64, CPU_LANE_COUNT).lanes
+
+
+@wp.func
+def mul(a: _Single1, b: _Single1):
+    return wp.cw_mul(a, b)
+
+
+@wp.func
+def mul(a: _Single16, b: _Single16):  # noqa: F811
+    return wp.cw_mul(a, b)
+
+
+@wp.func
+def mul(a: _Double1, b: _Double1):  # noqa: F811
+    return wp.cw_mul(a, b)
+
+
+@wp.func
+def mul(a: _Double16, b: _Double16):  # noqa: F811
+    return wp.cw_mul(a, b)
+
+
+@wp.func
+def div(a: _Single1, b: _Single1):
+    return wp.cw_div(a, b)
+
+
+@wp.func
+def div(a: _Single16, b: _Single16):  # noqa: F811
+    return wp.cw_div(a, b)
+
+
+@wp.func
+def div(a: _Double1, b: _Double1):  # noqa: F811
+    return wp.cw_div(a, b)
+
+
+@wp.func
+def div(a: _Double16, b: _Double16):  # noqa: F811
+    return wp.cw_div(a, b)
+
+
+# --- scalars in lanes -------------------------------------------------------------------------------------------------
+
+
+@wp.func
+def fill(like: Any, value: float):
+    """``value`` in every lane."""
+    return type(like)(like.dtype(value))
+
+
+@wp.func
+def spread(like: Any, value: Any):
+    """A scalar of the lanes' own precision in every lane."""
+    return type(like)(value)
+
+
+@wp.func
+def square_root(a: Any):
+    result = type(a)()
+    for i in range(len(a)):
+        result[i] = wp.sqrt(a[i])
+    return result
+
+
+@wp.func
+def magnitude(a: Any):
+    result = type(a)()
+    for i in range(len(a)):
+        result[i] = wp.where(a[i] < a.dtype(0.0), -a[i], a[i])
+    return result
+
+
+@wp.func
+def larger(a: Any, b: Any):
+    result = type(a)()
+    for i in range(len(a)):
+        result[i] = wp.where(a[i] > b[i], a[i], b[i])
+    return result
+
+
+@wp.func
+def smaller(a: Any, b: Any):
+    result = type(a)()
+    for i in range(len(a)):
+        result[i] = wp.where(a[i] < b[i], a[i], b[i])
+    return result
+
+
+@wp.func
+def where_positive(condition: Any, if_positive: Any, otherwise: Any):
+    """``if_positive`` in the lanes where ``condition`` > 0, else ``otherwise`` (also where it is NaN)."""
+    result = type(otherwise)()
+    for i in range(len(condition)):
+        result[i] = wp.where(condition[i] > condition.dtype(0.0), if_positive[i], otherwise[i])
+    return result
+
+
+@wp.func
+def lane_sum(a: Any):
+    """Sum over the lanes, in the order of the lanes."""
+    total = a.dtype(0.0)
+    for i in range(len(a)):
+        total += a[i]
+    return total
+
+
+@wp.func
+def lane_maximum(a: Any):
+    result = a[0]
+    for i in range(len(a)):
+        result = wp.where(a[i] > result, a[i], result)
+    return result
+
+
+# --- 3-vectors in lanes -----------------------------------------------------------------------------------------------
+
+
+@wp.func
+def scale(s: Any, v: Any):
+    """Each lane's scalar times its 3-vector."""
+    return wp.matrix_from_rows(wp.cw_mul(s, v[0]), wp.cw_mul(s, v[1]), wp.cw_mul(s, v[2]))
+
+
+@wp.func
+def dot(a: Any, b: Any):
+    return wp.cw_mul(a[0], b[0]) + wp.cw_mul(a[1], b[1]) + wp.cw_mul(a[2], b[2])
+
+
+@wp.func
+def cross(a: Any, b: Any):
+    return wp.matrix_from_rows(
+        wp.cw_mul(a[1], b[2]) - wp.cw_mul(a[2], b[1]),
+        wp.cw_mul(a[2], b[0]) - wp.cw_mul(a[0], b[2]),
+        wp.cw_mul(a[0], b[1]) - wp.cw_mul(a[1], b[0]),
+    )
+
+
+@wp.func
+def gather(source: Any, index: Any, like: Any):
+    """3-vectors ``source[index]`` (an array of vec3), one per lane; ``like`` is any lanes3."""
+    result = type(like)()
+    for i in range(len(index)):
+        value = source[index[i]]
+        result[0, i] = value[0]
+        result[1, i] = value[1]
+        result[2, i] = value[2]
+    return result
+
+
+@wp.func
+def load(source: Any, first: int, like: Any):
+    """3-vectors ``source[first], source[first + 1], ...``, one per lane; ``like`` is any lanes3."""
+    result = type(like)()
+    for i in range(len(like[0])):
+        value = source[first + i]
+        result[0, i] = value[0]
+        result[1, i] = value[1]
+        result[2, i] = value[2]
+    return result
+
+
+@wp.func
+def store(target: Any, first: int, value: Any):
+    """Write one 3-vector per lane to ``target[first], target[first + 1], ...``."""
+    for i in range(len(value[0])):
+        column = target[first + i]
+        column[0] = value[0, i]
+        column[1] = value[1, i]
+        column[2] = value[2, i]
+        target[first + i] = column
+
+
+# --- angles without trigonometric calls -------------------------------------------------------------------------------
+
+
+def _arctangent_coefficients(term_count: int, largest_square: float) -> list[float]:
+    """Coefficients c_k of atan(x)/x = sum c_k x^(2k) for 0 <= x^2 <= ``largest_square``, near-minimax (Chebyshev)."""
+    chebyshev = np.polynomial.Chebyshev.interpolate(
+        lambda z: np.where(z > 1e-12, np.arctan(np.sqrt(np.abs(z))) / np.sqrt(np.maximum(np.abs(z), 1e-300)), 1 - z / 3),
+        term_count - 1,
+        domain=[0.0, largest_square],
+    )
+    return chebyshev.convert(kind=np.polynomial.Polynomial).coef.tolist()
+
+
+# tan(120 deg / 4)^2 = 1/3; sixteen terms leave 1e-15.
+_ARCTANGENT_TERM_COUNT = 16
+_ARCTANGENT = wp.types.vector(_ARCTANGENT_TERM_COUNT, wp.float64)(
+    *_arctangent_coefficients(_ARCTANGENT_TERM_COUNT, 1.0 / 3.0)
+)
+
+
+@wp.func
+def angle_of(sine: Any, cosine: Any, radius: Any):
+    """atan2(sine, cosine), where ``radius`` = sqrt(sine^2 + cosine^2): exact to round-off up to 120 degrees.
+
+    Two half-angle steps, tan(x/2) = tan x / (1 + sqrt(1 + tan^2 x)), then a polynomial; no branch, so it vectorises.
+    """
+    half = wp.cw_div(sine, cosine + radius)
+    quarter = wp.cw_div(half, fill(half, 1.0) + square_root(fill(half, 1.0) + wp.cw_mul(half, half)))
+    square = wp.cw_mul(quarter, quarter)
+    series = spread(half, half.dtype(_ARCTANGENT[_ARCTANGENT_TERM_COUNT - 1]))
+    for k in range(_ARCTANGENT_TERM_COUNT - 1):
+        series = wp.cw_mul(series, square) + spread(half, half.dtype(_ARCTANGENT[_ARCTANGENT_TERM_COUNT - 2 - k]))
+    return half.dtype(4.0) * wp.cw_mul(quarter, series)

@@ -1,0 +1,96 @@
+"""Energies and fields of the current state, for output frames only (docs/theory.md, section 8). One lane."""
+
+from functools import cache
+
+import warp as wp
+
+from .element import (
+    element_strains,
+    element_struct,
+    element_vectors,
+    hourglass_stiffnesses,
+    hourglass_strains,
+    yarn_displacements,
+)
+from .lanes import angle_of, cross, div, dot, fill, larger, lane_types, mul, scale, spread, square_root, where_positive
+from .sheet import bending_moments, shear_energy, sheet_struct, transverse_shear_forces
+from .unit_cell import solve_unit_cell, unit_cell_energies, unit_cell_struct
+
+# Rows of the element energies [J], in this order.
+ELEMENT_ENERGIES = (
+    "warp_axial", "weft_axial", "yarn_bending", "crossover_contact",
+    "shear", "bending", "transverse_shear", "hourglass", "snap",
+)  # fmt: skip
+# Rows of the element fields.
+ELEMENT_FIELDS = ("shear_angle", "warp_stretch", "weft_stretch", "warp_force", "weft_force", "crossover_force", "area_ratio")
+
+
+@cache
+def element_ledger_kernel(real: type):
+    """Energies [J] and fields of every element; changes nothing of the state."""
+    types = lane_types(real, 1)
+    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    Elements, UnitCell, SheetLaws = element_struct(real, 1), unit_cell_struct(real), sheet_struct(real)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def element_ledger(
+        # In
+        elements: Elements,
+        cell: UnitCell,
+        laws: SheetLaws,
+        position: wp.array(dtype=vec3),
+        director: wp.array(dtype=vec3),
+        crimp_change: wp.array2d(dtype=lanes),
+        cell_report: wp.array2d(dtype=lanes),
+        # Out
+        energies: wp.array2d(dtype=lanes),
+        fields: wp.array2d(dtype=lanes),
+    ):
+        e = wp.tid()
+        a1, a2, mean_position, x_hourglass = element_vectors(elements, e, position, lanes3())
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, director, lanes3())
+        m11 = dot(a1, a1)
+        m12 = dot(a1, a2)
+        m22 = dot(a2, a2)
+        normal = cross(a1, a2)
+        area_ratio = square_root(dot(normal, normal))
+        u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
+        w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(
+            cell, u1, u2, crimp_change[0, e], crimp_change[1, e]
+        )
+        warp, weft, yarn_bending, contact = unit_cell_energies(cell, u1, u2, w1, w2)
+        area = elements.area[e]
+        half = real(0.5)
+        cells = area / lanes(real(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
+        angle = angle_of(m12, area_ratio, stretch1 * stretch2)
+        k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
+        moment11, moment12, moment22, b11, b12, b22 = bending_moments(laws, m11, m12, m22, area_ratio, k11, k12, k22)
+        q1, q2, s11, s12, s22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
+        in_plane, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
+        warping, twist1, twist2 = hourglass_strains(
+            elements, e, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
+        )
+        height = dot(x_hourglass, normal) / area_ratio
+        energies[0, e] = cells * warp
+        energies[1, e] = cells * weft
+        energies[2, e] = cells * yarn_bending
+        energies[3, e] = cells * contact
+        energies[4, e] = area * shear_energy(laws, m12, angle)
+        energies[5, e] = half * area * (moment11 * k11 + real(2.0) * moment12 * k12 + moment22 * k22)
+        energies[6, e] = half * area * (q1 * g1 + q2 * g2)
+        energies[7, e] = half * area * (
+            in_plane * (dot(x_hourglass, x_hourglass) - height * height)
+            + warping_stiffness * warping * warping
+            + director_stiffness * (twist1 * twist1 + twist2 * twist2)
+        )
+        energies[8, e] = area * cell_report[2, e]
+        fields[0, e] = angle
+        fields[1, e] = stretch1
+        fields[2, e] = stretch2
+        fields[3, e] = force1 / lanes(real(2.0) * cell.half_spacing[1])
+        fields[4, e] = force2 / lanes(real(2.0) * cell.half_spacing[0])
+        fields[5, e] = real(2.0) * crossover
+        fields[6, e] = area_ratio
+
+    return element_ledger
+

@@ -1,0 +1,211 @@
+"""Nodes: gather the forces of the elements, meet the tools, advance by central differences (docs/theory.md, 6 and 7)."""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from .distance import tool_distance_function, tool_set_struct
+from .lanes import cross, div, dot, fill, lane_sum, lane_types, larger, load, mul, scale, spread, square_root, store, where_positive
+
+# Entries of the clock, always in double precision.
+CLOCK_TIME = wp.constant(0)
+CLOCK_STEP = wp.constant(1)
+CLOCK_MEAN_STEP = wp.constant(2)
+CLOCK_LENGTH = 3
+
+# Rows of the node report [J]: work done against friction so far (lost, or held in the friction springs); lost in damping.
+FRICTION_ROW = wp.constant(0)
+DAMPING_ROW = wp.constant(1)
+
+
+@cache
+def node_struct(real: type, lane_count: int):
+    """Constant node data; arrays are [block of lanes] or [row, block]."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Nodes:
+        corner_offset: wp.array2d(dtype=types.indices)  # slot rows: first entry of an adjacent corner in the flat corner array
+        corner_stride: wp.int32  # entries between two components
+        mass: wp.array(dtype=types.lanes)  # [kg]; 0 for padding
+        inverse_mass: wp.array(dtype=types.lanes)
+        inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
+        contact_stiffness: wp.array(dtype=types.lanes)  # [N/m]
+        freedom: wp.array(dtype=types.indices)  # bits 0-2: x, y, z may move; bits 3-5: director may turn about x, y, z
+
+    return Nodes
+
+
+@cache
+def motion_struct(real: type):
+    """Constants of the time integration and contact."""
+
+    @wp.struct
+    class MotionLaws:
+        gravity: wp.types.vector(3, real)  # [m/s^2]
+        damping: real  # mass-proportional [1/s]
+        director_damping: real  # [1/s]
+        half_thickness: real  # [m]
+        contact_damping_time: real  # normal dashpot = contact stiffness times this [s]
+        tangential_ratio: real  # friction spring over normal spring
+        tool_count: wp.int32
+
+    return MotionLaws
+
+
+@wp.func
+def gather_corners(corners: Any, offset: Any, stride: int, row: int, total: Any):
+    """Add the three components of one adjacent corner to ``total``."""
+    result = total
+    for i in range(len(offset)):
+        first = offset[i] + row * stride
+        result[0, i] += corners[first]
+        result[1, i] += corners[first + stride]
+        result[2, i] += corners[first + 2 * stride]
+    return result
+
+
+@wp.func
+def freedom_mask(freedom: Any, first_bit: int, like: Any):
+    """1 for a free component, 0 for a fixed one."""
+    result = type(like)()
+    for i in range(len(freedom)):
+        for c in range(3):
+            result[c, i] = like.dtype((freedom[i] >> (first_bit + c)) & 1)
+    return result
+
+
+@wp.func
+def normal_force(penetration: Any, approach: Any, stiffness: Any, damping_time: Any):
+    """Penalty force and its damped total, never pulling; ``approach`` > 0 where the sheet moves into the tool."""
+    zero = fill(penetration, 0.0)
+    spring = stiffness * larger(penetration, zero)
+    total = where_positive(penetration, larger(spring + damping_time * (stiffness * approach), zero), zero)
+    return spring, total
+
+
+@wp.func
+def friction_spring(trial: Any, stiffness: Any, limit: Any):
+    """Coulomb return mapping: the tangential spring, shortened until its force is within the limit."""
+    length = square_root(dot(trial, trial))
+    largest = where_positive(stiffness, limit / larger(stiffness, fill(stiffness, 1.0e-30)), fill(stiffness, 0.0))
+    ratio = where_positive(length - largest, largest / larger(length, fill(length, 1.0e-30)), fill(length, 1.0))
+    return scale(ratio, trial)
+
+
+@cache
+def node_motion_kernel(real: type, lane_count: int):
+    """Kernel of one launch per step: forces, contact, new velocities, positions and directors."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    Nodes, MotionLaws, Tools = node_struct(real, lane_count), motion_struct(real), tool_set_struct(real)
+    tool_distance = tool_distance_function(real, lane_count)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def node_motion(
+        # In
+        first_block: wp.int32,
+        nodes: Nodes,
+        laws: MotionLaws,
+        tools: Tools,
+        clock: wp.array(dtype=wp.float64),
+        corners: wp.array(dtype=real),
+        # Out
+        motion: wp.array2d(dtype=vec3),  # rows: position, velocity, director, angular velocity
+        friction: wp.array2d(dtype=vec3),  # tangential spring of each tool [m]
+        reaction: wp.array2d(dtype=vec3),  # [tool, block]: force of the sheet on the tool [N]
+        report: wp.array2d(dtype=lanes),
+    ):
+        block = first_block + wp.tid()
+        first = block * lane_count
+        step = real(clock[CLOCK_STEP])
+        mean_step = real(clock[CLOCK_MEAN_STEP])
+        x = load(motion[0], first, lanes3())
+        velocity = load(motion[1], first, lanes3())
+
+        force = lanes3()
+        couple = lanes3()
+        for slot in range(nodes.corner_offset.shape[0]):
+            offset = nodes.corner_offset[slot, block]
+            force = gather_corners(corners, offset, nodes.corner_stride, 0, force)
+            couple = gather_corners(corners, offset, nodes.corner_stride, 12, couple)
+
+        # forces that do not come from an energy, and the power that the moving tools take from them
+        friction_force = lanes3()
+        friction_power = lanes()
+        dashpot_force = lanes3()
+        dashpot_power = lanes()
+        stiffness = nodes.contact_stiffness[block]
+        for k in range(laws.tool_count):
+            tool = tools.tool[k]
+            distance, normal = tool_distance(tools.part, tool, real(tools.displacement[k]), x)
+            penetration = lanes(laws.half_thickness) - distance
+            relative = velocity
+            tool_velocity = real(tools.velocity[k]) * tool.axis
+            for c in range(3):
+                relative[c] = relative[c] - lanes(tool_velocity[c])
+            leaving = dot(relative, normal)
+            spring, pressure = normal_force(penetration, -leaving, stiffness, laws.contact_damping_time)
+            dashpot = scale(pressure - spring, normal)
+            # friction: the spring follows the tangent plane and the sliding since the last step
+            stretched = load(friction[k], first, lanes3()) + mean_step * relative
+            trial = stretched - scale(dot(stretched, normal), normal)
+            tangential = laws.tangential_ratio * stiffness
+            held = friction_spring(trial, tangential, tool.friction * pressure)
+            store(friction[k], first, held)
+            drag = -scale(tangential, held)
+            contact_force = scale(pressure, normal) + drag
+            force = force + contact_force
+            friction_force = friction_force + drag
+            dashpot_force = dashpot_force + dashpot
+            for c in range(3):
+                friction_power = friction_power + tool_velocity[c] * drag[c]
+                dashpot_power = dashpot_power + tool_velocity[c] * dashpot[c]
+            reaction[k, block] = vec3(
+                -lane_sum(contact_force[0]), -lane_sum(contact_force[1]), -lane_sum(contact_force[2])
+            )
+
+        # translation
+        acceleration = scale(nodes.inverse_mass[block], force)
+        for c in range(3):
+            acceleration[c] = acceleration[c] + lanes(laws.gravity[c])
+        freedom = nodes.freedom[block]
+        free = freedom_mask(freedom, 0, lanes3())
+        decay = real(0.5) * laws.damping * mean_step
+        change = (mean_step * acceleration - (real(2.0) * decay) * velocity) / (real(1.0) + decay)
+        new_velocity = velocity + wp.cw_mul(free, change)
+        middle = real(0.5) * (velocity + new_velocity)
+        friction_work = mean_step * (friction_power - dot(friction_force, middle))
+        moving = wp.cw_mul(free, middle)
+        damping_loss = mean_step * (
+            dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
+        )
+        store(motion[1], first, new_velocity)
+        store(motion[0], first, x + step * new_velocity)
+
+        # rotation of the director: I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps its length
+        director = load(motion[2], first, lanes3())
+        spin = load(motion[3], first, lanes3())
+        turning = wp.cw_mul(
+            freedom_mask(freedom, 3, lanes3()), scale(nodes.inverse_inertia[block], cross(director, couple))
+        )
+        spin_decay = real(0.5) * laws.director_damping * mean_step
+        new_spin = (mean_step * turning + (real(1.0) - spin_decay) * spin) / (real(1.0) + spin_decay)
+        spin_middle = spin + new_spin
+        inverse_inertia = nodes.inverse_inertia[block]
+        inertia = where_positive(inverse_inertia, fill(inverse_inertia, 1.0) / inverse_inertia, lanes())
+        damping_loss = damping_loss + (real(0.5) * spin_decay) * inertia * dot(spin_middle, spin_middle)
+        turn = step * new_spin
+        quarter = real(0.25) * dot(turn, turn)
+        one = fill(quarter, 1.0)
+        new_director = scale(
+            one / (one + quarter), scale(one - quarter, director) + cross(turn, director)
+        )
+        store(motion[3], first, new_spin)
+        store(motion[2], first, new_director)
+
+        report[FRICTION_ROW, block] = report[FRICTION_ROW, block] + friction_work
+        report[DAMPING_ROW, block] = report[DAMPING_ROW, block] + damping_loss
+
+    return node_motion

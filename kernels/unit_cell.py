@@ -1,0 +1,213 @@
+"""The plain-weave unit cell: warp beam, weft beam and contact element (docs/theory.md, section 2).
+
+Energy of the half cell, per yarn k (1 = warp, 2 = weft), with chord X_k = L_k + u_k, H_k = h_k + w_k:
+
+    Pi = sum_k [ 1/2 (EA_k/l0_k) (l_k - l0_k)^2 + 1/2 (3 EI_k/l0_k) phi_k^2 ] + 1/2 k_c (w_1 + w_2)^2
+
+u_k is prescribed by the shell (yarn stretch), w_k is found by a safeguarded Newton iteration on dPi/dw = 0, whose
+matrix is the Hessian of Pi, that is K = K_E + K_G, equation (2) of the paper after the prescribed rows of equation (3)
+are taken out. In compression the yarn is a buckled bundle: its axial stiffness is ``compressive_stiffness``.
+"""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from .lanes import angle_of, div, fill, lane_maximum, larger, magnitude, mul, smaller, spread, square_root, where_positive
+
+MAXIMUM_ITERATIONS = 40
+
+
+@cache
+def unit_cell_struct(real: type):
+    """Parameters of a plain-weave cell in one precision, as a Warp struct."""
+
+    @wp.struct
+    class PlainWeave:
+        half_spacing: wp.types.vector(2, real)  # L_1, L_2 [m]
+        crimp_height: wp.types.vector(2, real)  # h_1, h_2 [m]
+        chord_length: wp.types.vector(2, real)  # l0_1, l0_2 [m]
+        tensile_stiffness: wp.types.vector(2, real)  # EA / l0 in tension [N/m]
+        compressive_stiffness: wp.types.vector(2, real)  # EA_c / l0 in compression [N/m]
+        rotation_stiffness: wp.types.vector(2, real)  # 3 EI / l0 [N m]
+        contact_stiffness: real  # E_3 A_3 / L_3 of the half cell [N/m]
+        unilateral: wp.int32  # 1: the yarns may separate
+        tolerance: real  # residual relative to the forces that it balances
+        resolution: real  # share of the cancelling parts of the elongation that counts as size of the residual
+        force_floor: real  # smallest force that the residual is compared with [N]
+
+    return PlainWeave
+
+
+@wp.func
+def yarn_strain(cell: Any, k: int, u: Any, w: Any):
+    """Elongation l - l0 and rotation phi of the chord of yarn k, the chord (X, H, 1/l), and the elongation's two parts' size.
+
+    Both are written so that nothing cancels: l - l0 = (l^2 - l0^2)/(l + l0), and sin(phi) l l0 = L w - h u.
+    """
+    half_spacing = cell.half_spacing[k]
+    crimp_height = cell.crimp_height[k]
+    chord_length = cell.chord_length[k]
+    x = spread(u, half_spacing) + u
+    h = spread(u, crimp_height) + w
+    length = square_root(x * x + h * h)
+    along = u * (u.dtype(2.0) * spread(u, half_spacing) + u)
+    across = w * (u.dtype(2.0) * spread(u, crimp_height) + w)
+    inverse_sum = fill(u, 1.0) / (length + spread(u, chord_length))
+    elongation = (along + across) * inverse_sum
+    parts = (magnitude(along) + magnitude(across)) * inverse_sum
+    rotation = angle_of(half_spacing * w - crimp_height * u, half_spacing * x + crimp_height * h, chord_length * length)
+    return elongation, rotation, x, h, fill(u, 1.0) / length, parts
+
+
+@wp.func
+def yarn_axial_stiffness(cell: Any, k: int, elongation: Any):
+    return where_positive(
+        elongation, spread(elongation, cell.tensile_stiffness[k]), spread(elongation, cell.compressive_stiffness[k])
+    )
+
+
+@wp.func
+def yarn_forces(cell: Any, k: int, u: Any, w: Any):
+    """(dPi/du, dPi/dw, d2Pi/dw2, its positive part, size of the terms of dPi/dw) of yarn k alone."""
+    elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
+    stiffness = yarn_axial_stiffness(cell, k, elongation)
+    axial = stiffness * elongation
+    moment = cell.rotation_stiffness[k] * rotation
+    cosine = x * inverse_length
+    sine = h * inverse_length
+    shear = moment * inverse_length
+    by_u = axial * cosine - shear * sine
+    by_w = axial * sine + shear * cosine
+    # d2Pi/dw2: elastic part K_E, geometric part K_G
+    elastic = stiffness * sine * sine + cell.rotation_stiffness[k] * (cosine * inverse_length) * (cosine * inverse_length)
+    geometric = (axial * cosine - u.dtype(2.0) * shear * sine) * cosine * inverse_length
+    # what the residual is compared with: the terms themselves, and what rounding leaves of the elongation
+    size = magnitude(axial * sine) + magnitude(shear * cosine) + cell.resolution * stiffness * parts * magnitude(sine)
+    return by_u, by_w, elastic + geometric, elastic, size
+
+
+@wp.func
+def contact_active(cell: Any, closing: Any):
+    """1 where the contact element carries force: everywhere if bilateral, where yarns are pressed if unilateral."""
+    active = fill(closing, 1.0)
+    if cell.unilateral == 1:
+        active = where_positive(closing, active, fill(closing, 0.0))
+    return active
+
+
+@wp.func
+def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
+    """Height changes (w1, w2) that make Pi stationary, by Newton's method from (start1, start2).
+
+    Safeguards, all per lane: where the Hessian is not positive definite its geometric part is left out; a step is at
+    most a quarter of the chord; a step that overshoots (the directional derivative changes sign and keeps more than half
+    its size) is taken back in part, by a Newton step along it, so that the point stays between two known slopes.
+
+    Returns w1, w2, F1 = dPi/du1, F2, crossover force of the half cell, relative residual, iterations.
+    """
+    w1 = start1
+    w2 = start2
+    zero = fill(u1, 0.0)
+    one = fill(u1, 1.0)
+    step1 = zero
+    step2 = zero
+    slope = zero  # directional derivative at the start of the step, <= 0
+    force1 = zero
+    force2 = zero
+    crossover = zero
+    residual = one
+    iterations = zero
+    limit1 = spread(u1, u1.dtype(0.25) * cell.chord_length[0])
+    limit2 = spread(u1, u1.dtype(0.25) * cell.chord_length[1])
+    tolerance = spread(u1, cell.tolerance)
+    for iteration in range(MAXIMUM_ITERATIONS + 1):
+        by_u1, by_w1, hessian1, elastic1, size1 = yarn_forces(cell, 0, u1, w1)
+        by_u2, by_w2, hessian2, elastic2, size2 = yarn_forces(cell, 1, u2, w2)
+        stiffness = cell.contact_stiffness * contact_active(cell, -(w1 + w2))
+        crossover = -(stiffness * (w1 + w2))
+        gradient1 = by_w1 - crossover
+        gradient2 = by_w2 - crossover
+        size = larger(size1, size2) + magnitude(crossover) + spread(u1, cell.force_floor)
+        size = size + cell.resolution * stiffness * (magnitude(w1) + magnitude(w2))
+        residual = larger(magnitude(gradient1), magnitude(gradient2)) / size
+        force1 = by_u1
+        force2 = by_u2
+        unfinished = where_positive(residual - tolerance, one, zero)
+        # a NaN residual compares false above, and is caught by the caller; it must not stall the other lanes
+        if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
+            break
+        iterations = iterations + unfinished
+        # Newton step with a positive definite matrix
+        # (h1 + k)(h2 + k) - k^2, written so that a stiff contact does not cancel it
+        determinant = hessian1 * hessian2 + stiffness * (hessian1 + hessian2)
+        definite = smaller(determinant, hessian1 + stiffness)
+        own1 = where_positive(definite, hessian1, elastic1)
+        own2 = where_positive(definite, hessian2, elastic2)
+        diagonal1 = own1 + stiffness
+        diagonal2 = own2 + stiffness
+        determinant = own1 * own2 + stiffness * (own1 + own2)
+        newton1 = (stiffness * gradient2 - diagonal2 * gradient1) / determinant
+        newton2 = (stiffness * gradient1 - diagonal1 * gradient2) / determinant
+        shrink = smaller(
+            one, smaller(limit1 / (magnitude(newton1) + u1.dtype(1.0e-3) * limit1), limit2 / (magnitude(newton2) + u1.dtype(1.0e-3) * limit2))
+        )
+        newton1 = shrink * newton1
+        newton2 = shrink * newton2
+        # overshoot of the previous step: a Newton step back along it, with the stiffness met here
+        rise = gradient1 * step1 + gradient2 * step2
+        overshoot = rise + u1.dtype(0.5) * slope
+        curvature = diagonal1 * step1 * step1 + diagonal2 * step2 * step2 + u1.dtype(2.0) * stiffness * step1 * step2
+        back = smaller(larger(rise / larger(curvature, fill(u1, 1.0e-37)), fill(u1, 0.0625)), fill(u1, 0.9375))
+        slope = where_positive(overshoot, (one - back) * slope, gradient1 * newton1 + gradient2 * newton2)
+        w1 = w1 + unfinished * where_positive(overshoot, -(back * step1), newton1)
+        w2 = w2 + unfinished * where_positive(overshoot, -(back * step2), newton2)
+        step1 = where_positive(overshoot, (one - back) * step1, newton1)
+        step2 = where_positive(overshoot, (one - back) * step2, newton2)
+    return w1, w2, force1, force2, crossover, residual, iterations
+
+
+@wp.func
+def unit_cell_energies(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any):
+    """Energy of the half cell [J]: axial of warp, axial of weft, bending of both yarns, contact."""
+    half = u1.dtype(0.5)
+    elongation1, rotation1, x1, h1, inverse_length1, parts1 = yarn_strain(cell, 0, u1, w1)
+    elongation2, rotation2, x2, h2, inverse_length2, parts2 = yarn_strain(cell, 1, u2, w2)
+    warp = half * yarn_axial_stiffness(cell, 0, elongation1) * elongation1 * elongation1
+    weft = half * yarn_axial_stiffness(cell, 1, elongation2) * elongation2 * elongation2
+    bending = half * (
+        cell.rotation_stiffness[0] * rotation1 * rotation1 + cell.rotation_stiffness[1] * rotation2 * rotation2
+    )
+    contact = half * cell.contact_stiffness * contact_active(cell, -(w1 + w2)) * (w1 + w2) * (w1 + w2)
+    return warp, weft, bending, contact
+
+
+@wp.func
+def yarn_hessian(cell: Any, k: int, u: Any, w: Any):
+    """Second derivatives (uu, uw, ww) of yarn k's energy."""
+    elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
+    stiffness = yarn_axial_stiffness(cell, k, elongation)
+    axial = stiffness * elongation * inverse_length
+    bending = cell.rotation_stiffness[k] * inverse_length * inverse_length
+    moment = cell.rotation_stiffness[k] * rotation * inverse_length * inverse_length
+    c = x * inverse_length
+    s = h * inverse_length
+    twice = u.dtype(2.0) * moment * c * s
+    uu = stiffness * c * c + axial * s * s + bending * s * s + twice
+    uw = (stiffness - axial - bending) * c * s - moment * (c * c - s * s)
+    ww = stiffness * s * s + axial * c * c + bending * c * c - twice
+    return uu, uw, ww
+
+
+@wp.func
+def condensed_tangent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any):
+    """(K11, K12, K22) [N/m]: derivative of (F1, F2) by (u1, u2) with w in equilibrium, H_uu - H_uw H_ww^-1 H_wu."""
+    uu1, uw1, ww1 = yarn_hessian(cell, 0, u1, w1)
+    uu2, uw2, ww2 = yarn_hessian(cell, 1, u2, w2)
+    stiffness = cell.contact_stiffness * contact_active(cell, -(w1 + w2))
+    determinant = ww1 * ww2 + stiffness * (ww1 + ww2)
+    k11 = uu1 - uw1 * uw1 * (ww2 + stiffness) / determinant
+    k22 = uu2 - uw2 * uw2 * (ww1 + stiffness) / determinant
+    k12 = uw1 * uw2 * stiffness / determinant
+    return k11, k12, k22

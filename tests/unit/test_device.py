@@ -1,0 +1,136 @@
+"""Devices, threads, and a kernel cache of each processor's own."""
+
+import logging
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import warp as wp
+
+from weavesim import device as device_module
+from weavesim.device import (
+    LARGEST_THREAD_COUNT,
+    available_threads,
+    cpu_features,
+    default_thread_count,
+    initialise,
+    kernel_cache_folder,
+    kernels_are_compiled,
+    resolve_device,
+    resolve_precision,
+    resolve_thread_count,
+)
+from weavesim.errors import InputError
+
+
+@pytest.fixture
+def features(monkeypatch):
+    """Sets what the processor is said to be able to do."""
+
+    def set_features(text: str) -> None:
+        monkeypatch.setattr(device_module, "cpu_features", lambda: text)
+
+    return set_features
+
+
+def test_precision_has_matching_types(precision):
+    array = wp.zeros(1, dtype=precision.real, device="cpu")
+    assert array.numpy().dtype == precision.numpy == np.dtype(str(precision))
+
+
+def test_unknown_precision_is_refused():
+    with pytest.raises(InputError, match="float16.*choose float32 or float64"):
+        resolve_precision("float16")
+
+
+def test_device_is_found(device):
+    assert resolve_device(device).alias == device
+
+
+@pytest.mark.parametrize("name", ["cuda:99", "gpu", ""])
+def test_unknown_device_is_refused_with_those_there_are(name):
+    with pytest.raises(InputError, match="choose one of cpu"):
+        resolve_device(name)
+
+
+def test_cpu_features_are_known_and_stable():
+    assert cpu_features() and cpu_features() == cpu_features()
+
+
+def test_cache_folder_differs_by_cpu_features(features, monkeypatch, tmp_path):
+    monkeypatch.delenv("WARP_CACHE_PATH", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    features("avx avx2")
+    older = kernel_cache_folder()
+    features("avx avx2 avx512f")
+    newer = kernel_cache_folder()
+    assert older != newer and older.parent == newer.parent
+    features("avx avx2")
+    assert kernel_cache_folder() == older
+
+
+def test_cache_path_of_the_environment_is_kept_apart_too(features, monkeypatch, tmp_path):
+    monkeypatch.setenv("WARP_CACHE_PATH", str(tmp_path))
+    features("avx")
+    folder = kernel_cache_folder()
+    features("neon")
+    assert folder.parent == tmp_path and kernel_cache_folder() not in (folder, tmp_path)
+
+
+def test_compiled_kernels_are_noticed(monkeypatch, tmp_path):
+    monkeypatch.setenv("WARP_CACHE_PATH", str(tmp_path))
+    assert not kernels_are_compiled()
+    (kernel_cache_folder() / wp.config.version / "wp_element_force_1234567").mkdir(parents=True)
+    assert kernels_are_compiled()
+
+
+def test_initialise_twice_is_once():
+    initialise()
+    folder = wp.config.kernel_cache_dir
+    initialise()
+    assert wp.config.kernel_cache_dir == folder
+
+
+def initialise_elsewhere(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Start Warp in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, **environment}, capture_output=True, text=True
+    )
+
+
+def test_cache_folder_set_by_the_user_is_left(tmp_path):
+    code = (
+        f"import warp as wp; wp.config.kernel_cache_dir = {str(tmp_path)!r};"
+        "from weavesim.device import initialise; initialise(); print(wp.config.kernel_cache_dir)"
+    )
+    assert initialise_elsewhere(code).stdout.startswith(str(tmp_path))
+
+
+def test_cache_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    code = "from weavesim.device import initialise; initialise()"
+    done = initialise_elsewhere(code, WARP_CACHE_PATH=str(tmp_path / "file"))
+    assert done.returncode == 1
+    assert "InputError" in done.stderr and "WARP_CACHE_PATH" in done.stderr
+
+
+def test_small_sheets_take_one_thread():
+    assert default_thread_count(1) == 1
+    assert default_thread_count(10**6) == available_threads() == resolve_thread_count(None, 10**6)
+
+
+@pytest.mark.parametrize("threads", [0, -1, LARGEST_THREAD_COUNT + 1])
+def test_impossible_thread_count_is_refused(threads):
+    with pytest.raises(InputError, match=f"{threads} threads .*choose 1 to {LARGEST_THREAD_COUNT}"):
+        resolve_thread_count(threads, 1000)
+
+
+def test_more_threads_than_cores_are_warned_about(caplog, monkeypatch):
+    monkeypatch.setattr(device_module, "available_threads", lambda: 2)
+    with caplog.at_level(logging.WARNING, "weavesim"):
+        assert resolve_thread_count(2, 1000) == 2
+        assert not caplog.messages
+        assert resolve_thread_count(3, 1000) == 3
+    assert "3 threads share 2 cores" in caplog.messages[0]

@@ -1,0 +1,5 @@
+"""``python -m weavesim``."""
+
+from .command_line import main
+
+main()

@@ -1,0 +1,183 @@
+"""Where a run computes: precision, device, threads, and Warp's settings for all of them.
+
+Warp is imported inside the functions, so that the command line can offer these choices without loading it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import platform
+import sys
+from enum import StrEnum
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import InputError
+
+if TYPE_CHECKING:
+    import warp as wp
+
+# Inlining and full-width vectors make the lanes of kernels/ into SIMD code; see docs/performance.md.
+CPU_COMPILER_FLAGS = "-march=native -mllvm=-inline-threshold=9000"
+X86_COMPILER_FLAGS = "-mprefer-vector-width=512"
+
+SMALLEST_ELEMENT_COUNT_FOR_THREADS = 2000
+LARGEST_THREAD_COUNT = 256
+
+logger = logging.getLogger(__name__)
+
+
+class Precision(StrEnum):
+    """Scalar type of all state and all kernels."""
+
+    SINGLE = "float32"
+    DOUBLE = "float64"
+
+    @property
+    def real(self) -> type:
+        """Warp's scalar type."""
+        import warp as wp
+
+        return wp.float32 if self is Precision.SINGLE else wp.float64
+
+    @property
+    def numpy(self) -> np.dtype[Any]:
+        """NumPy's scalar type."""
+        return np.dtype(self.value)
+
+
+def resolve_precision(name: str | Precision) -> Precision:
+    """The precision called ``name``.
+
+    Raises:
+        InputError: for any other name than "float32" and "float64".
+    """
+    try:
+        return Precision(name)
+    except ValueError:
+        raise InputError(f"Precision {name!r} is unknown: choose float32 or float64.") from None
+
+
+@cache
+def cpu_features() -> str:
+    """What this machine's processor can do, as its operating system says it; part of the kernel cache's name."""
+    try:
+        # Linux: x86 has "flags", ARM has "Features"; every core repeats them.
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith(("flags", "Features")):
+                return " ".join(sorted(line.partition(":")[2].split()))
+    except OSError:
+        pass
+    return platform.processor()
+
+
+def user_cache_folder() -> Path:
+    """The folder in which this system's programs keep what they can make again."""
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+
+
+def kernel_cache_folder() -> Path:
+    """Where compiled kernels are kept: one folder per kind of processor.
+
+    Kernels are compiled for the processor at hand, so code from one machine may not run on another that shares the
+    home folder. The environment variable ``WARP_CACHE_PATH`` moves the whole cache.
+    """
+    base = os.environ.get("WARP_CACHE_PATH")
+    identity = "\n".join((sys.platform, platform.machine(), cpu_features()))
+    key = hashlib.sha256(identity.encode()).hexdigest()[:12]
+    return (Path(base) if base else user_cache_folder() / "weavesim") / key
+
+
+def kernels_are_compiled() -> bool:
+    """Whether an earlier run left kernels of this processor; without them a run first compiles for about a minute."""
+    return next(kernel_cache_folder().glob("*/wp_*"), None) is not None
+
+
+@cache
+def initialise() -> None:
+    """Set Warp up once: quiet, flags for the CPU's vector units, a kernel cache of this processor's own.
+
+    A folder given in ``warp.config.kernel_cache_dir`` beforehand, or a Warp already in use, is left as it is.
+
+    Raises:
+        InputError: if the kernel cache cannot be written.
+    """
+    import warp as wp
+
+    wp.config.log_level = wp.LOG_WARNING
+    x86 = platform.machine().lower() in ("x86_64", "amd64")
+    wp.config.cpu_compiler_flags = f"{CPU_COMPILER_FLAGS} {X86_COMPILER_FLAGS}" if x86 else CPU_COMPILER_FLAGS
+    folder = wp.config.kernel_cache_dir
+    if folder is None:
+        folder = wp.config.kernel_cache_dir = str(kernel_cache_folder())
+    try:
+        wp.init()
+    except OSError as error:
+        raise InputError(
+            f"Compiled kernels cannot be kept in {folder}: {error.strerror or error}. "
+            "Make that folder writable or name another in the environment variable WARP_CACHE_PATH."
+        ) from error
+
+
+def device_names() -> list[str]:
+    """Names of the devices of this machine: "cpu", then "cuda:0", "cuda:1", ..."""
+    import warp as wp
+
+    initialise()
+    return [device.alias for device in wp.get_devices()]
+
+
+def resolve_device(name: str) -> wp.Device:
+    """The Warp device called ``name``: "cpu", "cuda:0", ..., or "cuda" for the first one.
+
+    Raises:
+        InputError: if this machine has no such device.
+    """
+    import warp as wp
+
+    names = device_names()
+    wanted = "cuda:0" if name == "cuda" else name
+    if wanted not in names:
+        why = "" if wp.is_cuda_available() or not wanted.startswith("cuda") else " Warp found no usable CUDA driver."
+        raise InputError(f"Device {name!r} is not on this machine: choose one of {', '.join(names)}.{why}")
+    return wp.get_device(wanted)
+
+
+def available_threads() -> int:
+    """Number of CPU cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def default_thread_count(element_count: int) -> int:
+    """Threads for a sheet of ``element_count`` elements: one while a step is shorter than handing out its parts."""
+    return 1 if element_count < SMALLEST_ELEMENT_COUNT_FOR_THREADS else available_threads()
+
+
+def resolve_thread_count(threads: int | None, element_count: int) -> int:
+    """``threads`` if it is given and possible, else a default for ``element_count`` elements.
+
+    Raises:
+        InputError: if ``threads`` is not between 1 and ``LARGEST_THREAD_COUNT``.
+    """
+    if threads is None:
+        return default_thread_count(element_count)
+    available = available_threads()
+    if not 1 <= threads <= LARGEST_THREAD_COUNT:
+        raise InputError(
+            f"{threads} threads were asked for: choose 1 to {LARGEST_THREAD_COUNT}, best no more than the {available} "
+            "cores that this process may use."
+        )
+    if threads > available:
+        logger.warning("%d threads share %d cores: the result is the same, only later.", threads, available)
+    return threads

@@ -1,0 +1,157 @@
+"""The energy ledger and the fields of a frame, taken from the state without changing it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from .kernels.distance import sample_distance_kernel
+from .kernels.element import CELL_REPORT_ROWS
+from .kernels.ledger import ELEMENT_ENERGIES, ELEMENT_FIELDS, element_ledger_kernel
+from .model import TANGENTIAL_RATIO, lanes_view
+from .motion import Driven
+from .recording import Frame
+from .stepper import Stepper
+from .tool import Tool
+
+# Elastic energies of the sheet; their sum is the internal energy.
+INTERNAL = (
+    "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "shear", "bending", "transverse_shear", "hourglass",
+)  # fmt: skip
+STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
+LOST = ("friction_loss", "damping_loss", "snap_loss")
+SUPPLIED = ("tool_work", "driving_force_work", "gravity_work", "initial_kinetic")
+
+
+@dataclass(frozen=True)
+class Penetration:
+    """Deepest overlap of the sheet's faces with any tool [m]; negative where nothing touches."""
+
+    at_nodes: float
+    at_element_centres: float
+
+
+class Ledger:
+    """Takes frames of a run.
+
+    Args:
+        stepper: its state is read.
+        tools: in the order of the device tools.
+        leading_tool: whose displacement is the stroke.
+    """
+
+    def __init__(self, stepper: Stepper, tools: tuple[Tool, ...], leading_tool: int) -> None:
+        self._stepper, self._tools, self._leading_tool = stepper, tools, leading_tool
+        model = stepper.model
+        self._kernel = element_ledger_kernel(model.real)
+        self._distance_kernel = sample_distance_kernel(model.real, 1)
+        shape = model.element_count
+        self._energies = wp.zeros((len(ELEMENT_ENERGIES), shape), dtype=model.real, device=model.device)
+        self._fields = wp.zeros((len(ELEMENT_FIELDS), shape), dtype=model.real, device=model.device)
+        self._driven = np.array([isinstance(tool.motion, Driven) for tool in tools], dtype=bool)
+        self._tool_mass = np.array([tool.motion.mass if isinstance(tool.motion, Driven) else 0.0 for tool in tools])
+        self._initial_kinetic = self._kinetic(*self._velocities())
+
+    def frame(self, index: int) -> Frame:
+        """The present state; waits for the device."""
+        stepper, model, state = self._stepper, self._stepper.model, self._stepper.state
+        stepper.evaluate()
+        wp.launch(
+            self._kernel,
+            dim=model.element_count,
+            inputs=[
+                model.elements_single, model.cell, model.laws, state.motion[0], state.motion[2],
+                lanes_view(state.crimp_change, 1), lanes_view(state.cell_report, 1),
+            ],
+            outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
+            device=model.device,
+        )  # fmt: skip
+        count = model.blank.element_count
+        fields = dict(zip(ELEMENT_FIELDS, self._fields.numpy()[:, :count].astype(np.float64), strict=True))
+        report = dict(zip(CELL_REPORT_ROWS, state.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
+        fields["unit_cell_residual"] = report["worst_residual"]
+        fields["unit_cell_iterations"] = report["iterations"]
+        position, velocity, director, spin = state.motion.numpy()[:, : model.blank.node_count].astype(np.float64)
+        displacement = stepper.tools.displacement.numpy().copy()
+        return Frame(
+            index=index,
+            step_count=stepper.step_count,
+            time=state.time,
+            stroke=float(displacement[self._leading_tool]) if len(displacement) else 0.0,
+            position=position,
+            director=director,
+            fields=fields,
+            tool_displacement=displacement,
+            tool_reaction=stepper.tools.total_reaction.numpy().copy(),
+            energies=self._balance(position, velocity, spin),
+        )
+
+    def _velocities(self) -> tuple[np.ndarray, np.ndarray]:
+        motion = self._stepper.state.motion.numpy()[:, : self._stepper.model.blank.node_count].astype(np.float64)
+        return motion[1], motion[3]
+
+    def _kinetic(self, velocity: np.ndarray, spin: np.ndarray) -> float:
+        model = self._stepper.model
+        return 0.5 * float(model.node_mass @ np.square(velocity).sum(1) + model.node_inertia @ np.square(spin).sum(1))
+
+    def _balance(self, position: np.ndarray, velocity: np.ndarray, spin: np.ndarray) -> dict[str, float]:
+        """Every entry of the ledger [J], the supplied and used sums, and their difference."""
+        stepper, model, state = self._stepper, self._stepper.model, self._stepper.state
+        element = self._energies.numpy()[:, : model.blank.element_count].astype(np.float64).sum(axis=1)
+        entries = dict(zip(ELEMENT_ENERGIES, element.tolist(), strict=True))
+        entries["snap_loss"] = entries.pop("snap")
+        entries["internal"] = sum(entries[name] for name in INTERNAL)
+        entries["kinetic"] = self._kinetic(velocity, spin)
+        tool_velocity, work = stepper.tools.velocity.numpy(), stepper.tools.work.numpy()
+        entries["tool_kinetic"] = 0.5 * float(self._tool_mass @ np.square(tool_velocity))
+        penetration = np.maximum(self._penetration(position), 0.0)
+        entries["contact"] = 0.5 * float((model.contact_stiffness * np.square(penetration)).sum())
+        friction = state.friction.numpy()[: len(self._tools), : model.blank.node_count].astype(np.float64)
+        entries["friction_spring"] = (
+            0.5 * TANGENTIAL_RATIO * float((model.contact_stiffness * np.square(friction).sum(axis=2)).sum())
+        )
+        losses = state.node_report.numpy().astype(np.float64).sum(axis=1)
+        entries["friction_loss"] = float(losses[0]) - entries["friction_spring"]
+        entries["damping_loss"] = float(losses[1])
+        entries["tool_work"] = float(work[0][~self._driven].sum())
+        entries["driving_force_work"] = float(work[1][self._driven].sum())
+        displacement = position - model.blank.node_position
+        entries["gravity_work"] = float(model.node_mass @ (displacement @ np.array(model.motion.gravity)))
+        entries["initial_kinetic"] = self._initial_kinetic
+        entries["supplied"] = sum(entries[name] for name in SUPPLIED)
+        entries["used"] = sum(entries[name] for name in STORED + LOST)
+        entries["balance_error"] = entries["supplied"] - entries["used"]
+        return entries
+
+    def _penetration(self, points: np.ndarray) -> np.ndarray:
+        """Half the thickness minus the distance to each tool, (tool_count, point_count) [m]."""
+        model, tools = self._stepper.model, self._stepper.tools
+        device = model.device
+        result = np.full((len(self._tools), len(points)), -np.inf)
+        if not len(self._tools):
+            return result
+        points = wp.array(points, dtype=model.types.vec3, device=device)
+        distance = wp.zeros(points.shape[0], dtype=model.real, device=device)
+        normal = wp.zeros(points.shape[0], dtype=model.types.vec3, device=device)
+        for k, displacement in enumerate(tools.displacement.numpy()):
+            wp.launch(
+                self._distance_kernel,
+                dim=points.shape[0],
+                inputs=[tools.tool, tools.part, k, model.real(displacement), points],
+                outputs=[distance, normal],
+                device=device,
+            )
+            result[k] = 0.5 * model.fabric.thickness - distance.numpy().astype(np.float64)
+        return result
+
+    def penetration(self, frame: Frame) -> Penetration:
+        """Deepest penetration of a frame just taken."""
+        centres = frame.position[self._stepper.model.blank.quads].mean(axis=1)
+        if not self._tools:
+            return Penetration(-np.inf, -np.inf)
+        return Penetration(
+            at_nodes=float(self._penetration(frame.position).max()),
+            at_element_centres=float(self._penetration(centres).max()),
+        )

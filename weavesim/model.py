@@ -1,0 +1,419 @@
+"""All that is constant in a run: mesh constants, laws, masses, constraints, in the layout of the kernels."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from .blank import Blank
+from .device import Precision
+from .errors import InputError
+from .fabric import SHEAR_KNOT_COUNT, Fabric, IsotropicBending, LinearShear, UnitCell
+from .kernels.element import element_struct
+from .kernels.lanes import lane_types
+from .kernels.node import motion_struct, node_struct
+from .kernels.sheet import BENDING_ISOTROPIC, BENDING_YARNS, SHEAR_CURVE, SHEAR_LINEAR, sheet_struct
+from .kernels.unit_cell import unit_cell_struct
+
+# Arrays are padded to whole blocks of the widest lanes, whatever lanes the kernels use.
+BLOCK = 16
+# The rotary inertia is scaled up until bending and transverse shear take at most this share of the membrane's omega^2.
+ROTARY_SHARE = 0.1
+# Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
+CONTACT_SHARE = 0.05
+TANGENTIAL_RATIO = 0.5
+# Relative residual that the unit cell's Newton iteration reaches in each precision.
+UNIT_CELL_TOLERANCE = {"float32": 2.0e-5, "float64": 1.0e-11}
+
+
+def padded(count: int, spare: int) -> int:
+    """``count`` plus at least ``spare``, rounded up to whole blocks."""
+    return -(-(count + spare) // BLOCK) * BLOCK
+
+
+def lanes_view(array: wp.array, lane_count: int) -> wp.array:
+    """A scalar array whose last axis is padded, seen as an array of lane vectors on the same memory."""
+    lanes = wp.types.vector(lane_count, array.dtype)
+    shape = (*array.shape[:-1], array.shape[-1] // lane_count)
+    view = wp.array(ptr=array.ptr, dtype=lanes, shape=shape, device=array.device, capacity=array.capacity)
+    view._owner = array
+    return view
+
+
+@dataclass(frozen=True)
+class ElementGeometry:
+    """Shape functions of every element from its initial geometry; arrays over elements, SI units."""
+
+    gradient: np.ndarray  # (4, m): b_p1, b_p2, b_q1, b_q2
+    hourglass_offset: np.ndarray  # (2, m)
+    area: np.ndarray  # (m,)
+    curvature: np.ndarray  # (3, m) initial
+    transverse_shear: np.ndarray  # (2, m) initial
+    hourglass: np.ndarray  # (3, m) initial
+
+    @classmethod
+    def of(cls, blank: Blank) -> ElementGeometry:
+        x = blank.node_position[blank.quads]
+        d = blank.initial_director[blank.quads]
+        frame = np.stack([blank.warp_direction, blank.weft_direction], axis=1)
+        diagonals = np.stack([x[:, 0] - x[:, 2], x[:, 1] - x[:, 3]], axis=1)
+        flat = np.einsum("eik,ejk->eij", diagonals, frame)  # rows p, q; columns warp, weft
+        area = 0.5 * (flat[:, 0, 0] * flat[:, 1, 1] - flat[:, 0, 1] * flat[:, 1, 0])
+        inverse = np.linalg.inv(flat)  # [[b_p1, b_q1], [b_p2, b_q2]]
+        b_p, b_q = inverse[:, :, 0], inverse[:, :, 1]
+        sign = np.array([1.0, -1.0, 1.0, -1.0])
+        odd = np.einsum("i,eik,ejk->ej", sign, x, frame)
+        c_p, c_q = np.einsum("ej,ej->e", b_p, odd), np.einsum("ej,ej->e", b_q, odd)
+
+        def vectors(v):
+            p, q = v[:, 0] - v[:, 2], v[:, 1] - v[:, 3]
+            along = b_p[:, :, None] * p[:, None] + b_q[:, :, None] * q[:, None]
+            hourglass = np.einsum("i,eik->ek", sign, v) - c_p[:, None] * p - c_q[:, None] * q
+            return along, v.mean(axis=1), hourglass
+
+        a, _, x_hourglass = vectors(x)
+        d_along, mean_director, d_hourglass = vectors(d)
+        k = np.einsum("eik,ejk->eij", a, d_along)
+        return cls(
+            gradient=np.stack([b_p[:, 0], b_p[:, 1], b_q[:, 0], b_q[:, 1]]),
+            hourglass_offset=np.stack([c_p, c_q]),
+            area=area,
+            curvature=np.stack([k[:, 0, 0], 0.5 * (k[:, 0, 1] + k[:, 1, 0]), k[:, 1, 1]]),
+            transverse_shear=np.einsum("eik,ek->ie", a, mean_director),
+            hourglass=np.stack([
+                0.25 * np.einsum("ek,ek->e", x_hourglass, mean_director),
+                *np.einsum("eik,ek->ie", a, d_hourglass),
+            ]),
+        )  # fmt: skip
+
+    @property
+    def flat(self) -> bool:
+        """True where every initial strain is zero to round-off."""
+        length = math.sqrt(self.area.max())
+        return bool(
+            np.abs(self.curvature).max() * length < 1e-12
+            and np.abs(self.transverse_shear).max() < 1e-12
+            and np.abs(self.hourglass).max() < 1e-12 * max(length, 1.0)
+        )
+
+    @property
+    def squared_gradients(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sum over the corners of N_,1^2 and N_,2^2 [1/m^2]."""
+        b = self.gradient
+        return 2.0 * (b[0] ** 2 + b[2] ** 2), 2.0 * (b[1] ** 2 + b[3] ** 2)
+
+    @property
+    def squared_hourglass(self) -> np.ndarray:
+        """Sum over the corners of the squared hourglass vector."""
+        return 4.0 + 2.0 * np.square(self.hourglass_offset).sum(axis=0)
+
+
+@dataclass(frozen=True)
+class Frequencies:
+    """Parts of each element's highest squared frequency that the state does not change [1/s^2], for stable steps."""
+
+    straight: np.ndarray  # membrane with straight yarns: a safe bound of any crimped state
+    constant: np.ndarray  # bending, transverse shear, stabilisation
+    rotary_radius_squared: np.ndarray  # scaled rotary inertia per mass [m^2]
+
+    @classmethod
+    def of(cls, fabric: Fabric, geometry: ElementGeometry, areal_density: np.ndarray) -> Frequencies:
+        b11, b22 = geometry.squared_gradients
+        b = b11 + b22
+        c1, c2 = fabric.unit_cell.yarn_stiffness_per_width
+        gamma = geometry.squared_hourglass
+        in_plane, warping, director = hourglass_coefficients(fabric)
+        transverse = fabric.transverse_shear_stiffness
+        nu = abs(fabric.bending.poisson_ratio) if isinstance(fabric.bending, IsotropicBending) else 0.0
+        bending = 4.0 * fabric.bending_stiffness_scale * (1.0 + nu) * b
+        if not isinstance(fabric.bending, IsotropicBending):
+            bending = 4.0 * max(fabric.bending.warp, fabric.bending.weft, 2.0 * fabric.bending.twist) * b
+        shear = fabric.shear_stiffness_scale
+        straight = 4.0 / areal_density * (np.maximum(c1 * b11, c2 * b22) + 2.0 * shear * b)
+        turning = transverse + bending + (4.0 * director * gamma + warping) * b
+        radius = np.maximum(fabric.thickness**2 / 12.0, turning / (areal_density * ROTARY_SHARE * straight))
+        constant = (
+            4.0 / areal_density * (transverse * b + in_plane * b * gamma + warping * b * gamma / 16.0)
+            + turning / (areal_density * radius)
+        )
+        return cls(straight, constant, radius)
+
+
+def hourglass_coefficients(fabric: Fabric) -> tuple[float, float, float]:
+    """Factors of the sum of squared gradients in the hourglass energies (theory, section 5): in-plane, warping, director.
+
+    On a square the exact stiffness of the modes is G/12, 4/3 G_s times that sum, and D/12.
+    """
+    share = fabric.stabilisation
+    return (
+        share.in_plane * fabric.shear_stiffness_scale / 24.0,
+        share.warping * fabric.transverse_shear_stiffness * 4.0 / 3.0,
+        share.director * fabric.bending_stiffness_scale / 24.0,
+    )
+
+
+@dataclass(frozen=True)
+class MotionParameters:
+    """Loads and dissipation of the time integration.
+
+    Attributes:
+        gravity: (3,) [m/s^2].
+        damping: mass-proportional damping rate of the nodes [1/s].
+        director_damping: the same for the directors [1/s].
+        contact_damping_ratio: normal dashpot of the contact, as a share of critical.
+    """
+
+    gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    damping: float = 0.0
+    director_damping: float = 0.0
+    contact_damping_ratio: float = 0.1
+
+    def __post_init__(self) -> None:
+        values = np.array([*self.gravity, self.damping, self.director_damping, self.contact_damping_ratio])
+        if not np.all(np.isfinite(values)) or values[3:].min() < 0.0:
+            raise InputError(f"{self}: gravity must be finite, damping finite and not negative")
+
+
+class Model:
+    """Constants of a run on one device.
+
+    Args:
+        blank: the sheet.
+        fabric: its laws.
+        free: (node_count, 6) bool, False where a displacement (x, y, z) or a rotation of the director about x, y, z is
+            held; a held component keeps its initial velocity.
+        motion: loads and damping.
+        precision: "float32" or "float64".
+        device: Warp device.
+        lane_count: elements per kernel thread.
+        tool_count: number of tools.
+        target_step: with mass scaling, the stable step aimed at [s]; None adds no mass.
+
+    Attributes:
+        reference_step: stable step with straight yarns [s]; contact stiffness and the first step come from it.
+        added_mass_ratio: mass added by scaling over the mass of the blank.
+    """
+
+    def __init__(
+        self,
+        blank: Blank,
+        fabric: Fabric,
+        free: np.ndarray,
+        motion: MotionParameters,
+        *,
+        precision: Precision,
+        device: wp.context.Device,
+        lane_count: int,
+        tool_count: int,
+        target_step: float | None = None,
+        contact_share: float = CONTACT_SHARE,
+    ) -> None:
+        self.blank, self.fabric, self.motion = blank, fabric, motion
+        self.device, self.precision, self.lane_count, self.tool_count = device, precision, lane_count, tool_count
+        self.real = precision.real
+        self.types = lane_types(self.real, lane_count)
+        self.element_count = padded(blank.element_count, 1)
+        self.node_count = padded(blank.node_count, 4)
+        self.geometry = ElementGeometry.of(blank)
+
+        density = np.full(blank.element_count, fabric.areal_density)
+        frequencies = Frequencies.of(fabric, self.geometry, density)
+        if target_step is not None:
+            squared = (frequencies.straight + frequencies.constant) * (0.5 * target_step / 0.9) ** 2
+            density = density * np.maximum(1.0, squared)
+            frequencies = Frequencies.of(fabric, self.geometry, density)
+        self.areal_density = density
+        self.added_mass_ratio = float(
+            (density * self.geometry.area).sum() / (fabric.areal_density * self.geometry.area).sum() - 1.0
+        )
+        self.reference_step = 0.9 * 2.0 / math.sqrt((frequencies.straight + frequencies.constant).max())
+
+        corner_mass = 0.25 * density * self.geometry.area
+        self.node_mass = self._to_nodes(corner_mass)
+        self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
+        self.contact_stiffness = contact_share * self.node_mass / self.reference_step**2
+
+        contact = 2.0 * contact_share / self.reference_step**2 if tool_count else 0.0
+        self.inverse_areal_density = self._lane_array(1.0 / density, fill=1.0)
+        self.constant_frequency = self._lane_array(frequencies.constant + contact, fill=0.0)
+        self.elements = self._elements(self.lane_count)
+        self.elements_single = self._elements(1)
+        self.cell = self._unit_cell()
+        self.laws = self._sheet_laws()
+        self.nodes = self._nodes(np.asarray(free, dtype=bool))
+        self.motion_laws = self._motion_laws(contact_share)
+
+    # --- layout ------------------------------------------------------------------------------------------------------
+
+    def _to_nodes(self, per_corner: np.ndarray) -> np.ndarray:
+        total = np.zeros(self.blank.node_count)
+        for corner in range(4):
+            np.add.at(total, self.blank.quads[:, corner], per_corner)
+        return total
+
+    def _array(self, values: np.ndarray, dtype: type, shape: tuple[int, ...] | None = None) -> wp.array:
+        return wp.array(values, dtype=dtype, device=self.device, shape=shape)
+
+    def _padded(self, values: np.ndarray, length: int, fill: float) -> np.ndarray:
+        values = np.asarray(values, dtype=np.float64)
+        result = np.full((*values.shape[:-1], length), fill)
+        result[..., : values.shape[-1]] = values
+        return result
+
+    def _lane_array(self, values: np.ndarray, *, fill: float, nodes: bool = False) -> wp.array:
+        """Scalar array on the device, last axis padded."""
+        length = self.node_count if nodes else self.element_count
+        return self._array(self._padded(values, length, fill), self.real)
+
+    def _elements(self, lane_count: int):
+        geometry, real_count = self.geometry, self.blank.element_count
+        elements = element_struct(self.real, lane_count)()
+        quads = np.empty((4, self.element_count), dtype=np.int32)
+        quads[:, :real_count] = self.blank.quads.T
+        # padding elements sit on the four padding nodes, a unit square that never moves
+        quads[:, real_count:] = (self.blank.node_count + np.arange(4, dtype=np.int32))[:, None]
+        indices = lane_types(self.real, lane_count).indices
+        elements.corner_node = self._array(quads.reshape(4, -1, lane_count), indices)
+        gradient = self._padded(geometry.gradient, self.element_count, 0.0)
+        gradient[:, real_count:] = np.array([-0.5, -0.5, 0.5, -0.5])[:, None]
+
+        def lanes(values):
+            return lanes_view(self._array(values, self.real), lane_count)
+
+        elements.shape_gradient = lanes(gradient)
+        elements.hourglass_offset = lanes(self._padded(geometry.hourglass_offset, self.element_count, 0.0))
+        elements.area = lanes(self._padded(geometry.area, self.element_count, 0.0))
+        elements.flat = int(geometry.flat)
+        keep = 1 if not geometry.flat else 0
+        for name, values in (
+            ("initial_curvature", geometry.curvature),
+            ("initial_transverse_shear", geometry.transverse_shear),
+            ("initial_hourglass", geometry.hourglass),
+        ):
+            length = self.element_count if keep else BLOCK
+            padded_values = self._padded(values if keep else np.zeros((len(values), 1)), length, 0.0)
+            setattr(elements, name, lanes(padded_values))
+        return elements
+
+    def _unit_cell(self):
+        parameters: UnitCell = self.fabric.unit_cell
+        cell = unit_cell_struct(self.real)()
+        fill_unit_cell(cell, parameters, self.precision)
+        return cell
+
+    def _sheet_laws(self):
+        fabric, shear, bending = self.fabric, self.fabric.shear, self.fabric.bending
+        laws = sheet_struct(self.real)()
+        laws.shear_kind = int(SHEAR_LINEAR if isinstance(shear, LinearShear) else SHEAR_CURVE)
+        laws.shear_stiffness = fabric.thickness * shear.modulus if isinstance(shear, LinearShear) else 0.0
+        spacing = 0.5 * math.pi / SHEAR_KNOT_COUNT
+        coefficients, energy = shear_table(shear, fabric.thickness, spacing)
+        laws.shear_knot_spacing = spacing
+        laws.shear_moment = self._array(coefficients, self.types.vec4)
+        laws.shear_energy = self._array(energy, self.real)
+        isotropic = isinstance(bending, IsotropicBending)
+        laws.bending_kind = int(BENDING_ISOTROPIC if isotropic else BENDING_YARNS)
+        laws.bending_stiffness = bending.stiffness(fabric.thickness) if isotropic else 0.0
+        laws.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
+        per_yarn = (0.0, 0.0, 0.0) if isotropic else (bending.warp, bending.weft, bending.twist)
+        laws.yarn_bending_stiffness = self.types.vec3(*per_yarn)
+        laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
+        laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(fabric)
+        return laws
+
+    def _nodes(self, free: np.ndarray):
+        count = self.blank.node_count
+        if free.shape != (count, 6):
+            raise InputError(f"free: shape {free.shape}, but ({count}, 6) is needed")
+        if np.any(self.node_mass == 0.0):
+            raise InputError(f"blank mesh: node {int(np.argmin(self.node_mass))} belongs to no element; remove it")
+        nodes = node_struct(self.real, self.lane_count)()
+        lane_indices = self.types.indices
+        stride = self.element_count
+        corner = np.tile(np.arange(4), self.blank.element_count)
+        element = np.repeat(np.arange(self.blank.element_count), 4)
+        node = self.blank.quads.ravel()
+        order = np.argsort(node, kind="stable")
+        slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
+        # entries of a padding element are always zero: nodes with fewer neighbours read them
+        table = np.full((slot.max() + 1, self.node_count), self.blank.element_count, dtype=np.int32)
+        table[slot, node[order]] = (3 * stride * corner + element)[order]
+        nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
+        nodes.corner_stride = stride
+        bits = (free @ (1 << np.arange(6))).astype(np.int32)
+        freedom = np.zeros(self.node_count, dtype=np.int32)
+        freedom[:count] = bits
+        nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
+
+        def lanes(values):
+            return lanes_view(self._lane_array(values, fill=0.0, nodes=True), self.lane_count)
+
+        nodes.mass = lanes(self.node_mass)
+        nodes.inverse_mass = lanes(1.0 / self.node_mass)
+        nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
+        nodes.contact_stiffness = lanes(self.contact_stiffness)
+        return nodes
+
+    def _motion_laws(self, contact_share: float):
+        laws = motion_struct(self.real)()
+        laws.gravity = self.types.vec3(*self.motion.gravity)
+        laws.damping = self.motion.damping
+        laws.director_damping = self.motion.director_damping
+        laws.half_thickness = 0.5 * self.fabric.thickness
+        # c = 2 zeta sqrt(k m) with k = share m / step^2
+        laws.contact_damping_time = 2.0 * self.motion.contact_damping_ratio * self.reference_step / math.sqrt(contact_share)
+        laws.tangential_ratio = TANGENTIAL_RATIO
+        laws.tool_count = self.tool_count
+        return laws
+
+    # --- initial values ----------------------------------------------------------------------------------------------
+
+    def initial_motion(self, velocity: np.ndarray | None = None) -> np.ndarray:
+        """Rows position, velocity, director, angular velocity, (4, padded nodes, 3)."""
+        count = self.blank.node_count
+        rows = np.zeros((4, self.node_count, 3))
+        rows[0, :count] = self.blank.node_position
+        # the padding square, far from nothing: its nodes have no contact stiffness
+        rows[0, count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+        rows[2, :, 2] = 1.0
+        rows[2, :count] = self.blank.initial_director
+        if velocity is not None:
+            rows[1, :count] = velocity
+        return rows
+
+
+def fill_unit_cell(cell, parameters: UnitCell, precision: Precision) -> None:
+    """Write a cell's parameters into its device struct."""
+    vec2 = wp.types.vector(2, precision.real)
+    length = np.array(parameters.chord_length)
+    cell.half_spacing = vec2(*parameters.half_spacing)
+    cell.crimp_height = vec2(*parameters.crimp_height)
+    cell.chord_length = vec2(*length)
+    cell.tensile_stiffness = vec2(*(parameters.axial_stiffness / length))
+    cell.compressive_stiffness = vec2(*(parameters.compressive_stiffness / length))
+    cell.rotation_stiffness = vec2(*(3.0 * np.array(parameters.bending_stiffness) / length))
+    cell.contact_stiffness = parameters.contact_stiffness
+    cell.unilateral = int(parameters.contact == "unilateral")
+    cell.tolerance = UNIT_CELL_TOLERANCE[precision.value]
+    # four roundings of each of the two parts whose sum is the elongation
+    cell.resolution = 4.0 * np.finfo(precision.numpy).eps / UNIT_CELL_TOLERANCE[precision.value]
+    cell.force_floor = 1.0e-9 * max(parameters.axial_stiffness)
+
+
+def shear_table(law, thickness: float, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Cubic coefficients (knots, 4) of m(gamma) between evenly spaced knots up to 90 degrees, and psi at the knots."""
+    knots = spacing * np.arange(SHEAR_KNOT_COUNT + 1)
+    moment = law.moment(knots, thickness)
+    step = 1.0e-4 * spacing
+    slope = (law.moment(knots + step, thickness) - law.moment(knots - step, thickness)) / (2.0 * step)
+    rise = np.diff(moment) / spacing
+    c2 = (3.0 * rise - 2.0 * slope[:-1] - slope[1:]) / spacing
+    c3 = (slope[:-1] + slope[1:] - 2.0 * rise) / spacing**2
+    coefficients = np.column_stack([moment[:-1], slope[:-1], c2, c3])
+    h = spacing
+    pieces = h * (coefficients @ np.array([1.0, h / 2.0, h**2 / 3.0, h**3 / 4.0]))
+    energy = np.concatenate([[0.0], np.cumsum(pieces)])[:-1]
+    return coefficients, energy

@@ -1,0 +1,52 @@
+"""One colour map for film, pictures and report."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+# Shear angles are always shown on this range, so that pictures of different runs compare [degrees].
+LARGEST_SHOWN_ANGLE = 60.0
+
+# Inverse of the OKLab colour space (B. Ottosson, 2020): to cone responses, and from their cubes to linear sRGB.
+_OKLAB_TO_CONES = np.array(
+    [
+        [1.0, 0.3963377774, 0.2158037573],
+        [1.0, -0.1055613458, -0.0638541728],
+        [1.0, -0.0894841775, -1.2914855480],
+    ]
+)
+_CONES_TO_LINEAR = np.array(
+    [
+        [4.0767416621, -3.3077115913, 0.2309699292],
+        [-1.2684380046, 2.6097574011, -0.3413193965],
+        [-0.0041960863, -0.7034186147, 1.7076147010],
+    ]
+)
+
+
+@cache
+def colour_table() -> np.ndarray:
+    """256 colours from deep blue to yellow in linear sRGB, (256, 3).
+
+    Lightness rises evenly in OKLab while the hue turns once through red, so equal steps look equal and the map still
+    reads in grey.
+    """
+    s = np.linspace(0.0, 1.0, 256)
+    lightness = 0.30 + 0.62 * s
+    hue = np.deg2rad(270.0 + 192.0 * s)
+    chroma = 0.10 + 0.10 * np.sin(np.pi * s**0.8)
+    lab = np.stack([lightness, chroma * np.cos(hue), chroma * np.sin(hue)], axis=1)
+    return np.clip((lab @ _OKLAB_TO_CONES.T) ** 3 @ _CONES_TO_LINEAR.T, 0.0, 1.0)
+
+
+def encoded(linear: np.ndarray) -> np.ndarray:
+    """Linear sRGB to the encoded values that screens and matplotlib take."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055)
+
+
+def shear_colours(angle: np.ndarray) -> np.ndarray:
+    """Linear sRGB of shear angles [degrees], (k, 3); the sign does not count."""
+    place = np.clip(np.abs(angle) / LARGEST_SHOWN_ANGLE, 0.0, 1.0) * 255.0
+    return colour_table()[np.rint(place).astype(int)]

@@ -1,0 +1,281 @@
+"""The film of a run: one USD file that usdview, Omniverse, Blender or Houdini play."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..measures import mirror_signs, nodal_shear_angle
+from ..recording import Frame, Outcome
+from .colours import shear_colours
+from .files import temporary_name
+
+if TYPE_CHECKING:
+    import trimesh
+
+    from ..simulation import Simulation
+    from ..tool import Tool
+
+FRAMES_PER_SECOND = 24
+# Frames between two writes to disk: what is written leaves the memory, and survives a killed process.
+_FRAMES_PER_FLUSH = 40
+# Tools above the sheet would hide it from the camera, so they are drawn like glass.
+_OPACITY_ABOVE, _OPACITY_BELOW = 0.22, 1.0
+_LARGEST_SMOOTH_ANGLE = 35.0
+
+
+class Film:
+    """Observer that writes a USD film: sheet, tools that move, materials, camera and light.
+
+    Frame i is at time code i. Positions are in metres, Z up. The sheet is the mesh ``/World/sheet``; with symmetry,
+    mirrored copies refer to it, so that the whole part is seen and stored once. It carries ``displayColor`` by the
+    absolute shear angle (nodal means, 0 to 60 degrees) and, per element and frame, ``shear_angle`` (absolute,
+    degrees), ``warp_stretch`` and ``weft_stretch``. Tools are drawn as their ``display_mesh`` is and not mirrored.
+
+    Raises:
+        InputError: the path does not end in .usdc, .usda or .usd.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        if self.path.suffix not in (".usdc", ".usda", ".usd"):
+            raise InputError(f"film {self.path}: the name must end in .usdc, .usda or .usd")
+        self._stage: Any = None
+
+    def start(self, simulation: Simulation) -> None:
+        from pxr import Gf, Kind, Sdf, Usd, UsdGeom
+
+        self._blank, self._symmetry = simulation.blank, tuple(simulation.symmetry)
+        self._tools = simulation.tools
+        temporary = temporary_name(self.path)
+        temporary.unlink(missing_ok=True)
+        with _usd_errors():
+            self._stage = stage = Usd.Stage.CreateNew(str(temporary))
+        UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+        UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+        stage.SetTimeCodesPerSecond(FRAMES_PER_SECOND)
+        stage.SetFramesPerSecond(FRAMES_PER_SECOND)
+        world = UsdGeom.Xform.Define(stage, "/World").GetPrim()
+        Usd.ModelAPI(world).SetKind(Kind.Tokens.component)
+        stage.SetDefaultPrim(world)
+        stage.GetRootLayer().comment = f"weavesim: {simulation.name}, {simulation.fabric.name}"
+
+        mesh = _define_mesh(stage, "/World/sheet", self._blank.quads)
+        self._sheet = mesh
+        primvars = UsdGeom.PrimvarsAPI(mesh)
+        self._colour = primvars.CreatePrimvar(
+            "displayColor", Sdf.ValueTypeNames.Color3fArray, UsdGeom.Tokens.vertex
+        ).GetAttr()
+        self._normals = mesh.CreateNormalsAttr()
+        mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+        self._fields = {
+            name: primvars.CreatePrimvar(name, Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.uniform).GetAttr()
+            for name in ("shear_angle", "warp_stretch", "weft_stretch")
+        }
+        _bind(mesh, _sheet_material(stage))
+        for sign in mirror_signs(self._symmetry)[1:]:
+            names = "".join(f"_{axis}" for axis, factor in zip("xy", sign, strict=True) if factor < 0)
+            copy = UsdGeom.Mesh.Define(stage, f"/World/sheet_mirrored{names}")
+            copy.GetPrim().GetReferences().AddInternalReference("/World/sheet")
+            copy.AddScaleOp().Set(Gf.Vec3f(*sign, 1.0))
+
+        self._moves = []
+        rest = float(self._blank.node_position[:, 2].mean())
+        for tool in self._tools:
+            shape = tool.display_mesh()
+            above = float(shape.bounds[:, 2].mean()) > rest
+            prim = _define_tool(stage, tool, shape, _OPACITY_ABOVE if above else _OPACITY_BELOW)
+            self._moves.append(prim.AddTranslateOp())
+        self._extent_of_all = np.array([np.full(3, np.inf), np.full(3, -np.inf)])
+        self._frames: list[int] = []
+
+    def frame(self, frame: Frame) -> None:
+        from pxr import Gf, Vt
+
+        time, blank = float(frame.index), self._blank
+        points = frame.position.astype(np.float32)
+        nodal = np.rad2deg(nodal_shear_angle(blank, frame.fields["shear_angle"], self._symmetry))
+        extent = np.array([points.min(axis=0), points.max(axis=0)])
+        self._sheet.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points), time)
+        self._sheet.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent), time)
+        self._normals.Set(Vt.Vec3fArray.FromNumpy(_node_normals(frame.position, blank.quads)), time)
+        self._colour.Set(Vt.Vec3fArray.FromNumpy(shear_colours(nodal).astype(np.float32)), time)
+        for name, attribute in self._fields.items():
+            values = frame.fields[name]
+            values = np.abs(np.rad2deg(values)) if name == "shear_angle" else values
+            attribute.Set(Vt.FloatArray.FromNumpy(values.astype(np.float32)), time)
+        for tool, move, distance in zip(self._tools, self._moves, frame.tool_displacement, strict=True):
+            move.Set(Gf.Vec3d(*(float(distance) * np.asarray(tool.axis, dtype=float)).tolist()), time)
+        self._extent_of_all = np.array(
+            [np.minimum(self._extent_of_all[0], extent[0]), np.maximum(self._extent_of_all[1], extent[1])]
+        )
+        self._frames.append(frame.index)
+        if len(self._frames) % _FRAMES_PER_FLUSH == 0:
+            with _usd_errors():
+                self._stage.Save()
+
+    def finish(self, outcome: Outcome) -> None:
+        if self._stage is None or not self._frames:
+            self.discard()
+            return
+        stage, temporary = self._stage, temporary_name(self.path)
+        stage.SetStartTimeCode(float(self._frames[0]))
+        stage.SetEndTimeCode(float(self._frames[-1]))
+        lower, upper = self._extent_of_all
+        reach = np.abs(self._extent_of_all).max(axis=0)
+        for axis, name in enumerate("xy"):
+            if name in self._symmetry:
+                lower[axis], upper[axis] = -reach[axis], reach[axis]
+        _define_camera(stage, lower, upper)
+        _define_light(stage)
+        with _usd_errors():
+            stage.Save()
+        self._release()
+        os.replace(temporary, self.path)
+
+    def discard(self) -> None:
+        """Give up the film and remove what was written of it."""
+        self._release()
+        temporary_name(self.path).unlink(missing_ok=True)
+
+    def _release(self) -> None:
+        self._stage = self._sheet = self._colour = self._normals = None
+        self._fields, self._moves = {}, []
+
+
+@contextmanager
+def _usd_errors() -> Iterator[None]:
+    """USD reports a full disk or a missing folder by errors of its own; here they are what they are."""
+    from pxr import Tf
+
+    try:
+        yield
+    except Tf.ErrorException as error:
+        raise OSError(f"USD cannot write the film: {error}") from error
+
+
+def _define_mesh(stage: Any, path: str, faces: np.ndarray) -> Any:
+    from pxr import UsdGeom, Vt
+
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(faces), faces.shape[1], dtype=np.int32)))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(np.ascontiguousarray(faces, dtype=np.int32).ravel()))
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateDoubleSidedAttr(True)
+    mesh.CreatePointsAttr()
+    mesh.CreateExtentAttr()
+    return mesh
+
+
+def _define_tool(stage: Any, tool: Tool, shape: trimesh.Trimesh, opacity: float) -> Any:
+    """A tool as /World/tools/NAME, a transform that holds its mesh."""
+    from pxr import Gf, Sdf, Tf, UsdGeom, Vt
+
+    name = Tf.MakeValidIdentifier(tool.name)
+    UsdGeom.Scope.Define(stage, "/World/tools")
+    transform = UsdGeom.Xform.Define(stage, f"/World/tools/{name}")
+    mesh = _define_mesh(stage, f"/World/tools/{name}/surface", np.asarray(shape.faces))
+    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.asarray(shape.vertices, dtype=np.float32)))
+    mesh.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(np.asarray(shape.bounds, dtype=np.float32)))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_corner_normals(shape)))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
+    mesh.CreateDisplayColorAttr([Gf.Vec3f(*tool.colour)])
+    shader = _preview_surface(stage, f"/World/materials/{name}", roughness=0.35)
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*tool.colour))
+    shader.CreateInput("opacity", Sdf.ValueTypeNames.Float).Set(opacity)
+    if opacity < 1.0:
+        mesh.CreateDisplayOpacityAttr([opacity])
+    _bind(mesh, f"/World/materials/{name}")
+    return transform
+
+
+def _preview_surface(stage: Any, path: str, roughness: float) -> Any:
+    from pxr import Sdf, UsdGeom, UsdShade
+
+    UsdGeom.Scope.Define(stage, "/World/materials")
+    material = UsdShade.Material.Define(stage, path)
+    shader = UsdShade.Shader.Define(stage, f"{path}/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(roughness)
+    shader.CreateInput("metallic", Sdf.ValueTypeNames.Float).Set(0.0)
+    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+    return shader
+
+
+def _sheet_material(stage: Any) -> str:
+    from pxr import Gf, Sdf, UsdShade
+
+    path = "/World/materials/sheet"
+    shader = _preview_surface(stage, path, roughness=0.7)
+    reader = UsdShade.Shader.Define(stage, f"{path}/colour")
+    reader.CreateIdAttr("UsdPrimvarReader_float3")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("displayColor")
+    reader.CreateInput("fallback", Sdf.ValueTypeNames.Float3).Set(Gf.Vec3f(0.5))
+    reader.CreateOutput("result", Sdf.ValueTypeNames.Float3)
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(reader.ConnectableAPI(), "result")
+    return path
+
+
+def _bind(mesh: Any, material_path: str) -> None:
+    from pxr import UsdShade
+
+    material = UsdShade.Material.Get(mesh.GetPrim().GetStage(), material_path)
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+
+
+def _define_camera(stage: Any, lower: np.ndarray, upper: np.ndarray) -> None:
+    """A camera above one corner that sees the sphere around ``lower`` and ``upper``."""
+    from pxr import Gf, UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/World/camera")
+    focal_length, aperture = 50.0, (36.0, 24.0)  # tenths of a stage unit, as USD has it; only the ratio counts
+    centre, radius = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
+    distance = 1.05 * radius / np.sin(np.arctan(0.5 * min(aperture) / focal_length))
+    azimuth, elevation = np.deg2rad((-60.0, 38.0))
+    outward = np.array(
+        [np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)]
+    )
+    eye = centre + distance * outward
+    view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(*eye.tolist()), Gf.Vec3d(*centre.tolist()), Gf.Vec3d(0, 0, 1))
+    camera.ClearXformOpOrder()
+    camera.AddTransformOp().Set(view.GetInverse())
+    camera.CreateFocalLengthAttr(focal_length)
+    camera.CreateHorizontalApertureAttr(aperture[0])
+    camera.CreateVerticalApertureAttr(aperture[1])
+    camera.CreateFocusDistanceAttr(float(distance))
+    camera.CreateClippingRangeAttr(Gf.Vec2f(0.01 * distance, 10.0 * distance))
+
+
+def _define_light(stage: Any) -> None:
+    from pxr import Gf, UsdGeom, UsdLux
+
+    UsdGeom.Scope.Define(stage, "/World/lights")
+    UsdLux.DomeLight.Define(stage, "/World/lights/sky").CreateIntensityAttr(0.7)
+    sun = UsdLux.DistantLight.Define(stage, "/World/lights/sun")
+    sun.CreateIntensityAttr(2.0)
+    sun.CreateAngleAttr(3.0)
+    sun.AddRotateXYZOp().Set(Gf.Vec3f(-35.0, 20.0, 0.0))
+
+
+def _node_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    corner = position[quads]
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    flat = quads.ravel()
+    total = np.stack(
+        [np.bincount(flat, np.repeat(normal[:, axis], 4), len(position)) for axis in range(3)], axis=1
+    )
+    return (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1.0e-300)).astype(np.float32)
+
+
+def _corner_normals(shape: trimesh.Trimesh) -> np.ndarray:
+    """Normals of the corners of each triangle, (3 face_count, 3): smooth, but for sharp edges."""
+    face = np.repeat(shape.face_normals, 3, axis=0)
+    node = np.asarray(shape.vertex_normals)[np.asarray(shape.faces).ravel()]
+    smooth = np.einsum("ki,ki->k", face, node) > np.cos(np.deg2rad(_LARGEST_SMOOTH_ANGLE))
+    return np.where(smooth[:, None], node, face).astype(np.float32)

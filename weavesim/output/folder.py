@@ -1,0 +1,296 @@
+"""The folder of a run: film, ParaView series, tables, pictures, report and summary."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..measures import checkerboard, close_pairs, draw_in, integrated_yarn_stretch, shear_angle_at
+from ..recording import Frame, Observer, Outcome
+from . import pictures
+from .files import check_writable, plain, write_summary
+from .film import Film
+from .report import Report, shown, write_report
+from .series import ParaViewSeries
+from .tables import History, write_draw_in, write_shear_angles
+
+if TYPE_CHECKING:
+    from ..simulation import Simulation
+
+logger = logging.getLogger(__name__)
+
+_AXIS_NAMES = {"x": "long_axis", "y": "short_axis"}
+# Yarns within this angle of a symmetry line count as lying along it [degrees].
+_LARGEST_MISALIGNMENT = 1.0
+
+
+class ResultFolder:
+    """Observer of a run that leaves everything in one folder.
+
+    During the run the film ``NAME.usdc`` and the series in ``paraview/`` grow; ``write`` adds the tables, pictures,
+    ``report.html`` and ``summary.json``. A file that cannot be written, on a full disk for example, is given up with a
+    warning, and the run goes on.
+
+    Attributes:
+        path: the folder; made if it is not there. Nothing in it is touched before the run starts.
+        history: scalars of all frames, and the last frame.
+        warnings: what could not be written, for the report.
+
+    Args:
+        path: the folder.
+        points: material points for ``shear_angle.csv`` and its picture, (k, 2) [m]; None for neither.
+        measured_angles: measured point numbers and angles [degrees] to draw beside the computed ones.
+        measured_outline: a measured outline in plan (k, 2) [m] to draw beside the computed one.
+        film, paraview: whether to write them.
+
+    Raises:
+        InputError: the folder cannot be written to, or angles were measured but no points are given.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        points: np.ndarray | None = None,
+        measured_angles: tuple[np.ndarray, np.ndarray] | None = None,
+        measured_outline: np.ndarray | None = None,
+        film: bool = True,
+        paraview: bool = True,
+    ) -> None:
+        self.path = Path(path)
+        self.history = History()
+        self.warnings: list[str] = []
+        self._points, self._measured_angles, self._measured_outline = points, measured_angles, measured_outline
+        if measured_angles is not None:
+            point_count = 0 if points is None else len(points)
+            if max(measured_angles[0], default=0) > point_count:
+                raise InputError(
+                    f"measured angles: point {max(measured_angles[0])} is given, but the run has {point_count} points"
+                )
+        self._with_film, self._with_paraview = film, paraview
+        self._streams: dict[str, Observer] = {}
+        self._outcome: Outcome | None = None
+        check_writable(self.path)
+
+    # ------------------------------------------------------------------------------------------------ during a run
+
+    def start(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self.warnings.clear()
+        self.history.start(simulation)
+        self._streams = {}
+        if self._with_film:
+            self._streams["film"] = Film(self.path / f"{simulation.name}.usdc")
+        if self._with_paraview:
+            self._streams["ParaView series"] = ParaViewSeries(self.path / "paraview")
+        self._tell_streams(lambda stream: stream.start(simulation))
+
+    def frame(self, frame: Frame) -> None:
+        self.history.frame(frame)
+        self._tell_streams(lambda stream: stream.frame(frame))
+
+    def finish(self, outcome: Outcome) -> None:
+        self._outcome = outcome
+        self._tell_streams(lambda stream: stream.finish(outcome))
+
+    def _tell_streams(self, message: Callable[[Observer], None]) -> None:
+        for name, stream in list(self._streams.items()):
+            if not self._attempt(name, lambda stream=stream: message(stream)):
+                del self._streams[name]
+                if isinstance(stream, Film):
+                    with contextlib.suppress(OSError):
+                        stream.discard()
+
+    def _attempt(self, what: str, action: Callable[[], object]) -> bool:
+        """Whether ``action`` could write what it should; if not, that is said once."""
+        try:
+            action()
+        except OSError as error:
+            text = f"{what} could not be written and is given up: {error.strerror or error}"
+            self.warnings.append(text)
+            logger.warning("%s", text)
+            return False
+        return True
+
+    # ------------------------------------------------------------------------------------------------- after a run
+
+    def write(self, summary: Mapping[str, Any], *, setup: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Write tables, pictures, report and summary of the run so far.
+
+        Args:
+            summary: numbers of the run; an entry here goes before one of the same name found here.
+            setup: more to say in the report about what was run, by name.
+
+        Returns:
+            The whole summary, as written.
+
+        Raises:
+            InputError: no run was started.
+        """
+        frame = self.history.last_frame
+        if frame is None:
+            raise InputError("results: there is no frame to write; run the simulation with this folder as an observer")
+        simulation, blank = self._simulation, self._simulation.blank
+        summary = {**self._measures(frame), **summary}
+        angle, symmetry = frame.fields["shear_angle"], simulation.symmetry
+        self._attempt("history.csv", lambda: self.history.write(self.path / "history.csv"))
+        self._attempt("draw_in.csv", lambda: write_draw_in(self.path / "draw_in.csv", blank, frame.position, symmetry))
+        if self._points is not None:
+            self._attempt(
+                "shear_angle.csv",
+                lambda: write_shear_angles(self.path / "shear_angle.csv", blank, angle, self._points, symmetry),
+            )
+        shown_pictures = self._write_pictures(frame)
+        summary["warnings"] = [*map(str, summary.get("warnings") or ()), *self.warnings]
+        report = self._report(summary, setup or {}, shown_pictures)
+        if not self._attempt("report.html", lambda: write_report(self.path / "report.html", report)):
+            summary["warnings"].append(self.warnings[-1])
+        self._attempt("summary.json", lambda: write_summary(self.path / "summary.json", summary))
+        return plain(summary)
+
+    def _measures(self, frame: Frame) -> dict[str, Any]:
+        simulation, blank = self._simulation, self._simulation.blank
+        angle, symmetry = frame.fields["shear_angle"], simulation.symmetry
+        stretches = {"warp": frame.fields["warp_stretch"], "weft": frame.fields["weft_stretch"]}
+        both = np.concatenate(list(stretches.values()))
+        zigzag = checkerboard(blank, angle)
+        found: dict[str, Any] = {
+            "outcome": self._outcome.value if self._outcome else "running",
+            "frame_count": self.history.frame_count,
+            "max_shear_angle_deg": float(np.rad2deg(np.abs(angle).max())),
+            "min_stretch": float(both.min()),
+            "max_stretch": float(both.max()),
+            "checkerboard_rms_deg": zigzag.rms,
+            "checkerboard_max_deg": zigzag.maximum,
+            "close_pair_count": close_pairs(frame.position, blank.quads, 0.5 * simulation.fabric.thickness),
+        }
+        if self._points is not None:
+            found["shear_angle_points_deg"] = shear_angle_at(blank, angle, self._points, symmetry).tolist()
+        for along, name in _AXIS_NAMES.items():
+            with contextlib.suppress(InputError):  # the blank need not lie over the origin
+                found[f"draw_in_{name}_mm"] = 1.0e3 * draw_in(blank, frame.position, along)
+                for direction, stretch in zip(
+                    (blank.warp_direction, blank.weft_direction), stretches.values(), strict=True
+                ):
+                    component = np.abs(direction[:, "xy".index(along)])
+                    if component.min() > np.cos(np.deg2rad(_LARGEST_MISALIGNMENT)):
+                        found[f"yarn_lengthening_{name}_mm"] = 1.0e3 * integrated_yarn_stretch(blank, stretch, along)
+        return found
+
+    def _write_pictures(self, frame: Frame) -> list[tuple[Path, str]]:
+        simulation, blank, history = self._simulation, self._simulation.blank, self.history
+        tools, symmetry = simulation.tools, simulation.symmetry
+        wanted: list[tuple[str, str, Callable[[], Any]]] = [
+            (
+                "formed_sheet.png",
+                "The formed sheet at the last frame. Each element has the colour of its own shear angle, without "
+                "smoothing; the lines follow the yarns.",
+                lambda: pictures.formed_sheet(blank, frame, symmetry),
+            )
+        ]
+        if self._points is not None:
+            wanted.append(
+                (
+                    "point_angles.png",
+                    "Shear angles at the material points: signed element values averaged to the nodes by area, mirrored "
+                    "elements included, then interpolated bilinearly; absolute values are shown.",
+                    lambda: pictures.point_angles(blank, frame, self._points, symmetry, self._measured_angles),
+                )
+            )
+        wanted.append(
+            (
+                "draw_in.png",
+                "Draw-in: the outline before and after, and the plan movement of the border against its flat normal.",
+                lambda: pictures.draw_in_picture(blank, frame, symmetry, self._measured_outline),
+            )
+        )
+        if self._meets_both_axes():
+            wanted.append(
+                (
+                    "sections.png",
+                    "Sections along the symmetry lines, sheet drawn in its thickness.",
+                    lambda: pictures.sections(blank, frame, tools, simulation.fabric.thickness, symmetry),
+                )
+            )
+        if tools:
+            wanted.append(
+                (
+                    "tool_forces.png",
+                    "Force between sheet and each tool, along the tool's axis.",
+                    lambda: pictures.tool_forces(history, tools, symmetry),
+                )
+            )
+        wanted.append(
+            (
+                "energies.png",
+                "Energies of the ledger: the stack of stored and lost energies against the supplied work, each by itself, "
+                "and the ratios by which a quasi-static run is judged.",
+                lambda: pictures.energies(history),
+            )
+        )
+        folder = self.path / "pictures"
+        if not self._attempt("pictures", lambda: folder.mkdir(exist_ok=True)):
+            return []
+        return [
+            (folder / name, caption)
+            for name, caption, draw in wanted
+            if self._attempt(name, lambda name=name, draw=draw: pictures.write_picture(draw(), folder / name))
+        ]
+
+    def _meets_both_axes(self) -> bool:
+        lower, upper = (f(self._simulation.blank.material_coordinates, axis=0) for f in (np.min, np.max))
+        return bool(np.all(lower <= 0.0) and np.all(upper >= 0.0))
+
+    def _report(
+        self, summary: Mapping[str, Any], setup: Mapping[str, Any], shown_pictures: Sequence[tuple[Path, str]]
+    ) -> Report:
+        simulation = self._simulation
+        title = simulation.name.replace("_", " ").capitalize()
+        share = {0: "whole blank", 1: "half of the blank", 2: "quarter of the blank"}[len(simulation.symmetry)]
+        headline = [
+            (label, f"{shown(float(summary[name]))}{unit}")
+            for name, label, unit in (
+                ("max_shear_angle_deg", "largest shear angle", "°"),
+                ("draw_in_long_axis_mm", "draw-in, long axis", " mm"),
+                ("draw_in_short_axis_mm", "draw-in, short axis", " mm"),
+                ("min_stretch", "smallest yarn stretch", ""),
+                ("max_stretch", "largest yarn stretch", ""),
+                ("wall_time_s", "wall time", " s"),
+            )
+            if isinstance(summary.get(name), int | float)
+        ]
+        tools = {
+            tool.name: ", ".join(
+                str(part)
+                for part in (getattr(tool, "shape", None), getattr(tool, "motion", None), f"friction {tool.friction:g}")
+                if part is not None
+            )
+            for tool in simulation.tools
+        }
+        model = getattr(simulation.fabric, "model_dump", None)
+        fabric = model() if model else {"name": simulation.fabric.name}
+        fabric |= {"areal density [kg/m²]": simulation.fabric.areal_density}
+        fabric |= {"thickness [mm]": 1.0e3 * simulation.fabric.thickness}
+        fabric = {name: value for name, value in fabric.items() if name not in ("areal_density", "thickness")}
+        numbers = {name: value for name, value in summary.items() if name not in ("warnings", "energies_j")}
+        tables: dict[str, Mapping[str, Any]] = {"Summary": numbers}
+        if setup:
+            tables["Set-up"] = dict(setup)
+        tables |= {"Fabric": fabric, "Tools": tools}
+        if isinstance(summary.get("energies_j"), Mapping):
+            tables["Energies at the end"] = {f"{name}_j": value for name, value in summary["energies_j"].items()}
+        outcome = summary.get("outcome")
+        subtitle = (
+            f"{simulation.fabric.name} · {share} · {simulation.blank.element_count} elements · "
+            f"{simulation.precision} on {simulation.device} · run {outcome}"
+        )
+        warnings = list(summary["warnings"])
+        if outcome != Outcome.FINISHED.value:
+            warnings.insert(0, f"The run did not reach its end ({outcome}): what follows is its last good frame.")
+        return Report(title, subtitle, headline, warnings, shown_pictures, {k: v for k, v in tables.items() if v})

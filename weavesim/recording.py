@@ -1,0 +1,61 @@
+"""What a run tells its observers: frames, and how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .simulation import Simulation
+
+
+@dataclass(frozen=True)
+class Frame:
+    """State of a run at one instant. SI units; float64 copies on the host.
+
+    Attributes:
+        index: number of the frame, 0 for the undeformed state.
+        step_count: time steps done.
+        time: [s].
+        stroke: displacement of the leading tool along its axis [m].
+        position: nodes, (node_count, 3) [m].
+        director: unit directors, (node_count, 3).
+        fields: one value per element, (element_count,): shear_angle [rad], warp_stretch, weft_stretch,
+            warp_force and weft_force [N/m], crossover_force [N], area_ratio, unit_cell_residual,
+            unit_cell_iterations.
+        tool_displacement: along each tool's axis, (tool_count,) [m].
+        tool_reaction: force of the sheet on each tool, (tool_count, 3) [N].
+        energies: every entry of the ledger [J], by name.
+    """
+
+    index: int
+    step_count: int
+    time: float
+    stroke: float
+    position: np.ndarray
+    director: np.ndarray
+    fields: dict[str, np.ndarray]
+    tool_displacement: np.ndarray
+    tool_reaction: np.ndarray
+    energies: dict[str, float]
+
+
+class Outcome(Enum):
+    """How a run ended."""
+
+    FINISHED = "finished"
+    INTERRUPTED = "interrupted"
+    NOT_FINITE = "not finite"
+
+
+class Observer(Protocol):
+    """Receives the frames of a run; a file-writing observer leaves a readable file at every ``finish``."""
+
+    def start(self, simulation: Simulation) -> None: ...
+
+    def frame(self, frame: Frame) -> None: ...
+
+    def finish(self, outcome: Outcome) -> None: ...

@@ -1,0 +1,411 @@
+"""Shapes of rigid tools: analytic signed distances and their unions, each placed by an origin and a rotation.
+
+A shape is solid where its distance is negative. ``kernels/distance.py`` holds the formulas; a shape here carries the
+dimensions to it, and draws itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from .errors import InputError
+from .kernels import distance as kinds
+
+if TYPE_CHECKING:
+    import trimesh
+
+Vector = tuple[float, float, float]
+Matrix = tuple[Vector, Vector, Vector]
+
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+# Facets of a drawn full circle; divisible by four, so that the quarter points are hit.
+CIRCLE_COUNT = 96
+
+
+def positive(what: str, value: Any) -> float:
+    """``value`` as a float; InputError unless it is finite and above zero."""
+    number = finite(what, value)
+    if number <= 0.0:
+        raise InputError(f"{what} is {value}; it must be above zero.")
+    return number
+
+
+def finite(what: str, value: Any) -> float:
+    """``value`` as a float; InputError unless it is a finite number."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{what} is {value!r}; it must be a number.") from None
+    if not math.isfinite(number):
+        raise InputError(f"{what} is {value}; it must be finite.")
+    return number
+
+
+def vector(what: str, value: Any) -> Vector:
+    """``value`` as three finite floats; InputError otherwise."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != (3,) or not np.all(np.isfinite(array)):
+        raise InputError(f"{what} is {value!r}; it must be three finite numbers.")
+    return (float(array[0]), float(array[1]), float(array[2]))
+
+
+def unit_vector(what: str, value: Any) -> Vector:
+    """``value`` scaled to length one; InputError if it has no direction."""
+    array = np.array(vector(what, value))
+    length = float(np.linalg.norm(array))
+    if length < 1e-12:
+        raise InputError(f"{what} is {value!r}; it must not be zero, for it gives a direction.")
+    return vector(what, array / length)
+
+
+def rotation_matrix(axis: Any, angle: float) -> Matrix:
+    """Rotation by ``angle`` [rad] about ``axis``; its columns are the turned coordinate axes."""
+    x, y, z = unit_vector("axis of the rotation", axis)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return _matrix(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross))
+
+
+def _matrix(value: Any) -> Matrix:
+    rows = [vector("row of the rotation", row) for row in value]
+    array = np.array(rows)
+    if array.shape != (3, 3) or np.abs(array @ array.T - np.eye(3)).max() > 1e-6 or np.linalg.det(array) < 0.0:
+        raise InputError(
+            f"rotation is {value!r}; it must be a 3 x 3 rotation matrix (orthonormal columns, right-handed), "
+            "for example weavesim.shapes.rotation_matrix((0, 1, 0), angle)."
+        )
+    return (rows[0], rows[1], rows[2])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shape:
+    """A shape with its own frame: a point p of it lies at ``origin + rotation @ p`` while the tool has not moved.
+
+    Attributes:
+        origin: [m].
+        rotation: 3 x 3, its columns are the shape's axes in the world.
+    """
+
+    origin: Vector = (0.0, 0.0, 0.0)
+    rotation: Matrix = IDENTITY
+
+    # Names of the fields that must be positive lengths [m].
+    _lengths: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "origin", vector("origin", self.origin))
+        object.__setattr__(self, "rotation", _matrix(self.rotation))
+        for name in self._lengths:
+            object.__setattr__(self, name, positive(f"{type(self).__name__}.{name}", getattr(self, name)))
+
+    @property
+    def smallest_radius(self) -> float:
+        """Smallest convex radius that a sheet may be bent over [m]; infinite for a plane."""
+        raise NotImplementedError
+
+    def parts(self) -> tuple[Shape, ...]:
+        """The shapes of this union, all in one frame; a single shape is its own only part."""
+        return (self,)
+
+    def placed(self, origin: Any, rotation: Any = IDENTITY) -> Shape:
+        """This shape, moved as a whole: turned by ``rotation`` about the world's origin, then shifted by ``origin``."""
+        turn = np.array(_matrix(rotation))
+        return replace(
+            self,
+            origin=vector("origin", turn @ np.array(self.origin) + np.array(vector("origin", origin))),
+            rotation=_matrix(turn @ np.array(self.rotation)),
+        )
+
+    def fill(self, part: Any, device: Any) -> None:
+        """Write kind, frame and dimensions to a Warp ``ToolPart``."""
+        part.origin = self.origin
+        part.rotated = int(self.rotation != IDENTITY)
+        part.rotation = [list(row) for row in self.rotation]
+        self._fill_dimensions(part, device)
+
+    def display_mesh(self) -> trimesh.Trimesh:
+        """Triangles to draw, in the world, at zero displacement [m]."""
+        mesh = self._local_display_mesh()
+        frame = np.eye(4)
+        frame[:3, :3] = self.rotation
+        frame[:3, 3] = self.origin
+        mesh.apply_transform(frame)
+        return mesh
+
+    def _fill_dimensions(self, part: Any, device: Any) -> None:
+        raise NotImplementedError
+
+    def _local_display_mesh(self) -> trimesh.Trimesh:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Plane(Shape):
+    """Solid z < 0. ``display_size`` [m] is the size along x and y at which it is drawn; it acts everywhere."""
+
+    display_size: tuple[float, float] = (0.6, 0.6)
+
+    @property
+    def smallest_radius(self) -> float:
+        return math.inf
+
+    def _fill_dimensions(self, part: Any, device: Any) -> None:
+        part.kind = int(kinds.PLANE)
+
+    def _local_display_mesh(self) -> trimesh.Trimesh:
+        half = 0.5 * np.array([positive("Plane.display_size", size) for size in self.display_size])
+        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
+        return _trimesh(np.column_stack([corners, np.zeros(4)]), np.array([[0, 1, 2], [0, 2, 3]]))
+
+
+@dataclass(frozen=True)
+class Sphere(Shape):
+    """A ball of ``radius`` [m]."""
+
+    radius: float
+    _lengths = ("radius",)
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.radius
+
+    def _fill_dimensions(self, part: Any, device: Any) -> None:
+        part.kind = int(kinds.SPHERE)
+        part.radius = self.radius
+
+    def _local_display_mesh(self) -> trimesh.Trimesh:
+        latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
+        return _swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), 0.0)
+
+
+@dataclass(frozen=True)
+class Capsule(Shape):
+    """All points within ``radius`` [m] of a segment along x that reaches ``half_length`` [m] to either side."""
+
+    radius: float
+    half_length: float
+    _lengths = ("radius", "half_length")
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.radius
+
+    def _fill_dimensions(self, part: Any, device: Any) -> None:
+        part.kind = int(kinds.CAPSULE)
+        part.radius = self.radius
+        part.half_length = self.half_length
+
+    def _local_display_mesh(self) -> trimesh.Trimesh:
+        latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
+        return _swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
+
+
+@dataclass(frozen=True)
+class Torus(Shape):
+    """A tube of ``radius`` [m] along a circle of ``major_radius`` [m] about z."""
+
+    radius: float
+    major_radius: float
+    _lengths = ("radius", "major_radius")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.radius >= self.major_radius:
+            raise InputError(f"Torus.radius is {self.radius} m; it must be below major_radius, {self.major_radius} m.")
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.radius
+
+    def _fill_dimensions(self, part: Any, device: Any) -> None:
+        part.kind = int(kinds.TORUS)
+        part.radius = self.radius
+        part.half_length = self.major_radius
+
+    def _local_display_mesh(self) -> trimesh.Trimesh:
+        angle = np.linspace(-1.0, 1.0, CIRCLE_COUNT // 2 + 1) * np.pi
+        return _swept(self.major_radius + self.radius * np.cos(angle), self.radius * np.sin(angle), 0.0)
+
+
+@dataclass(frozen=True)
+class DomePunch(Shape):
+    """Two half-balls joined by a half-cylinder along x, facing -z, with vertical walls that go up without end.
+
+    Attributes:
+        radius: of balls and cylinder [m].
+        half_length: half the distance of the balls' centres [m]; zero gives a hemispherical punch.
+        display_height: of the drawn walls above the centres [m]; None draws one radius.
+    """
+
+    radius: float
+    half_length: float
+    display_height: float | None = None
+    _lengths = ("radius",)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _non_negative(self, "half_length")
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.radius
+
+    def _fill_dimensions(self, part: Any, device: Any) -> None:
+        part.kind = int(kinds.DOME_PUNCH)
+        part.radius = self.radius
+        part.half_length = self.half_length
+
+    def _local_display_mesh(self) -> trimesh.Trimesh:
+        latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
+        height = self.radius if self.display_height is None else positive("display_height", self.display_height)
+        out = np.append(self.radius * np.cos(latitude), self.radius)
+        z = np.append(self.radius * np.sin(latitude), height)
+        return _swept(out, z, self.half_length, capped=True)
+
+
+@dataclass(frozen=True)
+class DomeOpening(Shape):
+    """A plate, solid z < 0, with a vertical opening around the segment |x| <= half_length and a rounded upper edge.
+
+    Attributes:
+        radius: distance of the opening's wall from the segment [m].
+        half_length: of the segment [m]; zero gives a round opening.
+        edge_radius: of the rounded entry [m]; zero gives a sharp edge.
+        display_size: size of the drawn plate along x and y [m]; None leaves a border of twice the opening's radius.
+        display_depth: depth down to which the wall is drawn [m]; None draws one radius.
+    """
+
+    radius: float
+    half_length: float
+    edge_radius: float
+    display_size: tuple[float, float] | None = None
+    display_depth: float | None = None
+    _lengths = ("radius",)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _non_negative(self, "half_length")
+        _non_negative(self, "edge_radius")
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.edge_radius
+
+    def _fill_dimensions(self, part: Any, device: Any) -> None:
+        part.kind = int(kinds.DOME_OPENING)
+        part.radius = self.radius
+        part.half_length = self.half_length
+        part.edge_radius = self.edge_radius
+
+    def _local_display_mesh(self) -> trimesh.Trimesh:
+        rim = self.radius + self.edge_radius
+        if self.display_size is None:
+            half = np.array([self.half_length + rim + 2.0 * self.radius, rim + 2.0 * self.radius])
+        else:
+            half = 0.5 * np.array([positive("DomeOpening.display_size", size) for size in self.display_size])
+        if half[0] <= self.half_length + rim or half[1] <= rim:
+            raise InputError(
+                f"DomeOpening.display_size is {self.display_size} m; the opening with its rounded edge alone takes "
+                f"{2 * (self.half_length + rim):.4g} m by {2 * rim:.4g} m."
+            )
+        depth = self.radius if self.display_depth is None else positive("display_depth", self.display_depth)
+        depth = max(depth, 1.01 * self.edge_radius)
+        angle = np.linspace(0.0, 0.5, CIRCLE_COUNT // 8 + 1 if self.edge_radius > 0.0 else 1) * np.pi
+        out = np.concatenate([[self.radius], rim - self.edge_radius * np.cos(angle)])
+        z = np.concatenate([[-depth], self.edge_radius * (np.sin(angle) - 1.0)])
+        rings = _rings(out, z, self.half_length)
+        # the plate ends at a rectangle: rays from the middle, the nearest one moved into each corner
+        last = rings[-1]
+        ray = np.min(half / np.maximum(np.abs(last[:, :2]), 1e-12), axis=1)
+        border = np.column_stack([last[:, :2] * ray[:, None], np.zeros(len(last))])
+        for corner in np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half:
+            border[np.argmin(np.linalg.norm(border[:, :2] - corner, axis=1)), :2] = corner
+        mesh = _ring_mesh(np.concatenate([rings, border[None]]))
+        mesh.invert()  # rings run upwards along the wall: seen from the opening the other way round
+        return mesh
+
+
+@dataclass(frozen=True)
+class Union(Shape):
+    """Several shapes as one tool: its distance is that of the nearest shape.
+
+    Exact outside; inside, where shapes overlap, it is a bound.
+    """
+
+    shapes: tuple[Shape, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "shapes", tuple(self.shapes))
+        if not self.shapes or not all(isinstance(shape, Shape) for shape in self.shapes):
+            raise InputError(f"Union is given {self.shapes!r}; it takes one or more shapes, such as Sphere or Capsule.")
+
+    @property
+    def smallest_radius(self) -> float:
+        return min(shape.smallest_radius for shape in self.shapes)
+
+    def parts(self) -> tuple[Shape, ...]:
+        return tuple(part.placed(self.origin, self.rotation) for shape in self.shapes for part in shape.parts())
+
+    def display_mesh(self) -> trimesh.Trimesh:
+        meshes = [part.display_mesh() for part in self.parts()]
+        first = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+        faces = [mesh.faces + start for mesh, start in zip(meshes, first[:-1], strict=True)]
+        return _trimesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
+
+
+def _non_negative(shape: Shape, name: str) -> None:
+    value = finite(f"{type(shape).__name__}.{name}", getattr(shape, name))
+    if value < 0.0:
+        raise InputError(f"{type(shape).__name__}.{name} is {value} m; it must not be negative.")
+    object.__setattr__(shape, name, value)
+
+
+# --- drawing ----------------------------------------------------------------------------------------------------------
+
+
+def _trimesh(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
+    import trimesh
+
+    return trimesh.Trimesh(vertices=vertices, faces=faces, process=False)
+
+
+def _rings(out: Sequence[float] | np.ndarray, z: Sequence[float] | np.ndarray, half_length: float) -> np.ndarray:
+    """Stadium-shaped rings, ``out`` away from the segment along x and ``z`` high; (ring_count, point_count, 3)."""
+    right = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
+    left = (right if half_length > 0.0 else right[1:-1]) + np.pi
+    angle = np.concatenate([right, left])
+    shift = np.concatenate([np.full(len(right), half_length), np.full(len(left), -half_length)])
+    plan = np.array(out)[:, None, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    plan[:, :, 0] += shift
+    return np.concatenate([plan, np.broadcast_to(np.array(z)[:, None, None], (*plan.shape[:2], 1))], axis=2)
+
+
+def _ring_mesh(rings: np.ndarray, capped: bool = False) -> trimesh.Trimesh:
+    """Triangles between neighbouring closed rings; outward for rings that run upwards around a solid."""
+    ring_count, point_count = rings.shape[:2]
+    index = np.arange(ring_count * point_count).reshape(ring_count, point_count)
+    a, b = index[:-1], np.roll(index[:-1], -1, axis=1)
+    c, d = np.roll(index[1:], -1, axis=1), index[1:]
+    faces = np.concatenate([np.stack([a, b, c], axis=-1).reshape(-1, 3), np.stack([a, c, d], axis=-1).reshape(-1, 3)])
+    vertices = rings.reshape(-1, 3)
+    if capped:  # vertices of its own, so that shading stays sharp at the rim
+        first = len(vertices)
+        fan = np.arange(1, point_count - 1)
+        cap = np.column_stack([np.full(len(fan), first), first + fan, first + fan + 1])
+        vertices, faces = np.concatenate([vertices, rings[-1]]), np.concatenate([faces, cap])
+    # poles and the ends of a ridge are rings of coincident points: drop their empty triangles
+    p, q, r = (vertices[faces[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(q - p, r - p), axis=1)
+    return _trimesh(vertices, faces[area > 1e-9 * area.max()])
+
+
+def _swept(out: np.ndarray, z: np.ndarray, half_length: float, capped: bool = False) -> trimesh.Trimesh:
+    return _ring_mesh(_rings(out, z, half_length), capped)

@@ -1,0 +1,301 @@
+"""A forming or draping run: sheet, tools and laws in; frames, energies and a verdict out."""
+
+from __future__ import annotations
+
+import logging
+import math
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+
+import numpy as np
+
+from .blank import Blank
+from .device import initialise, resolve_device, resolve_precision, resolve_thread_count
+from .errors import InputError, RunError
+from .fabric import Fabric
+from .kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
+from .ledger import Ledger, Penetration
+from .model import Model, MotionParameters
+from .recording import Frame, Observer, Outcome
+from .stepper import REFRESH_INTERVAL, State, Stepper
+from .tool import Tool, build_device_tools
+
+logger = logging.getLogger(__name__)
+
+# At most this many blocks are replayed before the host looks whether the state is still finite.
+LARGEST_REPLAY = 50
+# A cell whose residual ever exceeds this share of the forces that it balances has failed.
+UNIT_CELL_FAILURE = 1.0e-3
+
+
+class Simulation:
+    """One run, ready to go: ``run()`` does it, ``frame`` is the last frame taken.
+
+    Args:
+        name: of the result files.
+        blank: the sheet.
+        fabric: its laws.
+        tools: rigid tools, in the order of all outputs.
+        duration: time at which the run ends [s].
+        free: (node_count, 6) bool, False where a displacement (x, y, z) or a director's rotation about x, y, z is held.
+        symmetry: planes ("x", "y") through the origin at which the blank is cut; their nodes are held accordingly.
+        motion: gravity and damping.
+        initial_velocity: (node_count, 3) [m/s].
+        device: "cpu", "cuda:0", ...
+        precision: "float32" or "float64".
+        threads: CPU threads; chosen by the number of elements if None.
+        lane_count: elements per kernel thread; chosen by the device if None.
+        frame_count: frames after the first, evenly spaced in time.
+        time_step: largest step allowed [s]; must be stable. None takes the stable one.
+        target_step: step to scale the mass for [s]; None adds none.
+        leading_tool: index of the tool whose displacement is the stroke.
+        stop_when: called with each frame; True ends the run.
+
+    Raises:
+        InputError: anything that would spoil the run, before it starts.
+    """
+
+    def __init__(
+        self,
+        *,
+        name: str,
+        blank: Blank,
+        fabric: Fabric,
+        tools: Sequence[Tool] = (),
+        duration: float,
+        free: np.ndarray | None = None,
+        symmetry: Sequence[str] = (),
+        motion: MotionParameters | None = None,
+        initial_velocity: np.ndarray | None = None,
+        device: str = "cpu",
+        precision: str = "float32",
+        threads: int | None = None,
+        lane_count: int | None = None,
+        frame_count: int = 60,
+        time_step: float | None = None,
+        target_step: float | None = None,
+        leading_tool: int = 0,
+        stop_when: Callable[[Frame], bool] | None = None,
+    ) -> None:
+        for label, value in (("duration", duration), ("time_step", time_step), ("target_step", target_step)):
+            if value is not None and not (math.isfinite(value) and value > 0.0):
+                raise InputError(f"{label} = {value} s: a positive, finite number of seconds is needed")
+        if frame_count < 1:
+            raise InputError(f"frame_count = {frame_count}: at least one frame is needed")
+        initialise()
+        self.name, self.blank, self.fabric, self.tools = name, blank, fabric, tuple(tools)
+        self.symmetry, self.duration, self.frame_count = tuple(symmetry), duration, frame_count
+        self.leading_tool, self.stop_when = leading_tool, stop_when
+        self.precision = resolve_precision(precision)
+        warp_device = resolve_device(device)
+        self.device = str(warp_device)
+        self.threads = resolve_thread_count(threads, blank.element_count) if warp_device.is_cpu else 1
+        lane_count = lane_count or (CPU_LANE_COUNT if warp_device.is_cpu else GPU_LANE_COUNT)
+        constraints = np.ones((blank.node_count, 6), dtype=bool) if free is None else np.array(free, dtype=bool)
+        self.free = hold_symmetry(blank, self.symmetry, constraints)
+        self.model = Model(
+            blank, fabric, self.free, motion or MotionParameters(), precision=self.precision, device=warp_device,
+            lane_count=lane_count, tool_count=len(self.tools), target_step=target_step,
+        )  # fmt: skip
+        device_tools = build_device_tools(self.tools, self.model.real, self.device)
+        self.state = State.initial(self.model, initial_velocity)
+        self.warnings = [*fabric.unit_cell.warnings(), *self._tool_warnings()]
+        self.stepper = Stepper(
+            self.model, self.state, device_tools, thread_count=self.threads, largest_step=time_step or math.inf
+        )
+        stable = self.stepper.stable_step()
+        if time_step is not None and time_step > stable:
+            raise InputError(
+                f"time_step = {time_step:.4g} s is unstable for this mesh and fabric: at most {stable:.4g} s "
+                "is stable; take that, a coarser mesh, or mass scaling (target_step)"
+            )
+        self.ledger = Ledger(self.stepper, self.tools, leading_tool)
+        self.frame: Frame = self.ledger.frame(0)
+        self.penetration: Penetration = self.ledger.penetration(self.frame)
+        self.history: list[dict[str, float]] = []
+        self.outcome: Outcome | None = None
+        self.failure: str | None = None
+        self.stepping_time = 0.0
+        self.wall_time = 0.0
+
+    def _tool_warnings(self) -> list[str]:
+        size = float(np.sqrt(self.model.geometry.area.max()))
+        return [
+            f"{tool.name}: {tool.elements_per_quarter_turn(size):.1f} elements of {size * 1e3:.2g} mm along 90 degrees "
+            f"of its {tool.smallest_radius * 1e3:.3g} mm radius; below five the sheet sags over the edge"
+            for tool in self.tools
+            if tool.elements_per_quarter_turn(size) < 5.0
+        ]
+
+    # --- the run -----------------------------------------------------------------------------------------------------
+
+    def run(self, observers: Sequence[Observer] = ()) -> Outcome:
+        """Run to the end, to ``stop_when``, to Ctrl-C, or until the state is no longer finite.
+
+        Every observer gets all frames and, however the run ends, its ``finish``.
+
+        Raises:
+            RunError: the state became non-finite; the message names the element and the likely cause.
+        """
+        started = time.perf_counter()
+        with ExitStack() as at_end, interruption() as interrupted:
+            self.outcome = Outcome.INTERRUPTED
+            for observer in observers:
+                observer.start(self)
+                at_end.callback(lambda observer=observer: observer.finish(self.outcome))
+            self._publish(self.frame, observers)
+            while True:
+                running = self._advance_to(self.duration * (self.frame.index + 1) / self.frame_count, interrupted)
+                if self.failure:
+                    self.outcome = Outcome.NOT_FINITE
+                    break
+                self._publish(self.ledger.frame(self.frame.index + 1), observers)
+                self.wall_time = time.perf_counter() - started
+                if not running:
+                    break
+                if self.frame.time >= self.duration or (self.stop_when and self.stop_when(self.frame)):
+                    self.outcome = Outcome.FINISHED
+                    break
+        self.wall_time = time.perf_counter() - started
+        if self.failure:
+            raise RunError(self.failure)
+        return self.outcome
+
+    def _publish(self, frame: Frame, observers: Sequence[Observer]) -> None:
+        self.frame = frame
+        penetration = self.ledger.penetration(frame)
+        self.penetration = Penetration(
+            max(self.penetration.at_nodes, penetration.at_nodes),
+            max(self.penetration.at_element_centres, penetration.at_element_centres),
+        )
+        self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
+        for observer in observers:
+            observer.frame(frame)
+
+    def _advance_to(self, target: float, interrupted: threading.Event) -> bool:
+        """Step until ``target`` [s]; False if Ctrl-C came."""
+        while (remaining := target - self.state.time) > 0.0:
+            started = time.perf_counter()
+            block_time = REFRESH_INTERVAL * self.state.step
+            self.stepper.advance(int(min(max(remaining // block_time, 1), LARGEST_REPLAY)))
+            self.failure = self._find_failure()
+            self.stepping_time += time.perf_counter() - started
+            if self.failure:
+                return True
+            if interrupted.is_set():
+                return False
+        return True
+
+    def _find_failure(self) -> str | None:
+        motion = self.state.motion.numpy()[:, : self.blank.node_count]
+        if math.isfinite(self.state.step) and self.state.step > 0.0 and np.isfinite(motion).all():
+            return None
+        bad_node = ~np.isfinite(motion).all(axis=(0, 2))
+        bad_element = bad_node[self.blank.quads].any(axis=1)
+        last = self.frame
+        strain = np.maximum(np.abs(last.fields["warp_stretch"] - 1.0), np.abs(last.fields["weft_stretch"] - 1.0))
+        suspect = int(np.argmax(np.where(bad_element, strain, -1.0))) if bad_element.any() else int(np.argmax(strain))
+        x, y = self.blank.element_centres()[suspect, :2]
+        angle = math.degrees(last.fields["shear_angle"][suspect])
+        if abs(angle) > 80.0:
+            cause = "its shear angle is beyond any locking: give the shear law a locking branch, or a smaller stroke"
+        elif strain[suspect] > 0.2:
+            cause = "its yarns are stretched or compressed far beyond the fabric: a tool moves too far or too fast"
+        else:
+            cause = "it failed within one frame: a tool that moves too fast, or two tools that meet through the sheet"
+        return (
+            f"the state became non-finite after {self.stepper.step_count} steps, {self.state.time:.4g} s; the last good "
+            f"frame is {last.index} at {last.time:.4g} s. Element {suspect}, at ({x:.4g}, {y:.4g}) m on the flat blank, "
+            f"is the first suspect: shear angle {angle:.1f} degrees, stretches "
+            f"{last.fields['warp_stretch'][suspect]:.3f} and {last.fields['weft_stretch'][suspect]:.3f}; {cause}"
+        )
+
+    # --- what is said of the run -------------------------------------------------------------------------------------
+
+    def summary(self) -> dict[str, object]:
+        """Numbers of the run for summary.json; SI units unless the name says otherwise."""
+        from . import __version__
+
+        fields, history = self.frame.fields, self.history
+        supplied = max(np.abs([entry["supplied"] for entry in history]).max(), 1.0e-300)
+        last_quarter = [e for e in history if e["time"] >= 0.75 * self.frame.time and e["internal"] > 0.0]
+        stretch = np.concatenate([fields["warp_stretch"], fields["weft_stretch"]])
+        return {
+            "weavesim_version": __version__,
+            "name": self.name,
+            "fabric": self.fabric.name,
+            "outcome": self.outcome.value if self.outcome else "not run",
+            "device": self.device,
+            "precision": self.precision.value,
+            "threads": self.threads,
+            "lane_count": self.model.lane_count,
+            "element_count": self.blank.element_count,
+            "node_count": self.blank.node_count,
+            "step_count": self.stepper.step_count,
+            "time_step_s": self.state.time / max(self.stepper.step_count, 1),
+            "time_s": self.state.time,
+            "wall_time_s": self.wall_time,
+            "stepping_time_s": self.stepping_time,
+            "element_steps_per_second": self.blank.element_count * self.stepper.step_count
+            / max(self.stepping_time, 1.0e-9),
+            "max_shear_angle_deg": float(np.degrees(np.abs(fields["shear_angle"]).max())),
+            "min_stretch": float(stretch.min()),
+            "max_stretch": float(stretch.max()),
+            "hourglass_energy_ratio": self.frame.energies["hourglass"] / max(self.frame.energies["internal"], 1e-300),
+            "kinetic_energy_ratio": max((e["kinetic"] / e["internal"] for e in last_quarter), default=0.0),
+            "damping_loss_ratio": self.frame.energies["damping_loss"] / supplied,
+            "energy_balance_error": max(
+                abs(e["balance_error"]) / max(abs(e["supplied"]), e["used"], 1.0e-3 * supplied) for e in history
+            ),
+            "added_mass_ratio": self.model.added_mass_ratio,
+            "penetration_at_nodes_mm": 1e3 * self.penetration.at_nodes,
+            "penetration_at_element_centres_mm": 1e3 * self.penetration.at_element_centres,
+            "unit_cell_max_residual": float(fields["unit_cell_residual"].max()),
+            "unit_cell_failures": int((~(fields["unit_cell_residual"] < UNIT_CELL_FAILURE)).sum()),
+            "energies_j": dict(self.frame.energies),
+            "warnings": list(self.warnings),
+        }
+
+
+def hold_symmetry(blank: Blank, planes: Sequence[str], free: np.ndarray) -> np.ndarray:
+    """``free`` with the nodes on the planes x = 0 and y = 0 held: they stay in the plane, directors turn in it.
+
+    Raises:
+        InputError: an unknown plane, or one that no node lies on.
+    """
+    free = free.copy()
+    for plane in planes:
+        if plane not in ("x", "y"):
+            raise InputError(f"symmetry plane {plane!r}: 'x' (the plane x = 0) and 'y' (the plane y = 0) are known")
+        axis = "xy".index(plane)
+        on_plane = np.abs(blank.node_position[:, axis]) < 1.0e-9 * max(1.0, np.ptp(blank.node_position[:, axis]))
+        if not on_plane.any():
+            raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
+        free[on_plane, axis] = False
+        turning = [3, 4, 5]
+        turning.remove(3 + axis)
+        free[np.ix_(on_plane, turning)] = False
+    return free
+
+
+@contextmanager
+def interruption() -> Iterator[threading.Event]:
+    """An event that Ctrl-C sets, so that a run stops between two blocks of steps; a second Ctrl-C stops at once."""
+    event = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield event
+        return
+    previous = signal.getsignal(signal.SIGINT)
+
+    def handle(signal_number: int, stack: object) -> None:
+        event.set()
+        signal.signal(signal.SIGINT, previous)
+
+    signal.signal(signal.SIGINT, handle)
+    try:
+        yield event
+    finally:
+        signal.signal(signal.SIGINT, previous)

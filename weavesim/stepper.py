@@ -1,0 +1,271 @@
+"""One time step as a sequence of launches, recorded once and replayed: per thread on a CPU, as a graph on a GPU.
+
+A step is: elements write the forces of their corners; nodes gather them, meet the tools and move; tools move and the
+clock advances. Every ``REFRESH_INTERVAL`` steps the stable step is taken anew from the current tangents.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from .kernels.barrier import barrier
+from .kernels.distance import tool_set_struct
+from .kernels.element import CELL_REPORT_ROWS, CORNER_ROW_COUNT, element_force_kernel
+from .kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, node_motion_kernel
+from .kernels.time_step import element_frequency_kernel, partial_maximum_kernel, set_step_kernel
+from .kernels.tool_motion import partial_sum_kernel, tool_motion_kernel
+from .model import Model, lanes_view
+from .tool import DeviceTools
+
+REFRESH_INTERVAL = 20
+STEP_SAFETY = 0.9
+# Reductions over more entries than this take two launches.
+LARGEST_SINGLE_SUM = 4096
+GROUP_SIZE = 256
+
+
+@dataclass
+class State:
+    """All that the kernels write. Scalars are [row, element or node], padded; see the kernels for the rows."""
+
+    motion: wp.array  # (4, nodes) vec3: position, velocity, director, angular velocity
+    crimp_change: wp.array  # (2, elements) [m]
+    cell_report: wp.array  # (4, elements)
+    corner_force: wp.array  # (24, elements)
+    node_report: wp.array  # (2, nodes) [J]
+    friction: wp.array  # (tools, nodes) vec3 [m]
+    reaction: wp.array  # (tools, node blocks) vec3 [N]
+    clock: wp.array  # time, step, mean step [s]
+
+    @classmethod
+    def initial(cls, model: Model, velocity: np.ndarray | None = None) -> State:
+        real, vec3, device = model.real, model.types.vec3, model.device
+        tool_rows = max(model.tool_count, 1)
+        clock = np.zeros(CLOCK_LENGTH)
+        clock[[CLOCK_STEP, CLOCK_MEAN_STEP]] = model.reference_step
+        return cls(
+            motion=wp.array(model.initial_motion(velocity), dtype=vec3, device=device),
+            crimp_change=wp.zeros((2, model.element_count), dtype=real, device=device),
+            cell_report=wp.zeros((len(CELL_REPORT_ROWS), model.element_count), dtype=real, device=device),
+            corner_force=wp.zeros((CORNER_ROW_COUNT, model.element_count), dtype=real, device=device),
+            node_report=wp.zeros((2, model.node_count), dtype=real, device=device),
+            friction=wp.zeros((tool_rows, model.node_count), dtype=vec3, device=device),
+            reaction=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=vec3, device=device),
+            clock=wp.array(clock, dtype=wp.float64, device=device),
+        )
+
+    @property
+    def time(self) -> float:
+        """[s]; waits for the device."""
+        return float(self.clock.numpy()[CLOCK_TIME])
+
+    @property
+    def step(self) -> float:
+        """Current time step [s]; waits for the device."""
+        return float(self.clock.numpy()[CLOCK_STEP])
+
+
+def chunks(count: int, part_count: int) -> list[tuple[int, int]]:
+    """(first, length) of ``part_count`` nearly equal parts of range(count)."""
+    edges = np.linspace(0, count, part_count + 1).astype(int)
+    return [(int(a), int(b - a)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+
+
+class Stepper:
+    """Advances a state in blocks of ``REFRESH_INTERVAL`` steps.
+
+    Args:
+        model: constants.
+        state: what is advanced.
+        tools: rigid tools on the same device.
+        thread_count: CPU threads; results do not depend on it, to the last bit.
+        largest_step: upper limit of the time step [s].
+    """
+
+    def __init__(
+        self, model: Model, state: State, tools: DeviceTools, *, thread_count: int = 1, largest_step: float = np.inf
+    ) -> None:
+        self.model, self.state, self.tools = model, state, tools
+        self.thread_count = thread_count if model.device.is_cpu else 1
+        self.largest_step = largest_step
+        real, lane_count, device = model.real, model.lane_count, model.device
+        self._element_forces = element_force_kernel(real, lane_count)
+        self._node_motion = node_motion_kernel(real, lane_count)
+        self._tool_motion = tool_motion_kernel(real)
+        self._partial_sums = partial_sum_kernel(real)
+        self._frequencies = element_frequency_kernel(real)
+        self._partial_maximum = partial_maximum_kernel(real)
+        self._set_step = set_step_kernel(real)
+        self._position, self._director = state.motion[0], state.motion[2]
+        self._tool_set = tool_set_struct(real)()
+        self._tool_set.tool, self._tool_set.part = tools.tool, tools.part
+        self._tool_set.displacement, self._tool_set.velocity = tools.displacement, tools.velocity
+        self._squared_frequency = wp.zeros(model.element_count, dtype=real, device=device)
+        self._maxima = wp.zeros(-(-model.element_count // GROUP_SIZE), dtype=real, device=device)
+        self._counter = wp.zeros(1, dtype=wp.int32, device=device)
+        self._sums = state.reaction
+        if state.reaction.shape[1] > LARGEST_SINGLE_SUM:
+            group_count = -(-state.reaction.shape[1] // GROUP_SIZE)
+            self._sums = wp.zeros((state.reaction.shape[0], group_count), dtype=model.types.vec3, device=device)
+        self._load_modules()
+        self._refresh_graphs = self._record(self._refresh)
+        self._block_graphs = self._record(self._block)
+        self.step_count = 0
+        self._replay(self._refresh_graphs)
+
+    # --- the launches of one thread ----------------------------------------------------------------------------------
+
+    def evaluate(self, first: int = 0, count: int | None = None) -> None:
+        """Element forces of the current state, in the blocks of lanes from ``first``."""
+        model, state = self.model, self.state
+        count = model.element_count // model.lane_count if count is None else count
+        view = lambda array: lanes_view(array, model.lane_count)  # noqa: E731
+        wp.launch(
+            self._element_forces,
+            dim=count,
+            inputs=[first, model.elements, model.cell, model.laws, self._position, self._director],
+            outputs=[view(state.crimp_change), view(state.cell_report), view(state.corner_force)],
+            device=model.device,
+        )
+
+    def _advance_nodes(self, first: int, count: int) -> None:
+        model, state = self.model, self.state
+        wp.launch(
+            self._node_motion,
+            dim=count,
+            inputs=[
+                first, model.nodes, model.motion_laws, self._tool_set, state.clock, state.corner_force.flatten(),
+            ],
+            outputs=[state.motion, state.friction, state.reaction, lanes_view(state.node_report, model.lane_count)],
+            device=model.device,
+        )  # fmt: skip
+
+    def _advance_tools(self) -> None:
+        model, state, tools = self.model, self.state, self.tools
+        if self._sums is not state.reaction:
+            wp.launch(
+                self._partial_sums,
+                dim=self._sums.shape,
+                inputs=[GROUP_SIZE, state.reaction],
+                outputs=[self._sums],
+                device=model.device,
+            )
+        wp.launch(
+            self._tool_motion,
+            dim=1,
+            inputs=[tools.drive, tools.axis, tools.curve_times, tools.curve_values, self._sums],
+            outputs=[state.clock, tools.displacement, tools.velocity, tools.total_reaction, tools.work],
+            device=model.device,
+        )
+
+    def _refresh_frequencies(self, first: int, count: int) -> None:
+        model, state = self.model, self.state
+        wp.launch(
+            self._frequencies,
+            dim=count,
+            inputs=[
+                first, model.elements_single, model.cell, model.laws, self._position,
+                lanes_view(state.crimp_change, 1), lanes_view(model.inverse_areal_density, 1),
+                lanes_view(model.constant_frequency, 1),
+            ],
+            outputs=[lanes_view(self._squared_frequency, 1)],
+            device=model.device,
+        )  # fmt: skip
+
+    def _refresh_step(self) -> None:
+        wp.launch(
+            self._partial_maximum,
+            dim=self._maxima.shape[0],
+            inputs=[GROUP_SIZE, lanes_view(self._squared_frequency, 1)],
+            outputs=[self._maxima],
+            device=self.model.device,
+        )
+        wp.launch(
+            self._set_step,
+            dim=1,
+            inputs=[self._maxima, STEP_SAFETY, self.largest_step],
+            outputs=[self.state.clock],
+            device=self.model.device,
+        )
+
+    # --- recording and replay ----------------------------------------------------------------------------------------
+
+    def _wait(self) -> None:
+        if self.thread_count > 1:
+            wp.launch(barrier, dim=1, inputs=[self._counter, self.thread_count], device=self.model.device)
+
+    def _refresh(self, thread: int) -> None:
+        self._refresh_frequencies(*chunks(self.model.element_count, self.thread_count)[thread])
+        self._wait()
+        if thread == 0:
+            self._refresh_step()
+        self._wait()
+
+    def _block(self, thread: int) -> None:
+        model = self.model
+        element_chunk = chunks(model.element_count // model.lane_count, self.thread_count)[thread]
+        node_chunk = chunks(model.node_count // model.lane_count, self.thread_count)[thread]
+        for _ in range(REFRESH_INTERVAL):
+            self.evaluate(*element_chunk)
+            self._wait()
+            self._advance_nodes(*node_chunk)
+            self._wait()
+            if thread == 0:
+                self._advance_tools()
+            self._wait()
+        self._refresh(thread)
+
+    def _load_modules(self) -> None:
+        """Compile what is not cached, before anything is recorded."""
+        kernels = [
+            self._element_forces, self._node_motion, self._tool_motion, self._partial_sums, self._frequencies,
+            self._partial_maximum, self._set_step,
+        ]  # fmt: skip
+        if self.thread_count > 1:
+            kernels.append(barrier)
+        for kernel in kernels:
+            kernel.module.load(self.model.device)
+
+    def _record(self, launches: Callable[[int], None]) -> list[wp.Graph]:
+        graphs = []
+        for thread in range(self.thread_count):
+            wp.capture_begin(device=self.model.device)
+            try:
+                launches(thread)
+            finally:
+                graph = wp.capture_end(device=self.model.device)
+            graphs.append(graph)
+        return graphs
+
+    def _replay(self, graphs: list[wp.Graph], times: int = 1) -> None:
+        if len(graphs) == 1:
+            for _ in range(times):
+                wp.capture_launch(graphs[0])
+            return
+        self._counter.zero_()
+
+        def replay(graph: wp.Graph) -> None:
+            for _ in range(times):
+                wp.capture_launch(graph)
+
+        others = [threading.Thread(target=replay, args=(graph,)) for graph in graphs[1:]]
+        for thread in others:
+            thread.start()
+        replay(graphs[0])
+        for thread in others:
+            thread.join()
+
+    def stable_step(self) -> float:
+        """Stable step of the present state, safety included [s]; waits for the device."""
+        largest = float(self._maxima.numpy().max())
+        return STEP_SAFETY * 2.0 / np.sqrt(largest)
+
+    def advance(self, block_count: int = 1) -> None:
+        """Do ``block_count`` times ``REFRESH_INTERVAL`` steps."""
+        self._replay(self._block_graphs, block_count)
+        self.step_count += block_count * REFRESH_INTERVAL

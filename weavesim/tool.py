@@ -1,0 +1,197 @@
+"""A rigid tool, and the arrays that tell the device of all tools of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import warp as wp
+
+from .errors import InputError
+from .kernels.distance import part_struct, sample_distance_kernel, tool_struct
+from .kernels.tool_motion import FORCE, STROKE, ToolDrive
+from .motion import Driven, Fixed, Motion
+from .shapes import Shape, Vector, finite, unit_vector, vector
+
+if TYPE_CHECKING:
+    import trimesh
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A rigid body that moves along one axis and that the sheet may touch on either face.
+
+    Attributes:
+        name: "punch", "die", "blank_holder", or any other.
+        shape: where it stands at zero displacement.
+        motion: along ``axis``.
+        friction: Coulomb coefficient between tool and sheet.
+        axis: direction of the motion, scaled to length one.
+        colour: to draw it, red, green and blue from 0 to 1.
+    """
+
+    name: str
+    shape: Shape
+    motion: Motion = Fixed()
+    friction: float = 0.2
+    axis: Vector = (0.0, 0.0, 1.0)
+    colour: Vector = (0.62, 0.65, 0.70)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.shape, Shape):
+            raise InputError(f"tool {self.name}: shape is {self.shape!r}; it must be a shape, such as Plane or Sphere.")
+        if not isinstance(self.motion, Motion):
+            raise InputError(f"tool {self.name}: motion is {self.motion!r}; it must be Fixed, Stroke or Driven.")
+        friction = finite(f"tool {self.name}: friction", self.friction)
+        if friction < 0.0:
+            raise InputError(f"tool {self.name}: friction is {friction}; it must not be negative.")
+        colour = vector(f"tool {self.name}: colour", self.colour)
+        if min(colour) < 0.0 or max(colour) > 1.0:
+            raise InputError(f"tool {self.name}: colour is {colour}; each of red, green and blue goes from 0 to 1.")
+        object.__setattr__(self, "friction", friction)
+        object.__setattr__(self, "colour", colour)
+        object.__setattr__(self, "axis", unit_vector(f"tool {self.name}: axis", self.axis))
+
+    @property
+    def smallest_radius(self) -> float:
+        """Smallest radius that the sheet may be bent over [m]."""
+        return self.shape.smallest_radius
+
+    def display_mesh(self) -> trimesh.Trimesh:
+        """Triangles to draw, at zero displacement [m]."""
+        return self.shape.display_mesh()
+
+    def elements_per_quarter_turn(self, element_size: float) -> float:
+        """Elements of ``element_size`` [m] along 90 degrees of the smallest radius; below five is coarse."""
+        return 0.5 * np.pi * self.smallest_radius / element_size
+
+    def distance(
+        self, points: np.ndarray, displacement: float = 0.0, device: str = "cpu"
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Signed distance of ``points`` (n, 3) [m], in double precision, and the outward normals (n, 3)."""
+        points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+        tools = build_device_tools([self], wp.float64, device)
+        distance = wp.zeros(len(points), dtype=wp.float64, device=device)
+        normal = wp.zeros(len(points), dtype=wp.vec3d, device=device)
+        wp.launch(
+            sample_distance_kernel(wp.float64, 1),
+            dim=len(points),
+            inputs=[
+                tools.tool,
+                tools.part,
+                0,
+                wp.float64(displacement),
+                wp.array(points, dtype=wp.vec3d, device=device),
+            ],
+            outputs=[distance, normal],
+            device=device,
+        )
+        return distance.numpy(), normal.numpy()
+
+
+@dataclass(frozen=True)
+class DeviceTools:
+    """Tools as the kernels take them; arrays on one device.
+
+    Attributes:
+        tool: ``kernels.distance.tool_struct(real)``, (tool_count,).
+        part: ``kernels.distance.part_struct(real)``, (part_count,), all parts of all tools.
+        drive: ``kernels.tool_motion.ToolDrive``, (tool_count,).
+        axis: directions of motion, (tool_count,) of vec3d.
+        curve_times, curve_values: knots of all motions [s], [m] or [N], (knot_count,) of float64.
+        displacement: along each axis, (tool_count,) of float64 [m]; its value at time zero.
+        velocity: likewise [m/s].
+        total_reaction: force of the sheet on each tool, (tool_count,) of vec3d [N].
+        work: rows: work of the tool on the sheet, work of the driving force; (2, tool_count) of float64 [J].
+        shapes: keeps the sampled volumes alive that ``part`` refers to.
+    """
+
+    tool: wp.array
+    part: wp.array
+    drive: wp.array
+    axis: wp.array
+    curve_times: wp.array
+    curve_values: wp.array
+    displacement: wp.array
+    velocity: wp.array
+    total_reaction: wp.array
+    work: wp.array
+    shapes: tuple[Shape, ...]
+
+    @property
+    def count(self) -> int:
+        return self.tool.shape[0]
+
+
+def build_device_tools(tools: Sequence[Tool], real: type, device: str) -> DeviceTools:
+    """Arrays for ``node_motion_kernel`` and ``tool_motion_kernel``.
+
+    Args:
+        tools: in the order of every array; may be empty.
+        real: wp.float32 or wp.float64, of distances and frames.
+        device: Warp's name of it.
+    """
+    ToolStruct, PartStruct = tool_struct(real), part_struct(real)
+    tool_structs: list[Any] = []
+    part_structs: list[Any] = []
+    drives: list[Any] = []
+    shapes: list[Shape] = []
+    times, values = [np.empty(0)], [np.empty(0)]
+    displacements: list[float] = []
+    velocities: list[float] = []
+    knot_count = 0
+    for tool in tools:
+        tool_data = ToolStruct()
+        tool_data.first_part = len(part_structs)
+        parts = tool.shape.parts()
+        tool_data.part_count = len(parts)
+        tool_data.axis = tool.axis
+        tool_data.friction = tool.friction
+        tool_structs.append(tool_data)
+        for part in parts:
+            part_data = PartStruct()
+            part.fill(part_data, device)
+            part_structs.append(part_data)
+            shapes.append(part)
+
+        curve_times, curve_values = tool.motion.curve()
+        driven = isinstance(tool.motion, Driven)
+        drive = ToolDrive()
+        drive.kind = int(FORCE if driven else STROKE)
+        drive.first_knot = knot_count
+        drive.knot_count = len(curve_times)
+        drive.mass = tool.motion.mass if isinstance(tool.motion, Driven) else 0.0
+        drives.append(drive)
+        times.append(curve_times)
+        values.append(curve_values)
+        knot_count += len(curve_times)
+        displacements.append(0.0 if driven else float(np.interp(0.0, curve_times, curve_values)))
+        velocities.append(0.0 if driven else _initial_velocity(curve_times, curve_values))
+
+    def array(data: list | np.ndarray, dtype: type) -> wp.array:
+        return wp.array(data, dtype=dtype, device=device) if len(data) else wp.empty(0, dtype=dtype, device=device)
+
+    count = len(tool_structs)
+    return DeviceTools(
+        tool=array(tool_structs, ToolStruct),
+        part=array(part_structs, PartStruct),
+        drive=array(drives, ToolDrive),
+        axis=array([tool.axis for tool in tools], wp.vec3d),
+        curve_times=array(np.concatenate(times), wp.float64),
+        curve_values=array(np.concatenate(values), wp.float64),
+        displacement=array(displacements, wp.float64),
+        velocity=array(velocities, wp.float64),
+        total_reaction=wp.zeros(count, dtype=wp.vec3d, device=device),
+        work=wp.zeros((2, count), dtype=wp.float64, device=device),
+        shapes=tuple(shapes),
+    )
+
+
+def _initial_velocity(times: np.ndarray, displacements: np.ndarray) -> float:
+    """Slope of the stroke just after time zero [m/s]."""
+    k = int(np.searchsorted(times, 0.0, side="right"))
+    if k == 0 or k == len(times):
+        return 0.0
+    return float((displacements[k] - displacements[k - 1]) / (times[k] - times[k - 1]))

@@ -7,18 +7,19 @@ import warp as wp
 from .element import (
     element_strains,
     element_struct,
+    element_positions,
     element_vectors,
     hourglass_stiffnesses,
     hourglass_strains,
     yarn_displacements,
 )
 from .lanes import angle_of, cross, div, dot, fill, larger, lane_types, mul, scale, spread, square_root, where_positive
-from .sheet import bending_moments, shear_energy, sheet_struct, transverse_shear_forces
+from .sheet import bending_moments, compressive_force, shear_energy, sheet_struct, transverse_shear_forces
 from .unit_cell import solve_unit_cell, unit_cell_energies, unit_cell_struct
 
 # Rows of the element energies [J], in this order.
 ELEMENT_ENERGIES = (
-    "warp_axial", "weft_axial", "yarn_bending", "crossover_contact",
+    "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "compression",
     "shear", "bending", "transverse_shear", "hourglass", "snap",
 )  # fmt: skip
 # Rows of the element fields.
@@ -39,6 +40,7 @@ def element_ledger_kernel(real: type):
         cell: UnitCell,
         laws: SheetLaws,
         position: wp.array(dtype=vec3),
+        remainder: wp.array(dtype=vec3),
         director: wp.array(dtype=vec3),
         crimp_change: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),
@@ -47,7 +49,7 @@ def element_ledger_kernel(real: type):
         fields: wp.array2d(dtype=lanes),
     ):
         e = wp.tid()
-        a1, a2, mean_position, x_hourglass = element_vectors(elements, e, position, lanes3())
+        a1, a2, mean_position, x_hourglass = element_positions(elements, e, position, remainder, lanes3())
         d1, d2, mean_director, d_hourglass = element_vectors(elements, e, director, lanes3())
         m11 = dot(a1, a1)
         m12 = dot(a1, a2)
@@ -75,15 +77,20 @@ def element_ledger_kernel(real: type):
         energies[1, e] = cells * weft
         energies[2, e] = cells * yarn_bending
         energies[3, e] = cells * contact
-        energies[4, e] = area * shear_energy(laws, m12, angle)
-        energies[5, e] = half * area * (moment11 * k11 + real(2.0) * moment12 * k12 + moment22 * k22)
-        energies[6, e] = half * area * (q1 * g1 + q2 * g2)
-        energies[7, e] = half * area * (
+        squeeze1 = compressive_force(laws, stretch1)
+        squeeze2 = compressive_force(laws, stretch2)
+        energies[4, e] = half * area * (
+            squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0))
+        )
+        energies[5, e] = area * shear_energy(laws, m12, angle)
+        energies[6, e] = half * area * (moment11 * k11 + real(2.0) * moment12 * k12 + moment22 * k22)
+        energies[7, e] = half * area * (q1 * g1 + q2 * g2)
+        energies[8, e] = half * area * (
             in_plane * (dot(x_hourglass, x_hourglass) - height * height)
             + warping_stiffness * warping * warping
             + director_stiffness * (twist1 * twist1 + twist2 * twist2)
         )
-        energies[8, e] = area * cell_report[2, e]
+        energies[9, e] = area * cell_report[2, e]
         fields[0, e] = angle
         fields[1, e] = stretch1
         fields[2, e] = stretch2

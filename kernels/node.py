@@ -14,6 +14,9 @@ CLOCK_STEP = wp.constant(1)
 CLOCK_MEAN_STEP = wp.constant(2)
 CLOCK_LENGTH = 3
 
+# Rows of the motion array; the remainder is what rounding cut off the position.
+MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
+
 # Rows of the node report [J]: work done against friction so far (lost, or held in the friction springs); lost in damping.
 FRICTION_ROW = wp.constant(0)
 DAMPING_ROW = wp.constant(1)
@@ -112,7 +115,7 @@ def node_motion_kernel(real: type, lane_count: int):
         clock: wp.array(dtype=wp.float64),
         corners: wp.array(dtype=real),
         # Out
-        motion: wp.array2d(dtype=vec3),  # rows: position, velocity, director, angular velocity
+        motion: wp.array2d(dtype=vec3),  # rows: see MOTION_ROWS
         friction: wp.array2d(dtype=vec3),  # tangential spring of each tool [m]
         reaction: wp.array2d(dtype=vec3),  # [tool, block]: force of the sheet on the tool [N]
         report: wp.array2d(dtype=lanes),
@@ -182,7 +185,11 @@ def node_motion_kernel(real: type, lane_count: int):
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )
         store(motion[1], first, new_velocity)
-        store(motion[0], first, x + step * new_velocity)
+        # compensated sum: nothing of a small step is lost beside a large coordinate
+        way = step * new_velocity + load(motion[4], first, lanes3())
+        new_x = x + way
+        store(motion[4], first, way - (new_x - x))
+        store(motion[0], first, new_x)
 
         # rotation of the director: I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps its length
         director = load(motion[2], first, lanes3())

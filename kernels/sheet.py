@@ -34,9 +34,10 @@ def sheet_struct(real: type):
         poisson_ratio: real
         yarn_bending_stiffness: wp.types.vector(3, real)  # D_1, D_2, D_12 [N m]
         transverse_shear_stiffness: real  # 5/6 G t [N/m]
-        hourglass_in_plane: real  # factor of the sum of squared shape gradients [N/m * m^2]
+        compressive_stiffness: real  # of the sheet itself along a yarn that is pushed together [N/m]
+        hourglass_in_plane: real  # factors of the sum of squared shape gradients: [N/m]
         hourglass_warping: real
-        hourglass_director: real
+        hourglass_director: real  # [N m]
 
     return SheetLaws
 
@@ -117,6 +118,16 @@ def shear_tangent_bound(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any
             fill(m11, 1.0) + magnitude(m12) / area_ratio
         )
     return bound
+
+
+# --- compression ------------------------------------------------------------------------------------------------------
+
+
+@wp.func
+def compressive_force(laws: Any, stretch: Any):
+    """Resistance of the sheet itself to a yarn that is pushed together [N/m], <= 0; psi = 1/2 k min(stretch - 1, 0)^2."""
+    shortening = stretch - fill(stretch, 1.0)
+    return laws.compressive_stiffness * where_positive(shortening, fill(stretch, 0.0), shortening)
 
 
 # --- bending and transverse shear -------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ from functools import cache
 
 import warp as wp
 
-from .element import element_struct, element_vectors, yarn_displacements
+from .element import element_positions, element_struct, yarn_displacements
 from .lanes import angle_of, cross, div, dot, larger, lane_types, magnitude, mul, spread, square_root
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
 from .sheet import shear_tangent_bound, sheet_struct
@@ -26,6 +26,7 @@ def element_frequency_kernel(real: type):
         cell: UnitCell,
         laws: SheetLaws,
         position: wp.array(dtype=vec3),
+        remainder: wp.array(dtype=vec3),
         crimp_change: wp.array2d(dtype=lanes),
         inverse_areal_density: wp.array(dtype=lanes),  # per element, with any added mass
         constant_part: wp.array(dtype=lanes),  # bending, transverse shear, stabilisation, contact
@@ -33,7 +34,7 @@ def element_frequency_kernel(real: type):
         squared_frequency: wp.array(dtype=lanes),
     ):
         e = first + wp.tid()
-        a1, a2, mean_position, x_hourglass = element_vectors(elements, e, position, lanes3())
+        a1, a2, mean_position, x_hourglass = element_positions(elements, e, position, remainder, lanes3())
         m11 = dot(a1, a1)
         m12 = dot(a1, a2)
         m22 = dot(a2, a2)

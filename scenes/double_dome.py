@@ -58,7 +58,9 @@ class DoubleDomeParameters(RunOptions):
         default=None, description="the holder keeps this distance beyond the thickness [m], instead of a force"
     )
     punch_speed: Positive = Field(default=1.0, description="[m/s]")
-    stroke: Positive = Field(default=0.060, description="depth of the dome [m]")
+    stroke: Positive = Field(
+        default=0.0612, description="way of the punch from first touch [m]: depth 60 mm below the die face, plus the thickness"
+    )
     damping: NotNegative = Field(default=100.0, description="mass-proportional damping rate [1/s]")
     frames: int = Field(default=60, ge=1, description="frames after the first")
 

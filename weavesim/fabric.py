@@ -281,6 +281,9 @@ class Fabric(Parameters):
     shear: LinearShear | MomentCurve
     bending: IsotropicBending | YarnBending
     transverse_shear_modulus: NotNegative = Field(description="G of equation (6) across the sheet [Pa]")
+    compressive_stiffness: NotNegative = Field(
+        default=0.0, description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]"
+    )
     stabilisation: Stabilisation = Stabilisation()
     source: str = ""
     assumed: tuple[str, ...] = ()
@@ -347,9 +350,9 @@ def glass_polypropylene(
             locking_angle=locking_angle, locking_stiffness=LARGEST_LOCKING_SHARE * yarn_stiffness / pitch * 0.1,
         ),
         bending=IsotropicBending(modulus=20.0e6, poisson_ratio=0.0),
-        transverse_shear_modulus=10.0e6,
+        transverse_shear_modulus=10.0e6, compressive_stiffness=20.0e6 * thickness,
         source="Aridhi et al. 2019, credited there to Cao et al. 2008 (shear curve, density, thickness, pitch, E A)",
-        assumed=("crimp", "contact stiffness", "yarn bending", "sheet bending", "transverse shear", "locking"),
+        assumed=("crimp", "contact stiffness", "yarn bending", "sheet bending", "transverse shear", "compression", "locking"),
     )  # fmt: skip
 
 

@@ -18,7 +18,8 @@ from .tool import Tool
 
 # Elastic energies of the sheet; their sum is the internal energy.
 INTERNAL = (
-    "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "shear", "bending", "transverse_shear", "hourglass",
+    "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "compression",
+    "shear", "bending", "transverse_shear", "hourglass",
 )  # fmt: skip
 STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
 LOST = ("friction_loss", "damping_loss", "snap_loss")
@@ -62,7 +63,7 @@ class Ledger:
             self._kernel,
             dim=model.element_count,
             inputs=[
-                model.elements_single, model.cell, model.laws, state.motion[0], state.motion[2],
+                model.elements_single, model.cell, model.laws, state.motion[0], state.motion[4], state.motion[2],
                 lanes_view(state.crimp_change, 1), lanes_view(state.cell_report, 1),
             ],
             outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
@@ -73,19 +74,19 @@ class Ledger:
         report = dict(zip(CELL_REPORT_ROWS, state.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
         fields["unit_cell_residual"] = report["worst_residual"]
         fields["unit_cell_iterations"] = report["iterations"]
-        position, velocity, director, spin = state.motion.numpy()[:, : model.blank.node_count].astype(np.float64)
+        position, velocity, director, spin, remainder = state.motion.numpy()[:, : model.blank.node_count].astype(np.float64)
         displacement = stepper.tools.displacement.numpy().copy()
         return Frame(
             index=index,
             step_count=stepper.step_count,
             time=state.time,
             stroke=float(displacement[self._leading_tool]) if len(displacement) else 0.0,
-            position=position,
+            position=position + remainder,
             director=director,
             fields=fields,
             tool_displacement=displacement,
             tool_reaction=stepper.tools.total_reaction.numpy().copy(),
-            energies=self._balance(position, velocity, spin),
+            energies=self._balance(position + remainder, velocity, spin),
         )
 
     def _velocities(self) -> tuple[np.ndarray, np.ndarray]:

@@ -81,7 +81,9 @@ def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         shapes = np.full((len(candidates), 4), 0.25)
         for _ in range(20):  # Newton on the bilinear map; exact after one step on parallelograms
             r, s = local.T
-            shapes = 0.25 * np.stack([(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)], axis=1)
+            shapes = 0.25 * np.stack(
+                [(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)], axis=1
+            )
             by_r = 0.25 * np.stack([s - 1, 1 - s, 1 + s, -1 - s], axis=1)
             by_s = 0.25 * np.stack([r - 1, -1 - r, 1 + r, 1 - r], axis=1)
             corner = corners[candidates]
@@ -89,20 +91,23 @@ def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             miss = point - np.einsum("ec,ecx->ex", shapes, corner)
             determinant = jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]
             solvable = np.abs(determinant) > 1.0e-300
-            step = np.stack(
-                [
-                    jacobian[:, 1, 1] * miss[:, 0] - jacobian[:, 0, 1] * miss[:, 1],
-                    jacobian[:, 0, 0] * miss[:, 1] - jacobian[:, 1, 0] * miss[:, 0],
-                ],
-                axis=1,
-            ) / np.where(solvable, determinant, 1.0)[:, None]
+            step = (
+                np.stack(
+                    [
+                        jacobian[:, 1, 1] * miss[:, 0] - jacobian[:, 0, 1] * miss[:, 1],
+                        jacobian[:, 0, 0] * miss[:, 1] - jacobian[:, 1, 0] * miss[:, 0],
+                    ],
+                    axis=1,
+                )
+                / np.where(solvable, determinant, 1.0)[:, None]
+            )
             local = np.clip(local + step, -3.0, 3.0)
         outside = np.abs(local).max(axis=1, initial=0.0)
         if not len(candidates) or outside[best := int(np.argmin(outside))] > 1.0 + 1.0e-3:
             x, y = blank.material_coordinates.min(axis=0), blank.material_coordinates.max(axis=0)
             raise InputError(
-                f"point ({point[0]:.6g}, {point[1]:.6g}) m lies outside the blank, which spans {x[0]:.6g} to {y[0]:.6g} "
-                f"m in x and {x[1]:.6g} to {y[1]:.6g} m in y; give a point on the flat blank"
+                f"point ({point[0]:.6g}, {point[1]:.6g}) m lies outside the blank, which spans {x[0]:.6g} to "
+                f"{y[0]:.6g} m in x and {x[1]:.6g} to {y[1]:.6g} m in y; give a point on the flat blank"
             )
         elements.append(candidates[best])
         weights.append(shapes[best])
@@ -129,7 +134,7 @@ def shear_angle_at(
 
 
 def ten_points(half_length: float, half_width: float) -> np.ndarray:
-    """Points 1 to 10 of the double dome, (10, 2) [m]: the line from (half_length, 0) to (0, half_width) in nine parts."""
+    """Points 1 to 10 of the double dome, (10, 2) [m]: nine equal parts from (half_length, 0) to (0, half_width)."""
     return np.linspace((half_length, 0.0), (0.0, half_width), 10)
 
 
@@ -236,7 +241,7 @@ def outline(blank: Blank, symmetry: Sequence[str] = ()) -> Outline:
 
 
 def whole_outline(blank: Blank, values: np.ndarray, symmetry: Sequence[str] = ()) -> np.ndarray:
-    """Nodal vectors (node_count, 2 or 3) on the closed outline of the whole part, mirrored where needed, (k, 2 or 3)."""
+    """Nodal vectors (node_count, 2 or 3) on the closed outline of the whole part, (k, 2 or 3)."""
     border = outline(blank, symmetry)
     own = values[border.node]
     if border.closed:
@@ -370,9 +375,7 @@ def rim_folds(
     radius = np.hypot(*whole_outline(blank, position, symmetry)[:, :2].T)
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(flat, axis=0, append=flat[:1]), axis=1))])
     sample_count = max(512, 4 * len(flat))
-    even = np.interp(
-        np.arange(sample_count) * length[-1] / sample_count, length, np.concatenate([radius, radius[:1]])
-    )
+    even = np.interp(np.arange(sample_count) * length[-1] / sample_count, length, np.concatenate([radius, radius[:1]]))
     spectrum = np.fft.rfft(even)
     spectrum[:5] = 0.0
     wrinkle = np.fft.irfft(spectrum, sample_count)

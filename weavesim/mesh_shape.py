@@ -212,6 +212,11 @@ class MeshSurface:
                     f"give at least {spacing * (voxel_count / LARGEST_VOXEL_COUNT) ** 0.5:.2g} m, or a smaller reach."
                 )
             spacing *= 1.02 * (voxel_count / CHOSEN_VOXEL_COUNT) ** (1.0 / 3.0)
+            if self.reach is not None and spacing > 0.5 * self.reach:
+                raise InputError(
+                    f"{self.name}: a reach of {self.reach} m takes too many samples at a spacing that resolves it; "
+                    "leave reach out, or give a spacing too."
+                )
         volume = wp.Volume.allocate_by_tiles(
             wp.array(tiles, dtype=wp.vec3i, device=device),
             voxel_size=spacing,

@@ -14,7 +14,7 @@ from .errors import InputError
 from .fabric import SHEAR_KNOT_COUNT, Fabric, IsotropicBending, LinearShear, UnitCell
 from .kernels.element import element_struct
 from .kernels.lanes import lane_types
-from .kernels.node import motion_struct, node_struct
+from .kernels.node import MOTION_ROWS, motion_struct, node_struct
 from .kernels.sheet import BENDING_ISOTROPIC, BENDING_YARNS, SHEAR_CURVE, SHEAR_LINEAR, sheet_struct
 from .kernels.unit_cell import unit_cell_struct
 
@@ -136,7 +136,7 @@ class Frequencies:
         turning = transverse + bending + (4.0 * director * gamma + warping) * b
         radius = np.maximum(fabric.thickness**2 / 12.0, turning / (areal_density * ROTARY_SHARE * straight))
         constant = (
-            4.0 / areal_density * (transverse * b + in_plane * b * gamma + warping * b * gamma / 16.0)
+            4.0 / areal_density * ((transverse + fabric.compressive_stiffness) * b + in_plane * b * gamma + warping * b * gamma / 16.0)
             + turning / (areal_density * radius)
         )
         return cls(straight, constant, radius)
@@ -321,6 +321,7 @@ class Model:
         per_yarn = (0.0, 0.0, 0.0) if isotropic else (bending.warp, bending.weft, bending.twist)
         laws.yarn_bending_stiffness = self.types.vec3(*per_yarn)
         laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
+        laws.compressive_stiffness = fabric.compressive_stiffness
         laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(fabric)
         return laws
 
@@ -372,9 +373,9 @@ class Model:
     # --- initial values ----------------------------------------------------------------------------------------------
 
     def initial_motion(self, velocity: np.ndarray | None = None) -> np.ndarray:
-        """Rows position, velocity, director, angular velocity, (4, padded nodes, 3)."""
+        """Rows MOTION_ROWS, (5, padded nodes, 3); the remainder is what the precision cannot hold of the positions."""
         count = self.blank.node_count
-        rows = np.zeros((4, self.node_count, 3))
+        rows = np.zeros((len(MOTION_ROWS), self.node_count, 3))
         rows[0, :count] = self.blank.node_position
         # the padding square, far from nothing: its nodes have no contact stiffness
         rows[0, count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
@@ -382,6 +383,7 @@ class Model:
         rows[2, :count] = self.blank.initial_director
         if velocity is not None:
             rows[1, :count] = velocity
+        rows[4] = rows[0] - rows[0].astype(self.precision.numpy)
         return rows
 
 

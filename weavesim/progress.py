@@ -108,7 +108,7 @@ class ProgressBar:
             self._handler = None
 
     def _print(self, text: str) -> None:
-        self._console.print(f"{self._name}: {text}", soft_wrap=True)
+        self._console.print(f"{self._name}: {text}", markup=False, soft_wrap=True)
 
     def _state(self, frame: Frame) -> str:
         parts = [f"stroke {frame.stroke * 1e3:.1f} mm"]

@@ -33,7 +33,7 @@ GROUP_SIZE = 256
 class State:
     """All that the kernels write. Scalars are [row, element or node], padded; see the kernels for the rows."""
 
-    motion: wp.array  # (4, nodes) vec3: position, velocity, director, angular velocity
+    motion: wp.array  # (5, nodes) vec3, rows MOTION_ROWS
     crimp_change: wp.array  # (2, elements) [m]
     cell_report: wp.array  # (4, elements)
     corner_force: wp.array  # (24, elements)
@@ -101,7 +101,7 @@ class Stepper:
         self._frequencies = element_frequency_kernel(real)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
-        self._position, self._director = state.motion[0], state.motion[2]
+        self._position, self._director, self._remainder = state.motion[0], state.motion[2], state.motion[4]
         self._tool_set = tool_set_struct(real)()
         self._tool_set.tool, self._tool_set.part = tools.tool, tools.part
         self._tool_set.displacement, self._tool_set.velocity = tools.displacement, tools.velocity
@@ -128,7 +128,7 @@ class Stepper:
         wp.launch(
             self._element_forces,
             dim=count,
-            inputs=[first, model.elements, model.cell, model.laws, self._position, self._director],
+            inputs=[first, model.elements, model.cell, model.laws, self._position, self._remainder, self._director],
             outputs=[view(state.crimp_change), view(state.cell_report), view(state.corner_force)],
             device=model.device,
         )
@@ -169,7 +169,7 @@ class Stepper:
             self._frequencies,
             dim=count,
             inputs=[
-                first, model.elements_single, model.cell, model.laws, self._position,
+                first, model.elements_single, model.cell, model.laws, self._position, self._remainder,
                 lanes_view(state.crimp_change, 1), lanes_view(model.inverse_areal_density, 1),
                 lanes_view(model.constant_frequency, 1),
             ],

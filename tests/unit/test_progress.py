@@ -30,7 +30,7 @@ def simulation():
         precision="float32",
         device="cpu",
         threads=2,
-        warnings=["die: 3.1 elements along 90 degrees"],
+        warnings=["die: 3.1 elements [of 5 mm] along 90 degrees"],
         failure=None,
         duration=DURATION,
     )
@@ -78,7 +78,7 @@ def test_clock_text(seconds, text):
 def test_plain_output_is_a_line_for_each_tenth(simulation):
     lines = show(False, simulation).splitlines()
     assert len(lines) == 2 + 11 + 1
-    assert lines[0] == "double dome: warning: die: 3.1 elements along 90 degrees"
+    assert lines[0] == "double dome: warning: die: 3.1 elements [of 5 mm] along 90 degrees"
     assert lines[1] == "double dome: 1269 elements, 1344 nodes"
     assert "50%" in lines[7] and "stroke 30.0 mm" in lines[7] and "left" in lines[7] and "1.00%" in lines[7]
     assert lines[-1].startswith("double dome: finished after")

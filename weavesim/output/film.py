@@ -238,9 +238,7 @@ def _define_camera(stage: Any, lower: np.ndarray, upper: np.ndarray) -> None:
     centre, radius = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
     distance = 1.05 * radius / np.sin(np.arctan(0.5 * min(aperture) / focal_length))
     azimuth, elevation = np.deg2rad((-60.0, 38.0))
-    outward = np.array(
-        [np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)]
-    )
+    outward = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
     eye = centre + distance * outward
     view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(*eye.tolist()), Gf.Vec3d(*centre.tolist()), Gf.Vec3d(0, 0, 1))
     camera.ClearXformOpOrder()
@@ -267,9 +265,7 @@ def _node_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
     corner = position[quads]
     normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
     flat = quads.ravel()
-    total = np.stack(
-        [np.bincount(flat, np.repeat(normal[:, axis], 4), len(position)) for axis in range(3)], axis=1
-    )
+    total = np.stack([np.bincount(flat, np.repeat(normal[:, axis], 4), len(position)) for axis in range(3)], axis=1)
     return (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1.0e-300)).astype(np.float32)
 
 

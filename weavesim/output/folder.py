@@ -198,8 +198,8 @@ class ResultFolder:
             wanted.append(
                 (
                     "point_angles.png",
-                    "Shear angles at the material points: signed element values averaged to the nodes by area, mirrored "
-                    "elements included, then interpolated bilinearly; absolute values are shown.",
+                    "Shear angles at the material points: signed element values averaged to the nodes by area, "
+                    "mirrored elements included, then interpolated bilinearly; absolute values are shown.",
                     lambda: pictures.point_angles(blank, frame, self._points, symmetry, self._measured_angles),
                 )
             )
@@ -229,8 +229,8 @@ class ResultFolder:
         wanted.append(
             (
                 "energies.png",
-                "Energies of the ledger: the stack of stored and lost energies against the supplied work, each by itself, "
-                "and the ratios by which a quasi-static run is judged.",
+                "Energies of the ledger: the stack of stored and lost energies against the supplied work, each by "
+                "itself, and the ratios by which a quasi-static run is judged.",
                 lambda: pictures.energies(history),
             )
         )

@@ -124,9 +124,8 @@ def formed_sheet(blank: Blank, frame: Frame, symmetry: Sequence[str] = ()) -> Fi
     )
     bar.outline.set_visible(False)
     lines_text = f"lines follow the yarns, one each {1.0e3 * spacing:g} mm" if spacing else "strokes follow the yarns"
-    bar.set_label(
-        f"Shear angle of each element [degrees], largest {angle.max():.1f}°   ·   {lines_text}", color=_INK, fontsize=9.5
-    )
+    text = f"Shear angle of each element [degrees], largest {angle.max():.1f}°   ·   {lines_text}"
+    bar.set_label(text, color=_INK, fontsize=9.5)
     bar.ax.axvline(min(angle.max(), LARGEST_SHOWN_ANGLE), color="white", linewidth=2.5)
     bar.ax.axvline(min(angle.max(), LARGEST_SHOWN_ANGLE), color=_INK, linewidth=1.2)
     return figure
@@ -216,7 +215,11 @@ def _draw_view(
     order = np.argsort(depth, kind="stable")
     axes.add_collection(
         PolyCollection(
-            polygons[order], facecolors=colours[order], edgecolors=edges[order], linewidths=widths[order], joinstyle="round"
+            polygons[order],
+            facecolors=colours[order],
+            edgecolors=edges[order],
+            linewidths=widths[order],
+            joinstyle="round",
         )
     )
     flat = corners.reshape(-1, 3) @ screen
@@ -318,7 +321,8 @@ def point_angles(
     flat = 1.0e3 * blank.material_coordinates
     plan.add_collection(PolyCollection(flat[blank.quads], facecolors=colours, edgecolors=colours, linewidths=0.3))
     place = 1.0e3 * np.asarray(points)
-    plan.plot(*place.T, "o-", color="white", markerfacecolor=_INK, markeredgecolor="white", markersize=6, linewidth=1.0, clip_on=False)
+    marker = {"markerfacecolor": _INK, "markeredgecolor": "white", "markersize": 6}
+    plan.plot(*place.T, "o-", color="white", linewidth=1.0, clip_on=False, **marker)
     for n, (x, y) in zip(number, place, strict=True):
         plan.annotate(
             str(n), (x, y), (6, 5), textcoords="offset points", weight="bold", fontsize=9, color="white",
@@ -444,7 +448,8 @@ def sections(
                 shift = float(frame.tool_displacement[k]) * np.asarray(tool.axis, dtype=float)
                 colour = _LINE_COLOURS[k % len(_LINE_COLOURS)]
                 pieces = 1.0e3 * (cut + shift)[:, :, [row, 2]]
-                chart.add_collection(LineCollection(list(pieces), colors=colour, linewidths=1.3, label=_words(tool.name)))
+                label = _words(tool.name)
+                chart.add_collection(LineCollection(list(pieces), colors=colour, linewidths=1.3, label=label))
         for factor in (1.0, -1.0) if along in symmetry else (1.0,):
             side = np.concatenate([plane + across, (plane - across)[::-1]]) * (factor, 1.0)
             name = "sheet" if factor > 0.0 else None
@@ -455,5 +460,3 @@ def sections(
         if row == 0:
             _legend(chart, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure
-
-

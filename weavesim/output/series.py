@@ -24,7 +24,8 @@ class ParaViewSeries:
     """Observer that writes ``frame_0000.vtu`` ..., ``series.pvd`` with their times, and ``final_state.vtu``.
 
     Point data: ``displacement`` [m] and ``director``. Cell data: every field of the frame; angles in degrees as
-    ``shear_angle_deg``. Only the computed part is written (ParaView's Reflect filter mirrors it).
+    ``shear_angle_deg``, and the yarn directions. Frames are in single precision, the final state in double. Only the
+    computed part is written (ParaView's Reflect filter mirrors it).
 
     Args:
         folder: made if it is not there; numbered frames of a former run are removed at the start.
@@ -65,30 +66,33 @@ class ParaViewSeries:
             return
         if not self._written or self._written[-1][0] < self._last.time:
             self._add(self._last)
-        self._write(self._last, self.folder / "final_state.vtu")
+        self._write(self._last, self.folder / "final_state.vtu", np.float64)
 
     def _add(self, frame: Frame) -> None:
         name = f"frame_{frame.index:04d}.vtu"
-        self._write(frame, self.folder / name)
+        self._write(frame, self.folder / name, np.float32)
         self._written.append((frame.time, name))
-        entries = "\n".join(f'    <DataSet timestep="{time!r}" file={quoteattr(file)}/>' for time, file in self._written)
+        entries = "\n".join(
+            f'    <DataSet timestep="{float(time)!r}" file={quoteattr(file)}/>' for time, file in self._written
+        )
         write_text(
             self.folder / "series.pvd",
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
             f"  <Collection>\n{entries}\n  </Collection>\n</VTKFile>\n",
         )
 
-    def _write(self, frame: Frame, path: Path) -> None:
+    def _write(self, frame: Frame, path: Path, real: type) -> None:
         import meshio
 
-        cells = {name: np.asarray(values) for name, values in frame.fields.items() if name != "shear_angle"}
+        points = {"displacement": frame.position - self._blank.node_position, "director": frame.director}
+        cells = {name: values for name, values in frame.fields.items() if name != "shear_angle"}
         cells["shear_angle_deg"] = np.rad2deg(frame.fields["shear_angle"])
         cells["warp_direction"], cells["weft_direction"] = yarn_vectors(self._blank, frame.position)
         mesh = meshio.Mesh(
-            frame.position,
+            frame.position.astype(real),
             [("quad", self._blank.quads)],
-            point_data={"displacement": frame.position - self._blank.node_position, "director": frame.director},
-            cell_data={name: [values] for name, values in cells.items()},
+            point_data={name: values.astype(real) for name, values in points.items()},
+            cell_data={name: [values.astype(real)] for name, values in cells.items()},
         )
         with replacing(path) as temporary:
             meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")

@@ -1,0 +1,40 @@
+# Everything runs in .venv, made on first use. Needed: make and Python 3.11 or newer.
+#   make demo    form a woven blank over a double dome on the CPU and say where to look
+#   make test    run the test suite on the CPU
+#   make lint    check style and formatting
+
+VENV := .venv
+PYTHON_IN_VENV := $(VENV)/bin/python
+# Two workers suit two cores; more would mostly compile the same kernels once more each.
+WORKERS ?= 2
+
+.PHONY: demo test lint clean
+
+demo: $(VENV)/.installed
+	$(PYTHON_IN_VENV) scripts/double_dome.py
+
+test: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) -m pytest --numprocesses $(WORKERS) --dist loadfile
+
+lint: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) -m ruff check
+	$(PYTHON_IN_VENV) -m ruff format --check
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info
+
+# PYTHON=/path/to/python names an interpreter; without it the first that is new enough is taken.
+$(VENV)/.installed: pyproject.toml
+	@for python in $(PYTHON) python3 python3.14 python3.13 python3.12 python3.11; do \
+		if $$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then \
+			echo "Installing weavesim in $(VENV) with $$($$python --version) ..."; \
+			exec $$python -m venv $(VENV); \
+		fi; \
+	done; \
+	echo "weavesim needs Python 3.11 or newer: install it, or name one with PYTHON=/path/to/python." >&2; exit 2
+	@$(PYTHON_IN_VENV) -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(VENV)/.installed-test: $(VENV)/.installed
+	@$(PYTHON_IN_VENV) -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	@touch $@

@@ -1,0 +1,187 @@
+"""The USD film: what it holds, that USD's own validators accept it, and that it survives a run cut short."""
+
+import numpy as np
+import pytest
+from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
+
+from weavesim.errors import InputError
+from weavesim.output import Film
+from weavesim.recording import Outcome
+
+
+def write_film(path, run, frame_count=None):
+    simulation, frames = run
+    film = Film(path)
+    film.start(simulation)
+    for frame in frames[:frame_count]:
+        film.frame(frame)
+    film.finish(Outcome.FINISHED if frame_count is None else Outcome.INTERRUPTED)
+    return path
+
+
+@pytest.fixture(scope="module")
+def film_path(tmp_path_factory, coarse_run):
+    return write_film(tmp_path_factory.mktemp("film") / "double_dome.usdc", coarse_run)
+
+
+@pytest.fixture
+def stage(film_path):
+    return Usd.Stage.Open(str(film_path))
+
+
+def complaints(stage):
+    registry = UsdValidation.ValidationRegistry()
+    context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
+    return [f"{error.GetName()}: {error.GetMessage()}" for error in context.Validate(stage)]
+
+
+def test_validators_accept_the_film(stage):
+    assert complaints(stage) == []
+
+
+def test_validators_do_complain(stage):
+    stage.ClearDefaultPrim()
+    stage.GetPrimAtPath("/World/sheet").RemoveAPI(UsdShade.MaterialBindingAPI)
+    assert len(complaints(stage)) >= 2
+
+
+def test_stage_metrics_and_time(stage, coarse_run):
+    assert UsdGeom.GetStageUpAxis(stage) == "Z"
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
+    assert stage.GetDefaultPrim().GetPath() == "/World"
+    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (0.0, len(coarse_run[1]) - 1.0)
+    assert stage.GetTimeCodesPerSecond() == 24.0
+
+
+def test_every_frame_holds_the_points_of_the_run(stage, coarse_run):
+    simulation, frames = coarse_run
+    mesh = UsdGeom.Mesh.Get(stage, "/World/sheet")
+    assert mesh.GetSubdivisionSchemeAttr().Get() == "none"
+    assert mesh.GetDoubleSidedAttr().Get() is True
+    assert np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 4).tolist() == simulation.blank.quads.tolist()
+    assert mesh.GetPointsAttr().GetTimeSamples() == [float(frame.index) for frame in frames]
+    for frame in frames:
+        points = np.array(mesh.GetPointsAttr().Get(frame.index))
+        assert np.array_equal(points, frame.position.astype(np.float32))
+        extent = np.array(mesh.GetExtentAttr().Get(frame.index))
+        assert np.array_equal(extent, [points.min(axis=0), points.max(axis=0)])
+
+
+def test_fields_are_element_values(stage, coarse_run):
+    frame = coarse_run[1][-1]
+    primvars = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheet"))
+    for name, expected in (
+        ("shear_angle", np.abs(np.rad2deg(frame.fields["shear_angle"]))),
+        ("warp_stretch", frame.fields["warp_stretch"]),
+        ("weft_stretch", frame.fields["weft_stretch"]),
+    ):
+        primvar = primvars.GetPrimvar(name)
+        assert primvar.GetInterpolation() == "uniform"
+        assert np.array(primvar.Get(frame.index)) == pytest.approx(expected, rel=1e-6)
+
+
+def test_display_colour_reaches_the_material_and_brightens_with_the_angle(stage, coarse_run):
+    simulation, frames = coarse_run
+    mesh = UsdGeom.Mesh.Get(stage, "/World/sheet")
+    colour = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("displayColor")
+    assert colour.GetInterpolation() == "vertex"
+    material = UsdShade.MaterialBindingAPI(mesh.GetPrim()).ComputeBoundMaterial()[0]
+    shader = material.ComputeSurfaceSource()[0]
+    source = shader.GetInput("diffuseColor").GetConnectedSources()[0][0].source
+    assert source.GetPrim().GetAttribute("info:id").Get() == "UsdPrimvarReader_float3"
+    assert source.GetInput("varname").Get() == "displayColor"
+
+    luminance = np.array(colour.Get(frames[-1].index)) @ (0.2126, 0.7152, 0.0722)
+    angle = np.abs(frames[-1].fields["shear_angle"])
+    sheared, calm = simulation.blank.quads[angle.argmax()], simulation.blank.quads[angle.argmin()]
+    assert luminance[sheared].mean() > 3.0 * luminance[calm].mean()
+    first = np.array(colour.Get(0.0))
+    assert np.ptp(first, axis=0).max() == 0.0
+
+
+def test_mirrored_copies_complete_the_part_without_storing_it_again(stage, coarse_run):
+    frame = coarse_run[1][-1]
+    copies = {"_mirrored_x": (-1, 1), "_mirrored_y": (1, -1), "_mirrored_x_y": (-1, -1)}
+    for name, sign in copies.items():
+        prim = stage.GetPrimAtPath(f"/World/sheet{name}")
+        spec = stage.GetRootLayer().GetPrimAtPath(prim.GetPath())
+        assert set(spec.attributes.keys()) == {"xformOp:scale", "xformOpOrder"}
+        to_world = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(frame.index)
+        points = UsdGeom.Mesh(prim).GetPointsAttr().Get(frame.index)
+        world = np.array([to_world.Transform(Gf.Vec3d(point)) for point in points])
+        assert world == pytest.approx(frame.position * (*sign, 1.0), abs=1e-7)
+        material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        assert material.GetPath() == "/World/materials/sheet"
+
+
+def test_tools_move_along_their_axes_with_their_own_materials(stage, coarse_run):
+    simulation, frames = coarse_run
+    materials = set()
+    for k, tool in enumerate(simulation.tools):
+        transform = UsdGeom.Xformable.Get(stage, f"/World/tools/{tool.name}")
+        for frame in (frames[0], frames[5], frames[-1]):
+            moved = transform.ComputeLocalToWorldTransform(frame.index).ExtractTranslation()
+            assert np.array(moved) == pytest.approx(frame.tool_displacement[k] * np.array(tool.axis))
+        surface = stage.GetPrimAtPath(f"/World/tools/{tool.name}/surface")
+        assert len(UsdGeom.Mesh(surface).GetPointsAttr().Get()) == len(tool.display_mesh().vertices)
+        materials.add(UsdShade.MaterialBindingAPI(surface).ComputeBoundMaterial()[0].GetPath())
+    assert len(materials) == len(simulation.tools)
+
+
+def test_tool_corners_are_smooth_on_the_ball_and_sharp_on_the_box(stage):
+    for name, rule in (("punch", lambda angle: angle.max() > 1.0), ("die", lambda angle: angle.max() < 1e-3)):
+        mesh = UsdGeom.Mesh.Get(stage, f"/World/tools/{name}/surface")
+        points = np.array(mesh.GetPointsAttr().Get())[np.array(mesh.GetFaceVertexIndicesAttr().Get())].reshape(-1, 3, 3)
+        normals = np.array(mesh.GetNormalsAttr().Get()).reshape(-1, 3, 3)
+        face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+        face /= np.linalg.norm(face, axis=1, keepdims=True)
+        angle = np.rad2deg(np.arccos(np.clip(np.einsum("fci,fi->fc", normals, face), -1.0, 1.0)))
+        assert rule(angle) and angle.max() < 36.0
+
+
+def test_camera_sees_the_whole_part_in_every_frame(stage, coarse_run):
+    camera = UsdGeom.Camera.Get(stage, "/World/camera")
+    frustum = camera.GetCamera(0.0).frustum
+    for frame in (coarse_run[1][0], coarse_run[1][-1]):
+        for sign in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
+            for point in frame.position * (*sign, 1.0):
+                assert frustum.Intersects(Gf.Vec3d(*point))
+
+
+def test_an_interrupted_film_ends_where_the_run_did(tmp_path, coarse_run):
+    path = write_film(tmp_path / "cut.usdc", coarse_run, frame_count=4)
+    stage = Usd.Stage.Open(str(path))
+    assert stage.GetEndTimeCode() == 3.0
+    assert complaints(stage) == []
+    assert [file.name for file in tmp_path.iterdir()] == ["cut.usdc"]
+
+
+def test_flushing_while_it_runs_loses_nothing(tmp_path, coarse_run, monkeypatch, film_path):
+    monkeypatch.setattr("weavesim.output.film._FRAMES_PER_FLUSH", 3)
+    stage = Usd.Stage.Open(str(write_film(tmp_path / "flushed.usdc", coarse_run)))
+    flushed = UsdGeom.Mesh.Get(stage, "/World/sheet").GetPointsAttr()
+    for frame in coarse_run[1]:
+        assert np.array_equal(np.array(flushed.Get(frame.index)), frame.position.astype(np.float32))
+
+
+def test_an_older_film_stays_until_the_new_one_is_whole(tmp_path, coarse_run):
+    path = tmp_path / "film.usda"
+    path.write_text("older")
+    film = Film(path)
+    film.start(coarse_run[0])
+    film.frame(coarse_run[1][0])
+    assert path.read_text() == "older"
+    film.finish(Outcome.INTERRUPTED)
+    assert path.read_text().startswith("#usda")
+
+
+def test_a_full_blank_has_no_copies(tmp_path, coarse_run):
+    simulation, frames = coarse_run
+    whole = type(simulation)(**{**vars(simulation), "symmetry": ()})
+    stage = Usd.Stage.Open(str(write_film(tmp_path / "full.usdc", (whole, frames))))
+    assert not [prim for prim in stage.Traverse() if "mirrored" in prim.GetName()]
+
+
+def test_unknown_endings_are_refused():
+    with pytest.raises(InputError, match="must end in .usdc"):
+        Film("film.mp4")

@@ -1,0 +1,160 @@
+"""Pictures show what the run holds: read back from the drawn artists."""
+
+import numpy as np
+import pytest
+from matplotlib.collections import PolyCollection
+from matplotlib.image import imread
+
+from weavesim.blank import Blank
+from weavesim.measures import draw_in, shear_angle_at, ten_points
+from weavesim.output import History, pictures
+from weavesim.output.colours import LARGEST_SHOWN_ANGLE, colour_table, encoded, shear_colours
+
+
+@pytest.fixture
+def history(coarse_run):
+    result = History()
+    result.start(coarse_run[0])
+    for frame in coarse_run[1]:
+        result.frame(frame)
+    return result
+
+
+def test_colours_rise_in_lightness_and_ignore_the_sign():
+    luminance = colour_table() @ (0.2126, 0.7152, 0.0722)
+    assert np.all(np.diff(luminance) > 0.0)
+    table = encoded(colour_table())
+    assert table.min() >= 0.0 and table.max() <= 1.0
+    step = np.linalg.norm(np.diff(table, axis=0), axis=1)
+    assert step.max() < 0.02  # no jumps
+    angles = np.array([0.0, 13.0, LARGEST_SHOWN_ANGLE, 200.0])
+    assert np.array_equal(shear_colours(angles), shear_colours(-angles))
+    assert np.array_equal(shear_colours(angles)[2], shear_colours(angles)[3])
+
+
+def test_formed_sheet_shows_every_element_of_the_whole_part(coarse_run):
+    simulation, frames = coarse_run
+    figure = pictures.formed_sheet(simulation.blank, frames[-1], simulation.symmetry)
+    plan = next(axes for axes in figure.axes if axes.get_title(loc="left") == "From above")
+    (collection,) = [artist for artist in plan.collections if isinstance(artist, PolyCollection)]
+    filled = np.asarray(collection.get_facecolor())[:, 3] > 0.0
+    assert filled.sum() == 4 * simulation.blank.element_count
+    drawn = np.concatenate([path.vertices for path in collection.get_paths()])
+    reach = 1e3 * np.abs(frames[-1].position[:, :2]).max(axis=0)
+    assert drawn.max(axis=0) == pytest.approx(reach) and drawn.min(axis=0) == pytest.approx(-reach)
+    assert "turned over" in figure.axes[0].get_title(loc="left")
+
+
+@pytest.mark.parametrize("yarn_angle", [0.0, 30.0])
+def test_yarn_lines_lie_at_even_distances_along_the_yarns(yarn_angle):
+    blank = Blank.rectangle((-0.2, -0.1), (0.2, 0.1), 0.011, yarn_angle=yarn_angle, distortion=0.2)
+    spacing, lines = pictures._yarn_lines(blank, ())
+    ends = lines.of(blank.material_coordinates).reshape(-1, 2, 2)
+    along = ends[:, 1] - ends[:, 0]
+    length = np.linalg.norm(along, axis=1)
+    warp, weft = blank.warp_direction[0, :2], blank.weft_direction[0, :2]
+    on_warp = np.abs(along @ warp) > np.abs(along @ weft)
+    across = np.where(on_warp, np.abs(along @ weft), np.abs(along @ warp))
+    assert across.max() < 1e-12
+    place = np.where(on_warp, ends[:, 0] @ weft, ends[:, 0] @ warp) / spacing
+    assert np.abs(place - 0.5 - np.round(place - 0.5)).max() < 1e-9
+    # Together they are as long as lines at that distance must be on this area.
+    assert length.sum() == pytest.approx(2 * 0.4 * 0.2 / spacing, rel=0.05)
+
+
+def test_yarns_that_turn_get_strokes():
+    blank = Blank.rectangle((0.0, 0.0), (0.2, 0.2), 0.02)
+    x, y = blank.element_centres()[:, 0], blank.element_centres()[:, 1]
+    direction = np.stack([np.cos(3 * x + y), np.sin(3 * x + y), 0 * x], axis=1)
+    blank = Blank.from_mesh(blank.node_position, blank.quads, warp_direction=direction)
+    spacing, lines = pictures._yarn_lines(blank, ())
+    ends = lines.of(blank.material_coordinates).reshape(-1, 2, 2)
+    assert spacing == 0.0 and len(ends) == 2 * blank.element_count
+    along = ends[: blank.element_count, 1] - ends[: blank.element_count, 0]
+    cross = along[:, 0] * direction[:, 1] - along[:, 1] * direction[:, 0]
+    assert np.abs(cross).max() < 1e-12
+
+
+def test_draw_in_names_both_numbers_and_the_measured_outline(coarse_run):
+    simulation, frames = coarse_run
+    measured = np.array([[0.2, 0.0], [0.19, 0.05]])
+    blank, frame = simulation.blank, frames[-1]
+    figure = pictures.draw_in_picture(blank, frame, simulation.symmetry, measured)
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    for along in "xy":
+        assert f"{1e3 * draw_in(blank, frame.position, along):.1f} mm" in texts
+    labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert labels == ["flat", "formed", "measured"]
+    without = pictures.draw_in_picture(blank, frame, simulation.symmetry)
+    assert "measured" not in [text.get_text() for text in without.axes[0].get_legend().get_texts()]
+
+
+def test_point_angles_are_the_sampled_ones(coarse_run):
+    simulation, frames = coarse_run
+    points = ten_points(0.235, 0.135)
+    blank, frame = simulation.blank, frames[-1]
+    figure = pictures.point_angles(blank, frame, points, simulation.symmetry, (np.array([2, 4]), np.array([5.0, 33.0])))
+    heights = [bar.get_height() for bar in figure.axes[0].patches]
+    expected = shear_angle_at(blank, frame.fields["shear_angle"], points, simulation.symmetry)
+    assert heights == pytest.approx(expected)
+    (measured,) = [line for line in figure.axes[0].lines if line.get_label() == "measured"]
+    assert measured.get_xydata().tolist() == [[2.0, 5.0], [4.0, 33.0]]
+    assert figure.axes[0].get_ylim()[1] > 33.0
+    assert not [line for line in pictures.point_angles(blank, frame, points).axes[0].lines]
+
+
+def test_tool_forces_are_along_the_axes_and_name_the_part(history, coarse_run):
+    simulation, frames = coarse_run
+    figure = pictures.tool_forces(history, simulation.tools, simulation.symmetry)
+    (axes,) = figure.axes
+    assert "quarter" in axes.get_title(loc="left")
+    assert [line.get_label() for line in axes.lines] == ["punch", "die", "blank holder"]
+    assert axes.lines[0].get_ydata() == pytest.approx([abs(frame.tool_reaction[0, 2]) for frame in frames])
+    assert axes.lines[0].get_xdata()[-1] == pytest.approx(60.0)
+
+
+def test_energies_stack_up_to_the_supplied_work(history, coarse_run):
+    figure = pictures.energies(history)
+    stack, every, ratios = figure.axes
+    top = max(path.vertices[:, 1].max() for area in stack.collections for path in area.get_paths())
+    last = coarse_run[1][-1].energies
+    assert top == pytest.approx(last["used"], rel=0.01)
+    names = [text.get_text() for text in every.get_legend().get_texts()]
+    assert "hourglass" in names and "internal" not in names and "snap loss" not in names
+    by_name = {line.get_label(): line.get_ydata()[-1] for line in ratios.lines}
+    assert by_name["kinetic over internal energy"] == pytest.approx(100 * last["kinetic"] / last["internal"])
+    assert by_name["balance error over supplied work"] == pytest.approx(100 * 0.03 / last["supplied"])
+
+
+def test_sections_follow_the_sheet_and_move_the_tools(coarse_run):
+    simulation, frames = coarse_run
+    frame = frames[-1]
+    figure = pictures.sections(simulation.blank, frame, simulation.tools, 0.0012, simulation.symmetry)
+    long, short = figure.axes
+    sheet = next(patch for patch in long.patches if patch.get_label() == "sheet").get_xy()
+    assert sheet[:, 1].min() == pytest.approx(1e3 * frame.position[:, 2].min() - 0.6, abs=0.01)
+    punch = next(artist for artist in short.collections if artist.get_label() == "punch")
+    lowest = min(path.vertices[:, 1].min() for path in punch.get_paths())
+    assert lowest == pytest.approx(-60.0 + 0.6, abs=0.5)
+
+
+def test_a_run_at_rest_can_be_drawn(tmp_path, coarse_run):
+    """One flat frame without any energy, as an interrupted run may leave."""
+    simulation, frames = coarse_run
+    blank, frame = simulation.blank, frames[0]
+    history = History()
+    history.start(simulation)
+    history.frame(frame)
+    for i, figure in enumerate(
+        (
+            pictures.formed_sheet(blank, frame, simulation.symmetry),
+            pictures.draw_in_picture(blank, frame, simulation.symmetry),
+            pictures.point_angles(blank, frame, ten_points(0.235, 0.135), simulation.symmetry),
+            pictures.tool_forces(history, simulation.tools, simulation.symmetry),
+            pictures.energies(history),
+            pictures.sections(blank, frame, simulation.tools, 0.0012, simulation.symmetry),
+        )
+    ):
+        path = tmp_path / f"{i}.png"
+        pictures.write_picture(figure, path)
+        assert np.ptp(imread(path)[..., :3]) > 0.5

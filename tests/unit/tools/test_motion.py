@@ -1,0 +1,162 @@
+"""Motion curves, and the kernel that moves the tools by them."""
+
+import math
+
+import numpy as np
+import pytest
+import warp as wp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from weavesim.kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP
+from weavesim.kernels.tool_motion import tool_motion_kernel
+
+from weavesim.errors import InputError
+from weavesim.motion import Driven, Fixed, Stroke
+from weavesim.shapes import Plane
+from weavesim.tool import Tool, build_device_tools
+
+
+def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0)):
+    """Displacement and velocity after each step, (step_count, tool_count), and the device's arrays."""
+    device = build_device_tools(tools, wp.float64, "cpu")
+    clock = np.zeros(CLOCK_LENGTH)
+    clock[int(CLOCK_STEP)] = clock[int(CLOCK_MEAN_STEP)] = step
+    clock = wp.array(clock, dtype=wp.float64, device="cpu")
+    # each tool feels the reaction in two blocks
+    half = np.tile(0.5 * np.array(reaction), (len(tools), 2, 1))
+    reactions = wp.array(half, dtype=wp.vec3d, device="cpu")
+    displacement, velocity = [], []
+    for _ in range(step_count):
+        wp.launch(
+            tool_motion_kernel(wp.float64),
+            dim=1,
+            inputs=[device.drive, device.axis, device.curve_times, device.curve_values, reactions],
+            outputs=[clock, device.displacement, device.velocity, device.total_reaction, device.work],
+            device="cpu",
+        )
+        displacement.append(device.displacement.numpy().copy())
+        velocity.append(device.velocity.numpy().copy())
+    return np.array(displacement), np.array(velocity), device
+
+
+def tool(motion, axis=(0.0, 0.0, -1.0)):
+    return Tool("tool", Plane(), motion, axis=axis)
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    st.floats(0.001, 0.2),
+    st.floats(0.01, 5.0),
+    st.just(0.0) | st.floats(1e-4, 0.5),
+    st.floats(0.0, 0.1),
+    st.booleans(),
+)
+def test_smooth_stroke_goes_all_the_way_never_faster_than_asked(distance, speed, ramp_time, start_time, backwards):
+    signed = -distance if backwards else distance
+    stroke = Stroke.smooth(signed, speed, ramp_time, start_time)
+    times, way = stroke.curve()
+    ramp = min(ramp_time, distance / speed)
+    assert stroke.duration == pytest.approx(start_time + distance / speed + ramp)
+    assert way[0] == 0.0 and way[-1] == pytest.approx(signed)
+    velocity = np.diff(way) / np.diff(times)
+    assert np.all(np.sign(signed) * velocity >= -1e-6 * speed)
+    assert np.abs(velocity).max() <= speed * (1 + 1e-6)
+    if ramp_time > 0.0:
+        assert np.abs(np.diff(velocity)).max() < 0.01 * speed
+        assert max(abs(velocity[0]), abs(velocity[-1])) < 0.01 * speed
+
+
+def test_smooth_stroke_keeps_its_speed_between_the_ramps():
+    stroke = Stroke.smooth(0.06, 2.0, 0.01, 0.003)
+    at = np.linspace(0.013, 0.033, 50)
+    np.testing.assert_allclose(np.interp(at, *stroke.curve()), 0.01 + 2.0 * (at - 0.013), atol=1e-12)
+    # half of the ramp time is lost on each ramp, by symmetry a quarter of the way lies behind its middle
+    assert np.interp(0.008, *stroke.curve()) == pytest.approx(2.0 * 0.01 * (0.5**3 - 0.5**5))
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.tuples(st.floats(0.001, 0.02), st.floats(-0.1, 0.1)), min_size=1, max_size=8))
+def test_stroke_kernel_interpolates_like_numpy(knots):
+    times = np.cumsum([gap for gap, _ in knots]) - 0.01
+    stroke = Stroke(tuple(times), tuple(value for _, value in knots))
+    others = (tool(Fixed()), tool(Stroke.smooth(0.06, 1.0, 0.01)))
+    displacement, velocity, device = run([others[0], tool(stroke), others[1]], 1e-3, 80)
+    at = 1e-3 * np.arange(1, 81)
+    for k, motion in ((0, Fixed()), (1, stroke), (2, others[1].motion)):
+        expected = np.interp(at, *motion.curve())
+        np.testing.assert_allclose(displacement[:, k], expected, atol=1e-15)
+        before = np.interp(at - 1e-3, *motion.curve())
+        np.testing.assert_allclose(velocity[:, k], (expected - before) / 1e-3, atol=1e-10)
+    start = build_device_tools([tool(stroke)], wp.float64, "cpu").displacement.numpy()
+    assert start[0] == pytest.approx(np.interp(0.0, *stroke.curve()))
+    assert device.count == 3
+
+
+def test_driven_tool_falls_as_newton_says():
+    mass, force, along, step, count = 2.0, 100.0, -30.0, 1e-4, 500
+    axis = np.array([0.6, 0.0, -0.8])
+    reaction = along * axis + 7.0 * np.array([0.8, 0.0, 0.6])  # the sideways part does nothing
+    displacement, velocity, device = run([tool(Driven.constant(force, mass), axis)], step, count, reaction)
+    acceleration = (force + along) / mass
+    n = np.arange(1, count + 1)
+    np.testing.assert_allclose(velocity[:, 0], acceleration * n * step, rtol=1e-12)
+    np.testing.assert_allclose(displacement[:, 0], acceleration * step**2 * n * (n + 1) / 2, rtol=1e-10)
+    np.testing.assert_allclose(device.total_reaction.numpy()[0], reaction, atol=1e-12)
+    way = displacement[-1, 0]
+    np.testing.assert_allclose(device.work.numpy()[:, 0], [-along * way, force * way], rtol=1e-12)
+
+
+def test_driven_force_follows_its_curve():
+    motion = Driven.constant(10.0, 4.0, ramp_time=0.02)
+    _, velocity, _ = run([tool(motion)], 1e-4, 400)
+    # momentum is the force's integral: half of the ramp, then all
+    assert 4.0 * velocity[199, 0] == pytest.approx(0.5 * 10.0 * 0.02, rel=0.01)
+    assert 4.0 * (velocity[399, 0] - velocity[199, 0]) == pytest.approx(10.0 * 0.02, rel=0.01)
+
+
+@pytest.mark.parametrize("real", [wp.float32, wp.float64], ids=["float32", "float64"])
+def test_device_arrays_hold_what_the_tools_say(real):
+    punch = Tool(
+        "punch", Plane(origin=(0.1, 0.2, 0.3)), Stroke((0.0, 0.5), (0.01, 0.06)), friction=0.3, axis=(0, 0, -2)
+    )
+    holder = Tool("blank_holder", Plane(), Driven((0.0,), (50.0,), 3.0), friction=0.1)
+    device = build_device_tools([punch, holder], real, "cpu")
+    record = device.tool.numpy()
+    np.testing.assert_allclose(record["friction"], [0.3, 0.1], rtol=1e-6)
+    np.testing.assert_array_equal(record["first_part"], [0, 1])
+    np.testing.assert_array_equal(record["axis"], [[0, 0, -1], [0, 0, 1]])
+    np.testing.assert_allclose(device.part.numpy()["origin"][0], [0.1, 0.2, 0.3], rtol=1e-6)
+    np.testing.assert_array_equal(device.drive.numpy()["mass"], [0.0, 3.0])
+    np.testing.assert_allclose(device.displacement.numpy(), [0.01, 0.0])
+    np.testing.assert_allclose(device.velocity.numpy(), [0.1, 0.0])
+    assert device.work.shape == (2, 2) and device.total_reaction.shape == (2,)
+
+
+def test_no_tools_make_empty_arrays():
+    device = build_device_tools([], wp.float32, "cpu")
+    assert device.count == 0
+    assert device.part.shape == device.drive.shape == device.displacement.shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("build", "says"),
+    [
+        (lambda: Stroke((), ()), "at least one"),
+        (lambda: Stroke((0.0, 1.0), (0.0,)), "2 times and 1 displacements"),
+        (lambda: Stroke((0.0, 0.0), (0.0, 1.0)), "must increase"),
+        (lambda: Stroke((0.0, math.nan), (0.0, 1.0)), "Stroke.times"),
+        (lambda: Stroke(0.0, 1.0), "list of numbers"),
+        (lambda: Stroke.smooth(0.0, 1.0, 0.1), "Fixed"),
+        (lambda: Stroke.smooth(0.1, -1.0, 0.1), "speed"),
+        (lambda: Stroke.smooth(0.1, 1.0, -0.1), "must not be negative"),
+        (lambda: Driven((0.0,), (1.0,), 0.0), "Driven.mass"),
+        (lambda: Tool("punch", Plane(), "down"), "Fixed, Stroke or Driven"),
+        (lambda: Tool("punch", "round"), "shape"),
+        (lambda: Tool("punch", Plane(), friction=-0.1), "friction"),
+        (lambda: Tool("punch", Plane(), axis=(0, 0, 0)), "axis"),
+        (lambda: Tool("punch", Plane(), colour=(0, 0, 2)), "colour"),
+    ],
+)
+def test_bad_motions_and_tools_are_refused(build, says):
+    with pytest.raises(InputError, match=says):
+        build()

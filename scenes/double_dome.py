@@ -7,18 +7,22 @@ dome; a user's own tool meshes can take its place.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
-import numpy as np
 from pydantic import Field
 
 from weavesim.blank import Blank
 from weavesim.errors import InputError
 from weavesim.fabric import PRESETS, Fabric, NotNegative, Positive
+from weavesim.measures import taut_path_draw_in, ten_points
+from weavesim.mesh_shape import MeshShape
 from weavesim.model import MotionParameters
 from weavesim.motion import Driven, Fixed, Motion, Stroke
+from weavesim.output import ResultFolder, load_measured_angles, load_measured_outline
 from weavesim.run_options import RunOptions
+from weavesim.session import run_into_folder
 from weavesim.shapes import DomeOpening, DomePunch, Shape, rotation_matrix
 from weavesim.simulation import Simulation
 from weavesim.tool import Tool
@@ -57,12 +61,23 @@ class DoubleDomeParameters(RunOptions):
     blank_holder_gap: NotNegative | None = Field(
         default=None, description="the holder keeps this distance beyond the thickness [m], instead of a force"
     )
-    punch_speed: Positive = Field(default=1.0, description="[m/s]")
+    punch_speed: Positive = Field(default=0.4, description="[m/s]")
     stroke: Positive = Field(
         default=0.0612, description="way of the punch from first touch [m]: depth 60 mm below the die face, plus the thickness"
     )
     damping: NotNegative = Field(default=100.0, description="mass-proportional damping rate [1/s]")
-    frames: int = Field(default=60, ge=1, description="frames after the first")
+    frames: int = Field(default=80, ge=1, description="frames after the first")
+    punch: Path | None = Field(default=None, description="triangle mesh of an own punch, its lowest point at z = 0")
+    die: Path | None = Field(default=None, description="triangle mesh of an own die, its flange at z = 0")
+    binder: Path | None = Field(default=None, description="triangle mesh of an own blank holder, its flange at z = 0")
+    unit_scale: Positive = Field(default=1.0, description="metres per unit of the tool meshes: 0.001 for millimetres")
+    tools_are_cut: bool = Field(default=False, description="the tool meshes end at the symmetry planes of the part")
+    measured_angles: Path | None = Field(
+        default=None, description="CSV of measured angles (point, angle_deg) to draw beside the result"
+    )
+    measured_outline: Path | None = Field(
+        default=None, description="CSV of a measured outline (x_mm, y_mm) to draw beside the result"
+    )
 
 
 def blank_holder_area() -> float:
@@ -71,16 +86,33 @@ def blank_holder_area() -> float:
     return BLANK_LENGTH * BLANK_WIDTH - (math.pi * rim**2 + 2.0 * rim * DOME_DISTANCE)
 
 
-def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, share: float) -> tuple[Tool, ...]:
-    """Punch, die and blank holder around a sheet whose mid-surface lies at z = 0."""
-    half = 0.5 * fabric.thickness
-    down = (0.0, 0.0, -1.0)
-    upside_down = rotation_matrix((1.0, 0.0, 0.0), math.pi)
+def tool_shapes(parameters: DoubleDomeParameters, symmetry: tuple[str, ...]) -> tuple[Shape, Shape, Shape]:
+    """Punch, die and blank holder closed on a sheet without thickness at z = 0: the own meshes, or the default ones."""
     half_length = 0.5 * DOME_DISTANCE
     opening = DomeOpening(
         radius=PUNCH_RADIUS + CLEARANCE, half_length=half_length, edge_radius=DIE_ENTRY_RADIUS, display_size=(0.52, 0.32)
     )
-    punch = DomePunch(radius=PUNCH_RADIUS, half_length=half_length)
+    punch: Shape = DomePunch(radius=PUNCH_RADIUS, half_length=half_length).placed((0.0, 0.0, PUNCH_RADIUS))
+    die: Shape = opening
+    blank_holder: Shape = opening.placed((0.0, 0.0, 0.0), rotation_matrix((1.0, 0.0, 0.0), math.pi))
+    mirror = symmetry if parameters.tools_are_cut else ()
+
+    def own(path: Path, side: float) -> Shape:
+        return MeshShape.from_file(path, unit_scale=parameters.unit_scale, side=(0.0, 0.0, side), mirror=mirror)
+
+    return (
+        own(parameters.punch, -1.0) if parameters.punch else punch,
+        own(parameters.die, 1.0) if parameters.die else die,
+        own(parameters.binder, -1.0) if parameters.binder else blank_holder,
+    )
+
+
+def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple[str, ...]) -> tuple[Tool, ...]:
+    """Punch, die and blank holder around a sheet whose mid-surface lies at z = 0."""
+    half = 0.5 * fabric.thickness
+    down = (0.0, 0.0, -1.0)
+    share = 0.5 ** len(symmetry)
+    punch, die, blank_holder = tool_shapes(parameters, symmetry)
     holder_motion: Motion
     gap = 0.0
     if parameters.blank_holder_gap is not None:
@@ -92,16 +124,21 @@ def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, share: float) -
         holder_motion = Driven.constant(force * share, BLANK_HOLDER_MASS * share, BLANK_HOLDER_RAMP)
     return (
         Tool(
-            "punch", punch.placed((0.0, 0.0, PUNCH_RADIUS + half)),
+            "punch", raised(punch, half),
             Stroke.smooth(parameters.stroke, parameters.punch_speed, PUNCH_RAMP, start_time=BLANK_HOLDER_RAMP),
-            friction=parameters.friction, axis=down,
+            friction=parameters.friction, axis=down, colour=(0.75, 0.76, 0.80),
         ),
-        Tool("die", opening.placed((0.0, 0.0, -half)), friction=parameters.friction),
+        Tool("die", raised(die, -half), friction=parameters.friction, colour=(0.45, 0.52, 0.62)),
         Tool(
-            "blank_holder", opening.placed((0.0, 0.0, half + gap), upside_down), holder_motion,
-            friction=parameters.friction, axis=down,
+            "blank_holder", raised(blank_holder, half + gap), holder_motion,
+            friction=parameters.friction, axis=down, colour=(0.62, 0.55, 0.45),
         ),
     )  # fmt: skip
+
+
+def raised(shape: Shape, height: float) -> Shape:
+    """``shape`` moved up by ``height`` [m]."""
+    return replace(shape, origin=(shape.origin[0], shape.origin[1], shape.origin[2] + height))
 
 
 def double_dome(parameters: DoubleDomeParameters) -> Simulation:
@@ -126,7 +163,7 @@ def double_dome(parameters: DoubleDomeParameters) -> Simulation:
     blank = Blank.rectangle(
         lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
     )
-    tools = make_tools(parameters, fabric, {"quarter": 0.25, "half": 0.5, "full": 1.0}[parameters.part])
+    tools = make_tools(parameters, fabric, symmetry)
     duration = tools[0].motion.duration + REST
     return Simulation(
         name="double_dome", blank=blank, fabric=fabric, tools=tools, duration=duration, symmetry=symmetry,
@@ -134,3 +171,31 @@ def double_dome(parameters: DoubleDomeParameters) -> Simulation:
         device=parameters.device, precision=parameters.precision, threads=parameters.threads,
         frame_count=parameters.frames,
     )  # fmt: skip
+
+
+def run(parameters: DoubleDomeParameters) -> dict[str, Any]:
+    """Run the double dome and leave its results in ``parameters.out``; returns the summary."""
+    points = ten_points(0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH)
+    folder = ResultFolder(
+        parameters.out,
+        points=points,
+        measured_angles=load_measured_angles(parameters.measured_angles) if parameters.measured_angles else None,
+        measured_outline=load_measured_outline(parameters.measured_outline) if parameters.measured_outline else None,
+    )
+    return run_into_folder(
+        lambda: double_dome(parameters), folder, setup=parameters.model_dump(mode="json"),
+        measure=lambda simulation: expected_draw_in(parameters, simulation),
+    )  # fmt: skip
+
+
+def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -> dict[str, Any]:
+    """Draw-in of the taut path on both symmetry lines [mm], for the default tool at full depth only."""
+    own_tools = (parameters.punch, parameters.die, parameters.binder)
+    if any(own_tools) or parameters.yarn_angle % 90.0 != 0.0:
+        return {}
+    thickness = simulation.fabric.thickness
+    depth = simulation.frame.stroke - thickness
+    if depth <= 0.0:
+        return {}
+    taut = taut_path_draw_in(PUNCH_RADIUS, DIE_ENTRY_RADIUS, depth, thickness, CLEARANCE)
+    return {"taut_path_draw_in_mm": 1.0e3 * taut}

@@ -357,7 +357,7 @@ def checkerboard(blank: Blank, shear_angle: np.ndarray) -> Checkerboard:
 class RimFolds(NamedTuple):
     """Folds along the rim of a drape: how many, and how high [m]."""
 
-    count: int
+    fold_count: int
     amplitude: float
 
 

@@ -227,17 +227,17 @@ def test_folds_of_a_fluted_rim_are_counted(symmetry, count):
     lower = [0.0 if axis in symmetry else -half for axis in "xy"]
     blank = Blank.rectangle(lower, (half, half), 0.005)
     folds = measures.rim_folds(blank, rim_position(blank, lambda p: 0.1 + 0.008 * np.cos(count * p)), symmetry)
-    assert folds.count == count
+    assert folds.fold_count == count
     assert folds.amplitude == pytest.approx(0.008, rel=0.02)
 
 
 def test_a_smooth_rim_has_no_folds_and_noise_does_not_count():
     blank = Blank.rectangle((-0.2, -0.2), (0.2, 0.2), 0.005)
     still = measures.rim_folds(blank, rim_position(blank, lambda p: 0.1 + 0.0 * p))
-    assert still.count == 0 and still.amplitude < 1e-12
+    assert still.fold_count == 0 and still.amplitude < 1e-12
     noise = rim_position(blank, lambda p: 0.1 + 0.0005 * np.sin(31 * p))
-    assert measures.rim_folds(blank, noise).count == 0
-    assert measures.rim_folds(blank, noise, threshold=0.0005).count == 31
+    assert measures.rim_folds(blank, noise).fold_count == 0
+    assert measures.rim_folds(blank, noise, threshold=0.0005).fold_count == 31
 
 
 def brute_force_close_pairs(position, quads, distance):

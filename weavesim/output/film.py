@@ -157,7 +157,8 @@ def _usd_errors() -> Iterator[None]:
     try:
         yield
     except Tf.ErrorException as error:
-        raise OSError(f"USD cannot write the film: {error}") from error
+        reasons = [getattr(part, "commentary", str(part)) for part in error.args]
+        raise OSError("; ".join(reasons)) from error
 
 
 def _define_mesh(stage: Any, path: str, faces: np.ndarray) -> Any:

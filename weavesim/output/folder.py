@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -101,7 +102,7 @@ class ResultFolder:
 
     def _tell_streams(self, message: Callable[[Observer], None]) -> None:
         for name, stream in list(self._streams.items()):
-            if not self._attempt(name, lambda stream=stream: message(stream)):
+            if not self._attempt(name, partial(message, stream)):
                 del self._streams[name]
                 if isinstance(stream, Film):
                     with contextlib.suppress(OSError):
@@ -141,11 +142,9 @@ class ResultFolder:
         angle, symmetry = frame.fields["shear_angle"], simulation.symmetry
         self._attempt("history.csv", lambda: self.history.write(self.path / "history.csv"))
         self._attempt("draw_in.csv", lambda: write_draw_in(self.path / "draw_in.csv", blank, frame.position, symmetry))
-        if self._points is not None:
-            self._attempt(
-                "shear_angle.csv",
-                lambda: write_shear_angles(self.path / "shear_angle.csv", blank, angle, self._points, symmetry),
-            )
+        if (points := self._points) is not None:
+            path = self.path / "shear_angle.csv"
+            self._attempt("shear_angle.csv", lambda: write_shear_angles(path, blank, angle, points, symmetry))
         shown_pictures = self._write_pictures(frame)
         summary["warnings"] = [*map(str, summary.get("warnings") or ()), *self.warnings]
         report = self._report(summary, setup or {}, shown_pictures)
@@ -194,13 +193,13 @@ class ResultFolder:
                 lambda: pictures.formed_sheet(blank, frame, symmetry),
             )
         ]
-        if self._points is not None:
+        if (points := self._points) is not None:
             wanted.append(
                 (
                     "point_angles.png",
                     "Shear angles at the material points: signed element values averaged to the nodes by area, "
                     "mirrored elements included, then interpolated bilinearly; absolute values are shown.",
-                    lambda: pictures.point_angles(blank, frame, self._points, symmetry, self._measured_angles),
+                    lambda: pictures.point_angles(blank, frame, points, symmetry, self._measured_angles),
                 )
             )
         wanted.append(
@@ -240,7 +239,7 @@ class ResultFolder:
         return [
             (folder / name, caption)
             for name, caption, draw in wanted
-            if self._attempt(name, lambda name=name, draw=draw: pictures.write_picture(draw(), folder / name))
+            if self._attempt(name, partial(_draw_and_write, draw, folder / name))
         ]
 
     def _meets_both_axes(self) -> bool:
@@ -294,3 +293,7 @@ class ResultFolder:
         if outcome != Outcome.FINISHED.value:
             warnings.insert(0, f"The run did not reach its end ({outcome}): what follows is its last good frame.")
         return Report(title, subtitle, headline, warnings, shown_pictures, {k: v for k, v in tables.items() if v})
+
+
+def _draw_and_write(draw: Callable[[], Any], path: Path) -> None:
+    pictures.write_picture(draw(), path)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 _INK, _GREY, _FAINT, _ACCENT, _MEASURED = "#23262d", "#6b7280", "#9aa1ad", "#5b3fb5", "#d1495b"
 _LINE_COLOURS = ("#5b3fb5", "#e07a1f", "#1f8a70", "#d1495b", "#3b82c4", "#a05d1a", "#7a7f8a", "#b5479b", "#5a8f29")
-_STYLE = {
+_STYLE: Any = {
     "font.size": 9.5,
     "axes.edgecolor": _FAINT,
     "axes.labelcolor": _INK,
@@ -150,8 +150,11 @@ def _yarn_lines(blank: Blank, symmetry: Sequence[str]) -> tuple[float, MaterialL
     directions = (blank.warp_direction[:, :2], blank.weft_direction[:, :2])
     corner = blank.material_coordinates[blank.quads]
     if max(float(np.ptp(direction, axis=0).max()) for direction in directions) > 1.0e-9:
-        families = [
-            (np.einsum("eci,ei->ec", corner - corner.mean(axis=1, keepdims=True), direction[:, ::-1] * (-1, 1)), [0.0])
+        families: list[tuple[np.ndarray, np.ndarray]] = [
+            (
+                np.einsum("eci,ei->ec", corner - corner.mean(axis=1, keepdims=True), direction[:, ::-1] * (-1, 1)),
+                np.zeros(1),
+            )
             for direction in directions
         ]
         spacing = 0.0
@@ -215,7 +218,7 @@ def _draw_view(
     order = np.argsort(depth, kind="stable")
     axes.add_collection(
         PolyCollection(
-            polygons[order],
+            list(polygons[order]),
             facecolors=colours[order],
             edgecolors=edges[order],
             linewidths=widths[order],
@@ -255,8 +258,8 @@ def draw_in_picture(
         end = 1.0e3 * np.array([line.of(blank.material_coordinates)[-1], line.of(frame.position[:, :2])[-1]])
         plan.annotate("", end[1], end[0], arrowprops={"arrowstyle": "-|>", "color": _INK, "linewidth": 1.2})
         inward = end[1] - 0.025 * np.ptp(flat[:, 0]) * np.eye(2)[axis]
-        place = {"ha": "right", "va": "center"} if axis == 0 else {"ha": "center", "va": "top"}
-        plan.text(*inward, f"{value:.1f} mm", weight="bold", **place)
+        place: Any = {"ha": "right", "va": "center"} if axis == 0 else {"ha": "center", "va": "top"}
+        plan.text(inward[0], inward[1], f"{value:.1f} mm", weight="bold", **place)
     _legend(plan, loc="center")
 
     border = outline(blank, symmetry)
@@ -266,8 +269,8 @@ def draw_in_picture(
     chart.set(xlabel="length of the flat outline [mm]", ylabel="draw-in, normal to the flat outline [mm]")
     # At a corner the normal jumps: the curve is broken there, and the corner marked.
     values = 1.0e3 * border_draw_in(blank, frame.position, border)
-    corners = np.flatnonzero(np.einsum("ki,ki->k", border.normal[:-1], border.normal[1:]) < 0.9)
-    corners = [int(i) + 1 for i in corners if i + 1 in corners]
+    jumps = np.flatnonzero(np.einsum("ki,ki->k", border.normal[:-1], border.normal[1:]) < 0.9)
+    corners = [int(i) + 1 for i in jumps if i + 1 in jumps]
     values[corners] = np.nan
     chart.plot(length, values, color=_ACCENT)
     chart.axhline(0.0, color=_FAINT, linewidth=1.0)
@@ -307,7 +310,7 @@ def point_angles(
         highest = max(highest, float(measured_angles[1].max()))
         _legend(chart, loc="upper left")
     measured = dict(zip(*measured_angles, strict=True)) if measured_angles is not None else {}
-    for n, angle in zip(number, angles, strict=True):
+    for n, angle in zip(number.tolist(), angles, strict=True):
         beside = measured.get(n, -1.0)
         top = max(angle, beside + 0.015 * highest) if abs(beside - angle) < 0.05 * highest else angle
         chart.text(n, top + 0.012 * highest, f"{angle:.1f}", ha="center", va="bottom", fontsize=8.5)
@@ -321,9 +324,9 @@ def point_angles(
     flat = 1.0e3 * blank.material_coordinates
     plan.add_collection(PolyCollection(flat[blank.quads], facecolors=colours, edgecolors=colours, linewidths=0.3))
     place = 1.0e3 * np.asarray(points)
-    marker = {"markerfacecolor": _INK, "markeredgecolor": "white", "markersize": 6}
+    marker: Any = {"markerfacecolor": _INK, "markeredgecolor": "white", "markersize": 6}
     plan.plot(*place.T, "o-", color="white", linewidth=1.0, clip_on=False, **marker)
-    for n, (x, y) in zip(number, place, strict=True):
+    for n, (x, y) in zip(number.tolist(), place, strict=True):
         plan.annotate(
             str(n), (x, y), (6, 5), textcoords="offset points", weight="bold", fontsize=9, color="white",
             path_effects=[Stroke(linewidth=2.2, foreground=_INK), Normal()],

@@ -27,15 +27,23 @@ from .lanes import (
     square_root,
     where_positive,
 )
-from .sheet import bending_moments, compressive_force, shear_resultants, sheet_struct, transverse_shear_forces
+from .sheet import bending_moments, compressive_force, moment_resultants, shear_resultants, sheet_struct, transverse_shear_forces
 from .unit_cell import solve_unit_cell, unit_cell_energies, unit_cell_struct
 
 # A height change in one step beyond this share of the crimp heights is a snap: the energy that it frees is booked.
 SNAP_SHARE = wp.constant(0.05)
 # Rows of the cell report: residual and iterations of this step, energy lost in snaps so far [J/m^2], worst residual so far.
 CELL_REPORT_ROWS = ("residual", "iterations", "snap_loss", "worst_residual")
-# Rows of the corner array: 12 for the forces of the four corners, 12 for their director gradients.
-CORNER_ROW_COUNT = 24
+# Rows of the corner array, three per corner: forces, director gradients, and the shear angle in the first of three.
+CORNER_ROW_COUNT = 36
+COUPLE_ROW = wp.constant(12)
+ANGLE_ROW = wp.constant(24)
+# Rows of the motion array of the nodes; the remainder is what rounding cut off the position.
+MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
+# Rows of the node report: work done against friction so far, lost or held in the friction springs [J]; energy lost in
+# damping so far [J]; mean shear angle of the elements around the node [rad].
+NODE_REPORT_ROWS = ("friction_work", "damping_loss", "mean_shear_angle")
+MEAN_ANGLE_ROW = wp.constant(2)
 
 
 @cache
@@ -118,6 +126,20 @@ def element_strains(elements: Any, e: int, a1: Any, a2: Any, d1: Any, d2: Any, m
         g1 = g1 - elements.initial_transverse_shear[0, e]
         g2 = g2 - elements.initial_transverse_shear[1, e]
     return k11, k12, k22, g1, g2
+
+
+@wp.func
+def corner_angles(elements: Any, e: int, node_report: Any, angle: Any):
+    """Sum over the corners of angle - mean and of its square, where mean is that of the elements around the corner."""
+    difference = type(angle)()
+    square = type(angle)()
+    for corner in range(4):
+        index = elements.corner_node[corner, e]
+        for i in range(len(index)):
+            d = angle[i] - node_report[MEAN_ANGLE_ROW, index[i]]
+            difference[i] += d
+            square[i] += d * d
+    return difference, square
 
 
 @wp.func
@@ -208,17 +230,16 @@ def element_force_kernel(real: type, lane_count: int):
         elements: Elements,
         cell: UnitCell,
         laws: SheetLaws,
-        position: wp.array(dtype=vec3),
-        remainder: wp.array(dtype=vec3),
-        director: wp.array(dtype=vec3),
+        motion: wp.array2d(dtype=vec3),
+        node_report: wp.array2d(dtype=real),
         # Out
         crimp_change: wp.array2d(dtype=lanes),  # w_1, w_2 [m]
         cell_report: wp.array2d(dtype=lanes),  # rows: see CELL_REPORT_ROWS
         corner_force: wp.array2d(dtype=lanes),
     ):
         e = first_block + wp.tid()
-        a1, a2, mean_position, x_hourglass = element_positions(elements, e, position, remainder, lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, director, lanes3())
+        a1, a2, mean_position, x_hourglass = element_positions(elements, e, motion[0], motion[4], lanes3())
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[2], lanes3())
 
         m11 = dot(a1, a1)
         m12 = dot(a1, a2)
@@ -250,9 +271,24 @@ def element_force_kernel(real: type, lane_count: int):
         t11 = (yarn_force1 / lanes(real(2.0) * cell.half_spacing[1]) + compressive_force(laws, stretch1)) / stretch1
         t22 = (yarn_force2 / lanes(real(2.0) * cell.half_spacing[0]) + compressive_force(laws, stretch2)) / stretch2
 
-        # in-plane shear
+        # in-plane shear, and the in-plane bending of the yarns, which resists a shear angle that varies
+        # (b_p x b_q) is 1/(2 area); the area itself is zero in padding elements
+        inverse_area = real(2.0) * (
+            elements.shape_gradient[0, e] * elements.shape_gradient[3, e]
+            - elements.shape_gradient[1, e] * elements.shape_gradient[2, e]
+        )
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
         shear11, shear12, shear22 = shear_resultants(laws, m11, m12, m22, area_ratio, angle)
+        if laws.in_plane_bending_stiffness > real(0.0):
+            difference, square = corner_angles(elements, e, node_report, angle)
+            bundle11, bundle12, bundle22 = moment_resultants(
+                (laws.in_plane_bending_stiffness * inverse_area) * difference, m11, m12, m22, area_ratio
+            )
+            shear11 = shear11 + bundle11
+            shear12 = shear12 + bundle12
+            shear22 = shear22 + bundle22
+        for corner in range(4):
+            corner_force[ANGLE_ROW + 3 * corner, e] = angle
 
         # bending and transverse shear
         k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
@@ -312,7 +348,7 @@ def element_force_kernel(real: type, lane_count: int):
             scale(area, x_stabilising), lanes3(), offset_p, offset_q,
         )  # fmt: skip
         store_corners(
-            corner_force, 12, e,
+            corner_force, COUPLE_ROW, e,
             corner_difference(bp1, bp2, r1, r2), corner_difference(bq1, bq2, r1, r2),
             scale(area, d_stabilising), scale(real(0.25) * area, mean_conjugate), offset_p, offset_q,
         )  # fmt: skip

@@ -5,6 +5,7 @@ from functools import cache
 import warp as wp
 
 from .element import (
+    corner_angles,
     element_strains,
     element_struct,
     element_positions,
@@ -20,7 +21,7 @@ from .unit_cell import solve_unit_cell, unit_cell_energies, unit_cell_struct
 # Rows of the element energies [J], in this order.
 ELEMENT_ENERGIES = (
     "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "compression",
-    "shear", "bending", "transverse_shear", "hourglass", "snap",
+    "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass", "snap",
 )  # fmt: skip
 # Rows of the element fields.
 ELEMENT_FIELDS = ("shear_angle", "warp_stretch", "weft_stretch", "warp_force", "weft_force", "crossover_force", "area_ratio")
@@ -39,9 +40,8 @@ def element_ledger_kernel(real: type):
         elements: Elements,
         cell: UnitCell,
         laws: SheetLaws,
-        position: wp.array(dtype=vec3),
-        remainder: wp.array(dtype=vec3),
-        director: wp.array(dtype=vec3),
+        motion: wp.array2d(dtype=vec3),
+        node_report: wp.array2d(dtype=real),
         crimp_change: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),
         # Out
@@ -49,8 +49,8 @@ def element_ledger_kernel(real: type):
         fields: wp.array2d(dtype=lanes),
     ):
         e = wp.tid()
-        a1, a2, mean_position, x_hourglass = element_positions(elements, e, position, remainder, lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, director, lanes3())
+        a1, a2, mean_position, x_hourglass = element_positions(elements, e, motion[0], motion[4], lanes3())
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[2], lanes3())
         m11 = dot(a1, a1)
         m12 = dot(a1, a2)
         m22 = dot(a2, a2)
@@ -83,14 +83,17 @@ def element_ledger_kernel(real: type):
             squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0))
         )
         energies[5, e] = area * shear_energy(laws, m12, angle)
-        energies[6, e] = half * area * (moment11 * k11 + real(2.0) * moment12 * k12 + moment22 * k22)
-        energies[7, e] = half * area * (q1 * g1 + q2 * g2)
-        energies[8, e] = half * area * (
+        difference, square = corner_angles(elements, e, node_report, angle)
+        real_element = where_positive(area, fill(area, 1.0), lanes())
+        energies[6, e] = (half * laws.in_plane_bending_stiffness) * real_element * square
+        energies[7, e] = half * area * (moment11 * k11 + real(2.0) * moment12 * k12 + moment22 * k22)
+        energies[8, e] = half * area * (q1 * g1 + q2 * g2)
+        energies[9, e] = half * area * (
             in_plane * (dot(x_hourglass, x_hourglass) - height * height)
             + warping_stiffness * warping * warping
             + director_stiffness * (twist1 * twist1 + twist2 * twist2)
         )
-        energies[9, e] = area * cell_report[2, e]
+        energies[10, e] = area * cell_report[2, e]
         fields[0, e] = angle
         fields[1, e] = stretch1
         fields[2, e] = stretch2

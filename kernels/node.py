@@ -6,6 +6,7 @@ from typing import Any
 import warp as wp
 
 from .distance import tool_distance_function, tool_set_struct
+from .element import ANGLE_ROW, COUPLE_ROW, MEAN_ANGLE_ROW
 from .lanes import cross, div, dot, fill, lane_sum, lane_types, larger, load, mul, scale, spread, square_root, store, where_positive
 
 # Entries of the clock, always in double precision.
@@ -13,14 +14,6 @@ CLOCK_TIME = wp.constant(0)
 CLOCK_STEP = wp.constant(1)
 CLOCK_MEAN_STEP = wp.constant(2)
 CLOCK_LENGTH = 3
-
-# Rows of the motion array; the remainder is what rounding cut off the position.
-MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
-
-# Rows of the node report [J]: work done against friction so far (lost, or held in the friction springs); lost in damping.
-FRICTION_ROW = wp.constant(0)
-DAMPING_ROW = wp.constant(1)
-
 
 @cache
 def node_struct(real: type, lane_count: int):
@@ -35,6 +28,7 @@ def node_struct(real: type, lane_count: int):
         inverse_mass: wp.array(dtype=types.lanes)
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
         contact_stiffness: wp.array(dtype=types.lanes)  # [N/m]
+        angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
         freedom: wp.array(dtype=types.indices)  # bits 0-2: x, y, z may move; bits 3-5: director may turn about x, y, z
 
     return Nodes
@@ -66,6 +60,15 @@ def gather_corners(corners: Any, offset: Any, stride: int, row: int, total: Any)
         result[0, i] += corners[first]
         result[1, i] += corners[first + stride]
         result[2, i] += corners[first + 2 * stride]
+    return result
+
+
+@wp.func
+def add_angles(corners: Any, offset: Any, first_row: int, total: Any):
+    """Add the shear angle of one adjacent element to ``total``; ``first_row`` is the flat start of the angle's row."""
+    result = total
+    for i in range(len(offset)):
+        result[i] += corners[offset[i] + first_row]
     return result
 
 
@@ -118,7 +121,7 @@ def node_motion_kernel(real: type, lane_count: int):
         motion: wp.array2d(dtype=vec3),  # rows: see MOTION_ROWS
         friction: wp.array2d(dtype=vec3),  # tangential spring of each tool [m]
         reaction: wp.array2d(dtype=vec3),  # [tool, block]: force of the sheet on the tool [N]
-        report: wp.array2d(dtype=lanes),
+        report: wp.array2d(dtype=lanes),  # NODE_REPORT_ROWS
     ):
         block = first_block + wp.tid()
         first = block * lane_count
@@ -129,10 +132,13 @@ def node_motion_kernel(real: type, lane_count: int):
 
         force = lanes3()
         couple = lanes3()
+        angle = lanes()
         for slot in range(nodes.corner_offset.shape[0]):
             offset = nodes.corner_offset[slot, block]
             force = gather_corners(corners, offset, nodes.corner_stride, 0, force)
-            couple = gather_corners(corners, offset, nodes.corner_stride, 12, couple)
+            couple = gather_corners(corners, offset, nodes.corner_stride, COUPLE_ROW, couple)
+            angle = add_angles(corners, offset, ANGLE_ROW * nodes.corner_stride, angle)
+        report[MEAN_ANGLE_ROW, block] = nodes.angle_weight[block] * angle
 
         # forces that do not come from an energy, and the power that the moving tools take from them
         friction_force = lanes3()
@@ -212,7 +218,7 @@ def node_motion_kernel(real: type, lane_count: int):
         store(motion[3], first, new_spin)
         store(motion[2], first, new_director)
 
-        report[FRICTION_ROW, block] = report[FRICTION_ROW, block] + friction_work
-        report[DAMPING_ROW, block] = report[DAMPING_ROW, block] + damping_loss
+        report[0, block] = report[0, block] + friction_work
+        report[1, block] = report[1, block] + damping_loss
 
     return node_motion

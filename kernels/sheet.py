@@ -34,6 +34,7 @@ def sheet_struct(real: type):
         poisson_ratio: real
         yarn_bending_stiffness: wp.types.vector(3, real)  # D_1, D_2, D_12 [N m]
         transverse_shear_stiffness: real  # 5/6 G t [N/m]
+        in_plane_bending_stiffness: real  # B: resists a varying shear angle, psi = 1/2 B |grad gamma|^2 [N m]
         compressive_stiffness: real  # of the sheet itself along a yarn that is pushed together [N/m]
         hourglass_in_plane: real  # factors of the sum of squared shape gradients: [N/m]
         hourglass_warping: real
@@ -79,6 +80,13 @@ def shear_curve_energy(laws: Any, angle: Any):
 
 
 @wp.func
+def moment_resultants(moment: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any):
+    """T11, T12, T22 of a moment m = dpsi/dgamma: dgamma/da_1 = (a_2 - a_1 m12/m11)/J, likewise for a_2."""
+    t12 = moment / area_ratio
+    return -(t12 * m12 / m11), t12, -(t12 * m12 / m22)
+
+
+@wp.func
 def shear_resultants(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, angle: Any):
     """T11, T12, T22 of in-plane shear.
 
@@ -91,9 +99,7 @@ def shear_resultants(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, a
         t12 = m11.dtype(0.5) * laws.shear_stiffness * m12
     else:
         moment, tangent = shear_moment(laws, angle)
-        t12 = moment / area_ratio
-        t11 = -(t12 * m12 / m11)
-        t22 = -(t12 * m12 / m22)
+        t11, t12, t22 = moment_resultants(moment, m11, m12, m22, area_ratio)
     return t11, t12, t22
 
 

@@ -4,7 +4,7 @@ from functools import cache
 
 import warp as wp
 
-from .element import element_positions, element_struct, yarn_displacements
+from .element import element_positions, element_struct, element_vectors, yarn_displacements
 from .lanes import angle_of, cross, div, dot, larger, lane_types, magnitude, mul, spread, square_root
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
 from .sheet import shear_tangent_bound, sheet_struct
@@ -25,26 +25,32 @@ def element_frequency_kernel(real: type):
         elements: Elements,
         cell: UnitCell,
         laws: SheetLaws,
-        position: wp.array(dtype=vec3),
-        remainder: wp.array(dtype=vec3),
+        motion: wp.array2d(dtype=vec3),
         crimp_change: wp.array2d(dtype=lanes),
         inverse_areal_density: wp.array(dtype=lanes),  # per element, with any added mass
         constant_part: wp.array(dtype=lanes),  # bending, transverse shear, stabilisation, contact
+        clock: wp.array(dtype=wp.float64),
+        steps_ahead: wp.int32,
         # Out
         squared_frequency: wp.array(dtype=lanes),
     ):
         e = first + wp.tid()
-        a1, a2, mean_position, x_hourglass = element_positions(elements, e, position, remainder, lanes3())
+        a1, a2, mean_position, x_hourglass = element_positions(elements, e, motion[0], motion[4], lanes3())
         m11 = dot(a1, a1)
         m12 = dot(a1, a2)
         m22 = dot(a2, a2)
         normal = cross(a1, a2)
         area_ratio = square_root(dot(normal, normal))
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
+        # where the present rate takes the yarns before the step is looked at again, twice as far for safety
+        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion[1], lanes3())
+        horizon = real(2.0) * real(clock[CLOCK_STEP]) * real(steps_ahead)
+        u1 = u1 + (horizon * cell.half_spacing[0]) * (larger(dot(a1, v1), lanes()) / stretch1)
+        u2 = u2 + (horizon * cell.half_spacing[1]) * (larger(dot(a2, v2), lanes()) / stretch2)
         w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(
             cell, u1, u2, crimp_change[0, e], crimp_change[1, e]
         )
-        k11, k12, k22 = condensed_tangent(cell, u1, u2, w1, w2)
+        k11, k12, k22 = condensed_tangent(cell, u1, u2, w1, w2, True)
         half = real(0.5)
         l1 = cell.half_spacing[0]
         l2 = cell.half_spacing[1]
@@ -90,7 +96,8 @@ def partial_maximum_kernel(real: type):
         largest = real(0.0)
         for i in range(group * group_size, wp.min((group + 1) * group_size, values.shape[0])):
             value = values[i][0]
-            largest = wp.where(value <= largest, largest, value)
+            # written so that a NaN, and infinity after it, stays
+            largest = wp.where(value <= largest, largest, wp.where(value == value, value, real(wp.inf)))
         maxima[group] = largest
 
     return partial_maximum

@@ -184,11 +184,14 @@ def unit_cell_energies(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any):
 
 
 @wp.func
-def yarn_hessian(cell: Any, k: int, u: Any, w: Any):
-    """Second derivatives (uu, uw, ww) of yarn k's energy."""
+def yarn_hessian(cell: Any, k: int, u: Any, w: Any, in_tension: bool):
+    """Second derivatives (uu, uw, ww) of yarn k's energy; ``in_tension`` takes its stiffness in tension, pulled or not."""
     elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
     stiffness = yarn_axial_stiffness(cell, k, elongation)
     axial = stiffness * elongation * inverse_length
+    if in_tension:
+        stiffness = spread(u, cell.tensile_stiffness[k])
+        axial = larger(axial, fill(u, 0.0))
     bending = cell.rotation_stiffness[k] * inverse_length * inverse_length
     moment = cell.rotation_stiffness[k] * rotation * inverse_length * inverse_length
     c = x * inverse_length
@@ -201,12 +204,17 @@ def yarn_hessian(cell: Any, k: int, u: Any, w: Any):
 
 
 @wp.func
-def condensed_tangent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any):
-    """(K11, K12, K22) [N/m]: derivative of (F1, F2) by (u1, u2) with w in equilibrium, H_uu - H_uw H_ww^-1 H_wu."""
-    uu1, uw1, ww1 = yarn_hessian(cell, 0, u1, w1)
-    uu2, uw2, ww2 = yarn_hessian(cell, 1, u2, w2)
+def condensed_tangent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, in_tension: bool):
+    """(K11, K12, K22) [N/m]: derivative of (F1, F2) by (u1, u2) with w in equilibrium, H_uu - H_uw H_ww^-1 H_wu.
+
+    ``in_tension`` gives what the cell becomes as soon as its yarns are pulled, for stable steps.
+    """
+    uu1, uw1, ww1 = yarn_hessian(cell, 0, u1, w1, in_tension)
+    uu2, uw2, ww2 = yarn_hessian(cell, 1, u2, w2, in_tension)
     stiffness = cell.contact_stiffness * contact_active(cell, -(w1 + w2))
     determinant = ww1 * ww2 + stiffness * (ww1 + ww2)
+    # straight yarns without bending stiffness: nothing holds w, and nothing couples it to u
+    determinant = where_positive(magnitude(determinant), determinant, fill(determinant, 1.0))
     k11 = uu1 - uw1 * uw1 * (ww2 + stiffness) / determinant
     k22 = uu2 - uw2 * uw2 * (ww1 + stiffness) / determinant
     k12 = uw1 * uw2 * stiffness / determinant

@@ -48,7 +48,7 @@ def unit_cell_response_kernel(real: type):
             worst = wp.where(residual[0] <= worst, worst, residual[0])
             most = wp.max(most, iterations[0])
         warp, weft, bending, contact = unit_cell_energies(cell, u1, u2, w1, w2)
-        k11, k12, k22 = condensed_tangent(cell, u1, u2, w1, w2)
+        k11, k12, k22 = condensed_tangent(cell, u1, u2, w1, w2, False)
         crimp_change[0, i] = w1[0]
         crimp_change[1, i] = w2[0]
         force[0, i] = force1[0]

@@ -281,6 +281,11 @@ class Fabric(Parameters):
     shear: LinearShear | MomentCurve
     bending: IsotropicBending | YarnBending
     transverse_shear_modulus: NotNegative = Field(description="G of equation (6) across the sheet [Pa]")
+    in_plane_bending_stiffness: NotNegative = Field(
+        default=0.0,
+        description="B of psi = 1/2 B |grad gamma|^2: yarns resist being bent in the plane, so that the shear angle "
+        "cannot jump from element to element [N m]",
+    )
     compressive_stiffness: NotNegative = Field(
         default=0.0, description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]"
     )
@@ -334,6 +339,7 @@ def glass_polypropylene(
     yarn_stiffness = 31.8e3
     cross_section = 1.0e-6  # only the products E A and E I matter
     modulus = yarn_stiffness / cross_section
+    bending_modulus = 20.0e6  # of the sheet [Pa]; pushed together along its yarns it is as stiff
     yarn_bending = 1.5e-5  # E I [N m^2], as stiff as the sheet's bending over one pitch
     return Fabric(
         name="glass/polypropylene plain weave",
@@ -349,10 +355,13 @@ def glass_polypropylene(
             (0.051e6, -0.83e6, 6.1275e6, -12.0972e6, 8.48e6), thickness, convention=convention,
             locking_angle=locking_angle, locking_stiffness=LARGEST_LOCKING_SHARE * yarn_stiffness / pitch * 0.1,
         ),
-        bending=IsotropicBending(modulus=20.0e6, poisson_ratio=0.0),
-        transverse_shear_modulus=10.0e6, compressive_stiffness=20.0e6 * thickness,
+        bending=IsotropicBending(modulus=bending_modulus, poisson_ratio=0.0),
+        transverse_shear_modulus=10.0e6, compressive_stiffness=bending_modulus * thickness,
+        in_plane_bending_stiffness=5.0e-3,
         source="Aridhi et al. 2019, credited there to Cao et al. 2008 (shear curve, density, thickness, pitch, E A)",
-        assumed=("crimp", "contact stiffness", "yarn bending", "sheet bending", "transverse shear", "compression", "locking"),
+        assumed=("crimp", "contact stiffness", "yarn bending", "sheet bending", "transverse shear", "compression",
+            "in-plane bending", "locking",
+        ),
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from .tool import Tool
 # Elastic energies of the sheet; their sum is the internal energy.
 INTERNAL = (
     "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "compression",
-    "shear", "bending", "transverse_shear", "hourglass",
+    "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass",
 )  # fmt: skip
 STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
 LOST = ("friction_loss", "damping_loss", "snap_loss")
@@ -63,7 +63,7 @@ class Ledger:
             self._kernel,
             dim=model.element_count,
             inputs=[
-                model.elements_single, model.cell, model.laws, state.motion[0], state.motion[4], state.motion[2],
+                model.elements_single, model.cell, model.laws, state.motion, state.node_report,
                 lanes_view(state.crimp_change, 1), lanes_view(state.cell_report, 1),
             ],
             outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
@@ -113,7 +113,7 @@ class Ledger:
         entries["friction_spring"] = (
             0.5 * TANGENTIAL_RATIO * float((model.contact_stiffness * np.square(friction).sum(axis=2)).sum())
         )
-        losses = state.node_report.numpy().astype(np.float64).sum(axis=1)
+        losses = state.node_report.numpy()[:2].astype(np.float64).sum(axis=1)
         entries["friction_loss"] = float(losses[0]) - entries["friction_spring"]
         entries["damping_loss"] = float(losses[1])
         entries["tool_work"] = float(work[0][~self._driven].sum())

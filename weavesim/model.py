@@ -12,9 +12,9 @@ from .blank import Blank
 from .device import Precision
 from .errors import InputError
 from .fabric import SHEAR_KNOT_COUNT, Fabric, IsotropicBending, LinearShear, UnitCell
-from .kernels.element import element_struct
+from .kernels.element import MOTION_ROWS, element_struct
 from .kernels.lanes import lane_types
-from .kernels.node import MOTION_ROWS, motion_struct, node_struct
+from .kernels.node import motion_struct, node_struct
 from .kernels.sheet import BENDING_ISOTROPIC, BENDING_YARNS, SHEAR_CURVE, SHEAR_LINEAR, sheet_struct
 from .kernels.unit_cell import unit_cell_struct
 
@@ -133,10 +133,11 @@ class Frequencies:
             bending = 4.0 * max(fabric.bending.warp, fabric.bending.weft, 2.0 * fabric.bending.twist) * b
         shear = fabric.shear_stiffness_scale
         straight = 4.0 / areal_density * (np.maximum(c1 * b11, c2 * b22) + 2.0 * shear * b)
+        yarns_in_plane = 2.0 * 4.0 * fabric.in_plane_bending_stiffness / geometry.area
         turning = transverse + bending + (4.0 * director * gamma + warping) * b
         radius = np.maximum(fabric.thickness**2 / 12.0, turning / (areal_density * ROTARY_SHARE * straight))
         constant = (
-            4.0 / areal_density * ((transverse + fabric.compressive_stiffness) * b + in_plane * b * gamma + warping * b * gamma / 16.0)
+            4.0 / areal_density * ((transverse + fabric.compressive_stiffness + yarns_in_plane) * b + in_plane * b * gamma + warping * b * gamma / 16.0)
             + turning / (areal_density * radius)
         )
         return cls(straight, constant, radius)
@@ -321,6 +322,7 @@ class Model:
         per_yarn = (0.0, 0.0, 0.0) if isotropic else (bending.warp, bending.weft, bending.twist)
         laws.yarn_bending_stiffness = self.types.vec3(*per_yarn)
         laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
+        laws.in_plane_bending_stiffness = fabric.in_plane_bending_stiffness
         laws.compressive_stiffness = fabric.compressive_stiffness
         laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(fabric)
         return laws
@@ -344,6 +346,8 @@ class Model:
         table[slot, node[order]] = (3 * stride * corner + element)[order]
         nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
         nodes.corner_stride = stride
+        count_around = np.bincount(node, minlength=count)
+        angle_weight = np.where(self._mirrored_angle(free), 0.0, 1.0 / count_around)
         bits = (free @ (1 << np.arange(6))).astype(np.int32)
         freedom = np.zeros(self.node_count, dtype=np.int32)
         freedom[:count] = bits
@@ -352,11 +356,28 @@ class Model:
         def lanes(values):
             return lanes_view(self._lane_array(values, fill=0.0, nodes=True), self.lane_count)
 
+        nodes.angle_weight = lanes(angle_weight)
         nodes.mass = lanes(self.node_mass)
         nodes.inverse_mass = lanes(1.0 / self.node_mass)
         nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
         nodes.contact_stiffness = lanes(self.contact_stiffness)
         return nodes
+
+    def _mirrored_angle(self, free: np.ndarray) -> np.ndarray:
+        """Nodes on a symmetry plane whose mirror image has the opposite shear angle, so that the mean there is zero.
+
+        A node held along x (or y) whose director may turn about that axis alone lies on such a plane; the angle changes
+        sign when a yarn lies along the plane's normal, and keeps it when the yarns lie at 45 degrees to it.
+        """
+        mirrored = np.zeros(len(free), dtype=bool)
+        along = np.zeros((len(free), 3))
+        for corner in range(4):
+            np.add.at(along, self.blank.quads[:, corner], np.square(self.blank.warp_direction))
+        along /= along.sum(axis=1, keepdims=True)
+        for axis in range(2):
+            on_plane = ~free[:, axis] & free[:, 3 + axis] & ~free[:, [3 + a for a in range(3) if a != axis]].any(axis=1)
+            mirrored |= on_plane & (np.abs(along[:, axis] - 0.5) > 0.25)
+        return mirrored
 
     def _motion_laws(self, contact_share: float):
         laws = motion_struct(self.real)()

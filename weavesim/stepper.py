@@ -15,7 +15,12 @@ import warp as wp
 
 from .kernels.barrier import barrier
 from .kernels.distance import tool_set_struct
-from .kernels.element import CELL_REPORT_ROWS, CORNER_ROW_COUNT, element_force_kernel
+from .kernels.element import (
+    CELL_REPORT_ROWS,
+    CORNER_ROW_COUNT,
+    NODE_REPORT_ROWS,
+    element_force_kernel,
+)
 from .kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, node_motion_kernel
 from .kernels.time_step import element_frequency_kernel, partial_maximum_kernel, set_step_kernel
 from .kernels.tool_motion import partial_sum_kernel, tool_motion_kernel
@@ -36,8 +41,8 @@ class State:
     motion: wp.array  # (5, nodes) vec3, rows MOTION_ROWS
     crimp_change: wp.array  # (2, elements) [m]
     cell_report: wp.array  # (4, elements)
-    corner_force: wp.array  # (24, elements)
-    node_report: wp.array  # (2, nodes) [J]
+    corner_force: wp.array  # (36, elements)
+    node_report: wp.array  # (3, nodes), rows NODE_REPORT_ROWS
     friction: wp.array  # (tools, nodes) vec3 [m]
     reaction: wp.array  # (tools, node blocks) vec3 [N]
     clock: wp.array  # time, step, mean step [s]
@@ -53,7 +58,7 @@ class State:
             crimp_change=wp.zeros((2, model.element_count), dtype=real, device=device),
             cell_report=wp.zeros((len(CELL_REPORT_ROWS), model.element_count), dtype=real, device=device),
             corner_force=wp.zeros((CORNER_ROW_COUNT, model.element_count), dtype=real, device=device),
-            node_report=wp.zeros((2, model.node_count), dtype=real, device=device),
+            node_report=wp.zeros((len(NODE_REPORT_ROWS), model.node_count), dtype=real, device=device),
             friction=wp.zeros((tool_rows, model.node_count), dtype=vec3, device=device),
             reaction=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=vec3, device=device),
             clock=wp.array(clock, dtype=wp.float64, device=device),
@@ -101,7 +106,6 @@ class Stepper:
         self._frequencies = element_frequency_kernel(real)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
-        self._position, self._director, self._remainder = state.motion[0], state.motion[2], state.motion[4]
         self._tool_set = tool_set_struct(real)()
         self._tool_set.tool, self._tool_set.part = tools.tool, tools.part
         self._tool_set.displacement, self._tool_set.velocity = tools.displacement, tools.velocity
@@ -128,7 +132,7 @@ class Stepper:
         wp.launch(
             self._element_forces,
             dim=count,
-            inputs=[first, model.elements, model.cell, model.laws, self._position, self._remainder, self._director],
+            inputs=[first, model.elements, model.cell, model.laws, state.motion, state.node_report],
             outputs=[view(state.crimp_change), view(state.cell_report), view(state.corner_force)],
             device=model.device,
         )
@@ -169,9 +173,9 @@ class Stepper:
             self._frequencies,
             dim=count,
             inputs=[
-                first, model.elements_single, model.cell, model.laws, self._position, self._remainder,
+                first, model.elements_single, model.cell, model.laws, state.motion,
                 lanes_view(state.crimp_change, 1), lanes_view(model.inverse_areal_density, 1),
-                lanes_view(model.constant_frequency, 1),
+                lanes_view(model.constant_frequency, 1), state.clock, REFRESH_INTERVAL,
             ],
             outputs=[lanes_view(self._squared_frequency, 1)],
             device=model.device,

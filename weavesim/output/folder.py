@@ -179,7 +179,9 @@ class ResultFolder:
                 ):
                     component = np.abs(direction[:, "xy".index(along)])
                     if component.min() > np.cos(np.deg2rad(_LARGEST_MISALIGNMENT)):
-                        found[f"yarn_lengthening_{name}_mm"] = 1.0e3 * integrated_yarn_stretch(blank, stretch, along)
+                        found[f"integrated_yarn_stretch_{name}_mm"] = 1.0e3 * integrated_yarn_stretch(
+                            blank, stretch, along
+                        )
         return found
 
     def _write_pictures(self, frame: Frame) -> list[tuple[Path, str]]:

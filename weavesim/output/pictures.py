@@ -100,7 +100,7 @@ def formed_sheet(blank: Blank, frame: Frame, symmetry: Sequence[str] = ()) -> Fi
     segments = _mirrored(lines.of(frame.position).reshape(-1, 2, 3), symmetry)
     angles = np.tile(angle, len(mirror_signs(symmetry)))
 
-    border = frame.position[blank.boundary_loop(), 2]
+    border = frame.position[outline(blank, symmetry).node, 2]
     turned = float(border.mean()) > float(frame.position[:, 2].mean())  # a bowl is clearer seen as a dome
     turn = np.array([1.0, -1.0, -1.0] if turned else [1.0, 1.0, 1.0])
     figure = _figure(13.0, 5.0)
@@ -404,7 +404,7 @@ def energies(history: History) -> Figure:
             values = 100.0 * np.abs(book[name]) / base
             chosen = _LINE_COLOURS[len(ratios.lines)]
             ratios.plot(*_against(history, np.where(values > 0.0, values, np.nan)), color=chosen, label=label)
-    ratios.set_ylim(1.0e-4, 3.0e2)
+    ratios.set_ylim(1.0e-4, 1.0e5)  # the upper decades hold the legend
     _legend(ratios, loc="upper right", bbox_to_anchor=(1.0, 1.0))
     for chart in (stack, every, ratios):
         _name_progress(chart, history)

@@ -16,6 +16,8 @@ from .files import write_text
 _UNITS = {
     "deg": "°", "mm": "mm", "s": "s", "j": "J", "n": "N", "m": "m", "pa": "Pa", "kg": "kg", "per_second": "1/s",
 }  # fmt: skip
+# Longer lists, such as the knots of a curve, are shown by their ends.
+_LONGEST_LIST = 12
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,8 @@ def shown(value: Any) -> str:
         return f"{value:,.0f}".replace(",", "\u202f") if 1.0e4 <= abs(value) < 1.0e12 else f"{value:.4g}"
     if isinstance(value, Mapping):
         return ", ".join(f"{str(key).replace('_', ' ')} {shown(entry)}" for key, entry in value.items())
+    if isinstance(value, list | tuple) and len(value) > _LONGEST_LIST:
+        return f"{len(value)} values from {shown(value[0])} to {shown(value[-1])}"
     if isinstance(value, list | tuple):
         return ", ".join(map(shown, value))
     return textwrap.shorten(str(value), 300)

@@ -86,7 +86,7 @@ def test_summary_agrees_with_the_tables(finished):
     assert summary["draw_in_long_axis_mm"] == pytest.approx(border[0])
     assert summary["draw_in_short_axis_mm"] == pytest.approx(border[-1])
     assert summary["min_stretch"] < summary["max_stretch"] == pytest.approx(1.004)
-    assert summary["yarn_lengthening_short_axis_mm"] == pytest.approx(0.002 * 135.0)
+    assert summary["integrated_yarn_stretch_short_axis_mm"] == pytest.approx(0.002 * 135.0)
     assert summary["outcome"] == "finished"
 
 
@@ -205,6 +205,16 @@ def test_a_report_that_fails_leaves_the_old_one(tmp_path, monkeypatch):
 
 
 def test_values_as_a_person_reads_them():
-    assert [shown(v) for v in (None, float("nan"), True, 3, 1234567, 0.000123456, 45678.9, [1.0, 2], {"a_b": 1})] == [
-        "–", "–", "yes", "3", "1\u202f234\u202f567", "0.0001235", "45\u202f679", "1, 2", "a b 1",
-    ]  # fmt: skip
+    for value, text in (
+        (None, "–"),
+        (float("nan"), "–"),
+        (True, "yes"),
+        (3, "3"),
+        (1234567, "1\u202f234\u202f567"),
+        (0.000123456, "0.0001235"),
+        (45678.9, "45\u202f679"),
+        ([1.0, 2], "1, 2"),
+        ({"a_b": 1}, "a b 1"),
+        (list(range(40)), "40 values from 0 to 39"),
+    ):
+        assert shown(value) == text

@@ -1,0 +1,421 @@
+"""The plain-weave cell against an independent minimisation of its energy, and its limits with closed forms."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import scipy.optimize
+
+from weavesim.errors import InputError
+from weavesim.fabric import UnitCell, glass_polypropylene
+from weavesim.unit_cell import respond
+
+INCREMENT_COUNT = 50
+
+
+def random_cell(rng: np.random.Generator, **given) -> UnitCell:
+    """A cell with stiffnesses over orders of magnitude and crimp from slight to steep."""
+    half_spacing = 10.0 ** rng.uniform(-3.2, -2.2, 2)
+    area = 10.0 ** rng.uniform(-7.0, -5.5, 2)
+    modulus = 10.0 ** rng.uniform(8.0, 11.0, 2)
+    second_moment = area**2 / 12.0 * 10.0 ** rng.uniform(-4.0, 0.0, 2)
+    values = {
+        "warp_modulus": modulus[0], "weft_modulus": modulus[1], "contact_modulus": 10.0 ** rng.uniform(5.0, 9.0),
+        "warp_cross_section": area[0], "weft_cross_section": area[1],
+        "contact_cross_section": 10.0 ** rng.uniform(-7.0, -5.0),
+        "warp_second_moment": second_moment[0], "weft_second_moment": second_moment[1],
+        "warp_half_spacing": half_spacing[0], "weft_half_spacing": half_spacing[1],
+        "crossover_height": rng.uniform(0.02, 0.6) * half_spacing.min(),
+        "warp_crimp_share": rng.uniform(0.1, 0.9),
+        "contact": str(rng.choice(["bilateral", "unilateral"])),
+    }  # fmt: skip
+    return UnitCell(**(values | given))
+
+
+def swapped(cell: UnitCell) -> UnitCell:
+    """The same cell with warp and weft exchanged."""
+    values = cell.model_dump()
+    exchanged = {
+        name.replace("warp", "we_ft").replace("weft", "warp").replace("we_ft", "weft"): value
+        for name, value in values.items()
+        if name != "warp_crimp_share"
+    }
+    return UnitCell(**exchanged, warp_crimp_share=1.0 - cell.warp_crimp_share)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Energy of the half cell and its derivatives by the angles and lengths of the chords, for n cells at once.
+
+    Arrays of the yarns are (n, 2). Nothing here is shared with the kernels: angles come from atan2.
+    """
+
+    spacing: np.ndarray
+    height: np.ndarray
+    tensile: np.ndarray
+    compressive: np.ndarray
+    rotational: np.ndarray
+    contact: np.ndarray
+    unilateral: np.ndarray
+
+    @classmethod
+    def of(cls, cells: list[UnitCell]) -> "Reference":
+        def rows(name):
+            return np.array([getattr(cell, name) for cell in cells], dtype=float)
+
+        spacing, height = rows("half_spacing"), rows("crimp_height")
+        length = np.hypot(spacing, height)
+        modulus = np.array([(cell.warp_modulus, cell.weft_modulus) for cell in cells])
+        area = np.array([(cell.warp_cross_section, cell.weft_cross_section) for cell in cells])
+        bending = modulus * np.array([(cell.warp_second_moment, cell.weft_second_moment) for cell in cells])
+        given = np.array([(c.warp_compressive_stiffness, c.weft_compressive_stiffness) for c in cells], dtype=float)
+        compressive = np.where(np.isnan(given), 3.0 * bending / length**2, given)
+        contact = np.array(
+            [
+                c.contact_stiffness_value or c.contact_modulus * c.contact_cross_section / c.crossover_height
+                for c in cells
+            ]
+        )
+        unilateral = np.array([cell.contact == "unilateral" for cell in cells])
+        return cls(
+            spacing, height, modulus * area / length, compressive / length, 3.0 * bending / length, contact, unilateral
+        )
+
+    def part(self, index) -> "Reference":
+        return Reference(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
+
+    def _chord(self, u, w):
+        x, h = self.spacing + u, self.height + w
+        length = np.hypot(x, h)
+        elongation = length - np.hypot(self.spacing, self.height)
+        rotation = np.arctan2(h, x) - np.arctan2(self.height, self.spacing)
+        stiffness = np.where(elongation > 0.0, self.tensile, self.compressive)
+        return x / length, h / length, length, elongation, rotation, stiffness
+
+    def _contact_stiffness(self, w):
+        return np.where(self.unilateral & (w.sum(-1) >= 0.0), 0.0, self.contact)
+
+    def energy(self, u, w):
+        _, _, _, elongation, rotation, stiffness = self._chord(u, w)
+        yarns = 0.5 * stiffness * elongation**2 + 0.5 * self.rotational * rotation**2
+        return yarns.sum(-1) + 0.5 * self._contact_stiffness(w) * w.sum(-1) ** 2
+
+    def gradient(self, u, w):
+        """(dPi/du, dPi/dw), (n, 2) each."""
+        cosine, sine, length, elongation, rotation, stiffness = self._chord(u, w)
+        axial, turning = stiffness * elongation, self.rotational * rotation / length
+        closing = self._contact_stiffness(w) * w.sum(-1)
+        return axial * cosine - turning * sine, axial * sine + turning * cosine + closing[..., None]
+
+    def hessian(self, u, w):
+        """d2Pi/dw2, (n, 2, 2)."""
+        cosine, sine, length, elongation, rotation, stiffness = self._chord(u, w)
+        own = stiffness * (sine**2 + elongation * cosine**2 / length)
+        own = own + self.rotational * (cosine**2 - 2.0 * rotation * sine * cosine) / length**2
+        contact = self._contact_stiffness(w)
+        return own[..., None] * np.eye(2) + contact[..., None, None]
+
+    def follow(self, stretch, increment_count=INCREMENT_COUNT):
+        """Minimum that continues the one at stretch 1: descent with |H| and halved steps, to round-off. (n, 2) [m]."""
+        w = np.zeros_like(self.spacing)
+        for k in range(1, increment_count + 1):
+            u = (stretch - 1.0) * self.spacing * (k / increment_count)
+            active = np.arange(len(w))
+            for _ in range(200):
+                here, u_here, w_here = self.part(active), u[active], w[active]
+                gradient = here.gradient(u_here, w_here)[1]
+                values, vectors = np.linalg.eigh(here.hessian(u_here, w_here))
+                along = np.einsum("nji,nj->ni", vectors, gradient) / np.abs(values)
+                step = -np.einsum("nij,nj->ni", vectors, along)
+                size = np.hypot(here.spacing, here.height).min(-1)
+                step *= np.minimum(1.0, 0.2 * size / np.maximum(np.linalg.norm(step, axis=-1), 1e-300))[:, None]
+                unfinished = np.linalg.norm(step, axis=-1) > 1e-14 * size
+                if not unfinished.any():
+                    break
+                before, share = here.energy(u_here, w_here), np.ones(len(active))
+                for _ in range(40):
+                    # equality passes: below round-off of the energy a step that shrinks the gradient is still good
+                    higher = here.energy(u_here, w_here + share[:, None] * step) > before * (1.0 + 1e-13)
+                    if not higher.any():
+                        break
+                    share[higher] *= 0.5
+                w[active] = w_here + share[:, None] * step
+                active = active[unfinished]
+        return w
+
+
+@pytest.fixture(scope="module")
+def many():
+    """10,000 cells, stretches from 0.5 to 1.3, the kernel's answer and the reference with its own minimum."""
+    rng = np.random.default_rng(7)
+    cells = [random_cell(rng) for _ in range(10_000)]
+    stretch = rng.uniform(0.5, 1.3, (len(cells), 2))
+    reference = Reference.of(cells)
+    return (
+        cells,
+        stretch,
+        respond(cells, stretch, increment_count=INCREMENT_COUNT),
+        reference,
+        reference.follow(stretch),
+    )
+
+
+def relative_difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Largest difference of each row over the largest entry of b's row."""
+    return np.abs(a - b).max(axis=1) / np.abs(b).max(axis=1)
+
+
+def test_energy_and_forces_agree_with_an_independent_minimisation(many):
+    _, stretch, response, reference, w = many
+    u = (stretch - 1.0) * reference.spacing
+    energy = reference.energy(u, w)
+    assert np.abs(response.energy.sum(axis=1) / energy - 1.0).max() < 1e-6
+    assert relative_difference(response.force, reference.gradient(u, w)[0]).max() < 1e-6
+    crossover = -2.0 * reference._contact_stiffness(w) * w.sum(axis=1)
+    scale = np.maximum(np.abs(response.force).max(axis=1), np.abs(crossover))
+    assert (np.abs(response.crossover_force - crossover) / scale).max() < 1e-6
+    per_width = reference.gradient(u, w)[0] / (2.0 * reference.spacing[:, ::-1])
+    assert relative_difference(response.force_per_width, per_width).max() < 1e-6
+
+
+def test_reference_itself_agrees_with_scipy(many):
+    """The minimum of SciPy's trust-region method along the same path, for the first hundred cells."""
+    cells, stretch, response, _, _ = many
+    worst = 0.0
+    for cell, ends, force in zip(cells[:100], stretch[:100], response.force[:100], strict=True):
+        one = Reference.of([cell])
+        # dimensionless unknowns and energy: SciPy's tolerances are absolute
+        size, unit = one.spacing[0], one.tensile.max() * one.spacing.max() ** 2
+        w = np.zeros(2)
+        for share in np.linspace(0.1, 1.0, 10):
+            u = (share * (ends - 1.0) * one.spacing[0])[None]
+            result = scipy.optimize.minimize(
+                lambda q, u=u, one=one, size=size, unit=unit: one.energy(u, (q * size)[None])[0] / unit,
+                w / size,
+                jac=lambda q, u=u, one=one, size=size, unit=unit: one.gradient(u, (q * size)[None])[1][0] * size / unit,
+                hess=lambda q, u=u, one=one, size=size, unit=unit: one.hessian(u, (q * size)[None])[0]
+                * np.outer(size, size) / unit,
+                method="trust-exact",
+                options={"gtol": 1e-12, "initial_trust_radius": 0.05, "max_trust_radius": 0.2},
+            )  # fmt: skip
+            w = result.x * size
+        found = one.gradient(u, w[None])[0][0]
+        worst = max(worst, np.abs(found - force).max() / np.abs(force).max())
+    assert worst < 1e-6
+
+
+def test_solution_is_a_strict_minimum(many):
+    _, stretch, response, reference, _ = many
+    u = (stretch - 1.0) * reference.spacing
+    assert np.linalg.eigvalsh(reference.hessian(u, response.height_change)).min() > 0.0
+    assert response.residual.max() < 1e-9
+
+
+def test_second_start_finds_the_same_point(many):
+    """From anywhere within a third of the chord, in one increment: the energy has one minimum."""
+    cells, stretch, response, reference, _ = many
+    size = np.hypot(reference.spacing, reference.height)
+    start = np.random.default_rng(3).uniform(-0.3, 0.3, (len(cells), 2)) * size
+    again = respond(cells, stretch, increment_count=1, start=start)
+    assert relative_difference(again.height_change / size + 1.0, response.height_change / size + 1.0).max() < 1e-6
+    assert relative_difference(again.force, response.force).max() < 1e-6
+
+
+def test_condensed_tangent_is_the_derivative_of_the_forces():
+    rng = np.random.default_rng(11)
+    cells = [random_cell(rng) for _ in range(300)]
+    stretch = rng.uniform(0.7, 1.2, (300, 2))
+    centre = respond(cells, stretch)
+    small = 1e-6
+    numerical = np.empty((300, 2, 2))
+    for column in range(2):
+        change = np.zeros(2)
+        change[column] = small
+        ends = [
+            respond(cells, stretch + sign * change, increment_count=1, start=centre.height_change).force
+            for sign in (1.0, -1.0)
+        ]
+        spacing = Reference.of(cells).spacing[:, column]
+        numerical[:, :, column] = (ends[0] - ends[1]) / (2.0 * small * spacing)[:, None]
+    tangent = centre.tangent[:, [0, 1, 1, 2]].reshape(-1, 2, 2)
+    error = np.abs(tangent - numerical).max(axis=(1, 2)) / np.abs(tangent).max(axis=(1, 2))
+    # a cell may sit within the difference of a yarn's change from tension to compression
+    assert np.quantile(error, 0.98) < 1e-5
+
+
+def test_swapping_warp_and_weft_swaps_the_answer():
+    rng = np.random.default_rng(5)
+    cells = [random_cell(rng) for _ in range(200)]
+    stretch = rng.uniform(0.5, 1.3, (200, 2))
+    response = respond(cells, stretch)
+    mirrored = respond([swapped(cell) for cell in cells], stretch[:, ::-1])
+    assert relative_difference(mirrored.force[:, ::-1], response.force).max() < 1e-8
+    assert relative_difference(mirrored.energy[:, [1, 0, 2, 3]], response.energy).max() < 1e-8
+    assert np.allclose(
+        mirrored.tangent[:, ::-1], response.tangent, rtol=1e-6, atol=1e-6 * np.abs(response.tangent).max()
+    )
+
+
+def sawtooth_cell(**given) -> UnitCell:
+    """Pin-jointed yarns: no bending stiffness at all."""
+    rng = np.random.default_rng(2)
+    return random_cell(rng, **({"warp_second_moment": 0.0, "weft_second_moment": 0.0, "contact": "bilateral"} | given))
+
+
+def test_sawtooth_with_equal_yarns_and_equal_stretch():
+    """By symmetry the crossover of a hard contact stays, and each yarn is a rod along its chord."""
+    cell = sawtooth_cell(
+        warp_modulus=1e9, weft_modulus=1e9, warp_cross_section=1e-6, weft_cross_section=1e-6,
+        warp_half_spacing=2e-3, weft_half_spacing=2e-3, crossover_height=1e-3, warp_crimp_share=0.5,
+        contact_stiffness_value=1e12,
+    )  # fmt: skip
+    stretch = np.array([1.001, 1.01, 1.05, 1.2])
+    response = respond(cell, np.column_stack([stretch, stretch]))
+    l0, length = np.hypot(2e-3, 0.5e-3), np.hypot(stretch * 2e-3, 0.5e-3)
+    tension = 1e9 * 1e-6 * (length / l0 - 1.0)
+    force = tension * stretch * 2e-3 / length
+    assert np.allclose(response.force, force[:, None], rtol=1e-6)
+    assert np.allclose(response.crossover_force, 2.0 * tension * 0.5e-3 / length, rtol=1e-6)
+
+
+def test_sawtooth_with_unequal_yarns():
+    """One unknown is left: with N = T_k sin(theta_k), h_k + w_k follows, and -(w_1 + w_2) k_c = N."""
+    rng = np.random.default_rng(9)
+    for _ in range(20):
+        cell = sawtooth_cell(
+            warp_half_spacing=10 ** rng.uniform(-3, -2.5), weft_half_spacing=10 ** rng.uniform(-3, -2.5),
+            warp_crimp_share=rng.uniform(0.3, 0.7), crossover_height=3e-4, warp_modulus=10 ** rng.uniform(9, 10),
+        )  # fmt: skip
+        stretch = rng.uniform(1.01, 1.05, 2)
+
+        def height(k, press, cell=cell, stretch=stretch):
+            """Crimp height at which yarn k presses with ``press``."""
+
+            def missing(high):
+                length = np.hypot(cell.half_spacing[k] * stretch[k], high)
+                tension = cell.axial_stiffness[k] * (length / cell.chord_length[k] - 1.0)
+                return tension * high / length - press
+
+            return scipy.optimize.brentq(missing, 0.0, 1.0, xtol=1e-18, rtol=1e-14)
+
+        def closing(press, cell=cell, height=height):
+            shift = sum(height(k, press) - cell.crimp_height[k] for k in range(2))
+            return press + cell.contact_stiffness * shift
+
+        press = scipy.optimize.brentq(closing, 0.0, cell.contact_stiffness * cell.crossover_height, rtol=1e-14)
+        expected = []
+        for k in range(2):
+            h, x = height(k, press), cell.half_spacing[k] * stretch[k]
+            expected.append(press * x / h)
+        response = respond(cell, stretch)
+        assert np.allclose(response.force[0], expected, rtol=1e-6)
+        assert response.crossover_force[0] == pytest.approx(2.0 * press, rel=1e-6)
+
+
+def test_vanishing_bending_stiffness_approaches_the_sawtooth():
+    stretch = np.array([[1.02, 1.03], [1.1, 1.01]])
+    limit = respond(sawtooth_cell(), stretch).force
+    errors = []
+    for share in (1e-4, 1e-5, 1e-6):
+        second_moment = share * sawtooth_cell().warp_cross_section ** 2 / 12.0
+        cell = sawtooth_cell(warp_second_moment=second_moment, weft_second_moment=second_moment)
+        errors.append(relative_difference(respond(cell, stretch).force, limit).max())
+    assert errors[0] > 5.0 * errors[1] > 25.0 * errors[2] > 0.0
+    assert errors[2] < 1e-4
+
+
+def test_yarns_without_crimp_are_two_straight_bars():
+    cell = sawtooth_cell(warp_second_moment=1e-16, crossover_height=0.0, contact_stiffness_value=1e5)
+    stretch = np.array([[1.05, 0.9], [1.2, 1.3], [0.5, 1.1], [0.6, 0.7]])
+    response = respond(cell, stretch)
+    stiffness = np.where(stretch > 1.0, cell.axial_stiffness, cell.compressive_stiffness)
+    assert np.allclose(response.force, stiffness * (stretch - 1.0), rtol=1e-9, atol=1e-12)
+    assert np.abs(response.height_change).max() < 1e-15
+    assert np.abs(response.tangent[:, 1]).max() == 0.0
+    assert np.allclose(response.tangent[:, [0, 2]], stiffness / np.array(cell.half_spacing), rtol=1e-9)
+
+
+def test_linear_membrane_of_straight_yarns():
+    cell = UnitCell.straight(stiffness_per_width=2.0e4, spacing=0.004)
+    stretch = np.array([[1.02, 0.97], [0.8, 1.1]])
+    assert np.allclose(respond(cell, stretch).force_per_width, 2.0e4 * (stretch - 1.0), rtol=1e-9)
+
+
+def test_slack_weft_leaves_a_yarn_that_only_bends():
+    """A weft without axial stiffness resists the warp's straightening by bending alone."""
+    common = {"contact_stiffness_value": 1e13, "warp_second_moment": 0.0, "weft_compressive_stiffness": 0.0}
+    cell = sawtooth_cell(**common, weft_second_moment=1e-16, crossover_height=4e-4, warp_half_spacing=2e-3,
+                         weft_half_spacing=2e-3, weft_modulus=1e9, weft_cross_section=1e-16)  # fmt: skip
+    response = respond(cell, [1.01, 1.0])
+    w = response.height_change[0, 1]
+    assert w > 0.0
+    h = cell.crimp_height[1] + w
+    length = np.hypot(cell.half_spacing[1], h)
+    rotation = np.arctan2(h, cell.half_spacing[1]) - np.arctan2(cell.crimp_height[1], cell.half_spacing[1])
+    press = 3.0 * cell.bending_stiffness[1] / cell.chord_length[1] * rotation * cell.half_spacing[1] / length**2
+    assert response.crossover_force[0] == pytest.approx(2.0 * press, rel=1e-5)
+
+
+def test_unilateral_contact_lets_yarns_separate():
+    """Axial stiffness above the Euler-like one makes a yarn bow away from the crossover when it is pushed."""
+    rng = np.random.default_rng(4)
+    both = {"crossover_height": 3e-4, "warp_half_spacing": 2e-3, "weft_half_spacing": 2.5e-3}
+    cell = random_cell(rng, contact="unilateral", **both)
+    euler = cell.euler_stiffness
+    compressive = {"warp_compressive_stiffness": 2.0 * euler[0], "weft_compressive_stiffness": 2.0 * euler[1]}
+    unilateral = UnitCell(**(cell.model_dump() | compressive))
+    bilateral = UnitCell(**(unilateral.model_dump() | {"contact": "bilateral"}))
+    pulled = [[1.05, 1.03]]
+    assert np.allclose(respond(unilateral, pulled).force, respond(bilateral, pulled).force, rtol=1e-12)
+    pushed = [[0.9, 0.85]]
+    apart, tied = respond(unilateral, pushed), respond(bilateral, pushed)
+    assert apart.crossover_force[0] == 0.0
+    assert apart.energy[0, 3] == 0.0
+    assert apart.height_change[0].sum() > 0.0
+    assert tied.crossover_force[0] < 0.0
+    # separated yarns do not know of each other
+    alone = respond(unilateral, [[0.9, 0.8]])
+    assert alone.force[0, 0] == pytest.approx(apart.force[0, 0], rel=1e-9)
+    assert apart.tangent[0, 1] == 0.0
+    assert abs(tied.tangent[0, 1]) > 0.0
+
+
+@pytest.mark.parametrize("contact", ["bilateral", "unilateral"])
+def test_single_precision_converges_for_the_preset(contact):
+    cell = UnitCell(**(glass_polypropylene().unit_cell.model_dump() | {"contact": contact}))
+    warp, weft = np.meshgrid(np.linspace(0.5, 1.3, 33), np.linspace(0.5, 1.3, 33))
+    stretch = np.column_stack([warp.ravel(), weft.ravel()])
+    single, double = respond(cell, stretch, precision="float32"), respond(cell, stretch)
+    for name in ("force", "energy", "tangent", "height_change"):
+        assert np.all(np.isfinite(getattr(single, name))), name
+    assert single.residual.max() < 1e-4
+    scale = 1e-4 * np.array(cell.axial_stiffness)
+    assert (np.abs(single.force - double.force) / (np.abs(double.force) + scale)).max() < 1e-2
+
+
+def test_stiff_compression_is_warned_of():
+    cell = glass_polypropylene().unit_cell
+    assert cell.warnings() == []
+    stiff = UnitCell(**(cell.model_dump() | {"weft_compressive_stiffness": 2.0 * cell.euler_stiffness[1]}))
+    assert len(stiff.warnings()) == 1
+    assert "weft" in stiff.warnings()[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"stretch": [[1.0, np.nan]]}, "finite"),
+        ({"stretch": [[1.0, -0.1]]}, "positive"),
+        ({"stretch": [[1.0, 1.0, 1.0]]}, r"\(n, 2\)"),
+        ({"stretch": [[1.0, 1.0]], "increment_count": 0}, "at least 1"),
+        ({"stretch": [[1.0, 1.0]], "precision": "float16"}, "float32 or float64"),
+    ],
+)
+def test_bad_stretches_are_refused(arguments, message):
+    with pytest.raises(InputError, match=message):
+        respond(glass_polypropylene().unit_cell, **arguments)
+
+
+def test_number_of_cells_must_fit():
+    with pytest.raises(InputError, match="2 cells for 3 pairs"):
+        respond([glass_polypropylene().unit_cell] * 2, np.ones((3, 2)))

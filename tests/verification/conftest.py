@@ -1,0 +1,132 @@
+"""A sheet whose nodes are put anywhere by hand, and that answers with forces and energies."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from weavesim.blank import Blank
+from weavesim.fabric import Fabric, IsotropicBending, LinearShear, Stabilisation, UnitCell
+from weavesim.simulation import Simulation
+
+NO_STABILISATION = Stabilisation(in_plane=0.0, warping=0.0, director=0.0)
+
+
+def plain_fabric(**given) -> Fabric:
+    """A weak linear membrane and nothing else, unless ``given``."""
+    values = {
+        "name": "test", "areal_density": 0.5, "thickness": 1.0e-3,
+        "unit_cell": UnitCell.straight(stiffness_per_width=1000.0),
+        "shear": LinearShear(modulus=0.0), "bending": IsotropicBending(modulus=0.0),
+        "transverse_shear_modulus": 0.0, "stabilisation": NO_STABILISATION,
+    }  # fmt: skip
+    return Fabric(**(values | given))
+
+
+class Sheet:
+    """One element kernel of double precision, driven by hand.
+
+    Attributes:
+        simulation: never run by this class.
+        node_count: of the blank.
+    """
+
+    def __init__(self, blank: Blank, fabric: Fabric, *, precision: str = "float64", lane_count: int = 1) -> None:
+        self.simulation = Simulation(
+            name="test", blank=blank, fabric=fabric, duration=1.0, precision=precision, lane_count=lane_count, threads=1
+        )
+        self.node_count = blank.node_count
+        self._quads = blank.quads
+        self._start = self.simulation.model.initial_motion()
+
+    def place(self, position: np.ndarray, director: np.ndarray) -> None:
+        """Set positions (n, 3) [m] and unit directors (n, 3); the unit cells start from rest."""
+        motion = self._start.copy()
+        motion[0, : self.node_count], motion[2, : self.node_count] = position, director
+        held = motion.astype(self.simulation.precision.numpy)
+        motion[4] += motion[0] - held[0]
+        self.simulation.state.motion.assign(motion.astype(self.simulation.precision.numpy))
+        self.simulation.state.crimp_change.zero_()
+
+    def forces(self, position: np.ndarray, director: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Nodal forces [N] and minus the energy's derivative by the directors [J], (n, 3) each."""
+        self.place(position, director)
+        self.simulation.stepper.evaluate()
+        rows = self.simulation.state.corner_force.numpy()[:, : len(self._quads)].astype(np.float64)
+        corners = rows.reshape(2, 4, 3, -1)
+        result = np.zeros((2, self.node_count, 3))
+        for kind in range(2):
+            for corner in range(4):
+                np.add.at(result[kind], self._quads[:, corner], corners[kind, corner].T)
+        return result[0], result[1]
+
+    def energies(self, position: np.ndarray, director: np.ndarray) -> dict[str, float]:
+        """The ledger's entries [J]."""
+        self.place(position, director)
+        return self.simulation.ledger.frame(0).energies
+
+    def stiffness(self, position: np.ndarray, director: np.ndarray, change: float) -> np.ndarray:
+        """Tangent by central differences, over 3 displacements [m] and 2 director turns [rad] of each node.
+
+        Directors turn about two axes across themselves; rows and columns go node by node.
+        """
+        across = [np.cross(director, np.eye(3)[np.argmin(np.abs(director), axis=1)])]
+        across[0] /= np.linalg.norm(across[0], axis=1)[:, None]
+        across.append(np.cross(director, across[0]))
+
+        def gradient(x, d):
+            force, conjugate = self.forces(x, d)
+            turning = -np.cross(d, conjugate)
+            return np.column_stack([-force, *(np.einsum("ij,ij->i", turning, axis)[:, None] for axis in across)])
+
+        columns = []
+        for node in range(self.node_count):
+            for component in range(5):
+                ends = []
+                for sign in (1.0, -1.0):
+                    x, d = position.copy(), director.copy()
+                    if component < 3:
+                        x[node, component] += sign * change
+                    else:
+                        d[node] = turned(d[node], across[component - 3][node], sign * change)
+                    ends.append(gradient(x, d).ravel())
+                columns.append((ends[0] - ends[1]) / (2.0 * change))
+        return np.array(columns).T
+
+
+def turned(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
+    """``vector`` turned about a unit ``axis`` across it."""
+    return np.cos(angle) * vector + np.sin(angle) * np.cross(axis, vector)
+
+
+@pytest.fixture
+def sheet() -> Callable[..., Sheet]:
+    """``sheet(blank, fabric)``."""
+    return Sheet
+
+
+@pytest.fixture
+def fabric() -> Callable[..., Fabric]:
+    """``fabric(bending=..., ...)``: the weak linear membrane with what is given."""
+    return plain_fabric
+
+
+@pytest.fixture(scope="session")
+def curved_blank() -> Blank:
+    """A distorted mesh on a saddle, yarns at 20 degrees to the edges."""
+    flat = Blank.rectangle((0.0, 0.0), (0.02, 0.015), 0.005, yarn_angle=20.0, distortion=0.25)
+    position = flat.node_position.copy()
+    position[:, 2] = 3.0 * position[:, 0] ** 2 - 2.0 * position[:, 0] * position[:, 1]
+    return Blank.from_mesh(position, flat.quads, yarn_angle=20.0)
+
+
+@pytest.fixture(scope="session")
+def deformed(curved_blank) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and unit directors of the curved blank, strained by 15 %, sheared, bent and turned."""
+    rng = np.random.default_rng(1)
+    gradient = np.eye(3) + 0.15 * rng.normal(size=(3, 3))
+    gradient[0, 1] += 0.25
+    gradient[:, 1] *= 0.85  # one family of yarns is pushed together
+    position = curved_blank.node_position @ gradient.T + 2e-4 * rng.normal(size=curved_blank.node_position.shape)
+    director = curved_blank.initial_director @ np.linalg.inv(gradient) + 0.2 * rng.normal(size=position.shape)
+    return position, director / np.linalg.norm(director, axis=1)[:, None]

@@ -3,13 +3,21 @@
 import warp as wp
 
 
+# Spinning answers within a microsecond while every thread has a core. Where threads share cores, the one that waits
+# gives its core away after a while.
 @wp.func_native("""
     int *p = &wp::index(counter, 0);
     const int arrived = __atomic_add_fetch(p, 1, __ATOMIC_ACQ_REL);
     const int target = ((arrived + thread_count - 1) / thread_count) * thread_count;
-    while (__atomic_load_n(p, __ATOMIC_ACQUIRE) < target) {
+    for (int spin = 0; __atomic_load_n(p, __ATOMIC_ACQUIRE) < target; ++spin) {
 #if defined(__x86_64__)
         __builtin_ia32_pause();
+#if defined(__linux__)
+        if (spin > 4000 && spin % 64 == 0) {
+            extern int give_core_away() __asm__("sched_yield");
+            give_core_away();
+        }
+#endif
 #endif
     }
 """)

@@ -8,7 +8,20 @@ from typing import Any
 
 import warp as wp
 
-from .lanes import div, dot, fill, lane_types, larger, magnitude, mul, scale, smaller, spread, square_root, where_positive
+from .lanes import (
+    div,
+    dot,
+    fill,
+    lane_types,
+    larger,
+    magnitude,
+    mul,
+    scale,
+    smaller,
+    spread,
+    square_root,
+    where_positive,
+)
 
 PLANE = wp.constant(0)  # solid z < 0
 SPHERE = wp.constant(1)  # radius
@@ -194,9 +207,7 @@ def tool_distance_function(real: type, lane_count: int):
         for k in range(tool.part_count):
             part = parts[tool.first_part + k]
             centre = part.origin + displacement * tool.axis
-            p = wp.matrix_from_rows(
-                x[0] - lanes(centre[0]), x[1] - lanes(centre[1]), x[2] - lanes(centre[2])
-            )
+            p = wp.matrix_from_rows(x[0] - lanes(centre[0]), x[1] - lanes(centre[1]), x[2] - lanes(centre[2]))
             if part.rotated == 1:
                 p = wp.transpose(part.rotation) * p
             part_d, part_n = part_distance(part, p)

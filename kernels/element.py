@@ -1,8 +1,8 @@
 """The 4-node Mindlin shell with one quadrature point: kinematics, resultants, nodal forces (docs/theory.md, 1 and 5).
 
 With the diagonals p = x_1 - x_3 and q = x_2 - x_4 every linear field of a quadrilateral has the gradient
-N_,alpha = b_p,alpha p + b_q,alpha q, so four numbers per element are all of its shape functions. The hourglass vector is
-gamma.x = (x_1 - x_2 + x_3 - x_4) - c_p p - c_q q. The same two formulas serve positions and directors.
+N_,alpha = b_p,alpha p + b_q,alpha q, so four numbers per element are all of its shape functions. The hourglass vector
+is gamma.x = (x_1 - x_2 + x_3 - x_4) - c_p p - c_q q. The same two formulas serve positions and directors.
 """
 
 from functools import cache
@@ -27,12 +27,19 @@ from .lanes import (
     square_root,
     where_positive,
 )
-from .sheet import bending_moments, compressive_force, moment_resultants, shear_resultants, sheet_struct, transverse_shear_forces
+from .sheet import (
+    bending_moments,
+    compressive_force,
+    moment_resultants,
+    shear_resultants,
+    sheet_struct,
+    transverse_shear_forces,
+)
 from .unit_cell import solve_unit_cell, unit_cell_energies, unit_cell_struct
 
 # A height change in one step beyond this share of the crimp heights is a snap: the energy that it frees is booked.
 SNAP_SHARE = wp.constant(0.05)
-# Rows of the cell report: residual and iterations of this step, energy lost in snaps so far [J/m^2], worst residual so far.
+# Rows of the cell report: residual and iterations of this step, energy lost in snaps so far [J/m^2], worst residual.
 CELL_REPORT_ROWS = ("residual", "iterations", "snap_loss", "worst_residual")
 # Rows of the corner array, three per corner: forces, director gradients, and the shear angle in the first of three.
 CORNER_ROW_COUNT = 36
@@ -100,14 +107,20 @@ def element_vectors(elements: Any, e: int, field: Any, like: Any):
 def element_positions(elements: Any, e: int, position: Any, remainder: Any, like: Any):
     """``corner_vectors`` of the positions relative to the first corner, with the part that rounding cut off.
 
-    In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an element of
-    5 mm: the remainder that the time integration keeps makes differences exact to the rounding of the difference itself.
+    In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an element
+    of 5 mm: the remainder that the time integration keeps makes differences exact to their own rounding.
     """
     x1 = gather(position, elements.corner_node[0, e], like)
     r1 = gather(remainder, elements.corner_node[0, e], like)
-    v2 = (gather(position, elements.corner_node[1, e], like) - x1) + (gather(remainder, elements.corner_node[1, e], like) - r1)
-    v3 = (gather(position, elements.corner_node[2, e], like) - x1) + (gather(remainder, elements.corner_node[2, e], like) - r1)
-    v4 = (gather(position, elements.corner_node[3, e], like) - x1) + (gather(remainder, elements.corner_node[3, e], like) - r1)
+    v2 = (gather(position, elements.corner_node[1, e], like) - x1) + (
+        gather(remainder, elements.corner_node[1, e], like) - r1
+    )
+    v3 = (gather(position, elements.corner_node[2, e], like) - x1) + (
+        gather(remainder, elements.corner_node[2, e], like) - r1
+    )
+    v4 = (gather(position, elements.corner_node[3, e], like) - x1) + (
+        gather(remainder, elements.corner_node[3, e], like) - r1
+    )
     return corner_vectors(elements, e, type(like)(), v2, v3, v4)
 
 
@@ -175,11 +188,20 @@ def twist_weights(elements: Any, e: int):
 
 @wp.func
 def hourglass_strains(
-    elements: Any, e: int, a1: Any, a2: Any, mean_director: Any, x_hourglass: Any, d_hourglass: Any, k11: Any, k12: Any, k22: Any
+    elements: Any,
+    e: int,
+    a1: Any,
+    a2: Any,
+    mean_director: Any,
+    x_hourglass: Any,
+    d_hourglass: Any,
+    k11: Any,
+    k12: Any,
+    k22: Any,
 ):
     """Warping freed of twist [m], and the director hourglass along a1 and a2, minus their initial values.
 
-    x_h/4 . d + k(xi, eta) is the part of the transverse shear that varies over the element: it vanishes in a pure twist.
+    x_h/4 . d + k(xi, eta) is the part of the transverse shear that varies over the element: zero in a pure twist.
     """
     weight11, weight12, weight22 = twist_weights(elements, e)
     warping = k11.dtype(0.25) * dot(x_hourglass, mean_director) + weight11 * k11 + weight12 * k12 + weight22 * k22
@@ -194,7 +216,15 @@ def hourglass_strains(
 
 @wp.func
 def store_corners(
-    target: Any, row: int, e: int, diagonal_p: Any, diagonal_q: Any, hourglass: Any, mean: Any, offset_p: Any, offset_q: Any
+    target: Any,
+    row: int,
+    e: int,
+    diagonal_p: Any,
+    diagonal_q: Any,
+    hourglass: Any,
+    mean: Any,
+    offset_p: Any,
+    offset_q: Any,
 ):
     """Nodal values from the conjugates of p, q, the hourglass vector and the mean, with the minus sign of a force."""
     one = fill(offset_p, 1.0)
@@ -251,7 +281,9 @@ def element_force_kernel(real: type, lane_count: int):
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
         start1 = crimp_change[0, e]
         start2 = crimp_change[1, e]
-        w1, w2, yarn_force1, yarn_force2, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start1, start2)
+        w1, w2, yarn_force1, yarn_force2, crossover, residual, iterations = solve_unit_cell(
+            cell, u1, u2, start1, start2
+        )
         crimp_change[0, e] = w1
         crimp_change[1, e] = w2
         cell_report[0, e] = residual
@@ -262,8 +294,10 @@ def element_force_kernel(real: type, lane_count: int):
             warp_before, weft_before, bending_before, contact_before = unit_cell_energies(cell, u1, u2, start1, start2)
             warp_after, weft_after, bending_after, contact_after = unit_cell_energies(cell, u1, u2, w1, w2)
             freed = (
-                (warp_before - warp_after) + (weft_before - weft_after)
-                + (bending_before - bending_after) + (contact_before - contact_after)
+                (warp_before - warp_after)
+                + (weft_before - weft_after)
+                + (bending_before - bending_after)
+                + (contact_before - contact_after)
             )
             snapped = jump - spread(jump, real(SNAP_SHARE) * (cell.crimp_height[0] + cell.crimp_height[1]))
             density = freed / spread(freed, real(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
@@ -292,7 +326,9 @@ def element_force_kernel(real: type, lane_count: int):
 
         # bending and transverse shear
         k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
-        moment11, moment12, moment22, bend11, bend12, bend22 = bending_moments(laws, m11, m12, m22, area_ratio, k11, k12, k22)
+        moment11, moment12, moment22, bend11, bend12, bend22 = bending_moments(
+            laws, m11, m12, m22, area_ratio, k11, k12, k22
+        )
         q1, q2, slide11, slide12, slide22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
         t11 = t11 + shear11 + bend11 + slide11
         t12 = shear12 + bend12 + slide12
@@ -321,17 +357,29 @@ def element_force_kernel(real: type, lane_count: int):
 
         # dpsi/da_alpha, dpsi/dd_alpha, dpsi/d(mean director), dpsi/d(hourglass vectors)
         p1 = (
-            scale(t11, a1) + scale(t12, a2) + scale(moment11, d1) + scale(moment12, d2)
-            + scale(q1, mean_director) + scale(twist1, d_hourglass) + scale(normal1, unit_normal)
+            scale(t11, a1)
+            + scale(t12, a2)
+            + scale(moment11, d1)
+            + scale(moment12, d2)
+            + scale(q1, mean_director)
+            + scale(twist1, d_hourglass)
+            + scale(normal1, unit_normal)
         )
         p2 = (
-            scale(t12, a1) + scale(t22, a2) + scale(moment12, d1) + scale(moment22, d2)
-            + scale(q2, mean_director) + scale(twist2, d_hourglass) + scale(normal2, unit_normal)
+            scale(t12, a1)
+            + scale(t22, a2)
+            + scale(moment12, d1)
+            + scale(moment22, d2)
+            + scale(q2, mean_director)
+            + scale(twist2, d_hourglass)
+            + scale(normal2, unit_normal)
         )
         r1 = scale(moment11, a1) + scale(moment12, a2)
         r2 = scale(moment12, a1) + scale(moment22, a2)
         quarter_warping = real(0.25) * warping_force
-        x_stabilising = scale(in_plane, x_hourglass - scale(height, unit_normal)) + scale(quarter_warping, mean_director)
+        x_stabilising = scale(in_plane, x_hourglass - scale(height, unit_normal)) + scale(
+            quarter_warping, mean_director
+        )
         d_stabilising = scale(twist1, a1) + scale(twist2, a2)
         mean_conjugate = scale(q1, a1) + scale(q2, a2) + scale(quarter_warping, x_hourglass)
 

@@ -229,7 +229,9 @@ def store(target: Any, first: int, value: Any):
 def _arctangent_coefficients(term_count: int, largest_square: float) -> list[float]:
     """Coefficients c_k of atan(x)/x = sum c_k x^(2k) for 0 <= x^2 <= ``largest_square``, near-minimax (Chebyshev)."""
     chebyshev = np.polynomial.Chebyshev.interpolate(
-        lambda z: np.where(z > 1e-12, np.arctan(np.sqrt(np.abs(z))) / np.sqrt(np.maximum(np.abs(z), 1e-300)), 1 - z / 3),
+        lambda z: np.where(
+            z > 1e-12, np.arctan(np.sqrt(np.abs(z))) / np.sqrt(np.maximum(np.abs(z), 1e-300)), 1 - z / 3
+        ),
         term_count - 1,
         domain=[0.0, largest_square],
     )

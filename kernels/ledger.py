@@ -6,15 +6,15 @@ import warp as wp
 
 from .element import (
     corner_angles,
+    element_positions,
     element_strains,
     element_struct,
-    element_positions,
     element_vectors,
     hourglass_stiffnesses,
     hourglass_strains,
     yarn_displacements,
 )
-from .lanes import angle_of, cross, div, dot, fill, larger, lane_types, mul, scale, spread, square_root, where_positive
+from .lanes import angle_of, cross, div, dot, fill, lane_types, larger, mul, scale, spread, square_root, where_positive
 from .sheet import bending_moments, compressive_force, shear_energy, sheet_struct, transverse_shear_forces
 from .unit_cell import solve_unit_cell, unit_cell_energies, unit_cell_struct
 
@@ -24,7 +24,15 @@ ELEMENT_ENERGIES = (
     "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass", "snap",
 )  # fmt: skip
 # Rows of the element fields.
-ELEMENT_FIELDS = ("shear_angle", "warp_stretch", "weft_stretch", "warp_force", "weft_force", "crossover_force", "area_ratio")
+ELEMENT_FIELDS = (
+    "shear_angle",
+    "warp_stretch",
+    "weft_stretch",
+    "warp_force",
+    "weft_force",
+    "crossover_force",
+    "area_ratio",
+)
 
 
 @cache
@@ -79,8 +87,8 @@ def element_ledger_kernel(real: type):
         energies[3, e] = cells * contact
         squeeze1 = compressive_force(laws, stretch1)
         squeeze2 = compressive_force(laws, stretch2)
-        energies[4, e] = half * area * (
-            squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0))
+        energies[4, e] = (
+            half * area * (squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0)))
         )
         energies[5, e] = area * shear_energy(laws, m12, angle)
         difference, square = corner_angles(elements, e, node_report, angle)
@@ -88,10 +96,14 @@ def element_ledger_kernel(real: type):
         energies[6, e] = (half * laws.in_plane_bending_stiffness) * real_element * square
         energies[7, e] = half * area * (moment11 * k11 + real(2.0) * moment12 * k12 + moment22 * k22)
         energies[8, e] = half * area * (q1 * g1 + q2 * g2)
-        energies[9, e] = half * area * (
-            in_plane * (dot(x_hourglass, x_hourglass) - height * height)
-            + warping_stiffness * warping * warping
-            + director_stiffness * (twist1 * twist1 + twist2 * twist2)
+        energies[9, e] = (
+            half
+            * area
+            * (
+                in_plane * (dot(x_hourglass, x_hourglass) - height * height)
+                + warping_stiffness * warping * warping
+                + director_stiffness * (twist1 * twist1 + twist2 * twist2)
+            )
         )
         energies[10, e] = area * cell_report[2, e]
         fields[0, e] = angle
@@ -103,4 +115,3 @@ def element_ledger_kernel(real: type):
         fields[6, e] = area_ratio
 
     return element_ledger
-

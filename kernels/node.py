@@ -1,4 +1,4 @@
-"""Nodes: gather the forces of the elements, meet the tools, advance by central differences (docs/theory.md, 6 and 7)."""
+"""Nodes: gather the forces of the elements, meet the tools, advance in time (docs/theory.md, 6 and 7)."""
 
 from functools import cache
 from typing import Any
@@ -7,13 +7,29 @@ import warp as wp
 
 from .distance import tool_distance_function, tool_set_struct
 from .element import ANGLE_ROW, COUPLE_ROW, MEAN_ANGLE_ROW
-from .lanes import cross, div, dot, fill, lane_sum, lane_types, larger, load, mul, scale, spread, square_root, store, where_positive
+from .lanes import (
+    cross,
+    div,
+    dot,
+    fill,
+    lane_sum,
+    lane_types,
+    larger,
+    load,
+    mul,
+    scale,
+    spread,
+    square_root,
+    store,
+    where_positive,
+)
 
 # Entries of the clock, always in double precision.
 CLOCK_TIME = wp.constant(0)
 CLOCK_STEP = wp.constant(1)
 CLOCK_MEAN_STEP = wp.constant(2)
 CLOCK_LENGTH = 3
+
 
 @cache
 def node_struct(real: type, lane_count: int):
@@ -22,7 +38,9 @@ def node_struct(real: type, lane_count: int):
 
     @wp.struct
     class Nodes:
-        corner_offset: wp.array2d(dtype=types.indices)  # slot rows: first entry of an adjacent corner in the flat corner array
+        corner_offset: wp.array2d(
+            dtype=types.indices
+        )  # slot rows: first entry of an adjacent corner in the flat corner array
         corner_stride: wp.int32  # entries between two components
         mass: wp.array(dtype=types.lanes)  # [kg]; 0 for padding
         inverse_mass: wp.array(dtype=types.lanes)
@@ -212,9 +230,7 @@ def node_motion_kernel(real: type, lane_count: int):
         turn = step * new_spin
         quarter = real(0.25) * dot(turn, turn)
         one = fill(quarter, 1.0)
-        new_director = scale(
-            one / (one + quarter), scale(one - quarter, director) + cross(turn, director)
-        )
+        new_director = scale(one / (one + quarter), scale(one - quarter, director) + cross(turn, director))
         store(motion[3], first, new_spin)
         store(motion[2], first, new_director)
 

@@ -1,4 +1,4 @@
-"""Laws of the sheet beside the unit cell: in-plane shear, bending, transverse shear, stabilisation (docs/theory.md, 3-5).
+"""Laws of the sheet beside the unit cell: in-plane shear, bending, transverse shear, stabilisation (theory, 3-5).
 
 Symbols, per element and with one value per lane: a1, a2 the convected yarn vectors; m11, m12, m22 their metric;
 area_ratio J = |a1 x a2|; k11, k12, k22 the curvatures; g1, g2 the transverse shears. Resultants are per reference area:
@@ -131,7 +131,7 @@ def shear_tangent_bound(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any
 
 @wp.func
 def compressive_force(laws: Any, stretch: Any):
-    """Resistance of the sheet itself to a yarn that is pushed together [N/m], <= 0; psi = 1/2 k min(stretch - 1, 0)^2."""
+    """Resistance of the sheet itself to a yarn that is pushed together [N/m]; psi = 1/2 k min(stretch - 1, 0)^2."""
     shortening = stretch - fill(stretch, 1.0)
     return laws.compressive_stiffness * where_positive(shortening, fill(stretch, 0.0), shortening)
 

@@ -5,7 +5,7 @@ from functools import cache
 import warp as wp
 
 from .element import element_positions, element_struct, element_vectors, yarn_displacements
-from .lanes import angle_of, cross, div, dot, larger, lane_types, magnitude, mul, spread, square_root
+from .lanes import angle_of, cross, div, dot, lane_types, larger, magnitude, mul, spread, square_root
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
 from .sheet import shear_tangent_bound, sheet_struct
 from .unit_cell import condensed_tangent, solve_unit_cell, unit_cell_struct

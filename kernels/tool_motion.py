@@ -21,7 +21,9 @@ class ToolDrive:
 
 
 @wp.func
-def curve_value(curve_time: wp.array(dtype=wp.float64), curve_value: wp.array(dtype=wp.float64), drive: ToolDrive, time: wp.float64):
+def curve_value(
+    curve_time: wp.array(dtype=wp.float64), curve_value: wp.array(dtype=wp.float64), drive: ToolDrive, time: wp.float64
+):
     """Piecewise linear in time, constant beyond its ends."""
     low = drive.first_knot
     high = drive.first_knot + drive.knot_count - 1

@@ -14,7 +14,19 @@ from typing import Any
 
 import warp as wp
 
-from .lanes import angle_of, div, fill, lane_maximum, larger, magnitude, mul, smaller, spread, square_root, where_positive
+from .lanes import (
+    angle_of,
+    div,
+    fill,
+    lane_maximum,
+    larger,
+    magnitude,
+    mul,
+    smaller,
+    spread,
+    square_root,
+    where_positive,
+)
 
 MAXIMUM_ITERATIONS = 40
 
@@ -42,7 +54,7 @@ def unit_cell_struct(real: type):
 
 @wp.func
 def yarn_strain(cell: Any, k: int, u: Any, w: Any):
-    """Elongation l - l0 and rotation phi of the chord of yarn k, the chord (X, H, 1/l), and the elongation's two parts' size.
+    """Elongation l - l0 and rotation phi of yarn k's chord, the chord (X, H, 1/l), and the size of the elongation's two parts.
 
     Both are written so that nothing cancels: l - l0 = (l^2 - l0^2)/(l + l0), and sin(phi) l l0 = L w - h u.
     """
@@ -81,7 +93,9 @@ def yarn_forces(cell: Any, k: int, u: Any, w: Any):
     by_u = axial * cosine - shear * sine
     by_w = axial * sine + shear * cosine
     # d2Pi/dw2: elastic part K_E, geometric part K_G
-    elastic = stiffness * sine * sine + cell.rotation_stiffness[k] * (cosine * inverse_length) * (cosine * inverse_length)
+    elastic = stiffness * sine * sine + cell.rotation_stiffness[k] * (cosine * inverse_length) * (
+        cosine * inverse_length
+    )
     geometric = (axial * cosine - u.dtype(2.0) * shear * sine) * cosine * inverse_length
     # what the residual is compared with: the terms themselves, and what rounding leaves of the elongation
     size = magnitude(axial * sine) + magnitude(shear * cosine) + cell.resolution * stiffness * parts * magnitude(sine)
@@ -102,8 +116,8 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
     """Height changes (w1, w2) that make Pi stationary, by Newton's method from (start1, start2).
 
     Safeguards, all per lane: where the Hessian is not positive definite its geometric part is left out; a step is at
-    most a quarter of the chord; a step that overshoots (the directional derivative changes sign and keeps more than half
-    its size) is taken back in part, by a Newton step along it, so that the point stays between two known slopes.
+    most a quarter of the chord; a step that overshoots (the directional derivative changes sign and keeps more than
+    half its size) is taken back in part, by a Newton step along it, so that the point stays between two known slopes.
 
     Returns w1, w2, F1 = dPi/du1, F2, crossover force of the half cell, relative residual, iterations.
     """
@@ -151,7 +165,11 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         newton1 = (stiffness * gradient2 - diagonal2 * gradient1) / determinant
         newton2 = (stiffness * gradient1 - diagonal1 * gradient2) / determinant
         shrink = smaller(
-            one, smaller(limit1 / (magnitude(newton1) + u1.dtype(1.0e-3) * limit1), limit2 / (magnitude(newton2) + u1.dtype(1.0e-3) * limit2))
+            one,
+            smaller(
+                limit1 / (magnitude(newton1) + u1.dtype(1.0e-3) * limit1),
+                limit2 / (magnitude(newton2) + u1.dtype(1.0e-3) * limit2),
+            ),
         )
         newton1 = shrink * newton1
         newton2 = shrink * newton2
@@ -185,7 +203,7 @@ def unit_cell_energies(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any):
 
 @wp.func
 def yarn_hessian(cell: Any, k: int, u: Any, w: Any, in_tension: bool):
-    """Second derivatives (uu, uw, ww) of yarn k's energy; ``in_tension`` takes its stiffness in tension, pulled or not."""
+    """Second derivatives (uu, uw, ww) of yarn k's energy; ``in_tension``: with its stiffness in tension in any case."""
     elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
     stiffness = yarn_axial_stiffness(cell, k, elongation)
     axial = stiffness * elongation * inverse_length

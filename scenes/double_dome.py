@@ -1,7 +1,7 @@
 """The double dome: a punch of two half-balls and a half-cylinder forms a woven blank through a flat blank holder.
 
-The paper takes its tool from a benchmark whose drawing it does not print. This tool is a parametric, representative double
-dome; a user's own tool meshes can take its place.
+The paper takes its tool from a benchmark whose drawing it does not print. This tool is a parametric, representative
+double dome; a user's own tool meshes can take its place.
 """
 
 from __future__ import annotations
@@ -48,7 +48,9 @@ class DoubleDomeParameters(RunOptions):
 
     out: Path = Field(default=Path("out/double_dome"), description="folder for the results")
     part: Literal["quarter", "half", "full"] = Field(default="quarter", description="share of the blank, by symmetry")
-    yarn_angle: float = Field(default=0.0, ge=-90.0, le=90.0, description="angle from the long axis to the warp [degrees]")
+    yarn_angle: float = Field(
+        default=0.0, ge=-90.0, le=90.0, description="angle from the long axis to the warp [degrees]"
+    )
     fabric: str = Field(default="glass-polypropylene", description=f"one of {', '.join(PRESETS)}")
     shear_law: Literal["curve", "linear"] = Field(
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
@@ -63,7 +65,8 @@ class DoubleDomeParameters(RunOptions):
     )
     punch_speed: Positive = Field(default=0.4, description="[m/s]")
     stroke: Positive = Field(
-        default=0.0612, description="way of the punch from first touch [m]: depth 60 mm below the die face, plus the thickness"
+        default=0.0612,
+        description="way of the punch from first touch [m]: depth 60 mm below the die face, plus the thickness",
     )
     damping: NotNegative = Field(default=100.0, description="mass-proportional damping rate [1/s]")
     frames: int = Field(default=80, ge=1, description="frames after the first")
@@ -90,7 +93,10 @@ def tool_shapes(parameters: DoubleDomeParameters, symmetry: tuple[str, ...]) -> 
     """Punch, die and blank holder closed on a sheet without thickness at z = 0: the own meshes, or the default ones."""
     half_length = 0.5 * DOME_DISTANCE
     opening = DomeOpening(
-        radius=PUNCH_RADIUS + CLEARANCE, half_length=half_length, edge_radius=DIE_ENTRY_RADIUS, display_size=(0.52, 0.32)
+        radius=PUNCH_RADIUS + CLEARANCE,
+        half_length=half_length,
+        edge_radius=DIE_ENTRY_RADIUS,
+        display_size=(0.52, 0.32),
     )
     punch: Shape = DomePunch(radius=PUNCH_RADIUS, half_length=half_length).placed((0.0, 0.0, PUNCH_RADIUS))
     die: Shape = opening
@@ -141,8 +147,8 @@ def raised(shape: Shape, height: float) -> Shape:
     return replace(shape, origin=(shape.origin[0], shape.origin[1], shape.origin[2] + height))
 
 
-def double_dome(parameters: DoubleDomeParameters) -> Simulation:
-    """A ready simulation of the double dome.
+def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) -> Simulation:
+    """A ready simulation of the double dome; ``fabric`` takes the place of the preset and of the shear law named.
 
     Raises:
         InputError: parameters that contradict each other or the mesh.
@@ -151,15 +157,19 @@ def double_dome(parameters: DoubleDomeParameters) -> Simulation:
         raise InputError("blank holder: a force and a gap are given; it keeps one or the other")
     if parameters.fabric not in PRESETS:
         raise InputError(f"fabric {parameters.fabric!r} is unknown: choose one of {', '.join(PRESETS)}")
-    fabric = PRESETS[parameters.fabric]()
-    if parameters.shear_law == "linear":
-        fabric = fabric.with_linear_shear(parameters.shear_modulus)
+    if fabric is None:
+        fabric = PRESETS[parameters.fabric]()
+        if parameters.shear_law == "linear":
+            fabric = fabric.with_linear_shear(parameters.shear_modulus)
     symmetry = {"quarter": ("x", "y"), "half": ("y",), "full": ()}[parameters.part]
     if parameters.part != "full" and parameters.yarn_angle % 90.0 != 0.0:
         raise InputError(
-            f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; use the full one"
+            f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "
+            "use the full one"
         )
-    lower = tuple(0.0 if axis in symmetry else -0.5 * s for axis, s in zip("xy", (BLANK_LENGTH, BLANK_WIDTH), strict=True))
+    lower = tuple(
+        0.0 if axis in symmetry else -0.5 * s for axis, s in zip("xy", (BLANK_LENGTH, BLANK_WIDTH), strict=True)
+    )
     blank = Blank.rectangle(
         lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
     )

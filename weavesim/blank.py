@@ -132,9 +132,7 @@ class Blank:
         position = np.asarray(node_position, dtype=np.float64)
         quads = np.asarray(quads, dtype=np.int32)
         _check_mesh(position, quads)
-        normal = np.cross(
-            position[quads[:, 2]] - position[quads[:, 0]], position[quads[:, 3]] - position[quads[:, 1]]
-        )
+        normal = np.cross(position[quads[:, 2]] - position[quads[:, 0]], position[quads[:, 3]] - position[quads[:, 1]])
         director = np.zeros_like(position)
         for corner in range(4):
             np.add.at(director, quads[:, corner], normal)
@@ -219,6 +217,6 @@ def _check_mesh(position: np.ndarray, quads: np.ndarray) -> None:
     if np.any(count > 1):
         a, b = key[np.argmax(count > 1)]
         raise InputError(
-            f"blank mesh: the edge from node {a} to node {b} is walked in the same direction by two elements, so one of "
-            "them is flipped (or three elements meet there); order the corners of all elements counter-clockwise"
+            f"blank mesh: the edge from node {a} to node {b} is walked in the same direction by two elements, so one "
+            "of them is flipped (or three elements meet there); order the corners of all elements counter-clockwise"
         )

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 CPU_COMPILER_FLAGS = "-march=native -mllvm=-inline-threshold=9000"
 X86_COMPILER_FLAGS = "-mprefer-vector-width=512"
 
-SMALLEST_ELEMENT_COUNT_FOR_THREADS = 2000
+SMALLEST_ELEMENT_COUNT_FOR_THREADS = 1000
 LARGEST_THREAD_COUNT = 256
 
 logger = logging.getLogger(__name__)

@@ -49,7 +49,9 @@ class UnitCell(Parameters):
     contact_modulus: Positive = Field(description="Young's modulus E_3 of the contact element [Pa]")
     warp_cross_section: Positive = Field(description="cross-section of the warp yarn [m^2]")
     weft_cross_section: Positive = Field(description="cross-section of the weft yarn [m^2]")
-    contact_cross_section: Positive = Field(description="cross-section A_3 of the contact element of the half cell [m^2]")
+    contact_cross_section: Positive = Field(
+        description="cross-section A_3 of the contact element of the half cell [m^2]"
+    )
     warp_second_moment: NotNegative = Field(description="second moment of area of the warp yarn [m^4]")
     weft_second_moment: NotNegative = Field(description="second moment of area of the weft yarn [m^4]")
     warp_half_spacing: Positive = Field(description="L_1, half distance between crossovers along the warp [m]")
@@ -287,7 +289,8 @@ class Fabric(Parameters):
         "cannot jump from element to element [N m]",
     )
     compressive_stiffness: NotNegative = Field(
-        default=0.0, description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]"
+        default=0.0,
+        description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]",
     )
     stabilisation: Stabilisation = Stabilisation()
     source: str = ""
@@ -298,14 +301,14 @@ class Fabric(Parameters):
         largest = LARGEST_LOCKING_SHARE * min(self.unit_cell.yarn_stiffness_per_width)
         if isinstance(self.shear, MomentCurve) and self.shear.locking_stiffness > largest * (1 + 1e-9):
             raise ValueError(
-                f"locking_stiffness = {self.shear.locking_stiffness:.4g} N/m: at most {largest:.4g} N/m, a tenth of the "
-                "yarn stiffness per width, is allowed (it enters the stable time step)"
+                f"locking_stiffness = {self.shear.locking_stiffness:.4g} N/m: at most {largest:.4g} N/m, a tenth of "
+                "the yarn stiffness per width, is allowed (it enters the stable time step)"
             )
         return self
 
     @property
     def shear_stiffness_scale(self) -> float:
-        """Typical shear stiffness [N/m] that the in-plane stabilisation scales with: the mean of m/gamma up to 45 degrees."""
+        """Typical shear stiffness [N/m], for the in-plane stabilisation: the mean of m/gamma up to 45 degrees."""
         angle = np.linspace(0.0, math.pi / 4, 46)[1:]
         return float(np.mean(self.shear.moment(angle, self.thickness) / angle))
 

@@ -74,7 +74,9 @@ class Ledger:
         report = dict(zip(CELL_REPORT_ROWS, state.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
         fields["unit_cell_residual"] = report["worst_residual"]
         fields["unit_cell_iterations"] = report["iterations"]
-        position, velocity, director, spin, remainder = state.motion.numpy()[:, : model.blank.node_count].astype(np.float64)
+        position, velocity, director, spin, remainder = state.motion.numpy()[:, : model.blank.node_count].astype(
+            np.float64
+        )
         displacement = stepper.tools.displacement.numpy().copy()
         return Frame(
             index=index,

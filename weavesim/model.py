@@ -136,17 +136,19 @@ class Frequencies:
         yarns_in_plane = 2.0 * 4.0 * fabric.in_plane_bending_stiffness / geometry.area
         turning = transverse + bending + (4.0 * director * gamma + warping) * b
         radius = np.maximum(fabric.thickness**2 / 12.0, turning / (areal_density * ROTARY_SHARE * straight))
-        constant = (
-            4.0 / areal_density * ((transverse + fabric.compressive_stiffness + yarns_in_plane) * b + in_plane * b * gamma + warping * b * gamma / 16.0)
-            + turning / (areal_density * radius)
-        )
+        constant = 4.0 / areal_density * (
+            (transverse + fabric.compressive_stiffness + yarns_in_plane) * b
+            + in_plane * b * gamma
+            + warping * b * gamma / 16.0
+        ) + turning / (areal_density * radius)
         return cls(straight, constant, radius)
 
 
 def hourglass_coefficients(fabric: Fabric) -> tuple[float, float, float]:
-    """Factors of the sum of squared gradients in the hourglass energies (theory, section 5): in-plane, warping, director.
+    """Factors of the sum of squared gradients in the hourglass energies (docs/theory.md, section 5).
 
-    On a square the exact stiffness of the modes is G/12, 4/3 G_s times that sum, and D/12.
+    In-plane, warping, director. On a square the exact stiffness of the first two modes is G/24 and 4/3 G_s times that
+    sum; D/24 times it is the bending along one yarn of the third.
     """
     share = fabric.stabilisation
     return (
@@ -386,7 +388,9 @@ class Model:
         laws.director_damping = self.motion.director_damping
         laws.half_thickness = 0.5 * self.fabric.thickness
         # c = 2 zeta sqrt(k m) with k = share m / step^2
-        laws.contact_damping_time = 2.0 * self.motion.contact_damping_ratio * self.reference_step / math.sqrt(contact_share)
+        laws.contact_damping_time = (
+            2.0 * self.motion.contact_damping_ratio * self.reference_step / math.sqrt(contact_share)
+        )
         laws.tangential_ratio = TANGENTIAL_RATIO
         laws.tool_count = self.tool_count
         return laws

@@ -207,9 +207,9 @@ class Simulation:
         else:
             cause = "it failed within one frame: a tool that moves too fast, or two tools that meet through the sheet"
         return (
-            f"the state became non-finite after {self.stepper.step_count} steps, {self.state.time:.4g} s; the last good "
-            f"frame is {last.index} at {last.time:.4g} s. Element {suspect}, at ({x:.4g}, {y:.4g}) m on the flat blank, "
-            f"is the first suspect: shear angle {angle:.1f} degrees, stretches "
+            f"the state became non-finite after {self.stepper.step_count} steps, {self.state.time:.4g} s; the last "
+            f"good frame is {last.index} at {last.time:.4g} s. Element {suspect}, at ({x:.4g}, {y:.4g}) m on the flat "
+            f"blank, is the first suspect: shear angle {angle:.1f} degrees, stretches "
             f"{last.fields['warp_stretch'][suspect]:.3f} and {last.fields['weft_stretch'][suspect]:.3f}; {cause}"
         )
 
@@ -239,7 +239,8 @@ class Simulation:
             "time_s": self.state.time,
             "wall_time_s": self.wall_time,
             "stepping_time_s": self.stepping_time,
-            "element_steps_per_second": self.blank.element_count * self.stepper.step_count
+            "element_steps_per_second": self.blank.element_count
+            * self.stepper.step_count
             / max(self.stepping_time, 1.0e-9),
             "max_shear_angle_deg": float(np.degrees(np.abs(fields["shear_angle"]).max())),
             "min_stretch": float(stretch.min()),

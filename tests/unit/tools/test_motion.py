@@ -7,10 +7,10 @@ import pytest
 import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from weavesim.kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP
-from weavesim.kernels.tool_motion import tool_motion_kernel
 
 from weavesim.errors import InputError
+from weavesim.kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP
+from weavesim.kernels.tool_motion import tool_motion_kernel
 from weavesim.motion import Driven, Fixed, Stroke
 from weavesim.shapes import Plane
 from weavesim.tool import Tool, build_device_tools

@@ -8,9 +8,9 @@ import pytest
 import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from weavesim.kernels.distance import sample_distance_kernel
 
 from weavesim.errors import InputError
+from weavesim.kernels.distance import sample_distance_kernel
 from weavesim.shapes import (
     IDENTITY,
     Capsule,

@@ -54,7 +54,7 @@ def unit_cell_struct(real: type):
 
 @wp.func
 def yarn_strain(cell: Any, k: int, u: Any, w: Any):
-    """Elongation l - l0 and rotation phi of yarn k's chord, the chord (X, H, 1/l), and the size of the elongation's two parts.
+    """Elongation l - l0 and rotation phi of yarn k's chord, the chord (X, H, 1/l), and the size of what cancels.
 
     Both are written so that nothing cancels: l - l0 = (l^2 - l0^2)/(l + l0), and sin(phi) l l0 = L w - h u.
     """

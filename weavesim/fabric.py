@@ -28,12 +28,11 @@ class Parameters(BaseModel):
         try:
             super().__init__(**values)
         except ValidationError as error:
-            lines = [
-                f"{'.'.join(map(str, e['loc'])) or 'the set'} = {e['input']!r}: {e['msg']}"
-                if e["loc"]
-                else e["msg"].removeprefix("Value error, ")
-                for e in error.errors()
-            ]
+            lines = []
+            for problem in error.errors():
+                name = ".".join(map(str, problem["loc"]))
+                message = problem["msg"].removeprefix("Value error, ")
+                lines.append(f"{name} = {problem['input']!r}: {message}" if name else message)
             raise InputError(f"{type(self).__name__}: " + "; ".join(lines)) from None
 
 

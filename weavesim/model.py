@@ -110,6 +110,14 @@ class ElementGeometry:
         """Sum over the corners of the squared hourglass vector."""
         return 4.0 + 2.0 * np.square(self.hourglass_offset).sum(axis=0)
 
+    @property
+    def squared_twist_weights(self) -> np.ndarray:
+        """Sum of the squares of (p p - q q)/16, which gives the natural twist from the curvatures [m^4]."""
+        b_p1, b_p2, b_q1, b_q2 = self.gradient
+        square = np.square(b_p1 * b_q2 - b_p2 * b_q1)
+        p, q, mixed = b_q1**2 + b_q2**2, b_p1**2 + b_p2**2, b_p1 * b_q1 + b_p2 * b_q2
+        return (p**2 + q**2 - 2.0 * mixed**2) / (256.0 * square**2)
+
 
 @dataclass(frozen=True)
 class Frequencies:
@@ -134,7 +142,7 @@ class Frequencies:
         shear = fabric.shear_stiffness_scale
         straight = 4.0 / areal_density * (np.maximum(c1 * b11, c2 * b22) + 2.0 * shear * b)
         yarns_in_plane = 2.0 * 4.0 * fabric.in_plane_bending_stiffness / geometry.area
-        turning = transverse + bending + (4.0 * director * gamma + warping) * b
+        turning = transverse + bending + 4.0 * (director * gamma + warping * geometry.squared_twist_weights * b) * b
         radius = np.maximum(fabric.thickness**2 / 12.0, turning / (areal_density * ROTARY_SHARE * straight))
         constant = 4.0 / areal_density * (
             (transverse + fabric.compressive_stiffness + yarns_in_plane) * b

@@ -7,6 +7,8 @@ import pytest
 
 from weavesim.blank import Blank
 from weavesim.fabric import Fabric, IsotropicBending, LinearShear, Stabilisation, UnitCell
+from weavesim.kernels.element import NODE_REPORT_ROWS
+from weavesim.recording import Frame, Outcome
 from weavesim.simulation import Simulation
 
 NO_STABILISATION = Stabilisation(in_plane=0.0, warping=0.0, director=0.0)
@@ -47,17 +49,29 @@ class Sheet:
         motion[4] += motion[0] - held[0]
         self.simulation.state.motion.assign(motion.astype(self.simulation.precision.numpy))
         self.simulation.state.crimp_change.zero_()
+        # a run takes the nodes' mean shear angles from the step before; here they belong to these positions
+        self.simulation.stepper.evaluate()
+        angle = self._corners()[2, 0, 0]
+        sharing = np.bincount(self._quads.ravel())
+        report = self.simulation.state.node_report.numpy()
+        report[NODE_REPORT_ROWS.index("mean_shear_angle"), : self.node_count] = (
+            np.bincount(self._quads.ravel(), weights=np.repeat(angle, 4)) / sharing
+        )
+        self.simulation.state.node_report.assign(report)
+
+    def _corners(self) -> np.ndarray:
+        """Forces, director gradients and angles, (3, corner, component, element)."""
+        rows = self.simulation.state.corner_force.numpy()[:, : len(self._quads)].astype(np.float64)
+        return rows.reshape(3, 4, 3, -1)
 
     def forces(self, position: np.ndarray, director: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Nodal forces [N] and minus the energy's derivative by the directors [J], (n, 3) each."""
         self.place(position, director)
         self.simulation.stepper.evaluate()
-        rows = self.simulation.state.corner_force.numpy()[:, : len(self._quads)].astype(np.float64)
-        corners = rows.reshape(2, 4, 3, -1)
         result = np.zeros((2, self.node_count, 3))
-        for kind in range(2):
+        for kind, corners in enumerate(self._corners()[:2]):
             for corner in range(4):
-                np.add.at(result[kind], self._quads[:, corner], corners[kind, corner].T)
+                np.add.at(result[kind], self._quads[:, corner], corners[corner].T)
         return result[0], result[1]
 
     def energies(self, position: np.ndarray, director: np.ndarray) -> dict[str, float]:
@@ -97,6 +111,28 @@ class Sheet:
 def turned(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
     """``vector`` turned about a unit ``axis`` across it."""
     return np.cos(angle) * vector + np.sin(angle) * np.cross(axis, vector)
+
+
+class Frames:
+    """An observer that keeps all frames."""
+
+    def __init__(self) -> None:
+        self.all: list[Frame] = []
+
+    def start(self, simulation: Simulation) -> None:
+        self.all.clear()
+
+    def frame(self, frame: Frame) -> None:
+        self.all.append(frame)
+
+    def finish(self, outcome: Outcome) -> None:
+        self.outcome = outcome
+
+
+@pytest.fixture
+def frames() -> Frames:
+    """An observer that keeps all frames in ``frames.all``, and how the run ended in ``frames.outcome``."""
+    return Frames()
 
 
 @pytest.fixture

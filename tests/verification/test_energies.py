@@ -27,6 +27,7 @@ TERMS = {
     "linear shear": ({"shear": LinearShear(modulus=1.0e5)}, "shear"),
     "shear curve": ({"shear": CURVE}, "shear"),
     "locking": ({"shear": LOCKING}, "shear"),
+    "in-plane bending": ({"in_plane_bending_stiffness": 5.0e-3}, "in_plane_bending"),
     "isotropic bending": ({"bending": IsotropicBending(modulus=2.0e7, poisson_ratio=0.3)}, "bending"),
     "yarn bending": ({"bending": YarnBending(warp=3e-3, weft=1e-3, twist=5e-4)}, "bending"),
     "transverse shear": ({"transverse_shear_modulus": 1.0e5}, "transverse_shear"),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from weavesim.blank import Blank
-from weavesim.fabric import IsotropicBending, LinearShear, Stabilisation, UnitCell
+from weavesim.fabric import Fabric, IsotropicBending, LinearShear, Stabilisation, UnitCell
 from weavesim.model import MotionParameters
 from weavesim.motion import Driven, Fixed
 from weavesim.shapes import Plane, rotation_matrix
@@ -39,7 +39,9 @@ def resting(blank: Blank, angle: float, tilted: str) -> tuple[Blank, Plane, np.n
     return blank, Plane(rotation=turn), gravity, turn[:, 0]
 
 
-def on_incline(fabric, ratio: float, tilted: str, duration: float) -> tuple[np.ndarray, np.ndarray, Simulation]:
+def on_incline(
+    fabric: Fabric, frames, ratio: float, tilted: str, duration: float
+) -> tuple[np.ndarray, np.ndarray, Simulation]:
     """Times [s] and mean way down the plane [m] of a sheet on tan(angle) = ``ratio`` mu."""
     angle = np.arctan(ratio * FRICTION)
     flat = Blank.rectangle((-0.02, -0.01), (0.02, 0.01), 0.005)
@@ -48,21 +50,14 @@ def on_incline(fabric, ratio: float, tilted: str, duration: float) -> tuple[np.n
         name="incline", blank=blank, fabric=fabric, tools=[Tool("plane", plane, friction=FRICTION)], duration=duration,
         precision="float64", lane_count=1, threads=1, frame_count=20, motion=MotionParameters(gravity=tuple(gravity)),
     )  # fmt: skip
-    times, ways = [], []
-
-    def note(frame):
-        times.append(frame.time)
-        ways.append(float(((frame.position - blank.node_position) @ down).mean()))
-        return False
-
-    simulation.stop_when = note
-    simulation.run()
-    return np.array(times), np.array(ways), simulation
+    simulation.run([frames])
+    ways = [float(((frame.position - blank.node_position) @ down).mean()) for frame in frames.all]
+    return np.array([frame.time for frame in frames.all]), np.array(ways), simulation
 
 
 @pytest.mark.parametrize("tilted", ["gravity", "plane"])
-def test_sheet_sticks_below_the_friction_angle(tilted, soft):
-    times, ways, simulation = on_incline(soft, 0.8, tilted, 1.0)
+def test_sheet_sticks_below_the_friction_angle(tilted, soft, frames):
+    times, ways, simulation = on_incline(soft, frames, 0.8, tilted, 1.0)
     assert times[-1] >= 1.0
     assert np.abs(ways).max() < 0.01e-3
     weight = float(simulation.model.node_mass.sum()) * 9.81
@@ -71,8 +66,8 @@ def test_sheet_sticks_below_the_friction_angle(tilted, soft):
 
 
 @pytest.mark.parametrize("tilted", ["gravity", "plane"])
-def test_sheet_slides_above_the_friction_angle(tilted, soft):
-    times, ways, simulation = on_incline(soft, 1.25, tilted, 0.5)
+def test_sheet_slides_above_the_friction_angle(tilted, soft, frames):
+    times, ways, simulation = on_incline(soft, frames, 1.25, tilted, 0.5)
     acceleration = 2.0 * np.polynomial.Polynomial.fit(times, ways, 2).convert().coef[2]
     angle = np.arctan(1.25 * FRICTION)
     assert acceleration == pytest.approx(9.81 * (np.sin(angle) - FRICTION * np.cos(angle)), rel=0.01)
@@ -82,7 +77,7 @@ def test_sheet_slides_above_the_friction_angle(tilted, soft):
     assert abs(energies["balance_error"]) < 0.01 * energies["gravity_work"]
 
 
-def under_holder(fabric, force: float, *, pull: float, duration: float, damping: float = 0.0) -> Simulation:
+def under_holder(fabric: Fabric, force: float, *, pull: float, duration: float, damping: float = 0.0) -> Simulation:
     """A sheet between a fixed plate and one that ``force`` [N] presses down; ``pull`` [m/s] moves one edge along x."""
     blank = Blank.rectangle((-0.02, -0.01), (0.02, 0.01), 0.005)
     half = 0.5 * fabric.thickness
@@ -119,14 +114,13 @@ def test_reaction_of_a_pressed_sheet_equals_the_force(soft):
     assert abs(energies["balance_error"]) < 0.01 * energies["driving_force_work"]
 
 
-def test_pull_out_friction_is_twice_mu_times_the_force(soft):
-    force, reactions = 2.0, []
+def test_pull_out_friction_is_twice_mu_times_the_force(soft, frames):
+    force = 2.0
     simulation = under_holder(soft, force, pull=0.05, duration=0.3, damping=20.0)
-    simulation.stop_when = lambda frame: reactions.append(frame.tool_reaction.copy())
-    simulation.run()
+    simulation.run([frames])
     moved = simulation.frame.position - simulation.blank.node_position
     assert moved[:, 0].min() > 0.005
-    late = np.array(reactions)[20:, :, 0]
+    late = np.array([frame.tool_reaction[:, 0] for frame in frames.all[20:]])
     assert late.sum(axis=1).mean() == pytest.approx(2.0 * FRICTION * force, rel=0.01)
     assert late.mean(axis=0) == pytest.approx([FRICTION * force] * 2, rel=0.02)
     slid = moved[:, 0].mean()

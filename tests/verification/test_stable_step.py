@@ -1,0 +1,172 @@
+"""The time step: below the true limit, not far below it, and what happens beyond it."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from weavesim.blank import Blank
+from weavesim.errors import InputError
+from weavesim.fabric import IsotropicBending, LinearShear, Stabilisation, UnitCell, YarnBending, glass_polypropylene
+from weavesim.simulation import Simulation
+from weavesim.stepper import STEP_SAFETY
+
+
+def plate(fabric, **given):
+    """Linear in every term, so that the tangent at rest is the tangent for any small motion."""
+    values = {
+        "unit_cell": UnitCell.straight(stiffness_per_width=2.0e4), "shear": LinearShear(modulus=2.0e6),
+        "bending": IsotropicBending(modulus=3.0e7, poisson_ratio=0.3), "transverse_shear_modulus": 5.0e6,
+        "stabilisation": Stabilisation(),
+    }  # fmt: skip
+    return fabric(**(values | given))
+
+
+def highest_frequency(sheet, position, director) -> float:
+    """Largest angular frequency of the finite-difference tangent with the lumped masses [rad/s]."""
+    stiffness = sheet.stiffness(position, director, 1e-7)
+    model = sheet.simulation.model
+    mass = np.column_stack([np.tile(model.node_mass, (3, 1)).T, np.tile(model.node_inertia, (2, 1)).T]).ravel()
+    root = 1.0 / np.sqrt(mass)
+    return float(np.sqrt(scipy.linalg.eigvalsh(0.5 * (stiffness + stiffness.T) * np.outer(root, root))[-1]))
+
+
+def estimate(sheet) -> float:
+    """The limit that the run would take for the present state, without its safety [s]."""
+    stepper = sheet.simulation.stepper
+    stepper._replay(stepper._refresh_graphs)
+    return stepper.stable_step() / STEP_SAFETY
+
+
+PATCHES = {
+    "square": {"element_size": 0.005},
+    "turned yarns": {"element_size": 0.005, "yarn_angle": 33.0},
+    "distorted": {"element_size": 0.005, "yarn_angle": 20.0, "distortion": 0.2},
+    "oblong": {"element_size": (0.005, 0.01), "yarn_angle": 10.0},
+}
+FABRICS = {
+    "membrane governs": {},
+    "shear governs": {"shear": LinearShear(modulus=8.0e7)},
+    "transverse shear is stiff": {"transverse_shear_modulus": 2.0e7},
+    "thick": {"bending": IsotropicBending(modulus=5.0e9, poisson_ratio=0.3)},
+    "yarn bending": {"bending": YarnBending(warp=0.05, weft=0.01, twist=0.005)},
+    "in-plane bending": {"in_plane_bending_stiffness": 0.05},
+    "stabilisation is stiff": {"stabilisation": Stabilisation(in_plane=1.0, warping=1.0, director=1.0)},
+}
+
+
+@pytest.mark.parametrize("patch", PATCHES)
+@pytest.mark.parametrize("name", FABRICS)
+def test_estimate_is_a_sharp_bound_at_rest(patch, name, sheet, fabric):
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), **PATCHES[patch])
+    patch = sheet(blank, plate(fabric, **FABRICS[name]))
+    limit = 2.0 / highest_frequency(patch, blank.node_position, blank.initial_director)
+    patch.place(blank.node_position, blank.initial_director)
+    found = estimate(patch)
+    assert found <= limit
+    # where the membrane governs; elsewhere several bounds are added up
+    assert found >= (0.6 if name == "membrane governs" else 0.4) * limit
+
+
+@pytest.mark.parametrize("stretch", [(1.004, 1.003), (1.02, 1.0), (1.01, 0.97)], ids=str)
+@pytest.mark.parametrize("shear", [0.0, 0.5])
+def test_estimate_is_a_bound_for_crimped_yarns(stretch, shear, sheet):
+    """The preset, stretched and sheared: the cell's own tangent, tension and the moment curve count."""
+    blank = Blank.rectangle((0.0, 0.0), (0.015, 0.015), 0.005)
+    patch = sheet(blank, glass_polypropylene())
+    position = blank.node_position.copy()
+    position[:, :2] *= stretch
+    position[:, 0] += shear * position[:, 1]
+    position[:, :2] /= 1.0, np.hypot(1.0, shear)  # the weft keeps its length
+    limit = 2.0 / highest_frequency(patch, position, blank.initial_director)
+    patch.place(position, blank.initial_director)
+    patch.simulation.stepper.evaluate()
+    found = estimate(patch)
+    assert found <= limit
+    assert found >= 0.5 * limit
+
+
+def swing(fabric, step: float | None, limit: float) -> np.ndarray:
+    """Largest displacement after every block of steps of a plate with a tiny random velocity."""
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005, yarn_angle=20.0, distortion=0.2)
+    velocity = 1e-6 * np.random.default_rng(0).normal(size=blank.node_position.shape)
+    simulation = Simulation(
+        name="swing", blank=blank, fabric=fabric, duration=1.0, initial_velocity=velocity, precision="float64",
+        lane_count=1, threads=1,
+    )  # fmt: skip
+    result = []
+    for _ in range(20):
+        # the step is taken anew after each block: put ours back
+        simulation.state.clock.assign(np.array([0.0, step * limit, step * limit]))
+        simulation.stepper.advance(1)
+        position = simulation.state.motion.numpy()[0, : blank.node_count]
+        result.append(np.abs(position - blank.node_position).max())
+    return np.array(result)
+
+
+def test_limit_is_where_the_run_blows_up(sheet, fabric):
+    laws = plate(fabric)
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005, yarn_angle=20.0, distortion=0.2)
+    limit = 2.0 / highest_frequency(sheet(blank, laws), blank.node_position, blank.initial_director)
+    quiet = swing(laws, 0.99, limit)
+    assert np.isfinite(quiet).all()
+    assert quiet[-1] < 1e-6
+    assert not (swing(laws, 1.1, limit)[:5] < 1e-4).all()
+
+
+def test_step_follows_the_fabric_through_a_run():
+    """Crimped yarns are softer at rest than straight ones, and the step stays below the estimate of every state."""
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
+    velocity = np.zeros_like(blank.node_position)
+    velocity[:, 0] = 200.0 * (blank.node_position[:, 0] - 0.01)
+    simulation = Simulation(
+        name="pull", blank=blank, fabric=glass_polypropylene(), duration=2e-4, initial_velocity=velocity,
+        precision="float64", lane_count=1, threads=1,
+    )  # fmt: skip
+    for _ in range(20):
+        simulation.stepper.advance(1)
+        assert simulation.state.step <= simulation.stepper.stable_step() * (1.0 + 1e-12)
+    straight = simulation.model.reference_step
+    assert simulation.state.step > 0.7 * straight
+
+
+def test_unstable_step_is_refused():
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
+    settings = {"name": "step", "blank": blank, "fabric": glass_polypropylene(), "duration": 1e-5}
+    settings |= {"precision": "float64", "lane_count": 1, "threads": 1}
+    stable = Simulation(**settings).stepper.stable_step()
+    with pytest.raises(InputError, match=r"time_step = .* unstable .* at most .* is stable"):
+        Simulation(**settings, time_step=1.05 * stable)
+    slower = Simulation(**settings, time_step=0.3 * stable)
+    slower.run()
+    assert slower.state.step == pytest.approx(0.3 * stable, rel=1e-12)
+
+
+def test_unstable_step_is_refused_without_yarn_bending(fabric):
+    """Straight yarns without bending stiffness: nothing holds their height, the tangent must still be a number."""
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
+    settings = {"name": "step", "blank": blank, "fabric": plate(fabric), "duration": 1e-5}
+    settings |= {"precision": "float64", "lane_count": 1, "threads": 1}
+    stable = Simulation(**settings).stepper.stable_step()
+    assert np.isfinite(stable)
+    with pytest.raises(InputError, match="unstable"):
+        Simulation(**settings, time_step=2.0 * stable)
+
+
+def test_mass_scaling_reaches_its_step_and_reports_the_mass():
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005, yarn_angle=20.0, distortion=0.2)
+    settings = {"name": "mass", "blank": blank, "fabric": glass_polypropylene(), "duration": 1e-5}
+    settings |= {"precision": "float64", "lane_count": 1, "threads": 1}
+    plain = Simulation(**settings)
+    assert plain.model.added_mass_ratio == 0.0
+    assert plain.model.node_mass.sum() == pytest.approx(0.743 * 0.02**2, rel=1e-12)
+    target = 1.5 * plain.model.reference_step
+    scaled = Simulation(**settings, target_step=target)
+    assert scaled.model.reference_step >= target * (1.0 - 1e-9)
+    assert scaled.stepper.stable_step() >= 0.9 * target
+    ratio = scaled.model.added_mass_ratio
+    assert 0.1 < ratio < 1.5**2
+    scaled.run()
+    assert scaled.summary()["added_mass_ratio"] == ratio
+    assert scaled.model.node_mass.sum() == pytest.approx((1.0 + ratio) * plain.model.node_mass.sum(), rel=1e-12)
+    # only small elements get mass: a coarse target leaves all as it is
+    assert Simulation(**settings, target_step=0.5 * plain.model.reference_step).model.added_mass_ratio == 0.0

@@ -109,8 +109,8 @@ def element_ledger_kernel(real: type):
         fields[0, e] = angle
         fields[1, e] = stretch1
         fields[2, e] = stretch2
-        fields[3, e] = force1 / lanes(real(2.0) * cell.half_spacing[1])
-        fields[4, e] = force2 / lanes(real(2.0) * cell.half_spacing[0])
+        fields[3, e] = force1 / lanes(real(2.0) * cell.half_spacing[1]) + squeeze1
+        fields[4, e] = force2 / lanes(real(2.0) * cell.half_spacing[0]) + squeeze2
         fields[5, e] = real(2.0) * crossover
         fields[6, e] = area_ratio
 

@@ -64,6 +64,7 @@ def motion_struct(real: type):
         half_thickness: real  # [m]
         contact_damping_time: real  # normal dashpot = contact stiffness times this [s]
         tangential_ratio: real  # friction spring over normal spring
+        in_plane_bending_stiffness: real  # of the sheet [N m]
         tool_count: wp.int32
 
     return MotionLaws
@@ -156,7 +157,12 @@ def node_motion_kernel(real: type, lane_count: int):
             force = gather_corners(corners, offset, nodes.corner_stride, 0, force)
             couple = gather_corners(corners, offset, nodes.corner_stride, COUPLE_ROW, couple)
             angle = add_angles(corners, offset, ANGLE_ROW * nodes.corner_stride, angle)
-        report[MEAN_ANGLE_ROW, block] = nodes.angle_weight[block] * angle
+        # the elements met the mean of one step before: that resists its change, which is booked as damping
+        mean_angle = nodes.angle_weight[block] * angle
+        late = mean_angle - report[MEAN_ANGLE_ROW, block]
+        weight = nodes.angle_weight[block]
+        damping_loss = where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
+        report[MEAN_ANGLE_ROW, block] = mean_angle
 
         # forces that do not come from an energy, and the power that the moving tools take from them
         friction_force = lanes3()
@@ -205,7 +211,7 @@ def node_motion_kernel(real: type, lane_count: int):
         middle = real(0.5) * (velocity + new_velocity)
         friction_work = mean_step * (friction_power - dot(friction_force, middle))
         moving = wp.cw_mul(free, middle)
-        damping_loss = mean_step * (
+        damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )
         store(motion[1], first, new_velocity)

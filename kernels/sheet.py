@@ -32,7 +32,7 @@ def sheet_struct(real: type):
         bending_kind: wp.int32
         bending_stiffness: real  # D [N m]
         poisson_ratio: real
-        yarn_bending_stiffness: wp.types.vector(3, real)  # D_1, D_2, D_12 [N m]
+        yarn_bending_stiffness: wp.types.vector(4, real)  # D_1, D_2, D_12, coupling D_nu [N m]
         transverse_shear_stiffness: real  # 5/6 G t [N/m]
         in_plane_bending_stiffness: real  # B: resists a varying shear angle, psi = 1/2 B |grad gamma|^2 [N m]
         compressive_stiffness: real  # of the sheet itself along a yarn that is pushed together [N/m]
@@ -145,7 +145,7 @@ def bending_moments(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, k1
 
     Isotropic: M = J D [(1-nu) k + nu a tr k] in the current metric, equation (6) of the paper, with k raised by the
     inverse metric; T = a (psi + 2 J D (1-nu) det k) - 2 J D tr(k) k is the derivative by the metric.
-    Yarns: psi = 1/2 sum D_a (k_aa/m_aa)^2 + 2 D_12 k_12^2/(m_11 m_22).
+    Yarns: psi = 1/2 sum D_a (k_aa/m_aa)^2 + D_nu k_11 k_22/(m_11 m_22) + 2 D_12 k_12^2/(m_11 m_22).
     """
     two = m11.dtype(2.0)
     half = m11.dtype(0.5)
@@ -176,9 +176,10 @@ def bending_moments(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, k1
         stiffness1 = laws.yarn_bending_stiffness[0]
         stiffness2 = laws.yarn_bending_stiffness[1]
         stiffness12 = laws.yarn_bending_stiffness[2]
-        moment11 = stiffness1 * k11 / (m11 * m11)
+        coupling = spread(m11, laws.yarn_bending_stiffness[3]) / (m11 * m22)
+        moment11 = stiffness1 * k11 / (m11 * m11) + coupling * k22
         moment12 = two * stiffness12 * k12 / (m11 * m22)
-        moment22 = stiffness2 * k22 / (m22 * m22)
+        moment22 = stiffness2 * k22 / (m22 * m22) + coupling * k11
         t11 = -(two * (moment11 * k11 + moment12 * k12) / m11)
         t22 = -(two * (moment22 * k22 + moment12 * k12) / m22)
     return moment11, moment12, moment22, t11, t12, t22

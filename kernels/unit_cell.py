@@ -47,6 +47,7 @@ def unit_cell_struct(real: type):
         unilateral: wp.int32  # 1: the yarns may separate
         tolerance: real  # residual relative to the forces that it balances
         resolution: real  # share of the cancelling parts of the elongation that counts as size of the residual
+        stiffness_floor: real  # of a slack yarn, in the Newton matrix only [N/m]
         force_floor: real  # smallest force that the residual is compared with [N]
 
     return PlainWeave
@@ -157,8 +158,9 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         # (h1 + k)(h2 + k) - k^2, written so that a stiff contact does not cancel it
         determinant = hessian1 * hessian2 + stiffness * (hessian1 + hessian2)
         definite = smaller(determinant, hessian1 + stiffness)
-        own1 = where_positive(definite, hessian1, elastic1)
-        own2 = where_positive(definite, hessian2, elastic2)
+        # a slack yarn without bending stiffness has none: the least that keeps the matrix regular
+        own1 = where_positive(definite, hessian1, elastic1 + spread(u1, cell.stiffness_floor))
+        own2 = where_positive(definite, hessian2, elastic2 + spread(u1, cell.stiffness_floor))
         diagonal1 = own1 + stiffness
         diagonal2 = own2 + stiffness
         determinant = own1 * own2 + stiffness * (own1 + own2)
@@ -179,8 +181,8 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         curvature = diagonal1 * step1 * step1 + diagonal2 * step2 * step2 + u1.dtype(2.0) * stiffness * step1 * step2
         back = smaller(larger(rise / larger(curvature, fill(u1, 1.0e-37)), fill(u1, 0.0625)), fill(u1, 0.9375))
         slope = where_positive(overshoot, (one - back) * slope, gradient1 * newton1 + gradient2 * newton2)
-        w1 = w1 + unfinished * where_positive(overshoot, -(back * step1), newton1)
-        w2 = w2 + unfinished * where_positive(overshoot, -(back * step2), newton2)
+        w1 = where_positive(unfinished, w1 + where_positive(overshoot, -(back * step1), newton1), w1)
+        w2 = where_positive(unfinished, w2 + where_positive(overshoot, -(back * step2), newton2), w2)
         step1 = where_positive(overshoot, (one - back) * step1, newton1)
         step2 = where_positive(overshoot, (one - back) * step2, newton2)
     return w1, w2, force1, force2, crossover, residual, iterations
@@ -199,6 +201,15 @@ def unit_cell_energies(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any):
     )
     contact = half * cell.contact_stiffness * contact_active(cell, -(w1 + w2)) * (w1 + w2) * (w1 + w2)
     return warp, weft, bending, contact
+
+
+@wp.func
+def unit_cell_descent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, change1: Any, change2: Any):
+    """-dPi/dw . change at (u, w) [J]."""
+    by_u1, by_w1, hessian1, elastic1, size1 = yarn_forces(cell, 0, u1, w1)
+    by_u2, by_w2, hessian2, elastic2, size2 = yarn_forces(cell, 1, u2, w2)
+    closing = cell.contact_stiffness * contact_active(cell, -(w1 + w2)) * (w1 + w2)
+    return -((by_w1 + closing) * change1 + (by_w2 + closing) * change2)
 
 
 @wp.func

@@ -46,9 +46,9 @@ def changed_cell(fabric: Fabric, **values: Any) -> Fabric:
 
 
 CHECKS = {
-    "default": Variant("the default: 5 mm, quarter, 0.4 m/s, float32"),
+    "default": Variant("the default: 5 mm, quarter, 0.5 m/s, float32"),
     "fine": Variant("2.5 mm", {"mesh_size": 0.0025}),
-    "slow": Variant("punch speed halved", {"punch_speed": 0.2}),
+    "slow": Variant("punch speed halved", {"punch_speed": 0.25}),
     "double": Variant("float64", {"precision": "float64"}),
     "full": Variant("full blank", {"part": "full"}),
     "gap": Variant("the holder keeps a gap of 0.1 mm (5 mm)", {"blank_holder_gap": 0.0001}),

@@ -40,7 +40,7 @@ class UnitCell(Parameters):
     """Plain-weave unit cell of crossed beams: the paper's parameters, and four of our own with defaults.
 
     A yarn's compressive stiffness E A_c defaults to the Euler-like 3 E I / l0^2: a yarn pushed together is a buckled
-    bundle, and a stiffer one gives the cell several equilibria (``check`` tells).
+    bundle, and a stiffer one gives the cell several equilibria (``warnings`` tells).
     """
 
     warp_modulus: Positive = Field(description="Young's modulus of the warp yarn [Pa]")
@@ -254,6 +254,34 @@ class YarnBending(Parameters):
     warp: NotNegative = Field(description="D_1 [N m]")
     weft: NotNegative = Field(description="D_2 [N m]")
     twist: NotNegative = Field(description="D_12 [N m]")
+    coupling: float = Field(default=0.0, allow_inf_nan=False, description="D_nu between the two curvatures [N m]")
+
+    @model_validator(mode="after")
+    def _is_stable(self) -> Self:
+        if self.coupling**2 > self.warp * self.weft:
+            raise ValueError(
+                f"coupling = {self.coupling:.4g} N m: its square may not exceed warp * weft, or bending releases energy"
+            )
+        return self
+
+    @property
+    def largest(self) -> float:
+        """Largest stiffness of any curvature, as a bound [N m]."""
+        return max(self.warp, self.weft) + abs(self.coupling) + 2.0 * self.twist
+
+    @classmethod
+    def from_moduli(cls, modulus: float, poisson_ratio: float, shear_modulus: float, thickness: float) -> YarnBending:
+        """Equation (6) along the yarns, with a shear modulus G of its own: sigma_12 = G eps_12, eps_12 the tensor's.
+
+        G = E/(1 + nu) would make the sheet isotropic; ``IsotropicBending`` does that in the current tangent plane.
+        """
+        stiffness = IsotropicBending(modulus=modulus, poisson_ratio=poisson_ratio).stiffness(thickness)
+        return cls(
+            warp=stiffness,
+            weft=stiffness,
+            coupling=poisson_ratio * stiffness,
+            twist=shear_modulus * thickness**3 / 24.0,
+        )
 
 
 class Stabilisation(Parameters):

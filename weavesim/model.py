@@ -21,7 +21,7 @@ from .kernels.unit_cell import unit_cell_struct
 # Arrays are padded to whole blocks of the widest lanes, whatever lanes the kernels use.
 BLOCK = 16
 # The rotary inertia is scaled up until bending and transverse shear take at most this share of the membrane's omega^2.
-ROTARY_SHARE = 0.1
+ROTARY_SHARE = 0.05
 # Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
@@ -138,7 +138,7 @@ class Frequencies:
         nu = abs(fabric.bending.poisson_ratio) if isinstance(fabric.bending, IsotropicBending) else 0.0
         bending = 4.0 * fabric.bending_stiffness_scale * (1.0 + nu) * b
         if not isinstance(fabric.bending, IsotropicBending):
-            bending = 4.0 * max(fabric.bending.warp, fabric.bending.weft, 2.0 * fabric.bending.twist) * b
+            bending = 4.0 * fabric.bending.largest * b
         shear = fabric.shear_stiffness_scale
         straight = 4.0 / areal_density * (np.maximum(c1 * b11, c2 * b22) + 2.0 * shear * b)
         yarns_in_plane = 2.0 * 4.0 * fabric.in_plane_bending_stiffness / geometry.area
@@ -329,8 +329,8 @@ class Model:
         laws.bending_kind = int(BENDING_ISOTROPIC if isotropic else BENDING_YARNS)
         laws.bending_stiffness = bending.stiffness(fabric.thickness) if isotropic else 0.0
         laws.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
-        per_yarn = (0.0, 0.0, 0.0) if isotropic else (bending.warp, bending.weft, bending.twist)
-        laws.yarn_bending_stiffness = self.types.vec3(*per_yarn)
+        per_yarn = (0.0,) * 4 if isotropic else (bending.warp, bending.weft, bending.twist, bending.coupling)
+        laws.yarn_bending_stiffness = self.types.vec4(*per_yarn)
         laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
         laws.in_plane_bending_stiffness = fabric.in_plane_bending_stiffness
         laws.compressive_stiffness = fabric.compressive_stiffness
@@ -400,6 +400,7 @@ class Model:
             2.0 * self.motion.contact_damping_ratio * self.reference_step / math.sqrt(contact_share)
         )
         laws.tangential_ratio = TANGENTIAL_RATIO
+        laws.in_plane_bending_stiffness = self.fabric.in_plane_bending_stiffness
         laws.tool_count = self.tool_count
         return laws
 
@@ -435,6 +436,7 @@ def fill_unit_cell(cell, parameters: UnitCell, precision: Precision) -> None:
     cell.tolerance = UNIT_CELL_TOLERANCE[precision.value]
     # four roundings of each of the two parts whose sum is the elongation
     cell.resolution = 4.0 * np.finfo(precision.numpy).eps / UNIT_CELL_TOLERANCE[precision.value]
+    cell.stiffness_floor = 1.0e-9 * max(parameters.axial_stiffness) / length.max()
     cell.force_floor = 1.0e-9 * max(parameters.axial_stiffness)
 
 

@@ -18,6 +18,7 @@ from .errors import InputError, RunError
 from .fabric import Fabric
 from .kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from .ledger import Ledger, Penetration
+from .mesh_shape import MeshShape
 from .model import Model, MotionParameters
 from .recording import Frame, Observer, Outcome
 from .stepper import REFRESH_INTERVAL, State, Stepper
@@ -101,6 +102,7 @@ class Simulation:
             lane_count=lane_count, tool_count=len(self.tools), target_step=target_step,
         )  # fmt: skip
         device_tools = build_device_tools(self.tools, self.model.real, self.device)
+        self._check_reach()
         self.state = State.initial(self.model, initial_velocity)
         self.warnings = [*fabric.unit_cell.warnings(), *self._tool_warnings()]
         self.stepper = Stepper(
@@ -120,6 +122,18 @@ class Simulation:
         self.failure: str | None = None
         self.stepping_time = 0.0
         self.wall_time = 0.0
+
+    def _check_reach(self) -> None:
+        """A sampled distance is cut at its reach: it has to tell the sheet's faces from afar."""
+        for tool in self.tools:
+            for part in tool.shape.parts():
+                if isinstance(part, MeshShape):
+                    reach = part.surface.sampled(self.device).reach
+                    if reach < self.fabric.thickness:
+                        raise InputError(
+                            f"{tool.name}: its mesh is sampled up to a distance of {reach:.4g} m, but the sheet is "
+                            f"{self.fabric.thickness:.4g} m thick: give the mesh a reach of at least the thickness"
+                        )
 
     def _tool_warnings(self) -> list[str]:
         size = float(np.sqrt(self.model.geometry.area.max()))

@@ -54,7 +54,8 @@ def shear_moment(laws: Any, angle: Any):
     last = laws.shear_moment.shape[0] - 1
     for i in range(len(angle)):
         size = wp.abs(angle[i])
-        knot = wp.min(int(size / laws.shear_knot_spacing), last)
+        # clamped from below too: a NaN becomes the most negative integer
+        knot = wp.clamp(int(size / laws.shear_knot_spacing), 0, last)
         x = size - angle.dtype(knot) * laws.shear_knot_spacing
         c = laws.shear_moment[knot]
         value = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
@@ -70,7 +71,7 @@ def shear_curve_energy(laws: Any, angle: Any):
     last = laws.shear_moment.shape[0] - 1
     for i in range(len(angle)):
         size = wp.abs(angle[i])
-        knot = wp.min(int(size / laws.shear_knot_spacing), last)
+        knot = wp.clamp(int(size / laws.shear_knot_spacing), 0, last)
         x = size - angle.dtype(knot) * laws.shear_knot_spacing
         c = laws.shear_moment[knot]
         energy[i] = laws.shear_energy[knot] + x * (

@@ -41,14 +41,15 @@ class Sheet:
         self._quads = blank.quads
         self._start = self.simulation.model.initial_motion()
 
-    def place(self, position: np.ndarray, director: np.ndarray) -> None:
-        """Set positions (n, 3) [m] and unit directors (n, 3); the unit cells start from rest."""
+    def place(self, position: np.ndarray, director: np.ndarray, *, fresh: bool = True) -> None:
+        """Set positions (n, 3) [m] and unit directors (n, 3); ``fresh`` unit cells start from rest."""
         motion = self._start.copy()
         motion[0, : self.node_count], motion[2, : self.node_count] = position, director
         held = motion.astype(self.simulation.precision.numpy)
         motion[4] += motion[0] - held[0]
         self.simulation.state.motion.assign(motion.astype(self.simulation.precision.numpy))
-        self.simulation.state.crimp_change.zero_()
+        if fresh:
+            self.simulation.state.crimp_change.zero_()
         # a run takes the nodes' mean shear angles from the step before; here they belong to these positions
         self.simulation.stepper.evaluate()
         angle = self._corners()[2, 0, 0]
@@ -64,9 +65,11 @@ class Sheet:
         rows = self.simulation.state.corner_force.numpy()[:, : len(self._quads)].astype(np.float64)
         return rows.reshape(3, 4, 3, -1)
 
-    def forces(self, position: np.ndarray, director: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def forces(
+        self, position: np.ndarray, director: np.ndarray, *, fresh: bool = True
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Nodal forces [N] and minus the energy's derivative by the directors [J], (n, 3) each."""
-        self.place(position, director)
+        self.place(position, director, fresh=fresh)
         self.simulation.stepper.evaluate()
         result = np.zeros((2, self.node_count, 3))
         for kind, corners in enumerate(self._corners()[:2]):

@@ -61,7 +61,8 @@ def test_sheet_sticks_below_the_friction_angle(tilted, soft, frames):
     assert times[-1] >= 1.0
     assert np.abs(ways).max() < 0.01e-3
     weight = float(simulation.model.node_mass.sum()) * 9.81
-    reaction = simulation.frame.tool_reaction[0]
+    # the sheet swings a little on its friction springs
+    reaction = np.mean([frame.tool_reaction[0] for frame in frames.all[5:]], axis=0)
     assert np.linalg.norm(reaction) == pytest.approx(weight, rel=0.01)
 
 

@@ -125,6 +125,13 @@ def element_positions(elements: Any, e: int, position: Any, remainder: Any, like
 
 
 @wp.func
+def surface_metric(a1: Any, a2: Any):
+    """Metric m11, m12, m22 of the yarn vectors, their cross product, and its length J, the area ratio."""
+    normal = cross(a1, a2)
+    return dot(a1, a1), dot(a1, a2), dot(a2, a2), normal, square_root(dot(normal, normal))
+
+
+@wp.func
 def element_strains(elements: Any, e: int, a1: Any, a2: Any, d1: Any, d2: Any, mean_director: Any):
     """Curvatures k11, k12, k22 and transverse shears g1, g2, minus their initial values."""
     k11 = dot(a1, d1)
@@ -271,11 +278,7 @@ def element_force_kernel(real: type, lane_count: int):
         a1, a2, mean_position, x_hourglass = element_positions(elements, e, motion[0], motion[4], lanes3())
         d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[2], lanes3())
 
-        m11 = dot(a1, a1)
-        m12 = dot(a1, a2)
-        m22 = dot(a2, a2)
-        normal = cross(a1, a2)
-        area_ratio = square_root(dot(normal, normal))
+        m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
 
         # membrane: the unit cell
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)

@@ -12,6 +12,7 @@ from .element import (
     element_vectors,
     hourglass_stiffnesses,
     hourglass_strains,
+    surface_metric,
     yarn_displacements,
 )
 from .lanes import angle_of, cross, div, dot, fill, lane_types, larger, mul, scale, spread, square_root, where_positive
@@ -59,11 +60,7 @@ def element_ledger_kernel(real: type):
         e = wp.tid()
         a1, a2, mean_position, x_hourglass = element_positions(elements, e, motion[0], motion[4], lanes3())
         d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[2], lanes3())
-        m11 = dot(a1, a1)
-        m12 = dot(a1, a2)
-        m22 = dot(a2, a2)
-        normal = cross(a1, a2)
-        area_ratio = square_root(dot(normal, normal))
+        m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
         w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(
             cell, u1, u2, crimp_change[0, e], crimp_change[1, e]

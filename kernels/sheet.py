@@ -47,17 +47,22 @@ def sheet_struct(real: type):
 
 
 @wp.func
+def curve_piece(laws: Any, angle: Any):
+    """Piece of the moment curve that holds one angle, and how far into it the angle lies."""
+    size = wp.abs(angle)
+    # clamped from below too: a NaN becomes the most negative integer
+    piece = wp.clamp(int(size / laws.shear_knot_spacing), 0, laws.shear_moment.shape[0] - 1)
+    return piece, size - type(angle)(piece) * laws.shear_knot_spacing
+
+
+@wp.func
 def shear_moment(laws: Any, angle: Any):
     """(m, dm/dgamma) of the moment curve, odd in the angle [N/m]."""
     moment = type(angle)()
     tangent = type(angle)()
-    last = laws.shear_moment.shape[0] - 1
     for i in range(len(angle)):
-        size = wp.abs(angle[i])
-        # clamped from below too: a NaN becomes the most negative integer
-        knot = wp.clamp(int(size / laws.shear_knot_spacing), 0, last)
-        x = size - angle.dtype(knot) * laws.shear_knot_spacing
-        c = laws.shear_moment[knot]
+        piece, x = curve_piece(laws, angle[i])
+        c = laws.shear_moment[piece]
         value = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
         moment[i] = wp.where(angle[i] < angle.dtype(0.0), -value, value)
         tangent[i] = c[1] + x * (angle.dtype(2.0) * c[2] + angle.dtype(3.0) * x * c[3])
@@ -68,13 +73,10 @@ def shear_moment(laws: Any, angle: Any):
 def shear_curve_energy(laws: Any, angle: Any):
     """psi(gamma), the integral of the moment curve [J/m^2]."""
     energy = type(angle)()
-    last = laws.shear_moment.shape[0] - 1
     for i in range(len(angle)):
-        size = wp.abs(angle[i])
-        knot = wp.clamp(int(size / laws.shear_knot_spacing), 0, last)
-        x = size - angle.dtype(knot) * laws.shear_knot_spacing
-        c = laws.shear_moment[knot]
-        energy[i] = laws.shear_energy[knot] + x * (
+        piece, x = curve_piece(laws, angle[i])
+        c = laws.shear_moment[piece]
+        energy[i] = laws.shear_energy[piece] + x * (
             c[0] + x * (c[1] / angle.dtype(2.0) + x * (c[2] / angle.dtype(3.0) + x * c[3] / angle.dtype(4.0)))
         )
     return energy

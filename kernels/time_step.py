@@ -4,7 +4,7 @@ from functools import cache
 
 import warp as wp
 
-from .element import element_positions, element_struct, element_vectors, yarn_displacements
+from .element import element_positions, element_struct, element_vectors, surface_metric, yarn_displacements
 from .lanes import angle_of, cross, div, dot, lane_types, larger, magnitude, mul, spread, square_root
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
 from .sheet import shear_tangent_bound, sheet_struct
@@ -27,8 +27,7 @@ def element_frequency_kernel(real: type):
         laws: SheetLaws,
         motion: wp.array2d(dtype=vec3),
         crimp_change: wp.array2d(dtype=lanes),
-        inverse_areal_density: wp.array(dtype=lanes),  # per element, with any added mass
-        constant_part: wp.array(dtype=lanes),  # bending, transverse shear, stabilisation, contact
+        inertia: wp.array2d(dtype=lanes),  # rows: inverse areal density with any added mass; constant part [1/s^2]
         clock: wp.array(dtype=wp.float64),
         steps_ahead: wp.int32,
         # Out
@@ -36,11 +35,7 @@ def element_frequency_kernel(real: type):
     ):
         e = first + wp.tid()
         a1, a2, mean_position, x_hourglass = element_positions(elements, e, motion[0], motion[4], lanes3())
-        m11 = dot(a1, a1)
-        m12 = dot(a1, a2)
-        m22 = dot(a2, a2)
-        normal = cross(a1, a2)
-        area_ratio = square_root(dot(normal, normal))
+        m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
         # where the present rate takes the yarns before the step is looked at again, twice as far for safety
         v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion[1], lanes3())
@@ -80,8 +75,8 @@ def element_frequency_kernel(real: type):
         # raised indices: in a sheared sheet the same curvature or slope costs more along the narrow diagonal
         metric_growth = (stretch1 * stretch2 + magnitude(m12)) / area_ratio
         squared_frequency[e] = (
-            real(4.0) * inverse_areal_density[e] * (larger(membrane, magnitude(trace - membrane)) + geometric + shear)
-            + metric_growth * constant_part[e]
+            real(4.0) * inertia[0, e] * (larger(membrane, magnitude(trace - membrane)) + geometric + shear)
+            + metric_growth * inertia[1, e]
         )
 
     return element_frequencies

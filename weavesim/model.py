@@ -248,8 +248,11 @@ class Model:
         self.contact_stiffness = contact_share * self.node_mass / self.reference_step**2
 
         contact = 2.0 * contact_share / self.reference_step**2 if tool_count else 0.0
-        self.inverse_areal_density = self._lane_array(1.0 / density, fill=1.0)
-        self.constant_frequency = self._lane_array(frequencies.constant + contact, fill=0.0)
+        # padding elements keep an infinite areal density: they never decide the step
+        self.step_inertia = self._array(
+            self._padded(np.stack([1.0 / density, frequencies.constant + contact]), self.element_count), self.real
+        )
+        self._element_arrays = self._fill_elements()
         self.elements = self._elements(self.lane_count)
         self.elements_single = self._elements(1)
         self.cell = self._unit_cell()
@@ -268,45 +271,43 @@ class Model:
     def _array(self, values: np.ndarray, dtype: type, shape: tuple[int, ...] | None = None) -> wp.array:
         return wp.array(values, dtype=dtype, device=self.device, shape=shape)
 
-    def _padded(self, values: np.ndarray, length: int, fill: float) -> np.ndarray:
+    @staticmethod
+    def _padded(values: np.ndarray, length: int) -> np.ndarray:
+        """``values`` with zeros up to ``length`` on the last axis."""
         values = np.asarray(values, dtype=np.float64)
-        result = np.full((*values.shape[:-1], length), fill)
+        result = np.zeros((*values.shape[:-1], length))
         result[..., : values.shape[-1]] = values
         return result
 
-    def _lane_array(self, values: np.ndarray, *, fill: float, nodes: bool = False) -> wp.array:
-        """Scalar array on the device, last axis padded."""
-        length = self.node_count if nodes else self.element_count
-        return self._array(self._padded(values, length, fill), self.real)
-
-    def _elements(self, lane_count: int):
-        geometry, real_count = self.geometry, self.blank.element_count
-        elements = element_struct(self.real, lane_count)()
+    def _fill_elements(self) -> dict[str, wp.array]:
+        """Arrays of the element struct, [row, element], by its field names."""
+        geometry, element_count = self.geometry, self.blank.element_count
         quads = np.empty((4, self.element_count), dtype=np.int32)
-        quads[:, :real_count] = self.blank.quads.T
+        quads[:, :element_count] = self.blank.quads.T
         # padding elements sit on the four padding nodes, a unit square that never moves
-        quads[:, real_count:] = (self.blank.node_count + np.arange(4, dtype=np.int32))[:, None]
-        indices = lane_types(self.real, lane_count).indices
-        elements.corner_node = self._array(quads.reshape(4, -1, lane_count), indices)
-        gradient = self._padded(geometry.gradient, self.element_count, 0.0)
-        gradient[:, real_count:] = np.array([-0.5, -0.5, 0.5, -0.5])[:, None]
-
-        def lanes(values):
-            return lanes_view(self._array(values, self.real), lane_count)
-
-        elements.shape_gradient = lanes(gradient)
-        elements.hourglass_offset = lanes(self._padded(geometry.hourglass_offset, self.element_count, 0.0))
-        elements.area = lanes(self._padded(geometry.area, self.element_count, 0.0))
-        elements.flat = int(geometry.flat)
-        keep = 1 if not geometry.flat else 0
-        for name, values in (
+        quads[:, element_count:] = (self.blank.node_count + np.arange(4, dtype=np.int32))[:, None]
+        gradient = self._padded(geometry.gradient, self.element_count)
+        gradient[:, element_count:] = np.array([-0.5, -0.5, 0.5, -0.5])[:, None]
+        values = {
+            "shape_gradient": gradient,
+            "hourglass_offset": self._padded(geometry.hourglass_offset, self.element_count),
+            "area": self._padded(geometry.area, self.element_count),
+        }
+        for name, strain in (
             ("initial_curvature", geometry.curvature),
             ("initial_transverse_shear", geometry.transverse_shear),
             ("initial_hourglass", geometry.hourglass),
         ):
-            length = self.element_count if keep else BLOCK
-            padded_values = self._padded(values if keep else np.zeros((len(values), 1)), length, 0.0)
-            setattr(elements, name, lanes(padded_values))
+            # a flat blank never reads them
+            values[name] = np.zeros((len(strain), BLOCK)) if geometry.flat else self._padded(strain, self.element_count)
+        arrays = {name: self._array(value, self.real) for name, value in values.items()}
+        return {"corner_node": self._array(quads, wp.int32), **arrays}
+
+    def _elements(self, lane_count: int):
+        elements = element_struct(self.real, lane_count)()
+        for name, array in self._element_arrays.items():
+            setattr(elements, name, lanes_view(array, lane_count))
+        elements.flat = int(self.geometry.flat)
         return elements
 
     def _unit_cell(self):
@@ -364,7 +365,7 @@ class Model:
         nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
 
         def lanes(values):
-            return lanes_view(self._lane_array(values, fill=0.0, nodes=True), self.lane_count)
+            return lanes_view(self._array(self._padded(values, self.node_count), self.real), self.lane_count)
 
         nodes.angle_weight = lanes(angle_weight)
         nodes.mass = lanes(self.node_mass)

@@ -174,8 +174,8 @@ class Stepper:
             dim=count,
             inputs=[
                 first, model.elements_single, model.cell, model.laws, state.motion,
-                lanes_view(state.crimp_change, 1), lanes_view(model.inverse_areal_density, 1),
-                lanes_view(model.constant_frequency, 1), state.clock, REFRESH_INTERVAL,
+                lanes_view(state.crimp_change, 1), lanes_view(model.step_inertia, 1),
+                state.clock, REFRESH_INTERVAL,
             ],
             outputs=[lanes_view(self._squared_frequency, 1)],
             device=model.device,

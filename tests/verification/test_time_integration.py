@@ -176,14 +176,15 @@ def test_gravity_alone_is_free_fall():
     assert simulation.frame.energies["internal"] < 1e-15
 
 
-def test_run_that_becomes_non_finite_stops_and_keeps_its_frames(frames):
+@pytest.mark.parametrize(("precision", "speed"), [("float32", 1e30), ("float64", 1e100)])
+def test_run_that_becomes_non_finite_stops_and_keeps_its_frames(precision, speed, frames):
     """An absurd velocity: no frame with a NaN is published, and the message names an element."""
     blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005)
     velocity = np.zeros_like(blank.node_position)
-    velocity[12] = (0.0, 0.0, 1.0e160)
+    velocity[12] = (0.0, 0.0, speed)
     simulation = Simulation(
         name="absurd", blank=blank, fabric=glass_polypropylene(), duration=1e-2, initial_velocity=velocity,
-        precision="float64", lane_count=1, threads=1,
+        precision=precision, lane_count=1, threads=1,
     )  # fmt: skip
     with pytest.raises(RunError, match=r"non-finite after \d+ steps.*last good frame is 0.*Element \d+, at") as raised:
         simulation.run([frames])

@@ -48,9 +48,10 @@ ANGLE_ROW = wp.constant(24)
 # Rows of the motion array of the nodes; the remainder is what rounding cut off the position.
 MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
 # Rows of the node report: work done against friction so far, lost or held in the friction springs [J]; energy lost in
-# damping so far [J]; mean shear angle of the elements around the node [rad].
-NODE_REPORT_ROWS = ("friction_work", "damping_loss", "mean_shear_angle")
+# damping so far [J]; mean shear angle of the elements around the node [rad]; work of what holds the node so far [J].
+NODE_REPORT_ROWS = ("friction_work", "damping_loss", "mean_shear_angle", "support_work")
 MEAN_ANGLE_ROW = wp.constant(2)
+SUPPORT_ROW = wp.constant(3)
 
 
 @cache

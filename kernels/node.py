@@ -6,7 +6,7 @@ from typing import Any
 import warp as wp
 
 from .distance import tool_distance_function, tool_set_struct
-from .element import ANGLE_ROW, COUPLE_ROW, MEAN_ANGLE_ROW
+from .element import ANGLE_ROW, COUPLE_ROW, MEAN_ANGLE_ROW, SUPPORT_ROW
 from .lanes import (
     cross,
     div,
@@ -211,6 +211,11 @@ def node_motion_kernel(real: type, lane_count: int):
         middle = real(0.5) * (velocity + new_velocity)
         friction_work = mean_step * (friction_power - dot(friction_force, middle))
         moving = wp.cw_mul(free, middle)
+        # what holds a node at its velocity takes up all the force on it
+        held = velocity - wp.cw_mul(free, velocity)
+        report[SUPPORT_ROW, block] = report[SUPPORT_ROW, block] - mean_step * nodes.mass[block] * dot(
+            acceleration, held
+        )
         damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )

@@ -8,7 +8,7 @@ import numpy as np
 import warp as wp
 
 from .kernels.distance import sample_distance_kernel
-from .kernels.element import CELL_REPORT_ROWS
+from .kernels.element import CELL_REPORT_ROWS, NODE_REPORT_ROWS
 from .kernels.ledger import ELEMENT_ENERGIES, ELEMENT_FIELDS, element_ledger_kernel
 from .model import TANGENTIAL_RATIO, lanes_view
 from .motion import Driven
@@ -23,7 +23,7 @@ INTERNAL = (
 )  # fmt: skip
 STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
 LOST = ("friction_loss", "damping_loss", "snap_loss")
-SUPPLIED = ("tool_work", "driving_force_work", "gravity_work", "initial_kinetic")
+SUPPLIED = ("tool_work", "driving_force_work", "support_work", "gravity_work", "initial_kinetic")
 
 
 @dataclass(frozen=True)
@@ -115,9 +115,10 @@ class Ledger:
         entries["friction_spring"] = (
             0.5 * TANGENTIAL_RATIO * float((model.contact_stiffness * np.square(friction).sum(axis=2)).sum())
         )
-        losses = state.node_report.numpy()[:2].astype(np.float64).sum(axis=1)
-        entries["friction_loss"] = float(losses[0]) - entries["friction_spring"]
-        entries["damping_loss"] = float(losses[1])
+        report = dict(zip(NODE_REPORT_ROWS, state.node_report.numpy().astype(np.float64).sum(axis=1), strict=True))
+        entries["friction_loss"] = float(report["friction_work"]) - entries["friction_spring"]
+        entries["damping_loss"] = float(report["damping_loss"])
+        entries["support_work"] = float(report["support_work"])
         entries["tool_work"] = float(work[0][~self._driven].sum())
         entries["driving_force_work"] = float(work[1][self._driven].sum())
         displacement = position - model.blank.node_position

@@ -233,7 +233,8 @@ class Simulation:
         """Numbers of the run for summary.json; SI units unless the name says otherwise."""
         from . import __version__
 
-        fields, history = self.frame.fields, self.history
+        fields = self.frame.fields
+        history = self.history or [{"time": self.frame.time, **self.frame.energies}]
         supplied = max(np.abs([entry["supplied"] for entry in history]).max(), 1.0e-300)
         last_quarter = [e for e in history if e["time"] >= 0.75 * self.frame.time and e["internal"] > 0.0]
         stretch = np.concatenate([fields["warp_stretch"], fields["weft_stretch"]])

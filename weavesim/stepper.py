@@ -42,7 +42,7 @@ class State:
     crimp_change: wp.array  # (2, elements) [m]
     cell_report: wp.array  # (4, elements)
     corner_force: wp.array  # (36, elements)
-    node_report: wp.array  # (3, nodes), rows NODE_REPORT_ROWS
+    node_report: wp.array  # (4, nodes), rows NODE_REPORT_ROWS
     friction: wp.array  # (tools, nodes) vec3 [m]
     reaction: wp.array  # (tools, node blocks) vec3 [N]
     clock: wp.array  # time, step, mean step [s]

@@ -100,7 +100,9 @@ def test_film_ends_with_the_final_state(folder):
     stage = Usd.Stage.Open(str(folder / "double_dome.usdc"))
     assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
     assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
-    sheets = [p for p in stage.Traverse() if p.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(p).GetPointsAttr().GetNumTimeSamples() > 1]
+    sheets = [
+        p for p in stage.Traverse() if p.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(p).GetPointsAttr().GetNumTimeSamples() > 1
+    ]
     points = np.array(UsdGeom.Mesh(sheets[0]).GetPointsAttr().Get(stage.GetEndTimeCode()))
     state = meshio.read(folder / "paraview" / "final_state.vtu")
     np.testing.assert_allclose(points, state.points, atol=1e-7)

@@ -273,6 +273,10 @@ def _node_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
 def _corner_normals(shape: trimesh.Trimesh) -> np.ndarray:
     """Normals of the corners of each triangle, (3 face_count, 3): smooth, but for sharp edges."""
     face = np.repeat(shape.face_normals, 3, axis=0)
-    node = np.asarray(shape.vertex_normals)[np.asarray(shape.faces).ravel()]
+    # weighted by the angles of the corners; trimesh's own vertex normals want scipy, which a user need not have
+    corners = np.asarray(shape.faces).ravel()
+    weighted = face * np.asarray(shape.face_angles).reshape(-1, 1)
+    total = np.stack([np.bincount(corners, weighted[:, axis], len(shape.vertices)) for axis in range(3)], axis=1)
+    node = (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1.0e-300))[corners]
     smooth = np.einsum("ki,ki->k", face, node) > np.cos(np.deg2rad(_LARGEST_SMOOTH_ANGLE))
     return np.where(smooth[:, None], node, face).astype(np.float32)

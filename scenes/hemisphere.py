@@ -1,0 +1,152 @@
+"""A square cloth falls under gravity on a ball and wrinkles, after Figure 5 of the paper.
+
+Two cases, as there: low bending with high shear stiffness, which can hardly shear and therefore folds, and high bending
+with low shear stiffness, which shears over the ball and hangs in few, large folds. The paper gives no numbers: size, fabric
+and ball are this scene's own, and assumed.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from weavesim.blank import Blank
+from weavesim.fabric import Fabric, IsotropicBending, MomentCurve, NotNegative, Positive, UnitCell
+from weavesim.measures import close_pairs, rim_folds
+from weavesim.model import MotionParameters
+from weavesim.output import ResultFolder
+from weavesim.run_options import RunOptions
+from weavesim.session import run_into_folder
+from weavesim.shapes import Sphere
+from weavesim.simulation import Simulation
+from weavesim.tool import Tool
+
+GRAVITY = 9.81
+CASES = ("low-bending", "high-bending")
+# Sheet bending stiffness [N m] and shear moment per angle [N/m] of each case.
+BENDING_STIFFNESS = {"low-bending": 2.0e-5, "high-bending": 1.0e-4}
+SHEAR_STIFFNESS = {"low-bending": 50.0, "high-bending": 0.2}
+# Directors ring a thousand times faster than the cloth falls [1/s].
+DIRECTOR_DAMPING = 1.0e3
+# A falling cloth is never perfectly even: random initial velocities let it choose its folds [m/s].
+UNEVENNESS = 1.0e-3
+
+
+class HemisphereParameters(RunOptions):
+    """Everything that a hemisphere drape can be told."""
+
+    mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
+    out: Path = Field(default=Path("out/hemisphere"), description="folder for the results, one below it for each case")
+    case: Literal["low-bending", "high-bending", "both"] = Field(
+        default="both", description="low bending with high shear stiffness, high bending with low, or both"
+    )
+    side: Positive = Field(default=0.4, description="side of the square cloth [m]")
+    radius: Positive = Field(default=0.1, description="of the ball [m]")
+    friction: NotNegative = Field(default=0.3, description="Coulomb coefficient between cloth and ball")
+    damping: NotNegative = Field(default=15.0, description="mass-proportional damping rate, of the air [1/s]")
+    duration: Positive = Field(default=2.0, description="time to fall and come to rest [s]")
+    seed: int = Field(default=0, ge=0, description="of the unevenness that lets the cloth choose its folds")
+    frames: int = Field(default=60, ge=1, description="frames after the first")
+
+
+def cloth(case: str) -> Fabric:
+    """A light cloth of one of the two cases; all values are assumed.
+
+    The yarns are as soft as the time step allows: under its own weight the cloth stretches by some 0.1 %.
+    """
+    thickness, spacing, cross_section = 1.0e-3, 1.0e-3, 1.0e-8
+    axial_stiffness = 5.0  # E A of a yarn [N]
+    yarn_bending = 2.0e-8  # E I of a yarn [N m^2]
+    modulus = axial_stiffness / cross_section
+    sheet_modulus = 12.0 * BENDING_STIFFNESS[case] / thickness**3
+    largest_angle = math.radians(80.0)
+    return Fabric(
+        name=f"cloth with {case.replace('-', ' ')}",
+        areal_density=0.3,
+        thickness=thickness,
+        unit_cell=UnitCell(
+            warp_modulus=modulus,
+            weft_modulus=modulus,
+            contact_modulus=1.0e6,
+            warp_cross_section=cross_section,
+            weft_cross_section=cross_section,
+            contact_cross_section=50.0 * cross_section,
+            warp_second_moment=yarn_bending / modulus,
+            weft_second_moment=yarn_bending / modulus,
+            warp_half_spacing=0.5 * spacing,
+            weft_half_spacing=0.5 * spacing,
+            crossover_height=0.2e-3,
+        ),
+        shear=MomentCurve(
+            angle=(0.0, largest_angle),
+            moment_values=(0.0, SHEAR_STIFFNESS[case] * largest_angle),
+            locking_angle=math.radians(65.0),
+            locking_stiffness=0.02 * axial_stiffness / spacing,
+        ),
+        bending=IsotropicBending(modulus=sheet_modulus),
+        transverse_shear_modulus=0.5 * sheet_modulus,
+        in_plane_bending_stiffness=1.0e-5,
+        source="none",
+        assumed=("everything",),
+    )
+
+
+def hemisphere(parameters: HemisphereParameters, case: str) -> Simulation:
+    """A ready simulation of one case: the cloth lies on the ball's top and is let go."""
+    fabric = cloth(case)
+    half = 0.5 * parameters.side
+    blank = Blank.rectangle(
+        (-half, -half), (half, half), parameters.mesh_size, height=parameters.radius + 0.5 * fabric.thickness
+    )
+    unevenness = np.random.default_rng(parameters.seed).normal(0.0, UNEVENNESS, (blank.node_count, 3))
+    return Simulation(
+        name="hemisphere",
+        blank=blank,
+        fabric=fabric,
+        tools=(Tool("hemisphere", Sphere(parameters.radius), friction=parameters.friction),),
+        duration=parameters.duration,
+        motion=MotionParameters(
+            gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING
+        ),
+        initial_velocity=unevenness,
+        device=parameters.device,
+        precision=parameters.precision,
+        threads=parameters.threads,
+        frame_count=parameters.frames,
+    )
+
+
+def wrinkles(simulation: Simulation) -> dict[str, Any]:
+    """Folds along the rim, their height, and parts of the cloth that come too close to each other.
+
+    The wrinkle amplitude is half the range of the rim's distance from the vertical axis.
+    """
+    blank, position = simulation.blank, simulation.frame.position
+    rim = np.hypot(*position[blank.boundary_loop(), :2].T)
+    return {
+        "fold_count": rim_folds(blank, position).fold_count,
+        "wrinkle_amplitude_mm": 0.5e3 * float(np.ptp(rim)),
+        "close_pair_count": close_pairs(position, blank.quads, 0.5 * simulation.fabric.thickness),
+    }
+
+
+def run(parameters: HemisphereParameters) -> dict[str, Any]:
+    """Run one case or both; each leaves its results in a folder of its own. Returns the summaries by case."""
+    cases = CASES if parameters.case == "both" else (parameters.case,)
+    folders = {case: ResultFolder(parameters.out / case) for case in cases}
+    summaries: dict[str, Any] = {}
+    for case, folder in folders.items():
+        summaries[case] = run_into_folder(
+            lambda case=case: hemisphere(parameters, case),
+            folder,
+            setup={**parameters.model_dump(mode="json"), "case": case},
+            measure=wrinkles,
+        )
+        summaries["outcome"] = summaries[case]["outcome"]
+        if summaries["outcome"] != "finished":
+            break
+    return summaries

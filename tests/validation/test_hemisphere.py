@@ -1,0 +1,47 @@
+"""A cloth on a ball, coarse: both cases come to rest and wrinkle, differently, as in Figure 5 of the paper."""
+
+import json
+
+import pytest
+
+from weavesim.scenes.hemisphere import CASES, HemisphereParameters, run
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("hemisphere")
+
+
+@pytest.fixture(scope="module")
+def summaries(folder):
+    return run(HemisphereParameters(out=folder, mesh_size=0.01, frames=40))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_it_comes_to_rest_on_the_ball(summaries, case):
+    summary = summaries[case]
+    assert summary["kinetic_energy_ratio"] < 0.02
+    assert summary["energy_balance_error"] < 0.01
+    assert summary["unit_cell_failures"] == 0
+    assert summary["penetration_at_nodes_mm"] < 0.1
+    assert 0.97 < summary["min_stretch"] <= summary["max_stretch"] < 1.02
+
+
+def test_both_wrinkle_and_differently(summaries):
+    low, high = (summaries[case] for case in CASES)
+    assert low["fold_count"] >= 4
+    assert high["fold_count"] >= 4
+    assert low["fold_count"] > high["fold_count"]
+    assert min(low["wrinkle_amplitude_mm"], high["wrinkle_amplitude_mm"]) > 5.0
+
+
+def test_the_softer_in_shear_shears_at_least_twice_as_much(summaries):
+    low, high = (summaries[case]["max_shear_angle_deg"] for case in CASES)
+    assert high > 2.0 * low
+
+
+def test_close_parts_are_counted_and_written(summaries, folder):
+    for case in CASES:
+        written = json.loads((folder / case / "summary.json").read_text())
+        assert written["close_pair_count"] == summaries[case]["close_pair_count"] >= 0
+        assert (folder / case / "hemisphere.usdc").exists()

@@ -181,6 +181,8 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
         name="double_dome", blank=blank, fabric=fabric, tools=tools, duration=duration, symmetry=symmetry,
         motion=MotionParameters(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         device=parameters.device, precision=parameters.precision, threads=parameters.threads,
+        time_step=parameters.time_step,
+        target_step=parameters.target_step,
         frame_count=parameters.frames,
     )  # fmt: skip
 

@@ -1,8 +1,8 @@
 """A square cloth falls under gravity on a ball and wrinkles, after Figure 5 of the paper.
 
 Two cases, as there: low bending with high shear stiffness, which can hardly shear and therefore folds, and high bending
-with low shear stiffness, which shears over the ball and hangs in few, large folds. The paper gives no numbers: size, fabric
-and ball are this scene's own, and assumed.
+with low shear stiffness, which shears over the ball and hangs in few, large folds. The paper gives no numbers: size,
+fabric and ball are this scene's own, and assumed.
 """
 
 from __future__ import annotations
@@ -116,6 +116,8 @@ def hemisphere(parameters: HemisphereParameters, case: str) -> Simulation:
         device=parameters.device,
         precision=parameters.precision,
         threads=parameters.threads,
+        time_step=parameters.time_step,
+        target_step=parameters.target_step,
         frame_count=parameters.frames,
     )
 

@@ -16,6 +16,8 @@ from .recording import Frame
 from .stepper import Stepper
 from .tool import Tool
 
+# A cell whose residual ever exceeds this share of the forces that it balances has failed.
+UNIT_CELL_FAILURE = 1.0e-3
 # Elastic energies of the sheet; their sum is the internal energy.
 INTERNAL = (
     "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "compression",
@@ -74,6 +76,7 @@ class Ledger:
         report = dict(zip(CELL_REPORT_ROWS, state.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
         fields["unit_cell_residual"] = report["worst_residual"]
         fields["unit_cell_iterations"] = report["iterations"]
+        fields["unit_cell_failed"] = (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
         position, velocity, director, spin, remainder = state.motion.numpy()[:, : model.blank.node_count].astype(
             np.float64
         )

@@ -157,6 +157,7 @@ class RunLog:
             # A stroke or a mesh can have thousands of numbers.
             shape, motion = (textwrap.shorten(repr(part), 160) for part in (tool.shape, tool.motion))
             lines.append(f"tool {tool.name}: {shape}, {motion}, friction {tool.friction:g}")
+        lines += simulation.notes
         lines += [f"warning: {warning}" for warning in simulation.warnings]
         for line in lines:
             self._logger.info("%s", line)

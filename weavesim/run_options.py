@@ -25,6 +25,10 @@ class RunOptions(Parameters):
     threads: Annotated[int, Field(ge=1, le=LARGEST_THREAD_COUNT)] | None = Field(
         default=None, description="CPU threads; the result does not depend on them [default: chosen by size]"
     )
+    time_step: Positive | None = Field(default=None, description="largest time step [s]; must be stable")
+    target_step: Positive | None = Field(
+        default=None, description="scale the mass until this time step is stable [s]; the added mass is reported"
+    )
     out: Path = Field(default=Path("out"), description="folder for the results")
 
     @field_validator("mesh_size")

@@ -26,6 +26,8 @@ from .tool import Tool, build_device_tools
 
 logger = logging.getLogger(__name__)
 
+# The balance of frames in which less than this share of the run's work is done is compared with that share.
+LEAST_WORK = 1.0e-4
 # At most this many blocks are replayed before the host looks whether the state is still finite.
 LARGEST_REPLAY = 50
 
@@ -270,7 +272,7 @@ class Simulation:
             "kinetic_energy_ratio": max((e["kinetic"] / e["internal"] for e in last_quarter), default=0.0),
             "damping_loss_ratio": self.frame.energies["damping_loss"] / supplied,
             "energy_balance_error": max(
-                abs(e["balance_error"]) / max(abs(e["supplied"]), e["used"], 1.0e-3 * supplied) for e in history
+                abs(e["balance_error"]) / max(abs(e["supplied"]), e["used"], LEAST_WORK * supplied) for e in history
             ),
             "added_mass_ratio": self.model.added_mass_ratio,
             "penetration_at_nodes_mm": 1e3 * self.penetration.at_nodes,

@@ -68,6 +68,7 @@ class DoubleDomeParameters(RunOptions):
     punch_speed: Positive = Field(default=0.5, description="[m/s]")
     stroke: Positive = Field(
         default=0.0612,
+        le=0.3,
         description="way of the punch from first touch [m]: depth 60 mm below the die face, plus the thickness",
     )
     damping: NotNegative = Field(default=100.0, description="mass-proportional damping rate [1/s]")
@@ -203,13 +204,17 @@ def run(parameters: DoubleDomeParameters) -> dict[str, Any]:
 
 
 def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -> dict[str, Any]:
-    """Draw-in of the taut path on both symmetry lines [mm], for the default tool at full depth only."""
+    """Draw-in of the taut path on both symmetry lines [mm], for the default tool at the depth that it reached.
+
+    There is none where the path is not defined: with own tools, with yarns across the symmetry lines, or deeper than
+    the punch is round.
+    """
     own_tools = (parameters.punch, parameters.die, parameters.binder)
     if any(own_tools) or parameters.yarn_angle % 90.0 != 0.0:
         return {}
     thickness = simulation.fabric.thickness
     depth = simulation.frame.stroke - thickness
-    if depth <= 0.0:
+    if not 0.0 < depth <= PUNCH_RADIUS:
         return {}
     taut = taut_path_draw_in(PUNCH_RADIUS, DIE_ENTRY_RADIUS, depth, thickness, CLEARANCE)
     return {"taut_path_draw_in_mm": 1.0e3 * taut}

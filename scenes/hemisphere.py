@@ -122,17 +122,25 @@ def hemisphere(parameters: HemisphereParameters, case: str) -> Simulation:
     )
 
 
-def wrinkles(simulation: Simulation) -> dict[str, Any]:
-    """Folds along the rim, their height, and parts of the cloth that come too close to each other.
+def smooth_radius(blank: Blank, radius: float) -> np.ndarray:
+    """Distance from the axis of a cloth that lies on the ball without a fold, (node_count,) [m].
 
-    The wrinkle amplitude is half the range of the rim's distance from the vertical axis.
+    Each point keeps its way from the top: along the ball down to its equator, then straight down. Over the equator this
+    needs all the circumference to be swallowed by shear; what a real cloth cannot swallow stands out from it in folds.
     """
+    way = np.linalg.norm(blank.material_coordinates, axis=1)
+    return radius * np.sin(np.minimum(way / radius, 0.5 * math.pi))
+
+
+def wrinkles(parameters: HemisphereParameters, simulation: Simulation) -> dict[str, Any]:
+    """Folds along the rim, their height over a cloth without folds, and parts that come too close to each other."""
     blank, position = simulation.blank, simulation.frame.position
-    rim = np.hypot(*position[blank.boundary_loop(), :2].T)
+    half = 0.5 * simulation.fabric.thickness
+    folds = rim_folds(blank, position, smooth_radius=smooth_radius(blank, parameters.radius + half))
     return {
-        "fold_count": rim_folds(blank, position).fold_count,
-        "wrinkle_amplitude_mm": 0.5e3 * float(np.ptp(rim)),
-        "close_pair_count": close_pairs(position, blank.quads, 0.5 * simulation.fabric.thickness),
+        "fold_count": folds.fold_count,
+        "wrinkle_amplitude_mm": 1.0e3 * folds.amplitude,
+        "close_pair_count": close_pairs(position, blank.quads, half),
     }
 
 
@@ -146,7 +154,7 @@ def run(parameters: HemisphereParameters) -> dict[str, Any]:
             lambda case=case: hemisphere(parameters, case),
             folder,
             setup={**parameters.model_dump(mode="json"), "case": case},
-            measure=wrinkles,
+            measure=lambda simulation: wrinkles(parameters, simulation),
         )
         summaries["outcome"] = summaries[case]["outcome"]
         if summaries["outcome"] != "finished":

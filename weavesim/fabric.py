@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -34,6 +35,14 @@ class Parameters(BaseModel):
                 message = problem["msg"].removeprefix("Value error, ")
                 lines.append(f"{name} = {problem['input']!r}: {message}" if name else message)
             raise InputError(f"{type(self).__name__}: " + "; ".join(lines)) from None
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with some values changed, checked like a new one.
+
+        Raises:
+            InputError: a value that is not allowed.
+        """
+        return type(self)(**{**{name: getattr(self, name) for name in type(self).model_fields}, **(update or {})})
 
 
 class UnitCell(Parameters):

@@ -362,24 +362,38 @@ class RimFolds(NamedTuple):
 
 
 def rim_folds(
-    blank: Blank, position: np.ndarray, symmetry: Sequence[str] = (), threshold: float | None = None
+    blank: Blank,
+    position: np.ndarray,
+    symmetry: Sequence[str] = (),
+    threshold: float | None = None,
+    smooth_radius: np.ndarray | None = None,
 ) -> RimFolds:
     """Folds of the free border around the z axis, seen in its distance from that axis.
 
     The distance is taken over the length of the flat outline, which stays single-valued when a fold overhangs. A fold
     is a maximum that rises at least ``threshold`` [m] (2 % of the mean distance by default) above the valleys on both
-    sides. The amplitude is half the peak-to-peak distance after the Fourier harmonics 0 to 4 along the outline, which
-    hold the shape of a smooth drape of a square, are taken out.
+    sides. The amplitude is half the peak-to-peak distance.
+
+    Args:
+        smooth_radius: distance of each node from the axis without any fold, (node_count,) [m]: what is left is folds.
+            Without it the Fourier harmonics 0 to 4 along the outline, which hold the shape of a smooth drape of a
+            square, are taken out of the amplitude.
     """
     flat = whole_outline(blank, blank.material_coordinates, symmetry)
     radius = np.hypot(*whole_outline(blank, position, symmetry)[:, :2].T)
+    mean = float(radius.mean())
+    if smooth_radius is not None:
+        column = np.column_stack([np.zeros(blank.node_count), np.zeros(blank.node_count), smooth_radius])
+        radius = radius - whole_outline(blank, column, symmetry)[:, 2]
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(flat, axis=0, append=flat[:1]), axis=1))])
     sample_count = max(512, 4 * len(flat))
     even = np.interp(np.arange(sample_count) * length[-1] / sample_count, length, np.concatenate([radius, radius[:1]]))
-    spectrum = np.fft.rfft(even)
-    spectrum[:5] = 0.0
-    wrinkle = np.fft.irfft(spectrum, sample_count)
-    height = 0.02 * float(even.mean()) if threshold is None else threshold
+    wrinkle = even
+    if smooth_radius is None:
+        spectrum = np.fft.rfft(even)
+        spectrum[:5] = 0.0
+        wrinkle = np.fft.irfft(spectrum, sample_count)
+    height = 0.02 * mean if threshold is None else threshold
     return RimFolds(_count_maxima(even, height), 0.5 * float(np.ptp(wrinkle)))
 
 
@@ -397,33 +411,48 @@ def _count_maxima(values: np.ndarray, height: float) -> int:
 
 
 def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int:
-    """Number of node pairs closer than ``distance`` [m] that are more than two element edges apart.
+    """Number of pairs of a node and an element closer than ``distance`` [m] that are not neighbours.
+
+    A pair is neighbouring if one or two element edges lead from the node to a corner of the element. An element is
+    taken as two triangles.
 
     Args:
         position: formed nodes, (node_count, 3) [m].
         quads: (element_count, 4).
     """
+    from trimesh.triangles import closest_point
+
     if not distance > 0.0:
         raise InputError(f"distance of close pairs is {distance} m; it must be positive")
-    node_count = len(position)
-    cell = np.floor((position - position.min(axis=0)) / distance).astype(np.int64) + 1
-    stride = cell.max(axis=0) + 2
-    key = (cell[:, 0] * stride[1] + cell[:, 1]) * stride[2] + cell[:, 2]
-    order = np.argsort(key, kind="stable")
-    ranked = key[order]
-    found = []
+    corners = position[quads]
+    centre = corners.mean(axis=1)
+    reach = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1) + distance
+    origin, size = position.min(axis=0), reach.max()
+
+    # nodes by cell; an element looks in the 27 cells around its centre
+    node_cell, element_cell = (np.floor((points - origin) / size).astype(np.int64) + 1 for points in (position, centre))
+    stride = node_cell.max(axis=0) + 3
+    node_key, element_key = ((c[:, 0] * stride[1] + c[:, 1]) * stride[2] + c[:, 2] for c in (node_cell, element_cell))
+    order = np.argsort(node_key, kind="stable")
+    ranked = node_key[order]
+    elements, nodes = [], []
     for shift in product((-1, 0, 1), repeat=3):
         step = (shift[0] * stride[1] + shift[1]) * stride[2] + shift[2]
-        first, last = (np.searchsorted(ranked, key + step, side=side) for side in ("left", "right"))
-        a, b = _join(np.arange(node_count), first, last)
-        b = order[b]
-        a, b = a[a < b], b[a < b]
-        near = np.sum((position[a] - position[b]) ** 2, axis=1) < distance**2
-        found.append(a[near] * node_count + b[near])
-    pairs = np.unique(np.concatenate(found))
-    if not len(pairs):
-        return 0
-    return int(np.sum(~np.isin(pairs, _neighbour_keys(quads, node_count))))
+        first, last = (np.searchsorted(ranked, element_key + step, side=side) for side in ("left", "right"))
+        element, place = _join(np.arange(len(quads)), first, last)
+        node = order[place]
+        near = np.sum((position[node] - centre[element]) ** 2, axis=1) < reach[element] ** 2
+        elements.append(element[near])
+        nodes.append(node[near])
+    element, node = np.concatenate(elements), np.concatenate(nodes)
+    far = ~np.isin(element * len(position) + node, _neighbour_keys(quads, len(position)))
+    element, node = element[far], node[far]
+    gap = np.full(len(node), np.inf)
+    for triangle in ((0, 1, 2), (0, 2, 3)):
+        if len(node):
+            nearest = closest_point(corners[element][:, triangle], position[node])
+            gap = np.minimum(gap, np.linalg.norm(nearest - position[node], axis=1))
+    return int((gap < distance).sum())
 
 
 def _join(left: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -435,11 +464,14 @@ def _join(left: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.nda
 
 
 def _neighbour_keys(quads: np.ndarray, node_count: int) -> np.ndarray:
-    """Keys a * node_count + b of all pairs a < b that one or two element edges join."""
+    """Keys element * node_count + node of all nodes that at most two element edges join to a corner of the element."""
     edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]).astype(np.int64)
-    edges = np.unique(np.concatenate([edges, edges[:, ::-1]]), axis=0)
-    a, b = edges.T
-    first, last = (np.searchsorted(a, b, side=side) for side in ("left", "right"))
-    start, middle = _join(a, first, last)
-    start, end = np.concatenate([a, start]), np.concatenate([b, b[middle]])
-    return np.unique(start[start < end] * node_count + end[start < end])
+    itself = np.repeat(np.arange(node_count), 2).reshape(-1, 2)
+    edges = np.unique(np.concatenate([edges, edges[:, ::-1], itself]), axis=0)
+    element, reached = np.repeat(np.arange(len(quads)), 4), quads.ravel().astype(np.int64)
+    for _ in range(2):
+        first, last = (np.searchsorted(edges[:, 0], reached, side=side) for side in ("left", "right"))
+        element, place = _join(element, first, last)
+        keys = np.unique(element * node_count + edges[place, 1])
+        element, reached = np.divmod(keys, node_count)
+    return keys

@@ -183,9 +183,12 @@ class MotionParameters:
     contact_damping_ratio: float = 0.1
 
     def __post_init__(self) -> None:
-        values = np.array([*self.gravity, self.damping, self.director_damping, self.contact_damping_ratio])
-        if not np.all(np.isfinite(values)) or values[3:].min() < 0.0:
-            raise InputError(f"{self}: gravity must be finite, damping finite and not negative")
+        gravity = np.asarray(self.gravity, dtype=np.float64)
+        damping = np.array([self.damping, self.director_damping, self.contact_damping_ratio])
+        if gravity.shape != (3,) or not (
+            np.isfinite(gravity).all() and np.isfinite(damping).all() and damping.min() >= 0
+        ):
+            raise InputError(f"{self}: gravity needs three finite components, damping is finite and not negative")
 
 
 class Model:

@@ -11,6 +11,7 @@ from .device import LARGEST_THREAD_COUNT, Precision
 from .fabric import Parameters, Positive
 
 LARGEST_MESH_SIZE_M = 0.5
+SMALLEST_MESH_SIZE_M = 1.0e-4
 
 
 class RunOptions(Parameters):
@@ -36,4 +37,6 @@ class RunOptions(Parameters):
     def _is_in_metres(cls, value: float) -> float:
         if value > LARGEST_MESH_SIZE_M:
             raise ValueError(f"is in metres and at most {LARGEST_MESH_SIZE_M}: write 0.005 for 5 mm")
+        if value < SMALLEST_MESH_SIZE_M:
+            raise ValueError(f"is in metres and at least {SMALLEST_MESH_SIZE_M}: write 0.005 for 5 mm")
         return value

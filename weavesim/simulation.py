@@ -28,6 +28,8 @@ logger = logging.getLogger(__name__)
 
 # The balance of frames in which less than this share of the run's work is done is compared with that share.
 LEAST_WORK = 1.0e-4
+# Hourglass over internal energy is judged from this share of the largest internal energy on.
+LEAST_INTERNAL = 0.05
 # At most this many blocks are replayed before the host looks whether the state is still finite.
 LARGEST_REPLAY = 50
 
@@ -86,6 +88,17 @@ class Simulation:
                 raise InputError(f"{label} = {value} s: a positive, finite number of seconds is needed")
         if frame_count < 1:
             raise InputError(f"frame_count = {frame_count}: at least one frame is needed")
+        if tools and not 0 <= leading_tool < len(tools):
+            raise InputError(f"leading_tool = {leading_tool}: there are {len(tools)} tools, counted from 0")
+        if lane_count not in (None, CPU_LANE_COUNT, GPU_LANE_COUNT):
+            raise InputError(f"lane_count = {lane_count}: {GPU_LANE_COUNT} or {CPU_LANE_COUNT} lanes are known")
+        if initial_velocity is not None:
+            initial_velocity = np.asarray(initial_velocity, dtype=np.float64)
+            if initial_velocity.shape != (blank.node_count, 3) or not np.isfinite(initial_velocity).all():
+                raise InputError(
+                    f"initial_velocity: shape {initial_velocity.shape}; finite values of shape ({blank.node_count}, 3) "
+                    "are needed"
+                )
         initialise()
         self.name, self.blank, self.fabric, self.tools = name, blank, fabric, tuple(tools)
         self.symmetry, self.duration, self.frame_count = tuple(symmetry), duration, frame_count
@@ -118,6 +131,11 @@ class Simulation:
         self.ledger = Ledger(self.stepper, self.tools, leading_tool)
         self.frame: Frame = self.ledger.frame(0)
         self.penetration: Penetration = self.ledger.penetration(self.frame)
+        if self.penetration.at_nodes > 0.5 * fabric.thickness:
+            raise InputError(
+                f"a tool overlaps the blank by {1e3 * self.penetration.at_nodes:.3g} mm before the run starts; the "
+                f"sheet is {1e3 * fabric.thickness:.3g} mm thick: move the tool away, half a thickness from the mid-surface"
+            )
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
         self.failure: str | None = None
@@ -157,11 +175,15 @@ class Simulation:
     def run(self, observers: Sequence[Observer] = ()) -> Outcome:
         """Run to the end, to ``stop_when``, to Ctrl-C, or until the state is no longer finite.
 
-        Every observer gets all frames and, however the run ends, its ``finish``.
+        Every observer gets all frames and, however the run ends, its ``finish``. Doubts about the result are added to
+        ``warnings``.
 
         Raises:
-            RunError: the state became non-finite; the message names the element and the likely cause.
+            RunError: the state became non-finite, and the message names the element and the likely cause; or this
+                simulation has been run before.
         """
+        if self.history:
+            raise RunError("this simulation has been run: make a new one, a run starts from the undeformed blank")
         started = time.perf_counter()
         with ExitStack() as at_end, interruption() as interrupted:
             self.outcome = Outcome.INTERRUPTED
@@ -181,6 +203,9 @@ class Simulation:
                 if self.frame.time >= self.duration or (self.stop_when and self.stop_when(self.frame)):
                     self.outcome = Outcome.FINISHED
                     break
+            for doubt in self.doubts():
+                self.warnings.append(doubt)
+                logger.warning("%s", doubt)
         self.wall_time = time.perf_counter() - started
         if self.failure:
             raise RunError(self.failure)
@@ -242,9 +267,17 @@ class Simulation:
         from . import __version__
 
         fields = self.frame.fields
-        history = self.history or [{"time": self.frame.time, **self.frame.energies}]
+        history = self.history or [{"time": self.frame.time, "stroke": self.frame.stroke, **self.frame.energies}]
         supplied = max(np.abs([entry["supplied"] for entry in history]).max(), 1.0e-300)
-        last_quarter = [e for e in history if e["time"] >= 0.75 * self.frame.time and e["internal"] > 0.0]
+        stroke = abs(self.frame.stroke)
+        # of the stroke; where no tool has one, of the time
+        last_quarter = [
+            e
+            for e in history
+            if e["internal"] > 0.0
+            and (abs(e["stroke"]) >= 0.75 * stroke if stroke > 0.0 else e["time"] >= 0.75 * self.frame.time)
+        ]
+        largest_internal = max(e["internal"] for e in history)
         stretch = np.concatenate([fields["warp_stretch"], fields["weft_stretch"]])
         return {
             "weavesim_version": __version__,
@@ -268,7 +301,10 @@ class Simulation:
             "max_shear_angle_deg": float(np.degrees(np.abs(fields["shear_angle"]).max())),
             "min_stretch": float(stretch.min()),
             "max_stretch": float(stretch.max()),
-            "hourglass_energy_ratio": self.frame.energies["hourglass"] / max(self.frame.energies["internal"], 1e-300),
+            "hourglass_energy_ratio": max(
+                (e["hourglass"] / e["internal"] for e in history if e["internal"] > LEAST_INTERNAL * largest_internal),
+                default=0.0,
+            ),
             "kinetic_energy_ratio": max((e["kinetic"] / e["internal"] for e in last_quarter), default=0.0),
             "damping_loss_ratio": self.frame.energies["damping_loss"] / supplied,
             "energy_balance_error": max(
@@ -283,6 +319,33 @@ class Simulation:
             "notes": list(self.notes),
             "warnings": list(self.warnings),
         }
+
+    def doubts(self) -> list[str]:
+        """Why the result of the run should not be trusted as it is; empty if nothing speaks against it."""
+        summary = self.summary()
+        thickness = 1e3 * self.fabric.thickness
+        doubts = [
+            f"{text} is {value:.3g}, above {limit:g}: {advice}"
+            for text, value, limit, advice in (
+                ("the error of the energy balance over the work", summary["energy_balance_error"], 0.05, "energy is "
+                 "made or lost, do not use the result; a smaller time step or float64 tells more"),
+                ("kinetic over internal energy in the last quarter", summary["kinetic_energy_ratio"], 0.05,
+                 "the run is not quasi-static, slow the tools down"),
+                ("hourglass over internal energy", summary["hourglass_energy_ratio"], 0.05, "refine the mesh"),
+                ("damping loss over supplied work", summary["damping_loss_ratio"], 0.05, "lower the damping"),
+                ("the added mass over the blank's", summary["added_mass_ratio"], 0.05, "it changes the dynamics"),
+                ("the deepest node in a tool [mm]", summary["penetration_at_nodes_mm"], 0.05 * thickness,
+                 "tools move too fast, or meet through the sheet"),
+                ("the number of failed unit cells", summary["unit_cell_failures"], 0, "see unit_cell_failed"),
+            )
+            if not value <= limit
+        ]  # fmt: skip
+        if not 0.9 < summary["min_stretch"] <= summary["max_stretch"] < 1.1:
+            doubts.append(
+                f"yarn stretches range from {summary['min_stretch']:.3f} to {summary['max_stretch']:.3f}: yarns of a "
+                "woven fabric do not bear that"
+            )
+        return doubts
 
 
 def hold_symmetry(blank: Blank, planes: Sequence[str], free: np.ndarray) -> np.ndarray:

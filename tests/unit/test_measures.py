@@ -231,6 +231,22 @@ def test_folds_of_a_fluted_rim_are_counted(symmetry, count):
     assert folds.amplitude == pytest.approx(0.008, rel=0.02)
 
 
+def test_a_wrapped_cloth_has_no_folds_and_a_flat_one_is_not_wrapped():
+    from weavesim.scenes.hemisphere import smooth_radius
+
+    blank = Blank.rectangle((-0.2, -0.2), (0.2, 0.2), 0.01)
+    smooth = smooth_radius(blank, 0.1)
+    flat = blank.node_position
+    wrapped = flat * (smooth / np.maximum(np.linalg.norm(flat, axis=1), 1e-12))[:, None]
+    folds = measures.rim_folds(blank, wrapped, smooth_radius=smooth)
+    assert folds.fold_count == 0 and folds.amplitude < 1e-12
+    angle = np.arctan2(flat[:, 1], flat[:, 0])
+    fluted = wrapped * (1.0 + 0.1 * np.cos(6 * angle))[:, None]
+    folds = measures.rim_folds(blank, fluted, smooth_radius=smooth)
+    assert folds.fold_count == 6
+    assert folds.amplitude == pytest.approx(0.01, rel=0.02)
+
+
 def test_a_smooth_rim_has_no_folds_and_noise_does_not_count():
     blank = Blank.rectangle((-0.2, -0.2), (0.2, 0.2), 0.005)
     still = measures.rim_folds(blank, rim_position(blank, lambda p: 0.1 + 0.0 * p))
@@ -240,35 +256,50 @@ def test_a_smooth_rim_has_no_folds_and_noise_does_not_count():
     assert measures.rim_folds(blank, noise, threshold=0.0005).fold_count == 31
 
 
-def brute_force_close_pairs(position, quads, distance):
-    node_count = len(position)
-    near = np.eye(node_count, dtype=bool)
+def sampled_gaps(position, quads):
+    """Distance of every node from a dense set of points of every element, (node_count, element_count)."""
+    u, v = (g.ravel() for g in np.meshgrid(*2 * (np.linspace(0.0, 1.0, 41),)))
+    inside = u + v <= 1.0
+    weights = np.stack([1.0 - u - v, u, v], axis=1)[inside]
+    gaps = np.full((len(position), len(quads)), np.inf)
+    for element, corners in enumerate(position[quads]):
+        for triangle in ((0, 1, 2), (0, 2, 3)):
+            points = weights @ corners[list(triangle)]
+            gap = np.linalg.norm(position[:, None] - points[None], axis=2).min(axis=1)
+            gaps[:, element] = np.minimum(gaps[:, element], gap)
+    near = np.eye(len(position), dtype=bool)
     for i in range(4):
         near[quads[:, i], quads[:, (i + 1) % 4]] = near[quads[:, (i + 1) % 4], quads[:, i]] = True
     within_two = (near.astype(int) @ near.astype(int)) > 0
-    gap = np.linalg.norm(position[:, None] - position[None], axis=2)
-    return int(np.triu((gap < distance) & ~within_two, 1).sum())
+    gaps[within_two[:, quads].any(axis=2)] = np.inf
+    return gaps
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_close_pairs_against_all_pairs(seed):
-    blank = Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.01)
+@pytest.mark.parametrize("seed", range(3))
+def test_close_pairs_against_a_dense_sampling(seed):
+    blank = Blank.rectangle((0.0, 0.0), (0.08, 0.08), 0.01)
     rng = np.random.default_rng(seed)
     position = blank.node_position * (1.0, 0.3, 1.0) + rng.normal(0.0, 0.01, blank.node_position.shape)
-    for distance in (0.004, 0.011, 0.03):
-        expected = brute_force_close_pairs(position, blank.quads, distance)
-        assert measures.close_pairs(position, blank.quads, distance) == expected
-    assert expected > 0
+    gaps = sampled_gaps(position, blank.quads)
+    for distance in (0.002, 0.005, 0.01):
+        # the sampling sees every distance at most this much too large
+        slack = 1.0e-4 + 0.05 * distance
+        found = measures.close_pairs(position, blank.quads, distance)
+        assert (gaps < distance).sum() <= found <= (gaps < distance + slack).sum()
+    assert found > 0
 
 
-def test_close_pairs_of_a_flat_and_of_a_folded_sheet():
+@pytest.mark.parametrize("stagger", [0.0, 0.005])
+def test_close_pairs_of_a_flat_and_of_a_folded_sheet(stagger):
     blank = Blank.rectangle((-0.1, 0.0), (0.1, 0.1), 0.01)
     assert measures.close_pairs(blank.node_position, blank.quads, 0.015) == 0
     folded = np.array(blank.node_position)
     upper = folded[:, 0] > 0.0
-    folded[upper, 0] *= -1.0
+    folded[upper, 0] = stagger - folded[upper, 0]
+    folded[upper, 1] += stagger
     folded[upper, 2] = 0.0004
-    # Nodes next to the fold are two edges apart and do not count.
-    assert measures.close_pairs(folded, blank.quads, 0.0006) == 9 * 11
+    # layers whose nodes lie between each other are as close as those whose nodes face each other
+    assert measures.close_pairs(folded, blank.quads, 0.0006) >= 2 * 8 * 9
+    assert measures.close_pairs(folded, blank.quads, 0.0003) == 0
     with pytest.raises(InputError, match="must be positive"):
         measures.close_pairs(folded, blank.quads, 0.0)

@@ -7,8 +7,9 @@ import meshio
 import numpy as np
 import pytest
 
-from weavesim.errors import InputError
-from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome, run
+from weavesim.errors import InputError, RunError
+from weavesim.measures import draw_in, shear_angle_at, ten_points
+from weavesim.scenes.double_dome import BLANK_LENGTH, BLANK_WIDTH, DoubleDomeParameters, double_dome, run
 
 SUMMARY_KEYS = {
     "weavesim_version", "device", "precision", "threads", "element_count", "node_count", "step_count", "time_step_s",
@@ -121,9 +122,12 @@ def test_film_ends_with_the_final_state(folder):
     ],
 )
 def test_bad_input_is_refused_before_the_run(values, words, tmp_path):
+    older = {name: f"an older {name}" for name in ("summary.json", "double_dome.usdc", "run.log")}
+    for name, text in older.items():
+        (tmp_path / name).write_text(text)
     with pytest.raises(InputError, match=words):
-        run(DoubleDomeParameters(out=tmp_path / "out", **values))
-    assert not list((tmp_path / "out").glob("*.json"))
+        run(DoubleDomeParameters(out=tmp_path, **values))
+    assert {name: (tmp_path / name).read_text() for name in older} == older
 
 
 def test_own_tool_meshes_take_the_place_of_the_default(tmp_path):
@@ -151,3 +155,53 @@ def test_gpu_gives_the_same_as_the_cpu():
         simulation.run()
         frames.append(simulation.frame)
     np.testing.assert_allclose(frames[1].position, frames[0].position, atol=1e-5)
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    """Runs of a coarse double dome by what differs from the default, each made once; 13.5 mm fits half and full alike."""
+    frames = {}
+
+    def run_coarse(**values):
+        key = tuple(sorted(values.items()))
+        if key not in frames:
+            simulation = double_dome(
+                DoubleDomeParameters(**{"mesh_size": 0.0135, "threads": 1, "part": "half", **values})
+            )
+            simulation.run()
+            points = ten_points(0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH)
+            angles = shear_angle_at(
+                simulation.blank, simulation.frame.fields["shear_angle"], points, simulation.symmetry
+            )
+            frames[key] = simulation, np.asarray(angles)
+        return frames[key]
+
+    return run_coarse
+
+
+def test_half_of_the_blank_gives_what_the_whole_gives(coarse):
+    (half, half_angles), (full, full_angles) = coarse(), coarse(part="full")
+    assert np.abs(half_angles - full_angles).max() < 0.2
+    assert abs(2.0 * half.frame.tool_reaction[0][2] / full.frame.tool_reaction[0][2] - 1.0) < 0.01
+    for along in "xy":
+        assert (
+            abs(draw_in(half.blank, half.frame.position, along) - draw_in(full.blank, full.frame.position, along))
+            < 1e-4
+        )
+
+
+def test_single_precision_gives_what_double_gives(coarse):
+    assert np.abs(coarse()[1] - coarse(precision="float64")[1]).max() < 0.2
+
+
+def test_half_the_punch_speed_changes_little(coarse):
+    assert np.abs(coarse()[1] - coarse(punch_speed=0.25)[1]).max() < 1.0
+
+
+def test_a_run_that_is_not_to_be_trusted_says_so():
+    simulation = double_dome(DoubleDomeParameters(mesh_size=0.02, threads=1, frames=10, punch_speed=20.0))
+    assert not any("quasi-static" in warning for warning in simulation.warnings)
+    simulation.run()
+    assert any("quasi-static" in warning for warning in simulation.warnings)
+    with pytest.raises(RunError, match="has been run"):
+        simulation.run()

@@ -16,7 +16,6 @@ from importlib import import_module
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 
 import typer
-from rich.markup import escape
 
 from . import __version__
 from .errors import InputError, RunError
@@ -103,7 +102,8 @@ def _add_scene(name: str, scene: Scene) -> None:
     )
     def command(context: typer.Context) -> None:
         module = import_module(f".scenes.{scene.module}", __package__)
-        scene_application = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+        # plain help: boxed columns would cut the names of the options
+        scene_application = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
         scene_command(scene_application, getattr(module, scene.parameters), module.run, scene.help)
         scene_application(args=context.args, prog_name=f"weavesim {name}")
 
@@ -155,8 +155,7 @@ def _option(name: str, field: Any, panel: str) -> inspect.Parameter:
     flag = "--" + name.replace("_", "-")
     kind = _plain_type(field.annotation)
     declaration = f"{flag}/--no-{flag[2:]}" if kind is bool else flag
-    # Escaped, so that a unit such as [m] is not taken for markup.
-    option = typer.Option(declaration, help=escape(field.description or ""), rich_help_panel=panel)
+    option = typer.Option(declaration, help=field.description, rich_help_panel=panel)
     default = inspect.Parameter.empty if field.is_required() else field.get_default(call_default_factory=True)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])
 

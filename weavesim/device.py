@@ -10,6 +10,8 @@ import logging
 import os
 import platform
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
@@ -102,6 +104,20 @@ def kernels_are_compiled() -> bool:
     return next(kernel_cache_folder().glob("*/wp_*"), None) is not None
 
 
+@contextmanager
+def _quiet_native_code() -> Iterator[None]:
+    """Keep native code from writing to standard error: it warns of a missing CUDA driver on every CPU-only machine."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    try:
+        with open(os.devnull, "wb") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+
+
 @cache
 def initialise() -> None:
     """Set Warp up once: quiet, flags for the CPU's vector units, a kernel cache of this processor's own.
@@ -120,7 +136,8 @@ def initialise() -> None:
     if folder is None:
         folder = wp.config.kernel_cache_dir = str(kernel_cache_folder())
     try:
-        wp.init()
+        with _quiet_native_code():
+            wp.init()
     except OSError as error:
         raise InputError(
             f"Compiled kernels cannot be kept in {folder}: {error.strerror or error}. "

@@ -134,7 +134,7 @@ class Simulation:
         if self.penetration.at_nodes > 0.5 * fabric.thickness:
             raise InputError(
                 f"a tool overlaps the blank by {1e3 * self.penetration.at_nodes:.3g} mm before the run starts; the "
-                f"sheet is {1e3 * fabric.thickness:.3g} mm thick: move the tool away, half a thickness from the mid-surface"
+                f"sheet is {1e3 * fabric.thickness:.3g} mm thick: move the tool half a thickness off the mid-surface"
             )
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None

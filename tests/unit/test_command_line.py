@@ -66,6 +66,26 @@ def test_scene_help_has_every_field(weavesim_command):
     assert "quarter" in out and "how much of it" in out and "gap [m]" in out
 
 
+def test_no_option_of_a_real_scene_is_cut_in_a_narrow_terminal():
+    script = Path(__file__).resolve().parents[2] / "scripts" / "double_dome.py"
+    out = subprocess.run(
+        [sys.executable, script, "--help"],
+        env={**os.environ, "COLUMNS": "80"},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    for option in (
+        "--blank-holder-force",
+        "--measured-outline",
+        "--punch-speed",
+        "--tools-are-cut",
+        "glass-polypropylene",
+    ):
+        assert option in out.replace("glass-\n", "glass-").replace(" " * 34, "")
+    assert "\\[" not in out and "…" not in out
+
+
 def test_options_reach_the_scene(weavesim_command):
     seen = []
     arguments = ["--mesh-size=0.01", "--precision=float64", "--threads=2", "--part=full", "--holder-gap=1e-3"]

@@ -28,6 +28,10 @@ def write_table(path: str | Path, header: Sequence[str], rows: Iterable[Sequence
         writer.writerows([f"{value:.9g}" if isinstance(value, float) else value for value in row] for row in rows)
 
 
+# Entries of the ledger that are named after what they are; the others are energies.
+_NOT_ENERGIES = ("energy", "work", "loss", "error", "supplied", "used")
+
+
 class History:
     """Observer that keeps the scalars of every frame and the last frame.
 
@@ -108,7 +112,7 @@ class History:
         header = ["frame", "step_count", "time_s", "stroke_m"]
         for name in self.tool_names:
             header += [f"{name}_displacement_m", *(f"{name}_force_{axis}_n" for axis in "xyz")]
-        header += [f"{name}_j" if name.endswith("energy") else f"{name}_energy_j" for name in energies]
+        header += [f"{name}_j" if name.endswith(_NOT_ENERGIES) else f"{name}_energy_j" for name in energies]
         rows = []
         for i, (index, step_count, time, stroke, displacement, reaction, _) in enumerate(self._rows):
             tools = np.column_stack([displacement, reaction]).ravel().tolist() if len(displacement) else []

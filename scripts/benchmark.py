@@ -42,9 +42,8 @@ def main(seconds: Annotated[float, typer.Option(help="time of each turn")] = 3.0
     for _ in range(TURNS):
         for index, simulation in enumerate(simulations):
             best[index] = min(best[index], microseconds_per_step(simulation, seconds))
-    print(
-        "| mesh [mm] | elements | precision | threads | step [us] | million element-steps/s |\n|---|---|---|---|---|---|"
-    )
+    print("| mesh [mm] | elements | precision | threads | step [us] | million element-steps/s |")
+    print("|---|---|---|---|---|---|")
     for case, simulation, step in zip(cases, simulations, best, strict=True):
         count = simulation.blank.element_count
         print(

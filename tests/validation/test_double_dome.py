@@ -159,7 +159,7 @@ def test_gpu_gives_the_same_as_the_cpu():
 
 @pytest.fixture(scope="module")
 def coarse():
-    """Runs of a coarse double dome by what differs from the default, each made once; 13.5 mm fits half and full alike."""
+    """Coarse runs by what differs from the default, each made once; 13.5 mm divides half and full blank alike."""
     frames = {}
 
     def run_coarse(**values):

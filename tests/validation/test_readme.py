@@ -8,7 +8,7 @@ README = Path(__file__).resolve().parents[2] / "README.md"
 
 def test_the_python_example_runs(capsys):
     (example,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), flags=re.DOTALL)
-    assert len(example.splitlines()) <= 17
+    assert len(example.splitlines()) <= 15
     exec(compile(example, str(README), "exec"), {})
     stroke, angle, energy = map(float, capsys.readouterr().out.split())
     assert abs(stroke - 0.02) < 1e-6

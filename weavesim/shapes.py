@@ -70,7 +70,9 @@ def rotation_matrix(axis: Any, angle: float) -> Matrix:
     """Rotation by ``angle`` [rad] about ``axis``; its columns are the turned coordinate axes."""
     x, y, z = unit_vector("axis of the rotation", axis)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return _matrix(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross))
+    matrix = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
+    # sin(pi) is not quite zero: half a turn shall be one
+    return _matrix(np.where(np.abs(matrix) < 1.0e-15, 0.0, matrix))
 
 
 def _matrix(value: Any) -> Matrix:

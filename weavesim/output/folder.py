@@ -279,7 +279,9 @@ class ResultFolder:
         fabric |= {"areal density [kg/m²]": simulation.fabric.areal_density}
         fabric |= {"thickness [mm]": 1.0e3 * simulation.fabric.thickness}
         fabric = {name: value for name, value in fabric.items() if name not in ("areal_density", "thickness")}
-        numbers = {name: value for name, value in summary.items() if name not in ("warnings", "energies_j")}
+        numbers = {
+            name: value for name, value in summary.items() if name not in ("warnings", "energies_j") and value != []
+        }
         tables: dict[str, Mapping[str, Any]] = {"Summary": numbers}
         if setup:
             tables["Set-up"] = dict(setup)

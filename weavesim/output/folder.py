@@ -279,9 +279,8 @@ class ResultFolder:
         fabric |= {"areal density [kg/m²]": simulation.fabric.areal_density}
         fabric |= {"thickness [mm]": 1.0e3 * simulation.fabric.thickness}
         fabric = {name: value for name, value in fabric.items() if name not in ("areal_density", "thickness")}
-        numbers = {
-            name: value for name, value in summary.items() if name not in ("warnings", "energies_j") and value != []
-        }
+        left_out = {"warnings", "energies_j"} | {name for name in ("notes",) if not summary.get(name)}
+        numbers = {name: value for name, value in summary.items() if name not in left_out}
         tables: dict[str, Mapping[str, Any]] = {"Summary": numbers}
         if setup:
             tables["Set-up"] = dict(setup)

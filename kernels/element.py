@@ -47,9 +47,16 @@ COUPLE_ROW = wp.constant(12)
 ANGLE_ROW = wp.constant(24)
 # Rows of the motion array of the nodes; the remainder is what rounding cut off the position.
 MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
+POSITION_ROW = wp.constant(0)
+VELOCITY_ROW = wp.constant(1)
+DIRECTOR_ROW = wp.constant(2)
+SPIN_ROW = wp.constant(3)
+REMAINDER_ROW = wp.constant(4)
 # Rows of the node report: work done against friction so far, lost or held in the friction springs [J]; energy lost in
 # damping so far [J]; mean shear angle of the elements around the node [rad]; work of what holds the node so far [J].
 NODE_REPORT_ROWS = ("friction_work", "damping_loss", "mean_shear_angle", "support_work")
+FRICTION_ROW = wp.constant(0)
+DAMPING_ROW = wp.constant(1)
 MEAN_ANGLE_ROW = wp.constant(2)
 SUPPORT_ROW = wp.constant(3)
 
@@ -276,8 +283,10 @@ def element_force_kernel(real: type, lane_count: int):
         corner_force: wp.array2d(dtype=lanes),
     ):
         e = first_block + wp.tid()
-        a1, a2, mean_position, x_hourglass = element_positions(elements, e, motion[0], motion[4], lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[2], lanes3())
+        a1, a2, mean_offset, x_hourglass = element_positions(
+            elements, e, motion[POSITION_ROW], motion[REMAINDER_ROW], lanes3()
+        )
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
 
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
 

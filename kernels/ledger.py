@@ -5,6 +5,9 @@ from functools import cache
 import warp as wp
 
 from .element import (
+    DIRECTOR_ROW,
+    POSITION_ROW,
+    REMAINDER_ROW,
     corner_angles,
     element_positions,
     element_strains,
@@ -58,8 +61,10 @@ def element_ledger_kernel(real: type):
         fields: wp.array2d(dtype=lanes),
     ):
         e = wp.tid()
-        a1, a2, mean_position, x_hourglass = element_positions(elements, e, motion[0], motion[4], lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[2], lanes3())
+        a1, a2, mean_offset, x_hourglass = element_positions(
+            elements, e, motion[POSITION_ROW], motion[REMAINDER_ROW], lanes3()
+        )
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
         w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(

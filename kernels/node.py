@@ -6,7 +6,19 @@ from typing import Any
 import warp as wp
 
 from .distance import tool_distance_function, tool_set_struct
-from .element import ANGLE_ROW, COUPLE_ROW, MEAN_ANGLE_ROW, SUPPORT_ROW
+from .element import (
+    ANGLE_ROW,
+    COUPLE_ROW,
+    DAMPING_ROW,
+    DIRECTOR_ROW,
+    FRICTION_ROW,
+    MEAN_ANGLE_ROW,
+    POSITION_ROW,
+    REMAINDER_ROW,
+    SPIN_ROW,
+    SUPPORT_ROW,
+    VELOCITY_ROW,
+)
 from .lanes import (
     cross,
     div,
@@ -146,8 +158,8 @@ def node_motion_kernel(real: type, lane_count: int):
         first = block * lane_count
         step = real(clock[CLOCK_STEP])
         mean_step = real(clock[CLOCK_MEAN_STEP])
-        x = load(motion[0], first, lanes3())
-        velocity = load(motion[1], first, lanes3())
+        x = load(motion[POSITION_ROW], first, lanes3())
+        velocity = load(motion[VELOCITY_ROW], first, lanes3())
 
         force = lanes3()
         couple = lanes3()
@@ -219,16 +231,16 @@ def node_motion_kernel(real: type, lane_count: int):
         damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )
-        store(motion[1], first, new_velocity)
+        store(motion[VELOCITY_ROW], first, new_velocity)
         # compensated sum: nothing of a small step is lost beside a large coordinate
-        way = step * new_velocity + load(motion[4], first, lanes3())
+        way = step * new_velocity + load(motion[REMAINDER_ROW], first, lanes3())
         new_x = x + way
-        store(motion[4], first, way - (new_x - x))
-        store(motion[0], first, new_x)
+        store(motion[REMAINDER_ROW], first, way - (new_x - x))
+        store(motion[POSITION_ROW], first, new_x)
 
         # rotation of the director: I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps its length
-        director = load(motion[2], first, lanes3())
-        spin = load(motion[3], first, lanes3())
+        director = load(motion[DIRECTOR_ROW], first, lanes3())
+        spin = load(motion[SPIN_ROW], first, lanes3())
         turning = wp.cw_mul(
             freedom_mask(freedom, 3, lanes3()), scale(nodes.inverse_inertia[block], cross(director, couple))
         )
@@ -242,10 +254,10 @@ def node_motion_kernel(real: type, lane_count: int):
         quarter = real(0.25) * dot(turn, turn)
         one = fill(quarter, 1.0)
         new_director = scale(one / (one + quarter), scale(one - quarter, director) + cross(turn, director))
-        store(motion[3], first, new_spin)
-        store(motion[2], first, new_director)
+        store(motion[SPIN_ROW], first, new_spin)
+        store(motion[DIRECTOR_ROW], first, new_director)
 
-        report[0, block] = report[0, block] + friction_work
-        report[1, block] = report[1, block] + damping_loss
+        report[FRICTION_ROW, block] = report[FRICTION_ROW, block] + friction_work
+        report[DAMPING_ROW, block] = report[DAMPING_ROW, block] + damping_loss
 
     return node_motion

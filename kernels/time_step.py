@@ -4,7 +4,16 @@ from functools import cache
 
 import warp as wp
 
-from .element import element_positions, element_struct, element_vectors, surface_metric, yarn_displacements
+from .element import (
+    POSITION_ROW,
+    REMAINDER_ROW,
+    VELOCITY_ROW,
+    element_positions,
+    element_struct,
+    element_vectors,
+    surface_metric,
+    yarn_displacements,
+)
 from .lanes import angle_of, cross, div, dot, lane_types, larger, magnitude, mul, spread, square_root
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
 from .sheet import shear_tangent_bound, sheet_struct
@@ -34,11 +43,13 @@ def element_frequency_kernel(real: type):
         squared_frequency: wp.array(dtype=lanes),
     ):
         e = first + wp.tid()
-        a1, a2, mean_position, x_hourglass = element_positions(elements, e, motion[0], motion[4], lanes3())
+        a1, a2, mean_offset, x_hourglass = element_positions(
+            elements, e, motion[POSITION_ROW], motion[REMAINDER_ROW], lanes3()
+        )
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
         # where the present rate takes the yarns before the step is looked at again, twice as far for safety
-        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion[1], lanes3())
+        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion[VELOCITY_ROW], lanes3())
         horizon = real(2.0) * real(clock[CLOCK_STEP]) * real(steps_ahead)
         u1 = u1 + (horizon * cell.half_spacing[0]) * (larger(dot(a1, v1), lanes()) / stretch1)
         u2 = u2 + (horizon * cell.half_spacing[1]) * (larger(dot(a2, v2), lanes()) / stretch2)

@@ -128,12 +128,14 @@ class Stepper:
         """Element forces of the current state, in the blocks of lanes from ``first``."""
         model, state = self.model, self.state
         count = model.element_count // model.lane_count if count is None else count
-        view = lambda array: lanes_view(array, model.lane_count)  # noqa: E731
+        crimp_change, cell_report, corner_force = (
+            lanes_view(array, model.lane_count) for array in (state.crimp_change, state.cell_report, state.corner_force)
+        )
         wp.launch(
             self._element_forces,
             dim=count,
             inputs=[first, model.elements, model.cell, model.laws, state.motion, state.node_report],
-            outputs=[view(state.crimp_change), view(state.cell_report), view(state.corner_force)],
+            outputs=[crimp_change, cell_report, corner_force],
             device=model.device,
         )
 

@@ -112,12 +112,14 @@ def element_vectors(elements: Any, e: int, field: Any, like: Any):
 
 
 @wp.func
-def element_positions(elements: Any, e: int, position: Any, remainder: Any, like: Any):
+def element_positions(elements: Any, e: int, motion: Any, like: Any):
     """``corner_vectors`` of the positions relative to the first corner, with the part that rounding cut off.
 
     In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an element
     of 5 mm: the remainder that the time integration keeps makes differences exact to their own rounding.
     """
+    position = motion[POSITION_ROW]
+    remainder = motion[REMAINDER_ROW]
     x1 = gather(position, elements.corner_node[0, e], like)
     r1 = gather(remainder, elements.corner_node[0, e], like)
     v2 = (gather(position, elements.corner_node[1, e], like) - x1) + (
@@ -283,9 +285,7 @@ def element_force_kernel(real: type, lane_count: int):
         corner_force: wp.array2d(dtype=lanes),
     ):
         e = first_block + wp.tid()
-        a1, a2, mean_offset, x_hourglass = element_positions(
-            elements, e, motion[POSITION_ROW], motion[REMAINDER_ROW], lanes3()
-        )
+        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
         d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
 
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)

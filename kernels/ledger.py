@@ -6,8 +6,6 @@ import warp as wp
 
 from .element import (
     DIRECTOR_ROW,
-    POSITION_ROW,
-    REMAINDER_ROW,
     corner_angles,
     element_positions,
     element_strains,
@@ -61,9 +59,7 @@ def element_ledger_kernel(real: type):
         fields: wp.array2d(dtype=lanes),
     ):
         e = wp.tid()
-        a1, a2, mean_offset, x_hourglass = element_positions(
-            elements, e, motion[POSITION_ROW], motion[REMAINDER_ROW], lanes3()
-        )
+        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
         d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)

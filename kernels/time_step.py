@@ -5,8 +5,6 @@ from functools import cache
 import warp as wp
 
 from .element import (
-    POSITION_ROW,
-    REMAINDER_ROW,
     VELOCITY_ROW,
     element_positions,
     element_struct,
@@ -43,9 +41,7 @@ def element_frequency_kernel(real: type):
         squared_frequency: wp.array(dtype=lanes),
     ):
         e = first + wp.tid()
-        a1, a2, mean_offset, x_hourglass = element_positions(
-            elements, e, motion[POSITION_ROW], motion[REMAINDER_ROW], lanes3()
-        )
+        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
         # where the present rate takes the yarns before the step is looked at again, twice as far for safety

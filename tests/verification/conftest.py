@@ -1,10 +1,12 @@
 """A sheet whose nodes are put anywhere by hand, and that answers with forces and energies."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.verification.manual import Case
 from weavesim.blank import Blank
 from weavesim.fabric import Fabric, IsotropicBending, LinearShear, Stabilisation, UnitCell
 from weavesim.kernels.element import NODE_REPORT_ROWS
@@ -130,6 +132,18 @@ class Frames:
 
     def finish(self, outcome: Outcome) -> None:
         self.outcome = outcome
+
+
+@pytest.fixture
+def manual(request) -> Callable[..., Case]:
+    """``manual(chapter, title, known=...)``: a case of the verification manual, see ``Case``."""
+    directory = request.config.getoption("--manual")
+    test = request.node.nodeid.split("[")[0]
+
+    def case(chapter: str, title: str, *, known: str) -> Case:
+        return Case(Path(directory) if directory else None, chapter, title, known, test)
+
+    return case
 
 
 @pytest.fixture

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .device import Precision
     from .errors import InputError, RunError
     from .fabric import Fabric
+    from .loads import NodalLoads
     from .recording import Frame, Observer, Outcome
     from .simulation import Simulation
     from .tool import Tool
@@ -29,6 +30,7 @@ _module_of = {
     "Fabric": "fabric",
     "Frame": "recording",
     "InputError": "errors",
+    "NodalLoads": "loads",
     "Observer": "recording",
     "Outcome": "recording",
     "Precision": "device",
@@ -42,6 +44,7 @@ __all__ = [
     "Fabric",
     "Frame",
     "InputError",
+    "NodalLoads",
     "Observer",
     "Outcome",
     "Precision",

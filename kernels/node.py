@@ -191,7 +191,7 @@ def node_motion_kernel(real: type, lane_count: int):
         damping_loss = where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
         report[MEAN_ANGLE_ROW, block] = mean_angle
 
-        # prescribed loads; a moment M turns the director like the director gradient M x d, its part along d does nothing
+        # prescribed loads; a moment M turns the director as the conjugate M x d does, without its part along d
         director = load(motion[DIRECTOR_ROW], first, lanes3())
         applied_force = lanes3()
         applied_couple = lanes3()

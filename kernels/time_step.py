@@ -1,29 +1,219 @@
 """Stable time step from the condensed tangent of every element's own unit cell (docs/theory.md, section 7)."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
 from .element import (
+    DIRECTOR_ROW,
     VELOCITY_ROW,
+    corner_angles,
     element_positions,
+    element_strains,
     element_struct,
     element_vectors,
+    hourglass_stiffnesses,
+    hourglass_strains,
     surface_metric,
+    twist_weights,
     yarn_displacements,
 )
-from .lanes import angle_of, cross, div, dot, lane_types, larger, magnitude, mul, spread, square_root
+from .lanes import (
+    angle_of,
+    div,
+    dot,
+    fill,
+    lane_types,
+    larger,
+    magnitude,
+    mul,
+    square_root,
+    where_positive,
+)
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
-from .sheet import shear_tangent_bound, sheet_struct
+from .sheet import SHEAR_LINEAR, shear_moment, sheet_struct
 from .unit_cell import condensed_tangent, solve_unit_cell, unit_cell_struct
 
 
+@wp.func
+def cell_tangent(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
+    """Derivatives C11, C12, C22 of the forces per width n_1, n_2 by the stretches, yarns in tension, and n_1, n_2."""
+    w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start1, start2)
+    k11, k12, k22 = condensed_tangent(cell, u1, u2, w1, w2, True)
+    half = u1.dtype(0.5)
+    l1 = cell.half_spacing[0]
+    l2 = cell.half_spacing[1]
+    return (half * l1 / l2) * k11, half * k12, (half * l2 / l1) * k22, (half / l2) * force1, (half / l1) * force2
+
+
+@wp.func
+def shear_tangent(laws: Any, stretch1: Any, stretch2: Any, sine: Any, cosine: Any, angle: Any):
+    """Second derivatives of the shear energy by (stretch 1, stretch 2, angle): C11, C12, C22, C13, C23, C33 [N/m].
+
+    Then its first derivatives n_1, n_2, m.
+    """
+    zero = fill(angle, 0.0)
+    c11 = zero
+    c12 = zero
+    c22 = zero
+    c13 = zero
+    c23 = zero
+    c33 = zero
+    n1 = zero
+    n2 = zero
+    moment = zero
+    if laws.shear_kind == SHEAR_LINEAR:
+        # psi = 1/4 t G_12 (stretch1 stretch2 sin)^2
+        half = angle.dtype(0.5) * laws.shear_stiffness
+        product = stretch1 * stretch2
+        c11 = half * (stretch2 * sine) * (stretch2 * sine)
+        c12 = (angle.dtype(2.0) * half) * (product * sine * sine)
+        c22 = half * (stretch1 * sine) * (stretch1 * sine)
+        mixed = (angle.dtype(2.0) * half) * (product * sine * cosine)
+        c13 = stretch2 * mixed
+        c23 = stretch1 * mixed
+        c33 = half * (product * product) * (cosine * cosine - sine * sine)
+        n1 = stretch1 * c11
+        n2 = stretch2 * c22
+        moment = half * (product * product) * (sine * cosine)
+    else:
+        moment, c33 = shear_moment(laws, angle)
+    return c11, c12, c22, c13, c23, c33, n1, n2, moment
+
+
+@wp.func
+def largest_of_pencil(h11: Any, h12: Any, h22: Any, b11: Any, b12: Any, b22: Any):
+    """Largest eigenvalue of H B, both 2 x 2 and symmetric, B positive definite."""
+    two = h11.dtype(2.0)
+    half_trace = h11.dtype(0.5) * (h11 * b11 + two * (h12 * b12) + h22 * b22)
+    determinant = (h11 * h22 - h12 * h12) * (b11 * b22 - b12 * b12)
+    return half_trace + square_root(larger(half_trace * half_trace - determinant, fill(h11, 0.0)))
+
+
+@wp.func
+def largest_in_plane(
+    c11: Any,
+    c12: Any,
+    c22: Any,
+    c13: Any,
+    c23: Any,
+    c33: Any,
+    n1: Any,
+    n2: Any,
+    moment: Any,
+    stretch1: Any,
+    stretch2: Any,
+    sine: Any,
+    cosine: Any,
+    b11: Any,
+    b12: Any,
+    b22: Any,
+):
+    """Bound of the largest |eigenvalue| of H (B x I) for motions in the tangent plane, at most 4.5 % above it.
+
+    H is the 4 x 4 second derivative by (da_1, da_2) of an energy of the stretches and the shear angle: its tangent C on
+    the strains, and the forces n_1, n_2 and the moment m on their curvature. A norm of H^16 is its bound.
+    """
+    one = fill(sine, 1.0)
+    inverse1 = one / stretch1
+    inverse2 = one / stretch2
+    # blocks of H in the tangent frame (e_1, across e_1); e_2 = (sin, cos), and the angle falls along (-cos, sin)
+    xx = c11
+    xy = inverse1 * (c13 - moment * inverse1)
+    yy = inverse1 * (n1 + c33 * inverse1)
+    along = c22
+    mixed = inverse2 * (c23 - moment * inverse2)
+    across = inverse2 * (n2 + c33 * inverse2)
+    square_sine = sine * sine
+    product = sine * cosine
+    square_cosine = cosine * cosine
+    zz = along * square_sine + sine.dtype(2.0) * (mixed * product) + across * square_cosine
+    zw = (along - across) * product + mixed * (square_cosine - square_sine)
+    ww = along * square_cosine - sine.dtype(2.0) * (mixed * product) + across * square_sine
+    angle2 = c33 * (inverse1 * inverse2)
+    xz = c12 * sine + c13 * (cosine * inverse2)
+    xw = c12 * cosine - c13 * (sine * inverse2)
+    yz = c23 * (sine * inverse1) + angle2 * cosine
+    yw = c23 * (cosine * inverse1) - angle2 * sine
+    # A = L^T H L with B = L L^T
+    l11 = square_root(b11)
+    l21 = b12 / l11
+    l22 = square_root(larger(b22 - l21 * l21, fill(sine, 0.0)))
+    s11 = l11 * l11
+    s12 = l11 * l21
+    s22 = l21 * l21
+    a00 = s11 * xx + sine.dtype(2.0) * (s12 * xz) + s22 * zz
+    a01 = s11 * xy + s12 * (xw + yz) + s22 * zw
+    a11 = s11 * yy + sine.dtype(2.0) * (s12 * yw) + s22 * ww
+    a02 = l22 * (l11 * xz + l21 * zz)
+    a03 = l22 * (l11 * xw + l21 * zw)
+    a12 = l22 * (l11 * yz + l21 * zw)
+    a13 = l22 * (l11 * yw + l21 * ww)
+    l22 = l22 * l22
+    a22 = l22 * zz
+    a23 = l22 * zw
+    a33 = l22 * ww
+    # A is scaled before each squaring, so that no precision overflows: |A|^16 = s_1^16 s_2^8 s_3^4 s_4^2 |last|
+    bound = one
+    for squaring in range(4):
+        diagonal = a00 * a00 + a11 * a11 + a22 * a22 + a33 * a33
+        rest = a01 * a01 + a02 * a02 + a03 * a03 + a12 * a12 + a13 * a13 + a23 * a23
+        size = square_root(diagonal + sine.dtype(2.0) * rest)
+        factor = size
+        for _root in range(squaring):
+            factor = square_root(factor)
+        bound = bound * factor
+        scaling = where_positive(size, one / size, one)
+        a00 = a00 * scaling
+        a01 = a01 * scaling
+        a02 = a02 * scaling
+        a03 = a03 * scaling
+        a11 = a11 * scaling
+        a12 = a12 * scaling
+        a13 = a13 * scaling
+        a22 = a22 * scaling
+        a23 = a23 * scaling
+        a33 = a33 * scaling
+        p00 = a00 * a00 + a01 * a01 + a02 * a02 + a03 * a03
+        p01 = a00 * a01 + a01 * a11 + a02 * a12 + a03 * a13
+        p02 = a00 * a02 + a01 * a12 + a02 * a22 + a03 * a23
+        p03 = a00 * a03 + a01 * a13 + a02 * a23 + a03 * a33
+        p11 = a01 * a01 + a11 * a11 + a12 * a12 + a13 * a13
+        p12 = a01 * a02 + a11 * a12 + a12 * a22 + a13 * a23
+        p13 = a01 * a03 + a11 * a13 + a12 * a23 + a13 * a33
+        p22 = a02 * a02 + a12 * a12 + a22 * a22 + a23 * a23
+        p23 = a02 * a03 + a12 * a13 + a22 * a23 + a23 * a33
+        p33 = a03 * a03 + a13 * a13 + a23 * a23 + a33 * a33
+        a00 = p00
+        a01 = p01
+        a02 = p02
+        a03 = p03
+        a11 = p11
+        a12 = p12
+        a13 = p13
+        a22 = p22
+        a23 = p23
+        a33 = p33
+    diagonal = a00 * a00 + a11 * a11 + a22 * a22 + a33 * a33
+    rest = a01 * a01 + a02 * a02 + a03 * a03 + a12 * a12 + a13 * a13 + a23 * a23
+    factor = square_root(diagonal + sine.dtype(2.0) * rest)
+    for _root in range(4):
+        factor = square_root(factor)
+    return bound * factor
+
+
 @cache
-def element_frequency_kernel(real: type):
-    """Square of each element's highest frequency, bounded from above [1/s^2]; one lane, any number of elements."""
-    types = lane_types(real, 1)
+def element_frequency_kernel(real: type, lane_count: int):
+    """Square of each element's highest frequency, bounded from above [1/s^2].
+
+    The bound is the largest eigenvalue of a 2 x 2 matrix of norms: of the second derivatives by the positions, by the
+    directors, and of those that couple both, each over the lumped masses. In a flat element the first falls apart into
+    motions in the plane, across it, and hourglass modes, of which the largest counts.
+    """
+    types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
-    Elements, UnitCell, SheetLaws = element_struct(real, 1), unit_cell_struct(real), sheet_struct(real)
+    Elements, UnitCell, SheetLaws = element_struct(real, lane_count), unit_cell_struct(real), sheet_struct(real)
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_frequencies(
@@ -32,9 +222,12 @@ def element_frequency_kernel(real: type):
         elements: Elements,
         cell: UnitCell,
         laws: SheetLaws,
+        bending_bound: real,  # largest bending stiffness of any curvature [N m]
+        contact_frequency: real,  # squared, of the contact springs [1/s^2]
         motion: wp.array2d(dtype=vec3),
+        node_report: wp.array2d(dtype=real),
         crimp_change: wp.array2d(dtype=lanes),
-        inertia: wp.array2d(dtype=lanes),  # rows: inverse areal density with any added mass; constant part [1/s^2]
+        inertia: wp.array2d(dtype=lanes),  # rows: inverse areal density with any added mass; inverse squared radius
         clock: wp.array(dtype=wp.float64),
         steps_ahead: wp.int32,
         # Out
@@ -42,49 +235,143 @@ def element_frequency_kernel(real: type):
     ):
         e = first + wp.tid()
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
-        # where the present rate takes the yarns before the step is looked at again, twice as far for safety
-        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion[VELOCITY_ROW], lanes3())
-        horizon = real(2.0) * real(clock[CLOCK_STEP]) * real(steps_ahead)
-        u1 = u1 + (horizon * cell.half_spacing[0]) * (larger(dot(a1, v1), lanes()) / stretch1)
-        u2 = u2 + (horizon * cell.half_spacing[1]) * (larger(dot(a2, v2), lanes()) / stretch2)
-        w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(
-            cell, u1, u2, crimp_change[0, e], crimp_change[1, e]
-        )
-        k11, k12, k22 = condensed_tangent(cell, u1, u2, w1, w2, True)
-        half = real(0.5)
-        l1 = cell.half_spacing[0]
-        l2 = cell.half_spacing[1]
-        # dn/dlambda [N/m]
-        c11 = (half * l1 / l2) * k11
-        c22 = (half * l2 / l1) * k22
-        c12 = half * k12
         bp1 = elements.shape_gradient[0, e]
         bp2 = elements.shape_gradient[1, e]
         bq1 = elements.shape_gradient[2, e]
         bq2 = elements.shape_gradient[3, e]
+        zero = lanes()
+        one = lanes(real(1.0))
+        half = real(0.5)
         two = real(2.0)
         b11 = two * (bp1 * bp1 + bq1 * bq1)
         b22 = two * (bp2 * bp2 + bq2 * bq2)
-        b12 = two * (bp1 * bp2 + bq1 * bq2) * m12 / (stretch1 * stretch2)
-        # largest eigenvalue of C B, both symmetric
-        trace = c11 * b11 + two * (c12 * b12) + c22 * b22
-        determinant = (c11 * c22 - c12 * c12) * (b11 * b22 - b12 * b12)
-        root = square_root(larger(real(0.25) * trace * trace - determinant, lanes()))
-        membrane = half * trace + root
-        # tension stiffens the directions across the yarn
-        tension1 = larger(force1 / ((two * l2) * stretch1), lanes())
-        tension2 = larger(force2 / ((two * l1) * stretch2), lanes())
-        geometric = tension1 * b11 + tension2 * b22
+        b12 = two * (bp1 * bp2 + bq1 * bq2)
+        inverse_product = one / (stretch1 * stretch2)
+        sine = m12 * inverse_product
+        cosine = area_ratio * inverse_product
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
-        shear = two * shear_tangent_bound(laws, m11, m12, m22, area_ratio, angle) * (b11 / m11 + b22 / m22)
-        # raised indices: in a sheared sheet the same curvature or slope costs more along the narrow diagonal
-        metric_growth = (stretch1 * stretch2 + magnitude(m12)) / area_ratio
-        squared_frequency[e] = (
-            real(4.0) * inertia[0, e] * (larger(membrane, magnitude(trace - membrane)) + geometric + shear)
-            + metric_growth * inertia[1, e]
+
+        # in the plane; where the present rate takes the yarns before the next look, twice as far for safety
+        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion[VELOCITY_ROW], lanes3())
+        horizon = two * real(clock[CLOCK_STEP]) * real(steps_ahead)
+        u1 = u1 + (horizon * cell.half_spacing[0]) * (larger(dot(a1, v1), zero) / stretch1)
+        u2 = u2 + (horizon * cell.half_spacing[1]) * (larger(dot(a2, v2), zero) / stretch2)
+        c11, c12, c22, n1, n2 = cell_tangent(cell, u1, u2, crimp_change[0, e], crimp_change[1, e])
+        n1 = larger(n1, zero)
+        n2 = larger(n2, zero)
+        shear11, shear12, shear22, c13, c23, c33, pull1, pull2, moment = shear_tangent(
+            laws, stretch1, stretch2, sine, cosine, angle
         )
+        c33 = larger(c33, zero)
+        if laws.in_plane_bending_stiffness > real(0.0):
+            bundling = (two * laws.in_plane_bending_stiffness) * (bp1 * bq2 - bp2 * bq1)
+            difference, square = corner_angles(elements, e, node_report, angle)
+            moment = moment + bundling * difference
+            c33 = c33 + real(4.0) * bundling
+        n1 = n1 + pull1
+        n2 = n2 + pull2
+        in_plane = largest_in_plane(
+            c11 + shear11 + lanes(laws.compressive_stiffness),
+            c12 + shear12,
+            c22 + shear22 + lanes(laws.compressive_stiffness),
+            c13, c23, c33, n1, n2, moment, stretch1, stretch2, sine, cosine, b11, b12, b22,
+        )  # fmt: skip
+
+        # across the plane: tension, shear and transverse shear
+        metric11 = m22 / (area_ratio * area_ratio)
+        metric12 = -(m12 / (area_ratio * area_ratio))
+        metric22 = m11 / (area_ratio * area_ratio)
+        slope = laws.transverse_shear_stiffness * area_ratio
+        turn = moment / area_ratio
+        across = largest_of_pencil(
+            n1 / stretch1 - turn * m12 / m11 + slope * metric11,
+            turn + slope * metric12,
+            n2 / stretch2 - turn * m12 / m22 + slope * metric22,
+            b11, b12, b22,
+        )  # fmt: skip
+
+        # sizes of what couples positions and directors in a bent, tilted or warped element; raised by the metric
+        squares = b11 + b22
+        gradient = largest_of_pencil(metric11, metric12, metric22, b11, b12, b22)
+        inverse_radius = square_root(inertia[1, e])
+        k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
+        trace = metric11 * k11 + two * (metric12 * k12) + metric22 * k22
+        curvature = square_root(larger(trace * trace - two * (k11 * k22 - k12 * k12) / (area_ratio * area_ratio), zero))
+        turning = square_root(
+            larger(metric11 * dot(d1, d1) + two * (metric12 * dot(d1, d2)) + metric22 * dot(d2, d2), zero)
+        )
+        tilt1 = dot(a1, mean_director)
+        tilt2 = dot(a2, mean_director)
+        tilt = square_root(
+            larger(metric11 * tilt1 * tilt1 + two * (metric12 * tilt1 * tilt2) + metric22 * tilt2 * tilt2, zero)
+        )
+        shift = square_root(larger(metric11 * g1 * g1 + two * (metric12 * g1 * g2) + metric22 * g2 * g2, zero))
+        lean = tilt + turning / square_root(gradient) + real(0.25) * square_root(dot(d_hourglass, d_hourglass))
+
+        # transverse shear: slopes and mean director
+        slope_positions = slope * gradient
+        mean_director_part = (real(0.25) * slope) * inertia[1, e]
+        in_plane = in_plane + slope_positions * (tilt + tilt * tilt + shift * (lanes(real(3.4)) + real(7.5) * shift))
+        across = across + slope_positions * (tilt + shift * (lanes(real(3.4)) + real(7.5) * shift))
+        coupling = square_root(slope_positions * mean_director_part) * (one + tilt + real(4.4) * shift)
+        directors = mean_director_part * (one + shift * lean)
+
+        # bending: gradient of the directors
+        bending = (bending_bound * area_ratio) * gradient
+        bending_positions = bending * (turning * turning + curvature * (real(11.0) * turning + real(12.0) * curvature))
+        bending_coupling = bending * inverse_radius * (turning + real(6.4) * curvature)
+        bending_directors = bending * inertia[1, e]
+        bent = bending_directors * curvature * lean / square_root(gradient)
+
+        # hourglass modes
+        in_plane_stiffness, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
+        offset_p = elements.hourglass_offset[0, e]
+        offset_q = elements.hourglass_offset[1, e]
+        length = square_root(lanes(real(4.0)) + two * (offset_p * offset_p + offset_q * offset_q))
+        x_size = square_root(dot(x_hourglass, x_hourglass))
+        odd = in_plane_stiffness * length * length
+        tipping = x_size * square_root(gradient)
+        odd_coupled = two * in_plane_stiffness * tipping * (length + tipping)
+        weight11, weight12, weight22 = twist_weights(elements, e)
+        weight = square_root(weight11 * weight11 + half * weight12 * weight12 + weight22 * weight22)
+        largest_metric = half * (m11 + m22) + square_root(real(0.25) * (m11 - m22) * (m11 - m22) + m12 * m12)
+        warping, along1, along2 = hourglass_strains(
+            elements, e, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
+        )
+        root_squares = square_root(squares)
+        director_gradient = square_root(dot(d1, d1) + dot(d2, d2))
+        warp_positions = real(0.25) * length + weight * director_gradient * root_squares
+        warp_directors = inverse_radius * (weight * root_squares * square_root(largest_metric) + real(0.125) * x_size)
+        warp_coupling = warping_stiffness * (
+            warp_positions * warp_directors
+            + magnitude(warping) * inverse_radius * (real(0.125) * length + weight * squares)
+        )
+        twist_positions = root_squares * square_root(dot(d_hourglass, d_hourglass))
+        twist_directors = inverse_radius * length * square_root(largest_metric)
+        twist_coupling = director_stiffness * (
+            twist_positions * twist_directors
+            + square_root(along1 * along1 + along2 * along2) * inverse_radius * length * root_squares
+        )
+
+        # slopes and mean director, hourglass and director gradient: in a flat element either pair moves by itself
+        positions = larger(
+            larger(in_plane, across), larger(odd, warping_stiffness * warp_positions * warp_positions)
+        ) + (bending_positions + odd_coupled + director_stiffness * twist_positions * twist_positions)
+        directors = (
+            larger(
+                larger(directors, bending_directors + warping_stiffness * warp_directors * warp_directors),
+                director_stiffness * twist_directors * twist_directors,
+            )
+            + bent
+        )
+        coupling = larger(coupling, warp_coupling) + bending_coupling + twist_coupling
+        mean = half * (positions + directors)
+        difference = half * (positions - directors)
+        largest = mean + square_root(difference * difference + coupling * coupling)
+        squared_frequency[e] = real(4.0) * inertia[0, e] * largest + lanes(contact_frequency)
 
     return element_frequencies
 

@@ -10,11 +10,9 @@ from .element import (
     VELOCITY_ROW,
     corner_angles,
     element_positions,
-    element_strains,
     element_struct,
     element_vectors,
     hourglass_stiffnesses,
-    hourglass_strains,
     surface_metric,
     twist_weights,
     yarn_displacements,
@@ -26,7 +24,6 @@ from .lanes import (
     fill,
     lane_types,
     larger,
-    magnitude,
     mul,
     square_root,
     where_positive,
@@ -92,6 +89,14 @@ def largest_of_pencil(h11: Any, h12: Any, h22: Any, b11: Any, b12: Any, b22: Any
 
 
 @wp.func
+def norm_squared(a00: Any, a01: Any, a02: Any, a03: Any, a11: Any, a12: Any, a13: Any, a22: Any, a23: Any, a33: Any):
+    """Sum of the squared entries of a symmetric 4 x 4 matrix."""
+    diagonal = a00 * a00 + a11 * a11 + a22 * a22 + a33 * a33
+    rest = a01 * a01 + a02 * a02 + a03 * a03 + a12 * a12 + a13 * a13 + a23 * a23
+    return diagonal + a00.dtype(2.0) * rest
+
+
+@wp.func
 def largest_in_plane(
     c11: Any,
     c12: Any,
@@ -154,27 +159,21 @@ def largest_in_plane(
     a22 = l22 * zz
     a23 = l22 * zw
     a33 = l22 * ww
-    # A is scaled before each squaring, so that no precision overflows: |A|^16 = s_1^16 s_2^8 s_3^4 s_4^2 |last|
-    bound = one
-    for squaring in range(4):
-        diagonal = a00 * a00 + a11 * a11 + a22 * a22 + a33 * a33
-        rest = a01 * a01 + a02 * a02 + a03 * a03 + a12 * a12 + a13 * a13 + a23 * a23
-        size = square_root(diagonal + sine.dtype(2.0) * rest)
-        factor = size
-        for _root in range(squaring):
-            factor = square_root(factor)
-        bound = bound * factor
-        scaling = where_positive(size, one / size, one)
-        a00 = a00 * scaling
-        a01 = a01 * scaling
-        a02 = a02 * scaling
-        a03 = a03 * scaling
-        a11 = a11 * scaling
-        a12 = a12 * scaling
-        a13 = a13 * scaling
-        a22 = a22 * scaling
-        a23 = a23 * scaling
-        a33 = a33 * scaling
+    # over its norm no eigenvalue is above one, and the largest not below a half: its powers fit any precision
+    size = square_root(norm_squared(a00, a01, a02, a03, a11, a12, a13, a22, a23, a33))
+    scaling = where_positive(size, one / size, one)
+    a00 = a00 * scaling
+    a01 = a01 * scaling
+    a02 = a02 * scaling
+    a03 = a03 * scaling
+    a11 = a11 * scaling
+    a12 = a12 * scaling
+    a13 = a13 * scaling
+    a22 = a22 * scaling
+    a23 = a23 * scaling
+    a33 = a33 * scaling
+    squaring_count = int(4)  # noqa: UP018, a literal would be unrolled and take long to compile
+    for _squaring in range(squaring_count):
         p00 = a00 * a00 + a01 * a01 + a02 * a02 + a03 * a03
         p01 = a00 * a01 + a01 * a11 + a02 * a12 + a03 * a13
         p02 = a00 * a02 + a01 * a12 + a02 * a22 + a03 * a23
@@ -195,12 +194,11 @@ def largest_in_plane(
         a22 = p22
         a23 = p23
         a33 = p33
-    diagonal = a00 * a00 + a11 * a11 + a22 * a22 + a33 * a33
-    rest = a01 * a01 + a02 * a02 + a03 * a03 + a12 * a12 + a13 * a13 + a23 * a23
-    factor = square_root(diagonal + sine.dtype(2.0) * rest)
-    for _root in range(4):
-        factor = square_root(factor)
-    return bound * factor
+    # the 16th root of |A^16|
+    power = norm_squared(a00, a01, a02, a03, a11, a12, a13, a22, a23, a33)
+    for _root in range(squaring_count + 1):
+        power = square_root(power)
+    return size * power
 
 
 @cache
@@ -293,81 +291,87 @@ def element_frequency_kernel(real: type, lane_count: int):
             b11, b12, b22,
         )  # fmt: skip
 
-        # sizes of what couples positions and directors in a bent, tilted or warped element; raised by the metric
-        squares = b11 + b22
+        # what couples positions and directors: curvature [1/m], tilt of the directors, hourglass vectors; sizes in the
+        # current metric
         gradient = largest_of_pencil(metric11, metric12, metric22, b11, b12, b22)
-        inverse_radius = square_root(inertia[1, e])
-        k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
-        trace = metric11 * k11 + two * (metric12 * k12) + metric22 * k22
-        curvature = square_root(larger(trace * trace - two * (k11 * k22 - k12 * k12) / (area_ratio * area_ratio), zero))
-        turning = square_root(
-            larger(metric11 * dot(d1, d1) + two * (metric12 * dot(d1, d2)) + metric22 * dot(d2, d2), zero)
-        )
+        squares = b11 + b22
         tilt1 = dot(a1, mean_director)
         tilt2 = dot(a2, mean_director)
-        tilt = square_root(
-            larger(metric11 * tilt1 * tilt1 + two * (metric12 * tilt1 * tilt2) + metric22 * tilt2 * tilt2, zero)
-        )
-        shift = square_root(larger(metric11 * g1 * g1 + two * (metric12 * g1 * g2) + metric22 * g2 * g2, zero))
-        lean = tilt + turning / square_root(gradient) + real(0.25) * square_root(dot(d_hourglass, d_hourglass))
+        curvature = metric11 * dot(d1, d1) + two * (metric12 * dot(d1, d2)) + metric22 * dot(d2, d2)
+        tilt = metric11 * tilt1 * tilt1 + two * (metric12 * tilt1 * tilt2) + metric22 * tilt2 * tilt2
+        if elements.flat == 0:
+            raising = metric11 + metric22
+            k11 = elements.initial_curvature[0, e]
+            k12 = elements.initial_curvature[1, e]
+            k22 = elements.initial_curvature[2, e]
+            g1 = elements.initial_transverse_shear[0, e]
+            g2 = elements.initial_transverse_shear[1, e]
+            curvature = two * (curvature + raising * raising * (k11 * k11 + two * (k12 * k12) + k22 * k22))
+            tilt = two * (tilt + raising * (g1 * g1 + g2 * g2))
+        curvature = square_root(larger(curvature, zero))
+        tilt = square_root(larger(tilt, zero))
+        x_odd = square_root(dot(x_hourglass, x_hourglass))
+        d_odd = square_root(dot(d_hourglass, d_hourglass))
+        root_gradient = square_root(gradient)
+        lean = tilt + curvature / root_gradient + real(0.25) * d_odd
+        radius = inertia[1, e]
+        inverse_radius = square_root(radius)
+        largest_metric = m11 + m22
 
-        # transverse shear: slopes and mean director
+        # transverse shear couples slopes and mean directors, by the directors' full length in a flat element too
         slope_positions = slope * gradient
-        mean_director_part = (real(0.25) * slope) * inertia[1, e]
-        in_plane = in_plane + slope_positions * (tilt + tilt * tilt + shift * (lanes(real(3.4)) + real(7.5) * shift))
-        across = across + slope_positions * (tilt + shift * (lanes(real(3.4)) + real(7.5) * shift))
-        coupling = square_root(slope_positions * mean_director_part) * (one + tilt + real(4.4) * shift)
-        directors = mean_director_part * (one + shift * lean)
+        mean_directors = (real(0.25) * slope) * radius
+        tilting = slope_positions * tilt * (lanes(real(4.4)) + real(8.5) * tilt)
+        slope_coupling = square_root(slope_positions * mean_directors) * (one + real(5.4) * tilt)
 
-        # bending: gradient of the directors
+        # bending couples positions and director gradients
         bending = (bending_bound * area_ratio) * gradient
-        bending_positions = bending * (turning * turning + curvature * (real(11.0) * turning + real(12.0) * curvature))
-        bending_coupling = bending * inverse_radius * (turning + real(6.4) * curvature)
-        bending_directors = bending * inertia[1, e]
-        bent = bending_directors * curvature * lean / square_root(gradient)
+        bending_positions = (real(24.0) * bending) * (curvature * curvature)
+        bending_coupling = (real(7.4) * bending) * (inverse_radius * curvature)
+        bending_directors = bending * radius
+        constraint = mean_directors * tilt * lean + bending_directors * curvature * lean / root_gradient
 
-        # hourglass modes
+        # hourglass modes; x_h has the norm ``length``, the warping takes a quarter of it and ``twist`` of the curvature
         in_plane_stiffness, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
         offset_p = elements.hourglass_offset[0, e]
         offset_q = elements.hourglass_offset[1, e]
         length = square_root(lanes(real(4.0)) + two * (offset_p * offset_p + offset_q * offset_q))
-        x_size = square_root(dot(x_hourglass, x_hourglass))
-        odd = in_plane_stiffness * length * length
-        tipping = x_size * square_root(gradient)
-        odd_coupled = two * in_plane_stiffness * tipping * (length + tipping)
         weight11, weight12, weight22 = twist_weights(elements, e)
-        weight = square_root(weight11 * weight11 + half * weight12 * weight12 + weight22 * weight22)
-        largest_metric = half * (m11 + m22) + square_root(real(0.25) * (m11 - m22) * (m11 - m22) + m12 * m12)
-        warping, along1, along2 = hourglass_strains(
-            elements, e, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
+        twist = square_root(squares * (weight11 * weight11 + half * weight12 * weight12 + weight22 * weight22))
+        root_metric = square_root(largest_metric)
+        tipping = x_odd * root_gradient
+        in_plane_odd = in_plane_stiffness * length * (length + two * tipping * (one + tipping))
+        warp_positions = real(0.25) * length + twist * root_metric * curvature
+        warp_directors = inverse_radius * (twist * root_metric + real(0.125) * x_odd)
+        warp = real(0.25) * x_odd + twist * curvature / root_gradient
+        warp_coupling = warp_positions * warp_directors + warp * inverse_radius * (
+            real(0.125) * length + twist * root_gradient
         )
         root_squares = square_root(squares)
-        director_gradient = square_root(dot(d1, d1) + dot(d2, d2))
-        warp_positions = real(0.25) * length + weight * director_gradient * root_squares
-        warp_directors = inverse_radius * (weight * root_squares * square_root(largest_metric) + real(0.125) * x_size)
-        warp_coupling = warping_stiffness * (
-            warp_positions * warp_directors
-            + magnitude(warping) * inverse_radius * (real(0.125) * length + weight * squares)
-        )
-        twist_positions = root_squares * square_root(dot(d_hourglass, d_hourglass))
-        twist_directors = inverse_radius * length * square_root(largest_metric)
-        twist_coupling = director_stiffness * (
-            twist_positions * twist_directors
-            + square_root(along1 * along1 + along2 * along2) * inverse_radius * length * root_squares
-        )
+        odd_positions = root_squares * d_odd
+        odd_directors = inverse_radius * (length * root_metric)
 
-        # slopes and mean director, hourglass and director gradient: in a flat element either pair moves by itself
-        positions = larger(
-            larger(in_plane, across), larger(odd, warping_stiffness * warp_positions * warp_positions)
-        ) + (bending_positions + odd_coupled + director_stiffness * twist_positions * twist_positions)
+        # in a flat element slopes with mean directors, and warping with director gradients, move by themselves
+        positions = (
+            larger(
+                larger(in_plane, across) + tilting,
+                larger(in_plane_odd, warping_stiffness * warp_positions * warp_positions),
+            )
+            + bending_positions
+            + director_stiffness * odd_positions * odd_positions
+        )
         directors = (
             larger(
-                larger(directors, bending_directors + warping_stiffness * warp_directors * warp_directors),
-                director_stiffness * twist_directors * twist_directors,
+                larger(mean_directors, bending_directors + warping_stiffness * warp_directors * warp_directors),
+                director_stiffness * odd_directors * odd_directors,
             )
-            + bent
+            + constraint
         )
-        coupling = larger(coupling, warp_coupling) + bending_coupling + twist_coupling
+        coupling = (
+            larger(slope_coupling, warping_stiffness * warp_coupling)
+            + bending_coupling
+            + (two * director_stiffness) * (odd_positions * odd_directors)
+        )
         mean = half * (positions + directors)
         difference = half * (positions - directors)
         largest = mean + square_root(difference * difference + coupling * coupling)

@@ -17,13 +17,27 @@ from .element import (
     yarn_displacements,
 )
 from .lanes import angle_of, cross, div, dot, fill, lane_types, larger, mul, scale, spread, square_root, where_positive
-from .sheet import bending_moments, compressive_force, shear_energy, sheet_struct, transverse_shear_forces
+from .sheet import (
+    BENDING_LOSS_ROW,
+    BENDING_SLIP_ROW,
+    SHEAR_LOSS_ROW,
+    SHEAR_SLIP_ROW,
+    bending_energy,
+    bending_moments,
+    compressive_force,
+    shear_energy,
+    shear_moment,
+    sheet_struct,
+    slip_energy,
+    transverse_shear_forces,
+)
 from .unit_cell import solve_unit_cell, unit_cell_energies, unit_cell_struct
 
 # Rows of the element energies [J], in this order.
 ELEMENT_ENERGIES = (
     "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "compression",
-    "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass", "snap",
+    "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass",
+    "snap_loss", "shear_friction_loss", "bending_friction_loss",
 )  # fmt: skip
 # Rows of the element fields.
 ELEMENT_FIELDS = (
@@ -34,6 +48,7 @@ ELEMENT_FIELDS = (
     "weft_force",
     "crossover_force",
     "area_ratio",
+    "shear_moment",
 )
 
 
@@ -54,6 +69,7 @@ def element_ledger_kernel(real: type):
         node_report: wp.array2d(dtype=real),
         crimp_change: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),
+        slip: wp.array2d(dtype=lanes),
         # Out
         energies: wp.array2d(dtype=lanes),
         fields: wp.array2d(dtype=lanes),
@@ -88,11 +104,26 @@ def element_ledger_kernel(real: type):
         energies[4, e] = (
             half * area * (squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0)))
         )
-        energies[5, e] = area * shear_energy(laws, m12, angle)
+        shear = shear_energy(laws, m12, angle)
+        moment = shear_moment(laws, m12, area_ratio, angle)
+        bending = bending_energy(laws, m11, m22, k11, k12, k22, moment11, moment12, moment22)
+        if laws.shear.friction_stiffness > real(0.0):
+            turned = slip[SHEAR_SLIP_ROW, e]
+            shear = shear + slip_energy(laws.shear.friction_stiffness, angle, turned)
+            moment = moment + laws.shear.friction_stiffness * (angle - turned)
+            energies[11, e] = area * slip[SHEAR_LOSS_ROW, e]
+        if laws.bending.friction == 1:
+            bending = (
+                bending
+                + slip_energy(laws.bending.friction_stiffness[0], k11 / m11, slip[BENDING_SLIP_ROW, e])
+                + slip_energy(laws.bending.friction_stiffness[1], k22 / m22, slip[BENDING_SLIP_ROW + 1, e])
+            )
+            energies[12, e] = area * slip[BENDING_LOSS_ROW, e]
+        energies[5, e] = area * shear
         difference, square = corner_angles(elements, e, node_report, angle)
         real_element = where_positive(area, fill(area, 1.0), lanes())
         energies[6, e] = (half * laws.in_plane_bending_stiffness) * real_element * square
-        energies[7, e] = half * area * (moment11 * k11 + real(2.0) * moment12 * k12 + moment22 * k22)
+        energies[7, e] = area * bending
         energies[8, e] = half * area * (q1 * g1 + q2 * g2)
         energies[9, e] = (
             half
@@ -111,5 +142,6 @@ def element_ledger_kernel(real: type):
         fields[4, e] = force2 / lanes(real(2.0) * cell.half_spacing[0]) + squeeze2
         fields[5, e] = real(2.0) * crossover
         fields[6, e] = area_ratio
+        fields[7, e] = moment
 
     return element_ledger

@@ -78,7 +78,8 @@ def element_frequency_kernel(real: type):
         tension2 = larger(force2 / ((two * l1) * stretch2), lanes())
         geometric = tension1 * b11 + tension2 * b22
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
-        shear = two * shear_tangent_bound(laws, m11, m12, m22, area_ratio, angle) * (b11 / m11 + b22 / m22)
+        pressure = crossover / lanes(two * l1 * l2)
+        shear = two * shear_tangent_bound(laws, m11, m12, m22, area_ratio, angle, pressure) * (b11 / m11 + b22 / m22)
         # raised indices: in a sheared sheet the same curvature or slope costs more along the narrow diagonal
         metric_growth = (stretch1 * stretch2 + magnitude(m12)) / area_ratio
         squared_frequency[e] = (

@@ -24,7 +24,7 @@ INTERNAL = (
     "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass",
 )  # fmt: skip
 STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
-LOST = ("friction_loss", "damping_loss", "snap_loss")
+LOST = ("friction_loss", "damping_loss", "snap_loss", "shear_friction_loss", "bending_friction_loss")
 SUPPLIED = ("tool_work", "driving_force_work", "support_work", "gravity_work", "initial_kinetic")
 
 
@@ -66,7 +66,7 @@ class Ledger:
             dim=model.element_count,
             inputs=[
                 model.elements_single, model.cell, model.laws, state.motion, state.node_report,
-                lanes_view(state.crimp_change, 1), lanes_view(state.cell_report, 1),
+                lanes_view(state.crimp_change, 1), lanes_view(state.cell_report, 1), lanes_view(state.slip, 1),
             ],
             outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
             device=model.device,
@@ -107,7 +107,6 @@ class Ledger:
         stepper, model, state = self._stepper, self._stepper.model, self._stepper.state
         element = self._energies.numpy()[:, : model.blank.element_count].astype(np.float64).sum(axis=1)
         entries = dict(zip(ELEMENT_ENERGIES, element.tolist(), strict=True))
-        entries["snap_loss"] = entries.pop("snap")
         entries["internal"] = sum(entries[name] for name in INTERNAL)
         entries["kinetic"] = self._kinetic(velocity, spin)
         tool_velocity, work = stepper.tools.velocity.numpy(), stepper.tools.work.numpy()

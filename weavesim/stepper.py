@@ -22,9 +22,10 @@ from .kernels.element import (
     element_force_kernel,
 )
 from .kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, node_motion_kernel
+from .kernels.sheet import SLIP_ROWS
 from .kernels.time_step import element_frequency_kernel, partial_maximum_kernel, set_step_kernel
 from .kernels.tool_motion import partial_sum_kernel, tool_motion_kernel
-from .model import Model, lanes_view
+from .model import BLOCK, Model, lanes_view
 from .tool import DeviceTools
 
 REFRESH_INTERVAL = 20
@@ -41,6 +42,7 @@ class State:
     motion: wp.array  # (5, nodes) vec3, rows MOTION_ROWS
     crimp_change: wp.array  # (2, elements) [m]
     cell_report: wp.array  # (4, elements)
+    slip: wp.array  # (5, elements), rows SLIP_ROWS; (5, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # (36, elements)
     node_report: wp.array  # (4, nodes), rows NODE_REPORT_ROWS
     friction: wp.array  # (tools, nodes) vec3 [m]
@@ -51,12 +53,14 @@ class State:
     def initial(cls, model: Model, velocity: np.ndarray | None = None) -> State:
         real, vec3, device = model.real, model.types.vec3, model.device
         tool_rows = max(model.tool_count, 1)
+        slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
         clock = np.zeros(CLOCK_LENGTH)
         clock[[CLOCK_STEP, CLOCK_MEAN_STEP]] = model.reference_step
         return cls(
             motion=wp.array(model.initial_motion(velocity), dtype=vec3, device=device),
             crimp_change=wp.zeros((2, model.element_count), dtype=real, device=device),
             cell_report=wp.zeros((len(CELL_REPORT_ROWS), model.element_count), dtype=real, device=device),
+            slip=wp.zeros((len(SLIP_ROWS), slip_count), dtype=real, device=device),
             corner_force=wp.zeros((CORNER_ROW_COUNT, model.element_count), dtype=real, device=device),
             node_report=wp.zeros((len(NODE_REPORT_ROWS), model.node_count), dtype=real, device=device),
             friction=wp.zeros((tool_rows, model.node_count), dtype=vec3, device=device),
@@ -128,14 +132,15 @@ class Stepper:
         """Element forces of the current state, in the blocks of lanes from ``first``."""
         model, state = self.model, self.state
         count = model.element_count // model.lane_count if count is None else count
-        crimp_change, cell_report, corner_force = (
-            lanes_view(array, model.lane_count) for array in (state.crimp_change, state.cell_report, state.corner_force)
+        crimp_change, cell_report, slip, corner_force = (
+            lanes_view(array, model.lane_count)
+            for array in (state.crimp_change, state.cell_report, state.slip, state.corner_force)
         )
         wp.launch(
             self._element_forces,
             dim=count,
             inputs=[first, model.elements, model.cell, model.laws, state.motion, state.node_report],
-            outputs=[crimp_change, cell_report, corner_force],
+            outputs=[crimp_change, cell_report, slip, corner_force],
             device=model.device,
         )
 

@@ -14,6 +14,7 @@ from .model import TANGENTIAL_RATIO, lanes_view
 from .motion import Driven
 from .recording import Frame
 from .stepper import Stepper
+from .support import Support, support_outputs
 from .tool import Tool
 
 # A cell whose residual ever exceeds this share of the forces that it balances has failed.
@@ -43,10 +44,13 @@ class Ledger:
         stepper: its state is read.
         tools: in the order of the device tools.
         leading_tool: whose displacement is the stroke.
+        supports: in the order of the device supports.
     """
 
-    def __init__(self, stepper: Stepper, tools: tuple[Tool, ...], leading_tool: int) -> None:
-        self._stepper, self._tools, self._leading_tool = stepper, tools, leading_tool
+    def __init__(
+        self, stepper: Stepper, tools: tuple[Tool, ...], leading_tool: int, supports: tuple[Support, ...] = ()
+    ) -> None:
+        self._stepper, self._tools, self._leading_tool, self._supports = stepper, tools, leading_tool, supports
         model = stepper.model
         self._kernel = element_ledger_kernel(model.real)
         self._distance_kernel = sample_distance_kernel(model.real, 1)
@@ -81,17 +85,22 @@ class Ledger:
             np.float64
         )
         displacement = stepper.tools.displacement.numpy().copy()
+        support_force, drive_displacement, drive_force = support_outputs(self._supports, stepper.supports)
+        leading = displacement[self._leading_tool :] if len(displacement) else drive_displacement
         return Frame(
             index=index,
             step_count=stepper.step_count,
             time=state.time,
-            stroke=float(displacement[self._leading_tool]) if len(displacement) else 0.0,
+            stroke=float(leading[0]) if len(leading) else 0.0,
             position=position + remainder,
             director=director,
             fields=fields,
             tool_displacement=displacement,
             tool_reaction=stepper.tools.total_reaction.numpy().copy(),
             energies=self._balance(position + remainder, velocity, spin),
+            support_force=support_force,
+            drive_displacement=drive_displacement,
+            drive_force=drive_force,
         )
 
     def _velocities(self) -> tuple[np.ndarray, np.ndarray]:

@@ -59,12 +59,14 @@ DIRECTOR_ROW = wp.constant(2)
 SPIN_ROW = wp.constant(3)
 REMAINDER_ROW = wp.constant(4)
 # Rows of the node report: work done against friction so far, lost or held in the friction springs [J]; energy lost in
-# damping so far [J]; mean shear angle of the elements around the node [rad]; work of what holds the node so far [J].
-NODE_REPORT_ROWS = ("friction_work", "damping_loss", "mean_shear_angle", "support_work")
+# damping so far [J]; mean shear angle of the elements around the node [rad]; work of what holds the node, and of the
+# loads on it, so far [J].
+NODE_REPORT_ROWS = ("friction_work", "damping_loss", "mean_shear_angle", "support_work", "load_work")
 FRICTION_ROW = wp.constant(0)
 DAMPING_ROW = wp.constant(1)
 MEAN_ANGLE_ROW = wp.constant(2)
 SUPPORT_ROW = wp.constant(3)
+LOAD_ROW = wp.constant(4)
 
 
 @cache

@@ -12,6 +12,7 @@ from .element import (
     DAMPING_ROW,
     DIRECTOR_ROW,
     FRICTION_ROW,
+    LOAD_ROW,
     MEAN_ANGLE_ROW,
     POSITION_ROW,
     REMAINDER_ROW,
@@ -59,6 +60,9 @@ def node_struct(real: type, lane_count: int):
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
         contact_stiffness: wp.array(dtype=types.lanes)  # [N/m]
         angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
+        load: wp.array2d(dtype=types.vec3)  # rows: force [N], couple [N m] at a share of one
+        load_time: wp.array(dtype=wp.float64)  # knots of the loads' share [s]; none without loads
+        load_share: wp.array(dtype=wp.float64)
         freedom: wp.array(dtype=types.indices)  # bits 0-2: x, y, z may move; bits 3-5: director may turn about x, y, z
 
     return Nodes
@@ -129,6 +133,17 @@ def freedom_mask(freedom: Any, first_bit: int, like: Any):
 
 
 @wp.func
+def load_share(knot_time: wp.array(dtype=wp.float64), knot_share: wp.array(dtype=wp.float64), time: wp.float64):
+    """Share of the nodal loads, piecewise linear in time and constant beyond its ends."""
+    result = knot_share[0]
+    for k in range(1, knot_time.shape[0]):
+        if time > knot_time[k - 1]:
+            part = wp.min((time - knot_time[k - 1]) / (knot_time[k] - knot_time[k - 1]), wp.float64(1.0))
+            result = knot_share[k - 1] + part * (knot_share[k] - knot_share[k - 1])
+    return result
+
+
+@wp.func
 def normal_force(penetration: Any, approach: Any, stiffness: Any, damping_time: Any):
     """Penalty force and its damped total, never pulling; ``approach`` > 0 where the sheet moves into the tool."""
     zero = fill(penetration, 0.0)
@@ -193,6 +208,17 @@ def node_motion_kernel(real: type, lane_count: int):
         weight = nodes.angle_weight[block]
         damping_loss = where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
         report[MEAN_ANGLE_ROW, block] = mean_angle
+
+        # prescribed loads; a moment M turns the director as the conjugate M x d does, without its part along d
+        director = load(motion[DIRECTOR_ROW], first, lanes3())
+        applied_force = lanes3()
+        applied_couple = lanes3()
+        if nodes.load_time.shape[0] > 0:
+            share = real(load_share(nodes.load_time, nodes.load_share, clock[CLOCK_TIME]))
+            applied_force = share * load(nodes.load[0], first, lanes3())
+            applied_couple = share * load(nodes.load[1], first, lanes3())
+            force = force + applied_force
+            couple = couple + cross(applied_couple, director)
 
         # forces that do not come from an energy, and the power that the moving tools take from them
         friction_force = lanes3()
@@ -270,7 +296,6 @@ def node_motion_kernel(real: type, lane_count: int):
         store(motion[POSITION_ROW], first, new_x)
 
         # rotation of the director: I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps its length
-        director = load(motion[DIRECTOR_ROW], first, lanes3())
         spin = load(motion[SPIN_ROW], first, lanes3())
         turning = wp.cw_mul(
             freedom_mask(freedom, 3, lanes3()), scale(nodes.inverse_inertia[block], cross(director, couple))
@@ -289,6 +314,10 @@ def node_motion_kernel(real: type, lane_count: int):
         store(motion[DIRECTOR_ROW], first, new_director)
 
         report[FRICTION_ROW, block] = report[FRICTION_ROW, block] + friction_work
+        if nodes.load_time.shape[0] > 0:
+            report[LOAD_ROW, block] = report[LOAD_ROW, block] + mean_step * (
+                dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_middle)
+            )
         report[DAMPING_ROW, block] = report[DAMPING_ROW, block] + damping_loss
 
     return node_motion

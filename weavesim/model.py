@@ -28,6 +28,7 @@ from .kernels.sheet import (
     sheet_struct,
 )
 from .kernels.unit_cell import unit_cell_struct
+from .loads import NodalLoads
 from .shear import LARGEST_SHEAR_ANGLE, LinearShear
 
 # Arrays are padded to whole blocks of the widest lanes, whatever lanes the kernels use.
@@ -219,6 +220,7 @@ class Model:
         lane_count: elements per kernel thread.
         tool_count: number of tools.
         target_step: with mass scaling, the stable step aimed at [s]; None adds no mass.
+        loads: prescribed at the nodes.
 
     Attributes:
         reference_step: stable step with straight yarns [s]; contact stiffness and the first step come from it.
@@ -238,8 +240,9 @@ class Model:
         tool_count: int,
         target_step: float | None = None,
         contact_share: float = CONTACT_SHARE,
+        loads: NodalLoads | None = None,
     ) -> None:
-        self.blank, self.fabric, self.motion = blank, fabric, motion
+        self.blank, self.fabric, self.motion, self.loads = blank, fabric, motion, loads
         self.device, self.precision, self.lane_count, self.tool_count = device, precision, lane_count, tool_count
         self.real = precision.real
         self.types = lane_types(self.real, lane_count)
@@ -399,6 +402,12 @@ class Model:
         freedom = np.zeros(self.node_count, dtype=np.int32)
         freedom[:count] = bits
         nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
+        loads = np.zeros((2, self.node_count if self.loads else 0, 3))
+        if self.loads:
+            loads[:, :count] = self.loads.arrays(count)
+        nodes.load = self._array(loads, self.types.vec3)
+        nodes.load_time = self._array(np.array(self.loads.times if self.loads else ()), wp.float64)
+        nodes.load_share = self._array(np.array(self.loads.shares if self.loads else ()), wp.float64)
 
         def lanes(values):
             return lanes_view(self._array(self._padded(values, self.node_count), self.real), self.lane_count)

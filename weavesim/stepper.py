@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import warp as wp
@@ -82,6 +82,17 @@ class State:
         return float(self.clock.numpy()[CLOCK_STEP])
 
 
+@dataclass
+class Ahead:
+    """What the next step will be, at the end of it; see ``State`` and ``DeviceTools`` for the rows."""
+
+    motion: wp.array
+    node_report: wp.array
+    friction: wp.array
+    tool_velocity: wp.array
+    tool_work: wp.array
+
+
 def chunks(count: int, part_count: int) -> list[tuple[int, int]]:
     """(first, length) of ``part_count`` nearly equal parts of range(count)."""
     edges = np.linspace(0, count, part_count + 1).astype(int)
@@ -137,6 +148,11 @@ class Stepper:
         self._block_graphs = self._record(self._block)
         self.step_count = 0
         self._replay(self._refresh_graphs)
+        # velocities live at half steps, the initial ones at time zero: the first change is that of half a step
+        clock = state.clock.numpy()
+        clock[CLOCK_MEAN_STEP] = 0.5 * clock[CLOCK_STEP]
+        state.clock.assign(clock)
+        self._ahead: tuple[State, DeviceTools] | None = None
 
     # --- the launches of one thread ----------------------------------------------------------------------------------
 
@@ -156,8 +172,8 @@ class Stepper:
             device=model.device,
         )
 
-    def _advance_nodes(self, first: int, count: int) -> None:
-        model, state = self.model, self.state
+    def _advance_nodes(self, first: int, count: int, state: State | None = None) -> None:
+        model, state = self.model, state or self.state
         wp.launch(
             self._node_motion,
             dim=count,
@@ -172,31 +188,37 @@ class Stepper:
             device=model.device,
         )  # fmt: skip
 
-    def _advance_supports(self) -> None:
+    def _advance_supports(self, clock: wp.array | None = None, displacement: wp.array | None = None) -> None:
         supports = self.supports
         if supports.drive_count:
             wp.launch(
                 self._support_motion,
                 dim=1,
-                inputs=[supports.first_piece, supports.start, supports.piece, self.state.clock],
-                outputs=[supports.displacement, supports.struct.increment],
+                inputs=[
+                    supports.first_piece,
+                    supports.start,
+                    supports.piece,
+                    self.state.clock if clock is None else clock,
+                ],
+                outputs=[supports.displacement if displacement is None else displacement, supports.struct.increment],
                 device=self.model.device,
             )
 
-    def _advance_tools(self) -> None:
-        model, state, tools = self.model, self.state, self.tools
-        if self._sums is not state.reaction:
+    def _advance_tools(self, state: State | None = None, tools: DeviceTools | None = None) -> None:
+        model, state, tools = self.model, state or self.state, tools or self.tools
+        sums = self._sums if self._sums is not self.state.reaction else state.reaction
+        if sums is not state.reaction:
             wp.launch(
                 self._partial_sums,
-                dim=self._sums.shape,
+                dim=sums.shape,
                 inputs=[GROUP_SIZE, state.reaction],
-                outputs=[self._sums],
+                outputs=[sums],
                 device=model.device,
             )
         wp.launch(
             self._tool_motion,
             dim=1,
-            inputs=[tools.drive, tools.axis, tools.curve_times, tools.curve_values, self._sums],
+            inputs=[tools.drive, tools.axis, tools.curve_times, tools.curve_values, sums],
             outputs=[state.clock, tools.displacement, tools.velocity, tools.total_reaction, tools.work],
             device=model.device,
         )
@@ -301,6 +323,40 @@ class Stepper:
         replay(graphs[0])
         for thread in others:
             thread.join()
+
+    def look_ahead(self) -> Ahead:
+        """The next step, done on a copy: the state stays as it is. Support forces become those of the present."""
+        if self._ahead is None:
+            names = ("motion", "node_report", "friction", "reaction", "clock")
+            state = replace(self.state, **{name: wp.clone(getattr(self.state, name)) for name in names})
+            names = ("displacement", "velocity", "total_reaction", "work")
+            self._ahead = state, replace(self.tools, **{name: wp.clone(getattr(self.tools, name)) for name in names})
+        state, tools = self._ahead
+        for source, target in ((self.state, state), (self.tools, tools)):
+            for field in fields(source):
+                here, there = getattr(source, field.name), getattr(target, field.name)
+                if here is not there:
+                    wp.copy(there, here)
+        self.evaluate()
+        self._advance_supports(state.clock, wp.clone(self.supports.displacement))
+        self._advance_nodes(0, self.model.node_count // self.model.lane_count, state)
+        self._advance_tools(state, tools)
+        return Ahead(state.motion, state.node_report, state.friction, tools.velocity, tools.work)
+
+    def set_damping(self, damping: float, director_damping: float) -> None:
+        """Change the rates of ``MotionParameters`` from the next step on [1/s]."""
+        self.model.motion_laws.damping = damping
+        self.model.motion_laws.director_damping = director_damping
+        self._block_graphs = self._record(self._block)
+
+    def nodal_forces(self) -> np.ndarray:
+        """Forces of the elements on the nodes at the last evaluation, (node_count, 3) [N]; waits for the device."""
+        blank = self.model.blank
+        corners = self.state.corner_force.numpy()[:12, : blank.element_count].astype(np.float64).reshape(4, 3, -1)
+        result = np.zeros((blank.node_count, 3))
+        for corner in range(4):
+            np.add.at(result, blank.quads[:, corner], corners[corner].T)
+        return result
 
     def stable_step(self) -> float:
         """Stable step of the present state, safety included [s]; waits for the device."""

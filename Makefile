@@ -1,6 +1,7 @@
 # Everything runs in .venv, made on first use. Needed: make and Python 3.11 or newer.
 #   make demo    form a woven blank over a double dome on the CPU and say where to look
 #   make test    run the test suite on the CPU
+#   make verify  run the verification studies and rebuild docs/verification.md (about 20 minutes)
 #   make lint    check style and formatting
 
 VENV := .venv
@@ -8,13 +9,16 @@ PYTHON_IN_VENV := $(VENV)/bin/python
 # Two workers suit two cores; more would mostly compile the same kernels once more each.
 WORKERS ?= 2
 
-.PHONY: demo test lint clean
+.PHONY: demo test verify lint clean
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py
 
 test: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m pytest --numprocesses $(WORKERS) --dist loadfile
+
+verify: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) scripts/verification.py --workers $(WORKERS)
 
 lint: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m ruff check

@@ -35,11 +35,12 @@ class CellLaw:
         energy_names: the parts of the energy, entries of the ledger.
         depends_on_shear: False spares all that would be zero.
         stable_state_count: states whose tangents ``stable_tangent`` gives.
-        solve: (..., start q) -> q, n_1, n_2, m [N/m], force at a crossover [N], relative residual, iterations.
+        solve: (..., start q) -> q, n_1, n_2, m [N/m], pressure between warp and weft per reference
+            area [N/m^2], relative residual, iterations.
         energies: (..., q, area) -> one row per part [J]; like the two below it is for kernels of one lane.
         tangent: (..., q) -> derivatives of (n_1, n_2, m) at equilibrium: C11, C12, C22, C13, C23, C33 [N/m].
-        stable_tangent: (..., q, state) -> the same six and n_1, n_2, m, with the yarns in tension: what the cell
-            becomes as soon as it is pulled. Where one state does not tell, ``stable_state_count`` are looked at.
+        stable_tangent: (..., q, state) -> the same six, n_1, n_2, m and the pressure, with the yarns in tension: what
+            becomes of the cell as soon as it is pulled. Where one state does not tell, several are looked at.
         snap_loss: (..., start q, q) -> energy that a jump to another equilibrium freed [J/m^2], 0 where none happened.
     """
 
@@ -101,7 +102,7 @@ def energy_cell(
     parts: Any = None,
     part_names: tuple[str, ...] = ("unit_cell",),
     gradient: Any = None,
-    crossover_force: Any = None,
+    crossover_pressure: Any = None,
     depends_on_shear: bool = True,
 ) -> CellLaw:
     """A cell from its energy psi(parameters, warp stretch, weft stretch, shear angle, q) per reference area [J/m^2].
@@ -118,7 +119,7 @@ def energy_cell(
         part_names: their names.
         gradient: of the same arguments: a vector with the derivatives by warp stretch, weft stretch, shear angle and
             the unknowns, if they are known by hand.
-        crossover_force: of the same arguments: force that presses the yarns together at a crossover [N].
+        crossover_pressure: of the same arguments: force between warp and weft per reference area [N/m^2].
         depends_on_shear: False if the shear angle is not used.
     """
     n, part_count, rows = unknown_count, len(part_names), max(unknown_count, 1)
@@ -130,7 +131,7 @@ def energy_cell(
     part_vector = wp.types.vector(part_count, real)
     square = wp.types.matrix((rows, rows), real)
     stiffness = wp.types.vector(6, real)
-    by_hand, has_parts, has_crossover = gradient is not None, parts is not None, crossover_force is not None
+    by_hand, has_parts, has_crossover = gradient is not None, parts is not None, crossover_pressure is not None
 
     # --- the energy as a function of one vector, and its derivatives --------------------------------------------------
 
@@ -181,10 +182,10 @@ def energy_cell(
 
     @wp.func
     def crossover_of(p: Parameters, x: vector):
-        force = real(0.0)
+        pressure = real(0.0)
         if wp.static(has_crossover):
-            force = crossover_force(p, real(1.0) + x[0], real(1.0) + x[1], x[2], unknowns_of(x))
-        return force
+            pressure = crossover_pressure(p, real(1.0) + x[0], real(1.0) + x[1], x[2], unknowns_of(x))
+        return pressure
 
     # Warp 1.19 writes functions that call wp.grad after all others, whose callers it does not move along: so every
     # function below that needs a gradient, also through another one, calls wp.grad itself, for nothing.
@@ -359,7 +360,7 @@ def energy_cell(
         force1 = type(strain1)()
         force2 = type(strain1)()
         moment = type(strain1)()
-        crossover = type(strain1)()
+        pressure = type(strain1)()
         residual = type(strain1)()
         iterations = type(strain1)()
         # a loop at run time: unrolled, sixteen lanes of Newton's method would be sixteen copies of it
@@ -371,11 +372,11 @@ def energy_cell(
             force1[i] = strain1.dtype(g[0])
             force2[i] = strain1.dtype(g[1])
             moment[i] = strain1.dtype(g[2])
-            crossover[i] = strain1.dtype(crossover_of(p, x))
+            pressure[i] = strain1.dtype(crossover_of(p, x))
             residual[i] = strain1.dtype(worst)
             iterations[i] = strain1.dtype(count)
             i = i + 1
-        return q, force1, force2, moment, crossover, residual, iterations
+        return q, force1, force2, moment, pressure, residual, iterations
 
     @wp.func
     def energies(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: Any):
@@ -414,6 +415,7 @@ def energy_cell(
         return (
             c11, c12, c22, c13, c23, c33,
             type(strain1)(strain1.dtype(g[0])), type(strain1)(strain1.dtype(g[1])), type(strain1)(strain1.dtype(g[2])),
+            type(strain1)(strain1.dtype(crossover_of(p, x))),
         )  # fmt: skip
 
     @wp.func

@@ -56,9 +56,9 @@ def floats_energies(p: Any, warp_stretch: real, weft_stretch: real, shear_angle:
 
 
 @wp.func
-def floats_crossover_force(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
-    """Force of a physical crossover, two half cells [N]."""
-    return real(2.0) * p.contact_stiffness * floats_closing(p, q)
+def floats_crossover_pressure(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
+    """Contact force per reference area [N/m^2]."""
+    return p.contact_stiffness * floats_closing(p, q) / p.area
 
 
 # --- unidirectional tape with stitches --------------------------------------------------------------------------------

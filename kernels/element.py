@@ -27,9 +27,15 @@ from .lanes import (
     square_root,
 )
 from .sheet import (
+    BENDING_LOSS_ROW,
+    BENDING_SLIP_ROW,
+    SHEAR_LOSS_ROW,
+    SHEAR_SLIP_ROW,
+    bending_friction,
     bending_moments,
     compressive_force,
     moment_resultants,
+    shear_friction,
     shear_resultants,
     sheet_struct,
     transverse_shear_forces,
@@ -279,6 +285,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
         # Out
         cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),  # rows: see CELL_REPORT_ROWS
+        slip: wp.array2d(dtype=lanes),  # rows: see SLIP_ROWS; not touched without friction inside the sheet
         corner_force: wp.array2d(dtype=lanes),
     ):
         e = first_block + wp.tid()
@@ -293,7 +300,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
         start = Unknowns()
         for k in range(unknown_count):
             start[k] = cell_unknowns[k, e]
-        unknowns, warp_force, weft_force, cell_moment, crossover, residual, iterations = solve(
+        unknowns, warp_force, weft_force, cell_moment, pressure, residual, iterations = solve(
             cell, strain1, strain2, angle, start
         )
         for k in range(unknown_count):
@@ -328,6 +335,14 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             shear11 = shear11 + bundle11
             shear12 = shear12 + bundle12
             shear22 = shear22 + bundle22
+        if laws.shear.friction_stiffness > real(0.0):
+            moment, turned, lost = shear_friction(laws, angle, slip[SHEAR_SLIP_ROW, e], pressure)
+            slip[SHEAR_SLIP_ROW, e] = turned
+            slip[SHEAR_LOSS_ROW, e] = slip[SHEAR_LOSS_ROW, e] + lost
+            rubbing11, rubbing12, rubbing22 = moment_resultants(moment, m11, m12, m22, area_ratio)
+            shear11 = shear11 + rubbing11
+            shear12 = shear12 + rubbing12
+            shear22 = shear22 + rubbing22
         for corner in range(4):
             corner_force[ANGLE_ROW + 3 * corner, e] = angle
 
@@ -336,6 +351,16 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
         moment11, moment12, moment22, bend11, bend12, bend22 = bending_moments(
             laws, m11, m12, m22, area_ratio, k11, k12, k22
         )
+        if laws.bending.friction == 1:
+            warp_moment, warp_slip, warp_loss = bending_friction(laws, 0, k11 / m11, slip[BENDING_SLIP_ROW, e])
+            weft_moment, weft_slip, weft_loss = bending_friction(laws, 1, k22 / m22, slip[BENDING_SLIP_ROW + 1, e])
+            slip[BENDING_SLIP_ROW, e] = warp_slip
+            slip[BENDING_SLIP_ROW + 1, e] = weft_slip
+            slip[BENDING_LOSS_ROW, e] = slip[BENDING_LOSS_ROW, e] + warp_loss + weft_loss
+            moment11 = moment11 + warp_moment / m11
+            moment22 = moment22 + weft_moment / m22
+            bend11 = bend11 - real(2.0) * warp_moment * k11 / (m11 * m11)
+            bend22 = bend22 - real(2.0) * weft_moment * k22 / (m22 * m22)
         q1, q2, slide11, slide12, slide22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
         t11 = t11 + shear11 + bend11 + slide11
         t12 = shear12 + bend12 + slide12

@@ -18,11 +18,27 @@ from .element import (
     yarn_strains,
 )
 from .lanes import angle_of, cross, div, dot, fill, lane_types, larger, mul, scale, spread, square_root, where_positive
-from .sheet import bending_moments, compressive_force, shear_energy, sheet_struct, transverse_shear_forces
+from .sheet import (
+    BENDING_LOSS_ROW,
+    BENDING_SLIP_ROW,
+    SHEAR_LOSS_ROW,
+    SHEAR_SLIP_ROW,
+    bending_energy,
+    bending_moments,
+    compressive_force,
+    shear_energy,
+    shear_moment,
+    sheet_struct,
+    slip_energy,
+    transverse_shear_forces,
+)
 
 # Rows of the element energies [J] after those of the unit cell, in this order.
-SHEET_ENERGIES = ("compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass", "snap")
-# Rows of the element fields.
+SHEET_ENERGIES = (
+    "compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass",
+    "snap_loss", "shear_friction_loss", "bending_friction_loss",
+)  # fmt: skip
+# Rows of the element fields; the crossover force still per reference area, the host multiplies it by the cell's.
 ELEMENT_FIELDS = (
     "shear_angle",
     "warp_stretch",
@@ -31,6 +47,7 @@ ELEMENT_FIELDS = (
     "weft_force",
     "crossover_force",
     "area_ratio",
+    "shear_moment",
 )
 
 
@@ -54,6 +71,7 @@ def element_ledger_kernel(real: type, cell: CellLaw):
         node_report: wp.array2d(dtype=real),
         cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),
+        slip: wp.array2d(dtype=lanes),
         # Out
         energies: wp.array2d(dtype=lanes),
         fields: wp.array2d(dtype=lanes),
@@ -67,7 +85,7 @@ def element_ledger_kernel(real: type, cell: CellLaw):
         start = Unknowns()
         for k in range(unknown_count):
             start[k] = cell_unknowns[k, e]
-        unknowns, warp_force, weft_force, cell_moment, crossover, residual, iterations = solve(
+        unknowns, warp_force, weft_force, cell_moment, pressure, residual, iterations = solve(
             cell, strain1, strain2, angle, start
         )
         area = elements.area[e]
@@ -88,11 +106,26 @@ def element_ledger_kernel(real: type, cell: CellLaw):
         energies[part_count + 0, e] = (
             half * area * (squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0)))
         )
-        energies[part_count + 1, e] = area * shear_energy(laws, m12, angle)
+        shear = shear_energy(laws, m12, angle)
+        moment = shear_moment(laws, m12, area_ratio, angle)
+        bending = bending_energy(laws, m11, m22, k11, k12, k22, moment11, moment12, moment22)
+        if laws.shear.friction_stiffness > real(0.0):
+            turned = slip[SHEAR_SLIP_ROW, e]
+            shear = shear + slip_energy(laws.shear.friction_stiffness, angle, turned)
+            moment = moment + laws.shear.friction_stiffness * (angle - turned)
+            energies[part_count + 7, e] = area * slip[SHEAR_LOSS_ROW, e]
+        if laws.bending.friction == 1:
+            bending = (
+                bending
+                + slip_energy(laws.bending.friction_stiffness[0], k11 / m11, slip[BENDING_SLIP_ROW, e])
+                + slip_energy(laws.bending.friction_stiffness[1], k22 / m22, slip[BENDING_SLIP_ROW + 1, e])
+            )
+            energies[part_count + 8, e] = area * slip[BENDING_LOSS_ROW, e]
+        energies[part_count + 1, e] = area * shear
         difference, square = corner_angles(elements, e, node_report, angle)
         real_element = where_positive(area, fill(area, 1.0), lanes())
         energies[part_count + 2, e] = (half * laws.in_plane_bending_stiffness) * real_element * square
-        energies[part_count + 3, e] = half * area * (moment11 * k11 + real(2.0) * moment12 * k12 + moment22 * k22)
+        energies[part_count + 3, e] = area * bending
         energies[part_count + 4, e] = half * area * (q1 * g1 + q2 * g2)
         energies[part_count + 5, e] = (
             half
@@ -109,7 +142,8 @@ def element_ledger_kernel(real: type, cell: CellLaw):
         fields[2, e] = stretch2
         fields[3, e] = warp_force + squeeze1
         fields[4, e] = weft_force + squeeze2
-        fields[5, e] = crossover
+        fields[5, e] = pressure
         fields[6, e] = area_ratio
+        fields[7, e] = moment
 
     return element_ledger

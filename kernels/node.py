@@ -65,6 +65,21 @@ def node_struct(real: type, lane_count: int):
 
 
 @cache
+def support_struct(real: type, lane_count: int):
+    """Nodes that are held and perhaps driven; what does not change but ``increment``."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Supports:
+        count: wp.int32  # 0: nothing else is read
+        held: wp.array(dtype=types.indices)  # bits 0-2: x, y, z of the node follow the drives
+        direction: wp.array2d(dtype=types.vec3)  # [drive, node]: displacement of the node over that of the drive
+        increment: wp.array(dtype=real)  # of each drive in this step [m]
+
+    return Supports
+
+
+@cache
 def motion_struct(real: type):
     """Constants of the time integration and contact."""
 
@@ -137,6 +152,7 @@ def node_motion_kernel(real: type, lane_count: int):
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Nodes, MotionLaws, Tools = node_struct(real, lane_count), motion_struct(real), tool_set_struct(real)
+    Supports = support_struct(real, lane_count)
     tool_distance = tool_distance_function(real, lane_count)
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -146,12 +162,14 @@ def node_motion_kernel(real: type, lane_count: int):
         nodes: Nodes,
         laws: MotionLaws,
         tools: Tools,
+        supports: Supports,
         clock: wp.array(dtype=wp.float64),
         corners: wp.array(dtype=real),
         # Out
         motion: wp.array2d(dtype=vec3),  # rows: see MOTION_ROWS
         friction: wp.array2d(dtype=vec3),  # tangential spring of each tool [m]
         reaction: wp.array2d(dtype=vec3),  # [tool, block]: force of the sheet on the tool [N]
+        holding: wp.array(dtype=vec3),  # force of a support on its node [N]
         report: wp.array2d(dtype=lanes),  # NODE_REPORT_ROWS
     ):
         block = first_block + wp.tid()
@@ -220,20 +238,33 @@ def node_motion_kernel(real: type, lane_count: int):
         decay = real(0.5) * laws.damping * mean_step
         change = (mean_step * acceleration - (real(2.0) * decay) * velocity) / (real(1.0) + decay)
         new_velocity = velocity + wp.cw_mul(free, change)
+        way = step * new_velocity
+        if supports.count > 0:
+            follows = freedom_mask(supports.held[block], 0, lanes3())
+            driven = lanes3()
+            for k in range(supports.increment.shape[0]):
+                driven = driven + supports.increment[k] * load(supports.direction[k], first, lanes3())
+            # the way itself is prescribed, so that no rounding of a velocity adds up
+            way = way + wp.cw_mul(follows, driven - way)
+            new_velocity = new_velocity + wp.cw_mul(follows, driven / step - new_velocity)
         middle = real(0.5) * (velocity + new_velocity)
         friction_work = mean_step * (friction_power - dot(friction_force, middle))
         moving = wp.cw_mul(free, middle)
-        # what holds a node at its velocity takes up all the force on it
-        held = velocity - wp.cw_mul(free, velocity)
-        report[SUPPORT_ROW, block] = report[SUPPORT_ROW, block] - mean_step * nodes.mass[block] * dot(
-            acceleration, held
-        )
+        # what holds a node takes up all the force on it, and accelerates its mass
+        held = middle - moving
+        support_work = -mean_step * nodes.mass[block] * dot(acceleration, held)
+        if supports.count > 0:
+            gained = new_velocity - velocity
+            support_work = support_work + nodes.mass[block] * dot(gained, held)
+            needed = scale(nodes.mass[block], gained / mean_step - acceleration)
+            store(holding, first, wp.cw_mul(freedom_mask(supports.held[block], 0, lanes3()), needed))
+        report[SUPPORT_ROW, block] = report[SUPPORT_ROW, block] + support_work
         damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )
         store(motion[VELOCITY_ROW], first, new_velocity)
         # compensated sum: nothing of a small step is lost beside a large coordinate
-        way = step * new_velocity + load(motion[REMAINDER_ROW], first, lanes3())
+        way = way + load(motion[REMAINDER_ROW], first, lanes3())
         new_x = x + way
         store(motion[REMAINDER_ROW], first, way - (new_x - x))
         store(motion[POSITION_ROW], first, new_x)

@@ -263,13 +263,12 @@ def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any):
     u2 = cell.half_spacing[1] * strain2
     w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start[0], start[1])
     two = u1.dtype(2.0)
-    # a physical crossover owns two half cells
     return (
         wp.matrix_from_rows(w1, w2),
         force1 / spread(u1, two * cell.half_spacing[1]),
         force2 / spread(u1, two * cell.half_spacing[0]),
         fill(u1, 0.0),
-        two * crossover,
+        crossover / spread(u1, two * cell.half_spacing[0] * cell.half_spacing[1]),
         residual,
         iterations,
     )
@@ -304,12 +303,12 @@ def tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any):
 
 @wp.func
 def stable_tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int):
-    solution, n1, n2, m, crossover, residual, iterations = solve(cell, strain1, strain2, angle, q)
+    solution, n1, n2, m, pressure, residual, iterations = solve(cell, strain1, strain2, angle, q)
     k11, k12, k22 = condensed_tangent(
         cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, solution[0], solution[1], True
     )
     c11, c12, c22, c13, c23, c33 = per_width(cell, k11, k12, k22)
-    return c11, c12, c22, c13, c23, c33, n1, n2, m
+    return c11, c12, c22, c13, c23, c33, n1, n2, m, pressure
 
 
 @wp.func

@@ -100,8 +100,9 @@ def element_frequency_kernel(real: type, cell: CellLaw):
         sum12 = two * (bp1 * bp2 + bq1 * bq2)
         b12 = sum12 * m12 / (stretch1 * stretch2)
         highest = lanes()
+        pressure = lanes()
         for state in range(state_count):
-            c11, c12, c22, c13, c23, c33, force1, force2, moment = stable_tangent(
+            c11, c12, c22, c13, c23, c33, force1, force2, moment, pressed = stable_tangent(
                 cell, strain1, strain2, angle_ahead, start, state
             )
             membrane = lanes()
@@ -127,7 +128,9 @@ def element_frequency_kernel(real: type, cell: CellLaw):
                 turning = magnitude(moment) * (lanes(real(1.0)) + magnitude(m12) / area_ratio)
                 membrane = membrane + two * turning * (sum11 / m11 + sum22 / m22)
             highest = larger(highest, membrane)
-        shear = two * shear_tangent_bound(laws, m11, m12, m22, area_ratio, angle) * (sum11 / m11 + sum22 / m22)
+            pressure = larger(pressure, pressed)
+        tangent_bound = shear_tangent_bound(laws, m11, m12, m22, area_ratio, angle, pressure)
+        shear = two * tangent_bound * (sum11 / m11 + sum22 / m22)
         # raised indices: in a sheared sheet the same curvature or slope costs more along the narrow diagonal
         metric_growth = (stretch1 * stretch2 + magnitude(m12)) / area_ratio
         squared_frequency[e] = real(4.0) * inertia[0, e] * (highest + shear) + metric_growth * inertia[1, e]

@@ -25,7 +25,7 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
         increment_count: wp.int32,
         # Out
         unknowns: wp.array2d(dtype=real),
-        force: wp.array2d(dtype=real),  # n_1, n_2, m [N/m], crossover force [N]
+        force: wp.array2d(dtype=real),  # n_1, n_2, m [N/m], crossover pressure [N/m^2]
         energy: wp.array2d(dtype=real),  # parts [J/m^2]
         tangent: wp.array2d(dtype=real),  # C11, C12, C22, C13, C23, C33 [N/m]
         convergence: wp.array2d(dtype=real),  # worst residual, most iterations on the path, snap loss [J/m^2]
@@ -41,7 +41,7 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
         force1 = lanes()
         force2 = lanes()
         moment = lanes()
-        crossover = lanes()
+        pressure = lanes()
         worst = real(0.0)
         most = real(0.0)
         lost = real(0.0)
@@ -51,7 +51,7 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
             strain2 = lanes(share * strain[1, i])
             angle = lanes(share * strain[2, i])
             before = q
-            q, force1, force2, moment, crossover, residual, iterations = solve(
+            q, force1, force2, moment, pressure, residual, iterations = solve(
                 parameters, strain1, strain2, angle, before
             )
             # written so that a NaN counts as the worst
@@ -68,7 +68,7 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
         force[0, i] = force1[0]
         force[1, i] = force2[0]
         force[2, i] = moment[0]
-        force[3, i] = crossover[0]
+        force[3, i] = pressure[0]
         tangent[0, i] = c11[0]
         tangent[1, i] = c12[0]
         tangent[2, i] = c22[0]

@@ -15,12 +15,13 @@ from pydantic import Field
 
 from weavesim.blank import Blank
 from weavesim.errors import InputError
-from weavesim.fabric import PRESETS, Fabric, NotNegative, Positive
+from weavesim.fabric import PRESETS, Fabric
 from weavesim.measures import taut_path_draw_in, ten_points
 from weavesim.mesh_shape import MeshShape
 from weavesim.model import MotionParameters
 from weavesim.motion import Driven, Fixed, Motion, Stroke
 from weavesim.output import ResultFolder, load_measured_angles, load_measured_outline
+from weavesim.parameters import NotNegative, Positive
 from weavesim.run_options import RunOptions
 from weavesim.session import run_into_folder
 from weavesim.shapes import DomeOpening, DomePunch, Shape, rotation_matrix

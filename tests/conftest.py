@@ -5,6 +5,12 @@ import pytest
 from weavesim.device import Precision, initialise
 
 
+def pytest_addoption(parser):
+    parser.addoption(
+        "--manual", metavar="DIRECTORY", help="write what the verification tests record here (scripts/verification.py)"
+    )
+
+
 def pytest_collection_modifyitems(items):
     gpu_tests = [item for item in items if item.get_closest_marker("gpu")]
     if not gpu_tests:

@@ -22,10 +22,12 @@ if TYPE_CHECKING:
     from .fabric import Fabric
     from .recording import Frame, Observer, Outcome
     from .simulation import Simulation
+    from .support import Drive, Support
     from .tool import Tool
 
 _module_of = {
     "Blank": "blank",
+    "Drive": "support",
     "Fabric": "fabric",
     "Frame": "recording",
     "InputError": "errors",
@@ -34,11 +36,13 @@ _module_of = {
     "Precision": "device",
     "RunError": "errors",
     "Simulation": "simulation",
+    "Support": "support",
     "Tool": "tool",
 }
 
 __all__ = [
     "Blank",
+    "Drive",
     "Fabric",
     "Frame",
     "InputError",
@@ -47,6 +51,7 @@ __all__ = [
     "Precision",
     "RunError",
     "Simulation",
+    "Support",
     "Tool",
     "__version__",
 ]

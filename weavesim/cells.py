@@ -51,6 +51,11 @@ class Cell(Parameters):
         return 0.0
 
     @property
+    def crossover_area(self) -> float:
+        """Reference area that carries one physical crossover [m^2], whose force is the pressure times it; 0: none."""
+        return 0.0
+
+    @property
     def initial_unknowns(self) -> tuple[float, ...]:
         """Internal unknowns of the undeformed sheet, at which the cell carries no force."""
         return (0.0,) * self.law().unknown_count
@@ -74,7 +79,7 @@ class EnergyCell(Cell):
         energy: per reference area [J/m^2].
         parts: instead of ``energy``: a vector whose sum it is, for the ledger, in the order of ``part_names``.
         gradient: derivatives by the stretches, the angle and the unknowns, one vector, if they are known by hand.
-        crossover_force: force that presses warp and weft together at a crossover [N].
+        crossover_pressure: force between warp and weft per reference area [N/m^2].
     """
 
     unknown_count: ClassVar[int] = 0
@@ -83,12 +88,12 @@ class EnergyCell(Cell):
     energy: ClassVar[Any] = None
     parts: ClassVar[Any] = None
     gradient: ClassVar[Any] = None
-    crossover_force: ClassVar[Any] = None
+    crossover_pressure: ClassVar[Any] = None
 
     @classmethod
     def functions(cls) -> dict[str, Any]:
         """The Warp functions by name."""
-        return {name: getattr(cls, name) for name in ("energy", "parts", "gradient", "crossover_force")}
+        return {name: getattr(cls, name) for name in ("energy", "parts", "gradient", "crossover_pressure")}
 
     def parameters(self) -> dict[str, float | tuple[float, ...]]:
         """What the functions get, by name: numbers, and tuples of numbers."""
@@ -248,6 +253,10 @@ class UnitCell(CrossedYarns):
         cell.force_floor = 1.0e-9 * max(self.axial_stiffness)
         return cell
 
+    @property
+    def crossover_area(self) -> float:
+        return 4.0 * self.warp_half_spacing * self.weft_half_spacing
+
     @classmethod
     def straight(cls, *, stiffness_per_width: float, spacing: float = 0.005, bending: float = 0.0) -> UnitCell:
         """Two straight, uncoupled yarn families of equal tensile and compressive stiffness: a linear membrane.
@@ -284,9 +293,9 @@ class FloatWeave(CrossedYarns, EnergyCell):
 
     @classmethod
     def functions(cls) -> dict[str, Any]:
-        from .kernels.cells import floats_crossover_force, floats_energies
+        from .kernels.cells import floats_crossover_pressure, floats_energies
 
-        return {"parts": floats_energies, "crossover_force": floats_crossover_force}
+        return {"parts": floats_energies, "crossover_pressure": floats_crossover_pressure}
 
     def parameters(self) -> dict[str, float | tuple[float, ...]]:
         return {
@@ -303,6 +312,11 @@ class FloatWeave(CrossedYarns, EnergyCell):
             # per pair of half beams; 2 L_1 L_2 in a plain weave
             "area": self.repeat * self.warp_half_spacing * self.weft_half_spacing,
         }
+
+    @property
+    def crossover_area(self) -> float:
+        """Of a crossover at which the yarns are bent: those within floats carry nothing."""
+        return 2.0 * self.repeat * self.warp_half_spacing * self.weft_half_spacing
 
 
 class TwillWeave(FloatWeave):

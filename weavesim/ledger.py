@@ -14,6 +14,7 @@ from .model import TANGENTIAL_RATIO, lanes_view
 from .motion import Driven
 from .recording import Frame
 from .stepper import Stepper
+from .support import Support, support_outputs
 from .tool import Tool
 
 # A cell whose residual ever exceeds this share of the forces that it balances has failed.
@@ -21,7 +22,7 @@ UNIT_CELL_FAILURE = 1.0e-3
 # Elastic energies of the sheet; their sum with those of its unit cell is the internal energy.
 SHEET_INTERNAL = ("compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass")
 STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
-LOST = ("friction_loss", "damping_loss", "snap_loss")
+LOST = ("friction_loss", "damping_loss", "snap_loss", "shear_friction_loss", "bending_friction_loss")
 SUPPLIED = ("tool_work", "driving_force_work", "support_work", "gravity_work", "initial_kinetic")
 # What is made of the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")
@@ -42,13 +43,16 @@ class Ledger:
         stepper: its state is read.
         tools: in the order of the device tools.
         leading_tool: whose displacement is the stroke.
+        supports: in the order of the device supports.
 
     Attributes:
         internal: names of the elastic energies of unit cell and sheet; their sum is the entry ``internal``.
     """
 
-    def __init__(self, stepper: Stepper, tools: tuple[Tool, ...], leading_tool: int) -> None:
-        self._stepper, self._tools, self._leading_tool = stepper, tools, leading_tool
+    def __init__(
+        self, stepper: Stepper, tools: tuple[Tool, ...], leading_tool: int, supports: tuple[Support, ...] = ()
+    ) -> None:
+        self._stepper, self._tools, self._leading_tool, self._supports = stepper, tools, leading_tool, supports
         model = stepper.model
         self._kernel = element_ledger_kernel(model.real, model.cell_law)
         self._distance_kernel = sample_distance_kernel(model.real, 1)
@@ -70,7 +74,7 @@ class Ledger:
             dim=model.element_count,
             inputs=[
                 model.elements_single, model.cell, model.laws, state.motion, state.node_report,
-                lanes_view(state.cell_unknowns, 1), lanes_view(state.cell_report, 1),
+                lanes_view(state.cell_unknowns, 1), lanes_view(state.cell_report, 1), lanes_view(state.slip, 1),
             ],
             outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
             device=model.device,
@@ -78,6 +82,7 @@ class Ledger:
         count = model.blank.element_count
         fields = dict(zip(ELEMENT_FIELDS, self._fields.numpy()[:, :count].astype(np.float64), strict=True))
         report = dict(zip(CELL_REPORT_ROWS, state.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
+        fields["crossover_force"] *= model.fabric.unit_cell.crossover_area
         fields["unit_cell_residual"] = report["worst_residual"]
         fields["unit_cell_iterations"] = report["iterations"]
         fields["unit_cell_failed"] = (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
@@ -85,17 +90,22 @@ class Ledger:
             np.float64
         )
         displacement = stepper.tools.displacement.numpy().copy()
+        support_force, drive_displacement, drive_force = support_outputs(self._supports, stepper.supports)
+        leading = displacement[self._leading_tool :] if len(displacement) else drive_displacement
         return Frame(
             index=index,
             step_count=stepper.step_count,
             time=state.time,
-            stroke=float(displacement[self._leading_tool]) if len(displacement) else 0.0,
+            stroke=float(leading[0]) if len(leading) else 0.0,
             position=position + remainder,
             director=director,
             fields=fields,
             tool_displacement=displacement,
             tool_reaction=stepper.tools.total_reaction.numpy().copy(),
             energies=self._balance(position + remainder, velocity, spin),
+            support_force=support_force,
+            drive_displacement=drive_displacement,
+            drive_force=drive_force,
         )
 
     def _velocities(self) -> tuple[np.ndarray, np.ndarray]:
@@ -111,7 +121,6 @@ class Ledger:
         stepper, model, state = self._stepper, self._stepper.model, self._stepper.state
         element = self._energies.numpy()[:, : model.blank.element_count].astype(np.float64).sum(axis=1)
         entries = dict(zip(self._energy_names, element.tolist(), strict=True))
-        entries["snap_loss"] = entries.pop("snap")
         entries["internal"] = sum(entries[name] for name in self.internal)
         entries["kinetic"] = self._kinetic(velocity, spin)
         tool_velocity, work = stepper.tools.velocity.numpy(), stepper.tools.work.numpy()

@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import warp as wp
 
+from .bending import BendingCurve, IsotropicBending
 from .blank import Blank
+from .curve import tabulate
 from .device import Precision
 from .errors import InputError
-from .fabric import SHEAR_KNOT_COUNT, Fabric, IsotropicBending, LinearShear
+from .fabric import Fabric
+from .kernels.curve import curve_struct
 from .kernels.element import MOTION_ROWS, element_struct
 from .kernels.lanes import lane_types
 from .kernels.node import motion_struct, node_struct
-from .kernels.sheet import BENDING_ISOTROPIC, BENDING_YARNS, SHEAR_CURVE, SHEAR_LINEAR, sheet_struct
+from .kernels.sheet import (
+    BENDING_CURVES,
+    BENDING_ISOTROPIC,
+    BENDING_YARNS,
+    SHEAR_CURVE,
+    SHEAR_LINEAR,
+    sheet_struct,
+)
+from .shear import LARGEST_SHEAR_ANGLE, LinearShear
 
 # Arrays are padded to whole blocks of the widest lanes, whatever lanes the kernels use.
 BLOCK = 16
@@ -24,6 +36,8 @@ ROTARY_SHARE = 0.05
 # Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
+# Cubic pieces of a measured curve on the device.
+CURVE_PIECE_COUNT = 512
 
 
 def padded(count: int, spare: int) -> int:
@@ -314,24 +328,43 @@ class Model:
     def _sheet_laws(self):
         fabric, shear, bending = self.fabric, self.fabric.shear, self.fabric.bending
         laws = sheet_struct(self.real)()
-        laws.shear_kind = int(SHEAR_LINEAR if isinstance(shear, LinearShear) else SHEAR_CURVE)
-        laws.shear_stiffness = fabric.thickness * shear.modulus if isinstance(shear, LinearShear) else 0.0
-        spacing = 0.5 * math.pi / SHEAR_KNOT_COUNT
-        coefficients, energy = shear_table(shear, fabric.thickness, spacing)
-        laws.shear_knot_spacing = spacing
-        laws.shear_moment = self._array(coefficients, self.types.vec4)
-        laws.shear_energy = self._array(energy, self.real)
+        laws.shear.kind = int(SHEAR_LINEAR if isinstance(shear, LinearShear) else SHEAR_CURVE)
+        laws.shear.stiffness = fabric.thickness * shear.modulus if isinstance(shear, LinearShear) else 0.0
+        laws.shear.curve = self._curve(lambda angle: shear.moment(angle, fabric.thickness), LARGEST_SHEAR_ANGLE)
+        friction = fabric.shear_friction
+        laws.shear.friction_stiffness = friction.stiffness if friction else 0.0
+        laws.shear.crossover_friction_length = friction.crossover_friction_length if friction else 0.0
+        laws.shear.friction_limit = self._curve(friction.limit_at if friction else np.zeros_like, LARGEST_SHEAR_ANGLE)
         isotropic = isinstance(bending, IsotropicBending)
-        laws.bending_kind = int(BENDING_ISOTROPIC if isotropic else BENDING_YARNS)
-        laws.bending_stiffness = bending.stiffness(fabric.thickness) if isotropic else 0.0
-        laws.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
-        per_yarn = (0.0,) * 4 if isotropic else (bending.warp, bending.weft, bending.twist, bending.coupling)
-        laws.yarn_bending_stiffness = self.types.vec4(*per_yarn)
+        laws.bending.kind = int(BENDING_ISOTROPIC if isotropic else BENDING_CURVES if bending.curved else BENDING_YARNS)
+        laws.bending.stiffness = bending.stiffness(fabric.thickness) if isotropic else 0.0
+        laws.bending.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
+        families = (BendingCurve.straight(0.0),) * 2 if isotropic else bending.families
+        per_yarn = (0.0, 0.0) if isotropic else (bending.twist, bending.coupling)
+        laws.bending.yarn_stiffness = self.types.vec4(*(family.initial_stiffness for family in families), *per_yarn)
+        laws.bending.warp_curve, laws.bending.weft_curve = (
+            self._curve(family.moment, family.curvature[-1]) for family in families
+        )
+        laws.bending.friction = int(any(family.friction_limit > 0.0 for family in families))
+        vec2 = wp.types.vector(2, self.real)
+        # a family without friction has a slider that never holds: any spring will do
+        laws.bending.friction_stiffness = vec2(*(family.friction_stiffness or 1.0 for family in families))
+        laws.bending.friction_limit = vec2(*(family.friction_limit for family in families))
+        laws.slip_resolution = 4.0 * np.finfo(self.precision.numpy).eps
         laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
         laws.in_plane_bending_stiffness = fabric.in_plane_bending_stiffness
         laws.compressive_stiffness = fabric.compressive_stiffness
         laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(fabric)
         return laws
+
+    def _curve(self, function: Callable[[np.ndarray], np.ndarray], end: float):
+        """Device table of a function from 0 to ``end``."""
+        curve = curve_struct(self.real)()
+        curve.knot_spacing = end / CURVE_PIECE_COUNT
+        coefficients, integral = tabulate(function, end / CURVE_PIECE_COUNT, CURVE_PIECE_COUNT)
+        curve.coefficient = self._array(coefficients, self.types.vec4)
+        curve.integral = self._array(integral, self.real)
+        return curve
 
     def _nodes(self, free: np.ndarray):
         count = self.blank.node_count
@@ -421,19 +454,3 @@ class Model:
             rows[1, :count] = velocity
         rows[4] = rows[0] - rows[0].astype(self.precision.numpy)
         return rows
-
-
-def shear_table(law, thickness: float, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Cubic coefficients (knots, 4) of m(gamma) between evenly spaced knots up to 90 degrees, and psi at the knots."""
-    knots = spacing * np.arange(SHEAR_KNOT_COUNT + 1)
-    moment = law.moment(knots, thickness)
-    step = 1.0e-4 * spacing
-    slope = (law.moment(knots + step, thickness) - law.moment(knots - step, thickness)) / (2.0 * step)
-    rise = np.diff(moment) / spacing
-    c2 = (3.0 * rise - 2.0 * slope[:-1] - slope[1:]) / spacing
-    c3 = (slope[:-1] + slope[1:] - 2.0 * rise) / spacing**2
-    coefficients = np.column_stack([moment[:-1], slope[:-1], c2, c3])
-    h = spacing
-    pieces = h * (coefficients @ np.array([1.0, h / 2.0, h**2 / 3.0, h**3 / 4.0]))
-    energy = np.concatenate([[0.0], np.cumsum(pieces)])[:-1]
-    return coefficients, energy

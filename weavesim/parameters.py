@@ -1,4 +1,4 @@
-"""Immutable, checked parameters: what fabrics, unit cells and scenes are described with."""
+"""Immutable physical parameters, checked when they are made."""
 
 from __future__ import annotations
 
@@ -23,12 +23,14 @@ class Parameters(BaseModel):
         try:
             super().__init__(**values)
         except ValidationError as error:
-            lines = []
+            lines = {}
             for problem in error.errors():
-                name = ".".join(map(str, problem["loc"]))
+                # a field that allows several types has one problem per type: the first says enough
+                field, *rest = problem["loc"] or ("",)
+                name = ".".join([str(field), *(str(part) for part in rest if isinstance(part, int))])
                 message = problem["msg"].removeprefix("Value error, ")
-                lines.append(f"{name} = {problem['input']!r}: {message}" if name else message)
-            raise InputError(f"{type(self).__name__}: " + "; ".join(lines)) from None
+                lines.setdefault(name, f"{name} = {problem['input']!r}: {message}" if name else message)
+            raise InputError(f"{type(self).__name__}: " + "; ".join(lines.values())) from None
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """A copy with some values changed, checked like a new one.

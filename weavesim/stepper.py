@@ -1,7 +1,8 @@
 """One time step as a sequence of launches, recorded once and replayed: per thread on a CPU, as a graph on a GPU.
 
-A step is: elements write the forces of their corners; nodes gather them, meet the tools and move; tools move and the
-clock advances. Every ``REFRESH_INTERVAL`` steps the stable step is taken anew from the current tangents.
+A step is: elements write the forces of their corners, and supports look up how far they go; nodes gather the forces,
+meet the tools and move; tools move and the clock advances. Every ``REFRESH_INTERVAL`` steps the stable step is taken
+anew from the current tangents.
 """
 
 from __future__ import annotations
@@ -22,9 +23,12 @@ from .kernels.element import (
     element_force_kernel,
 )
 from .kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, node_motion_kernel
+from .kernels.sheet import SLIP_ROWS
+from .kernels.support_motion import support_motion_kernel
 from .kernels.time_step import element_frequency_kernel, partial_maximum_kernel, set_step_kernel
 from .kernels.tool_motion import partial_sum_kernel, tool_motion_kernel
-from .model import Model, lanes_view
+from .model import BLOCK, Model, lanes_view
+from .support import DeviceSupports
 from .tool import DeviceTools
 
 REFRESH_INTERVAL = 20
@@ -41,6 +45,7 @@ class State:
     motion: wp.array  # (5, nodes) vec3, rows MOTION_ROWS
     cell_unknowns: wp.array  # (unknowns of the unit cell, one at least; elements)
     cell_report: wp.array  # (4, elements)
+    slip: wp.array  # (5, elements), rows SLIP_ROWS; (5, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # (36, elements)
     node_report: wp.array  # (4, nodes), rows NODE_REPORT_ROWS
     friction: wp.array  # (tools, nodes) vec3 [m]
@@ -51,12 +56,14 @@ class State:
     def initial(cls, model: Model, velocity: np.ndarray | None = None) -> State:
         real, vec3, device = model.real, model.types.vec3, model.device
         tool_rows = max(model.tool_count, 1)
+        slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
         clock = np.zeros(CLOCK_LENGTH)
         clock[[CLOCK_STEP, CLOCK_MEAN_STEP]] = model.reference_step
         return cls(
             motion=wp.array(model.initial_motion(velocity), dtype=vec3, device=device),
             cell_unknowns=wp.array(model.initial_unknowns(), dtype=real, device=device),
             cell_report=wp.zeros((len(CELL_REPORT_ROWS), model.element_count), dtype=real, device=device),
+            slip=wp.zeros((len(SLIP_ROWS), slip_count), dtype=real, device=device),
             corner_force=wp.zeros((CORNER_ROW_COUNT, model.element_count), dtype=real, device=device),
             node_report=wp.zeros((len(NODE_REPORT_ROWS), model.node_count), dtype=real, device=device),
             friction=wp.zeros((tool_rows, model.node_count), dtype=vec3, device=device),
@@ -88,20 +95,29 @@ class Stepper:
         model: constants.
         state: what is advanced.
         tools: rigid tools on the same device.
+        supports: held nodes, on the same device.
         thread_count: CPU threads; results do not depend on it, to the last bit.
         largest_step: upper limit of the time step [s].
     """
 
     def __init__(
-        self, model: Model, state: State, tools: DeviceTools, *, thread_count: int = 1, largest_step: float = np.inf
+        self,
+        model: Model,
+        state: State,
+        tools: DeviceTools,
+        supports: DeviceSupports,
+        *,
+        thread_count: int = 1,
+        largest_step: float = np.inf,
     ) -> None:
-        self.model, self.state, self.tools = model, state, tools
+        self.model, self.state, self.tools, self.supports = model, state, tools, supports
         self.thread_count = thread_count if model.device.is_cpu else 1
         self.largest_step = largest_step
         real, lane_count, device = model.real, model.lane_count, model.device
         self._element_forces = element_force_kernel(real, lane_count, model.cell_law)
         self._node_motion = node_motion_kernel(real, lane_count)
         self._tool_motion = tool_motion_kernel(real)
+        self._support_motion = support_motion_kernel(real)
         self._partial_sums = partial_sum_kernel(real)
         self._frequencies = element_frequency_kernel(real, model.cell_law)
         self._partial_maximum = partial_maximum_kernel(real)
@@ -128,7 +144,7 @@ class Stepper:
         """Element forces of the current state, in the blocks of lanes from ``first``."""
         model, state = self.model, self.state
         count = model.element_count // model.lane_count if count is None else count
-        arrays = (state.cell_unknowns, state.cell_report, state.corner_force)
+        arrays = (state.cell_unknowns, state.cell_report, state.slip, state.corner_force)
         wp.launch(
             self._element_forces,
             dim=count,
@@ -143,11 +159,26 @@ class Stepper:
             self._node_motion,
             dim=count,
             inputs=[
-                first, model.nodes, model.motion_laws, self._tool_set, state.clock, state.corner_force.flatten(),
+                first, model.nodes, model.motion_laws, self._tool_set, self.supports.struct, state.clock,
+                state.corner_force.flatten(),
             ],
-            outputs=[state.motion, state.friction, state.reaction, lanes_view(state.node_report, model.lane_count)],
+            outputs=[
+                state.motion, state.friction, state.reaction, self.supports.holding,
+                lanes_view(state.node_report, model.lane_count),
+            ],
             device=model.device,
         )  # fmt: skip
+
+    def _advance_supports(self) -> None:
+        supports = self.supports
+        if supports.drive_count:
+            wp.launch(
+                self._support_motion,
+                dim=1,
+                inputs=[supports.first_piece, supports.start, supports.piece, self.state.clock],
+                outputs=[supports.displacement, supports.struct.increment],
+                device=self.model.device,
+            )
 
     def _advance_tools(self) -> None:
         model, state, tools = self.model, self.state, self.tools
@@ -216,6 +247,8 @@ class Stepper:
         node_chunk = chunks(model.node_count // model.lane_count, self.thread_count)[thread]
         for _ in range(REFRESH_INTERVAL):
             self.evaluate(*element_chunk)
+            if thread == 0:
+                self._advance_supports()
             self._wait()
             self._advance_nodes(*node_chunk)
             self._wait()
@@ -230,6 +263,8 @@ class Stepper:
             self._element_forces, self._node_motion, self._tool_motion, self._partial_sums, self._frequencies,
             self._partial_maximum, self._set_step,
         ]  # fmt: skip
+        if self.supports.drive_count:
+            kernels.append(self._support_motion)
         if self.thread_count > 1:
             kernels.append(barrier)
         for kernel in kernels:

@@ -109,7 +109,7 @@ def respond(
         unknowns=unknowns[:, : law.unknown_count],
         force_per_width=force[:, :2],
         moment=force[:, 2],
-        crossover_force=force[:, 3],
+        crossover_force=force[:, 3] * np.array([cell.crossover_area for cell in cells]),
         energy=energy,
         energy_names=law.energy_names,
         tangent=tangent[:, [[0, 1, 3], [1, 2, 4], [3, 4, 5]]],

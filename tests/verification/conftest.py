@@ -1,10 +1,12 @@
 """A sheet whose nodes are put anywhere by hand, and that answers with forces and energies."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.verification.manual import Case
 from weavesim.blank import Blank
 from weavesim.fabric import Fabric, IsotropicBending, LinearShear, Stabilisation, UnitCell
 from weavesim.kernels.element import NODE_REPORT_ROWS
@@ -50,6 +52,7 @@ class Sheet:
         self.simulation.state.motion.assign(motion.astype(self.simulation.precision.numpy))
         if fresh:
             self.simulation.state.cell_unknowns.zero_()
+            self.simulation.state.slip.zero_()
         # a run takes the nodes' mean shear angles from the step before; here they belong to these positions
         self.simulation.stepper.evaluate()
         angle = self._corners()[2, 0, 0]
@@ -130,6 +133,18 @@ class Frames:
 
     def finish(self, outcome: Outcome) -> None:
         self.outcome = outcome
+
+
+@pytest.fixture
+def manual(request) -> Callable[..., Case]:
+    """``manual(chapter, title, known=...)``: a case of the verification manual, see ``Case``."""
+    directory = request.config.getoption("--manual")
+    test = request.node.nodeid.split("[")[0]
+
+    def case(chapter: str, title: str, *, known: str) -> Case:
+        return Case(Path(directory) if directory else None, chapter, title, known, test)
+
+    return case
 
 
 @pytest.fixture

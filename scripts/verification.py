@@ -1,0 +1,94 @@
+"""Run the verification studies and rebuild docs/verification.md from what they record: make verify."""
+
+from __future__ import annotations
+
+import datetime
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "verification.md"
+PICTURES = ROOT / "docs" / "images" / "verification"
+sys.path.insert(0, str(ROOT))
+
+HEAD = """# Verification
+
+Does weavesim solve its equations? Every case says what is known, what we get, and, where the answer depends on the
+mesh, on which meshes and with which observed order (the exponent with which the error falls). Each is a test that
+asserts what it shows. What the equations are: [theory](theory.md); whether they describe a fabric:
+[validation](validation.md).
+
+Written by `make verify` (`scripts/verification.py`) on {date}; {case_count} cases.
+"""
+
+
+def run_studies(records: Path, workers: int) -> int:
+    """Run every test that may record; the exit code of pytest."""
+    command = [sys.executable, "-m", "pytest", "tests/verification", "-m", "verification or not verification", "-q"]
+    command += ["--manual", str(records)]
+    if workers > 1:
+        command += ["--numprocesses", str(workers), "--dist", "loadfile"]
+    return subprocess.run(command, cwd=ROOT, check=False).returncode
+
+
+def table(columns: list[str], rows: list[list[str]]) -> str:
+    """A markdown table."""
+    lines = [columns, ["---"] * len(columns), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def write_page(records: Path) -> int:
+    """docs/verification.md and its pictures from the records; the number of cases."""
+    from tests.verification.manual import CHAPTERS
+
+    cases = [json.loads(path.read_text()) for path in sorted(records.glob("*.json"))]
+    parts = [HEAD.format(date=datetime.date.today().isoformat(), case_count=len(cases))]
+    chapters = [name for name in CHAPTERS if any(case["chapter"] == name for case in cases)]
+    parts.append("\n".join(f"- [{name}](#{name.lower().replace(' ', '-')})" for name in chapters))
+    fresh = Path(tempfile.mkdtemp(dir=PICTURES.parent, prefix=".verification"))
+    for chapter in chapters:
+        parts.append(f"## {chapter}")
+        for case in (case for case in cases if case["chapter"] == chapter):
+            parts += [f"### {case['title']}", f"Known: {case['known']}"]
+            for part in case["parts"]:
+                if part["kind"] == "text":
+                    parts.append(part["text"])
+                elif part["kind"] == "table":
+                    parts.append(table(part["columns"], part["rows"]))
+                else:
+                    shutil.copy(records / part["file"], fresh / part["file"])
+                    parts.append(f"![{case['title']}](images/verification/{part['file']})")
+            parts.append(f"Held by `{case['test']}`.")
+    shutil.rmtree(PICTURES, ignore_errors=True)
+    fresh.chmod(0o755)
+    fresh.replace(PICTURES)
+    partial = PAGE.with_suffix(".partial")
+    partial.write_text("\n\n".join(parts) + "\n")
+    partial.replace(PAGE)
+    return len(cases)
+
+
+def main(
+    workers: Annotated[int, typer.Option(min=1, help="processes that share the studies")] = 1,
+    records: Annotated[
+        Path | None, typer.Option(help="write the page from these records, without running anything")
+    ] = None,
+) -> None:
+    """Run the verification studies and rebuild docs/verification.md; a failure keeps the page as it was."""
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) if records is None else records
+        if records is None and (code := run_studies(source, workers)):
+            typer.echo("the page is unchanged: a study failed, see above", err=True)
+            raise typer.Exit(code)
+        typer.echo(f"{PAGE.relative_to(ROOT)}: {write_page(source)} cases")
+
+
+if __name__ == "__main__":
+    typer.run(main)

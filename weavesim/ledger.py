@@ -9,7 +9,7 @@ import warp as wp
 
 from .kernels.distance import sample_distance_kernel
 from .kernels.element import CELL_REPORT_ROWS, NODE_REPORT_ROWS
-from .kernels.ledger import ELEMENT_ENERGIES, ELEMENT_FIELDS, element_ledger_kernel
+from .kernels.ledger import ELEMENT_FIELDS, SHEET_ENERGIES, element_ledger_kernel
 from .model import TANGENTIAL_RATIO, lanes_view
 from .motion import Driven
 from .recording import Frame
@@ -19,14 +19,13 @@ from .tool import Tool
 
 # A cell whose residual ever exceeds this share of the forces that it balances has failed.
 UNIT_CELL_FAILURE = 1.0e-3
-# Elastic energies of the sheet; their sum is the internal energy.
-INTERNAL = (
-    "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "compression",
-    "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass",
-)  # fmt: skip
+# Elastic energies of the sheet; their sum with those of its unit cell is the internal energy.
+SHEET_INTERNAL = ("compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass")
 STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
 LOST = ("friction_loss", "damping_loss", "snap_loss", "shear_friction_loss", "bending_friction_loss")
 SUPPLIED = ("tool_work", "driving_force_work", "support_work", "load_work", "gravity_work", "initial_kinetic")
+# What is made of the other entries.
+SUMS = ("internal", "supplied", "used", "balance_error")
 
 
 @dataclass(frozen=True)
@@ -45,6 +44,9 @@ class Ledger:
         tools: in the order of the device tools.
         leading_tool: whose displacement is the stroke.
         supports: in the order of the device supports.
+
+    Attributes:
+        internal: names of the elastic energies of unit cell and sheet; their sum is the entry ``internal``.
     """
 
     def __init__(
@@ -52,10 +54,12 @@ class Ledger:
     ) -> None:
         self._stepper, self._tools, self._leading_tool, self._supports = stepper, tools, leading_tool, supports
         model = stepper.model
-        self._kernel = element_ledger_kernel(model.real)
+        self._kernel = element_ledger_kernel(model.real, model.cell_law)
         self._distance_kernel = sample_distance_kernel(model.real, 1)
         shape = model.element_count
-        self._energies = wp.zeros((len(ELEMENT_ENERGIES), shape), dtype=model.real, device=model.device)
+        self._energy_names = (*model.cell_law.energy_names, *SHEET_ENERGIES)
+        self.internal = (*model.cell_law.energy_names, *SHEET_INTERNAL)
+        self._energies = wp.zeros((len(self._energy_names), shape), dtype=model.real, device=model.device)
         self._fields = wp.zeros((len(ELEMENT_FIELDS), shape), dtype=model.real, device=model.device)
         self._driven = np.array([isinstance(tool.motion, Driven) for tool in tools], dtype=bool)
         self._tool_mass = np.array([tool.motion.mass if isinstance(tool.motion, Driven) else 0.0 for tool in tools])
@@ -71,7 +75,7 @@ class Ledger:
             dim=model.element_count,
             inputs=[
                 model.elements_single, model.cell, model.laws, state.motion, ahead.node_report,
-                lanes_view(state.crimp_change, 1), lanes_view(state.cell_report, 1), lanes_view(state.slip, 1),
+                lanes_view(state.cell_unknowns, 1), lanes_view(state.cell_report, 1), lanes_view(state.slip, 1),
             ],
             outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
             device=model.device,
@@ -79,6 +83,7 @@ class Ledger:
         count = model.blank.element_count
         fields = dict(zip(ELEMENT_FIELDS, self._fields.numpy()[:, :count].astype(np.float64), strict=True))
         report = dict(zip(CELL_REPORT_ROWS, state.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
+        fields["crossover_force"] *= model.fabric.unit_cell.crossover_area
         fields["unit_cell_residual"] = report["worst_residual"]
         fields["unit_cell_iterations"] = report["iterations"]
         fields["unit_cell_failed"] = (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
@@ -125,8 +130,8 @@ class Ledger:
         """
         stepper, model, state = self._stepper, self._stepper.model, self._stepper.state
         element = self._energies.numpy()[:, : model.blank.element_count].astype(np.float64).sum(axis=1)
-        entries = dict(zip(ELEMENT_ENERGIES, element.tolist(), strict=True))
-        entries["internal"] = sum(entries[name] for name in INTERNAL)
+        entries = dict(zip(self._energy_names, element.tolist(), strict=True))
+        entries["internal"] = sum(entries[name] for name in self.internal)
         started = stepper.step_count > 0
         _, velocity, _, spin, _ = self._motion(state.motion)
         _, next_velocity, _, next_spin, _ = self._motion(ahead.motion)

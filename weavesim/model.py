@@ -14,7 +14,7 @@ from .blank import Blank
 from .curve import tabulate
 from .device import Precision
 from .errors import InputError
-from .fabric import Fabric, UnitCell
+from .fabric import Fabric
 from .kernels.curve import curve_struct
 from .kernels.element import MOTION_ROWS, element_struct
 from .kernels.lanes import lane_types
@@ -27,7 +27,6 @@ from .kernels.sheet import (
     SHEAR_LINEAR,
     sheet_struct,
 )
-from .kernels.unit_cell import unit_cell_struct
 from .loads import NodalLoads
 from .shear import LARGEST_SHEAR_ANGLE, LinearShear
 
@@ -40,8 +39,6 @@ CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
 # Cubic pieces of a measured curve on the device.
 CURVE_PIECE_COUNT = 512
-# Relative residual that the unit cell's Newton iteration reaches in each precision.
-UNIT_CELL_TOLERANCE = {"float32": 2.0e-5, "float64": 1.0e-11}
 
 
 def padded(count: int, spare: int) -> int:
@@ -154,7 +151,7 @@ class Frequencies:
         bending = 4.0 * fabric.bending_stiffness_scale * (1.0 + nu) * b
         if not isinstance(fabric.bending, IsotropicBending):
             bending = 4.0 * fabric.bending.largest * b
-        shear = fabric.shear_stiffness_scale
+        shear = fabric.shear_stiffness_scale + fabric.unit_cell.shear_stiffness
         straight = 4.0 / areal_density * (np.maximum(c1 * b11, c2 * b22) + 2.0 * shear * b)
         yarns_in_plane = 2.0 * 4.0 * fabric.in_plane_bending_stiffness / geometry.area
         turning = transverse + bending + 4.0 * (director * gamma + warping * geometry.squared_twist_weights * b) * b
@@ -275,7 +272,8 @@ class Model:
         self._element_arrays = self._fill_elements()
         self.elements = self._elements(self.lane_count)
         self.elements_single = self._elements(1)
-        self.cell = self._unit_cell()
+        self.cell_law = fabric.unit_cell.law()
+        self.cell = fabric.unit_cell.device_parameters(precision)
         self.laws = self._sheet_laws()
         self.nodes = self._nodes(np.asarray(free, dtype=bool))
         self.motion_laws = self._motion_laws(contact_share)
@@ -329,12 +327,6 @@ class Model:
             setattr(elements, name, lanes_view(array, lane_count))
         elements.flat = int(self.geometry.flat)
         return elements
-
-    def _unit_cell(self):
-        parameters: UnitCell = self.fabric.unit_cell
-        cell = unit_cell_struct(self.real)()
-        fill_unit_cell(cell, parameters, self.precision)
-        return cell
 
     def _sheet_laws(self):
         fabric, shear, bending = self.fabric, self.fabric.shear, self.fabric.bending
@@ -452,6 +444,12 @@ class Model:
 
     # --- initial values ----------------------------------------------------------------------------------------------
 
+    def initial_unknowns(self) -> np.ndarray:
+        """Of every element's unit cell at rest, (rows, padded elements)."""
+        rows = np.zeros((self.cell_law.row_count, self.element_count))
+        rows[: self.cell_law.unknown_count] = np.array(self.fabric.unit_cell.initial_unknowns)[:, None]
+        return rows
+
     def initial_motion(self, velocity: np.ndarray | None = None) -> np.ndarray:
         """Rows MOTION_ROWS, (5, padded nodes, 3); the remainder is what the precision cannot hold of the positions."""
         count = self.blank.node_count
@@ -465,22 +463,3 @@ class Model:
             rows[1, :count] = velocity
         rows[4] = rows[0] - rows[0].astype(self.precision.numpy)
         return rows
-
-
-def fill_unit_cell(cell, parameters: UnitCell, precision: Precision) -> None:
-    """Write a cell's parameters into its device struct."""
-    vec2 = wp.types.vector(2, precision.real)
-    length = np.array(parameters.chord_length)
-    cell.half_spacing = vec2(*parameters.half_spacing)
-    cell.crimp_height = vec2(*parameters.crimp_height)
-    cell.chord_length = vec2(*length)
-    cell.tensile_stiffness = vec2(*(parameters.axial_stiffness / length))
-    cell.compressive_stiffness = vec2(*(parameters.compressive_stiffness / length))
-    cell.rotation_stiffness = vec2(*(3.0 * np.array(parameters.bending_stiffness) / length))
-    cell.contact_stiffness = parameters.contact_stiffness
-    cell.unilateral = int(parameters.contact == "unilateral")
-    cell.tolerance = UNIT_CELL_TOLERANCE[precision.value]
-    # four roundings of each of the two parts whose sum is the elongation
-    cell.resolution = 4.0 * np.finfo(precision.numpy).eps / UNIT_CELL_TOLERANCE[precision.value]
-    cell.stiffness_floor = 1.0e-9 * max(parameters.axial_stiffness) / length.max()
-    cell.force_floor = 1.0e-9 * max(parameters.axial_stiffness)

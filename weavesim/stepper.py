@@ -43,7 +43,7 @@ class State:
     """All that the kernels write. Scalars are [row, element or node], padded; see the kernels for the rows."""
 
     motion: wp.array  # (5, nodes) vec3, rows MOTION_ROWS
-    crimp_change: wp.array  # (2, elements) [m]
+    cell_unknowns: wp.array  # (unknowns of the unit cell, one at least; elements)
     cell_report: wp.array  # (4, elements)
     slip: wp.array  # (5, elements), rows SLIP_ROWS; (5, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # (36, elements)
@@ -61,7 +61,7 @@ class State:
         clock[[CLOCK_STEP, CLOCK_MEAN_STEP]] = model.reference_step
         return cls(
             motion=wp.array(model.initial_motion(velocity), dtype=vec3, device=device),
-            crimp_change=wp.zeros((2, model.element_count), dtype=real, device=device),
+            cell_unknowns=wp.array(model.initial_unknowns(), dtype=real, device=device),
             cell_report=wp.zeros((len(CELL_REPORT_ROWS), model.element_count), dtype=real, device=device),
             slip=wp.zeros((len(SLIP_ROWS), slip_count), dtype=real, device=device),
             corner_force=wp.zeros((CORNER_ROW_COUNT, model.element_count), dtype=real, device=device),
@@ -125,12 +125,12 @@ class Stepper:
         self.thread_count = thread_count if model.device.is_cpu else 1
         self.largest_step = largest_step
         real, lane_count, device = model.real, model.lane_count, model.device
-        self._element_forces = element_force_kernel(real, lane_count)
+        self._element_forces = element_force_kernel(real, lane_count, model.cell_law)
         self._node_motion = node_motion_kernel(real, lane_count)
         self._tool_motion = tool_motion_kernel(real)
         self._support_motion = support_motion_kernel(real)
         self._partial_sums = partial_sum_kernel(real)
-        self._frequencies = element_frequency_kernel(real)
+        self._frequencies = element_frequency_kernel(real, model.cell_law)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._tool_set = tool_set_struct(real)()
@@ -160,15 +160,12 @@ class Stepper:
         """Element forces of the current state, in the blocks of lanes from ``first``."""
         model, state = self.model, self.state
         count = model.element_count // model.lane_count if count is None else count
-        crimp_change, cell_report, slip, corner_force = (
-            lanes_view(array, model.lane_count)
-            for array in (state.crimp_change, state.cell_report, state.slip, state.corner_force)
-        )
+        arrays = (state.cell_unknowns, state.cell_report, state.slip, state.corner_force)
         wp.launch(
             self._element_forces,
             dim=count,
             inputs=[first, model.elements, model.cell, model.laws, state.motion, state.node_report],
-            outputs=[crimp_change, cell_report, slip, corner_force],
+            outputs=[lanes_view(array, model.lane_count) for array in arrays],
             device=model.device,
         )
 
@@ -230,7 +227,7 @@ class Stepper:
             dim=count,
             inputs=[
                 first, model.elements_single, model.cell, model.laws, state.motion,
-                lanes_view(state.crimp_change, 1), lanes_view(model.step_inertia, 1),
+                lanes_view(state.cell_unknowns, 1), lanes_view(model.step_inertia, 1),
                 state.clock, REFRESH_INTERVAL,
             ],
             outputs=[lanes_view(self._squared_frequency, 1)],

@@ -23,7 +23,9 @@ UNIT_CELL_FAILURE = 1.0e-3
 SHEET_INTERNAL = ("compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass")
 STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
 LOST = ("friction_loss", "damping_loss", "snap_loss", "shear_friction_loss", "bending_friction_loss")
-SUPPLIED = ("tool_work", "driving_force_work", "support_work", "load_work", "gravity_work", "initial_kinetic")
+SUPPLIED = (
+    "tool_work", "driving_force_work", "support_work", "load_work", "thickness_work", "gravity_work", "initial_kinetic",
+)  # fmt: skip
 # What is made of the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")
 
@@ -83,6 +85,14 @@ class Ledger:
         count = model.blank.element_count
         fields = dict(zip(ELEMENT_FIELDS, self._fields.numpy()[:, :count].astype(np.float64), strict=True))
         report = dict(zip(CELL_REPORT_ROWS, state.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
+        compaction, cell = model.fabric.compaction, model.fabric.unit_cell
+        fields["thickness"] = model.fabric.thickness * compaction.thickness_ratio(
+            cell, fields["area_ratio"], fields["crossover_force"]
+        )
+        fraction = compaction.fibre_volume_fraction(fields["thickness"], fields["area_ratio"])
+        if fraction is not None:
+            fields["fibre_volume_fraction"] = fraction
+        # the kernel gives the force per reference area
         fields["crossover_force"] *= model.fabric.unit_cell.crossover_area
         fields["unit_cell_residual"] = report["worst_residual"]
         fields["unit_cell_iterations"] = report["iterations"]
@@ -146,7 +156,8 @@ class Ledger:
         entries["tool_kinetic"] = 0.5 * float(
             self._tool_mass @ (stepper.tools.velocity.numpy() * ahead.tool_velocity.numpy())
         )
-        penetration = np.maximum(self._penetration(position), 0.0)
+        half_thickness = ahead.node_report.numpy()[NODE_REPORT_ROWS.index("half_thickness"), : len(position)]
+        penetration = np.maximum(self._penetration(position, half_thickness), 0.0)
         entries["contact"] = 0.5 * float((model.contact_stiffness * np.square(penetration)).sum())
         friction = ahead.friction.numpy()[: len(self._tools), : model.blank.node_count].astype(np.float64)
         entries["friction_spring"] = (
@@ -156,6 +167,7 @@ class Ledger:
         entries["friction_loss"] = float(report["friction_work"]) - entries["friction_spring"]
         entries["damping_loss"] = float(report["damping_loss"])
         entries["support_work"] = float(report["support_work"])
+        entries["thickness_work"] = float(report["thickness_work"])
         entries["load_work"] = float(report["load_work"])
         entries["tool_work"] = float(work[0][~self._driven].sum())
         entries["driving_force_work"] = float(work[1][self._driven].sum())
@@ -167,8 +179,8 @@ class Ledger:
         entries["balance_error"] = entries["supplied"] - entries["used"]
         return entries
 
-    def _penetration(self, points: np.ndarray) -> np.ndarray:
-        """Half the thickness minus the distance to each tool, (tool_count, point_count) [m]."""
+    def _penetration(self, points: np.ndarray, half_thickness: np.ndarray) -> np.ndarray:
+        """Half the thickness (of each point) minus the distance to each tool, (tool_count, point_count) [m]."""
         model, tools = self._stepper.model, self._stepper.tools
         device = model.device
         result = np.full((len(self._tools), len(points)), -np.inf)
@@ -185,15 +197,22 @@ class Ledger:
                 outputs=[distance, normal],
                 device=device,
             )
-            result[k] = 0.5 * model.fabric.thickness - distance.numpy().astype(np.float64)
+            result[k] = half_thickness - distance.numpy().astype(np.float64)
         return result
 
     def penetration(self, frame: Frame) -> Penetration:
         """Deepest penetration of a frame just taken."""
-        centres = frame.position[self._stepper.model.blank.quads].mean(axis=1)
+        model, quads = self._stepper.model, self._stepper.model.blank.quads
         if not self._tools:
             return Penetration(-np.inf, -np.inf)
+        at_elements = np.full(len(quads), 0.5 * model.fabric.thickness)
+        at_nodes = np.full(len(frame.position), 0.5 * model.fabric.thickness)
+        if model.follows_thickness:
+            at_elements = 0.5 * frame.fields["thickness"]
+            sharing = np.bincount(quads.ravel())
+            at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
+        centres = frame.position[quads].mean(axis=1)
         return Penetration(
-            at_nodes=float(self._penetration(frame.position).max()),
-            at_element_centres=float(self._penetration(centres).max()),
+            at_nodes=float(self._penetration(frame.position, at_nodes).max()),
+            at_element_centres=float(self._penetration(centres, at_elements).max()),
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import warp as wp
@@ -187,12 +188,15 @@ class MotionParameters:
         damping: mass-proportional damping rate of the nodes [1/s].
         director_damping: the same for the directors [1/s].
         contact_damping_ratio: normal dashpot of the contact, as a share of critical.
+        contact_thickness: tools meet the sheet at half its "initial" or its "current" thickness; what a change of
+            thickness does on the tools is booked as ``thickness_work``.
     """
 
     gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     damping: float = 0.0
     director_damping: float = 0.0
     contact_damping_ratio: float = 0.1
+    contact_thickness: Literal["initial", "current"] = "initial"
 
     def __post_init__(self) -> None:
         gravity = np.asarray(self.gravity, dtype=np.float64)
@@ -201,6 +205,8 @@ class MotionParameters:
             np.isfinite(gravity).all() and np.isfinite(damping).all() and damping.min() >= 0
         ):
             raise InputError(f"{self}: gravity needs three finite components, damping is finite and not negative")
+        if self.contact_thickness not in ("initial", "current"):
+            raise InputError(f'contact_thickness = {self.contact_thickness!r}: "initial" or "current" is needed')
 
 
 class Model:
@@ -278,6 +284,11 @@ class Model:
         self.nodes = self._nodes(np.asarray(free, dtype=bool))
         self.motion_laws = self._motion_laws(contact_share)
 
+    @property
+    def follows_thickness(self) -> bool:
+        """True where tools meet the current thickness."""
+        return self.motion.contact_thickness == "current"
+
     # --- layout ------------------------------------------------------------------------------------------------------
 
     def _to_nodes(self, per_corner: np.ndarray) -> np.ndarray:
@@ -353,6 +364,9 @@ class Model:
         # a family without friction has a slider that never holds: any spring will do
         laws.bending.friction_stiffness = vec2(*(family.friction_stiffness or 1.0 for family in families))
         laws.bending.friction_limit = vec2(*(family.friction_limit for family in families))
+        laws.thickness = fabric.thickness if self.follows_thickness else 0.0
+        laws.thickening = fabric.compaction.thickening
+        laws.inverse_crossover_modulus = 1.0 / fabric.compaction.modulus(fabric.unit_cell)
         laws.slip_resolution = 4.0 * np.finfo(self.precision.numpy).eps
         laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
         laws.in_plane_bending_stiffness = fabric.in_plane_bending_stiffness
@@ -405,6 +419,8 @@ class Model:
             return lanes_view(self._array(self._padded(values, self.node_count), self.real), self.lane_count)
 
         nodes.angle_weight = lanes(angle_weight)
+        if self.follows_thickness:
+            nodes.thickness_weight = lanes(1.0 / count_around)
         nodes.mass = lanes(self.node_mass)
         nodes.inverse_mass = lanes(1.0 / self.node_mass)
         nodes.inverse_inertia = lanes(1.0 / self.node_inertia)

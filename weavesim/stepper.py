@@ -47,7 +47,7 @@ class State:
     cell_report: wp.array  # (4, elements)
     slip: wp.array  # (5, elements), rows SLIP_ROWS; (5, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # (36, elements)
-    node_report: wp.array  # (4, nodes), rows NODE_REPORT_ROWS
+    node_report: wp.array  # (7, nodes), rows NODE_REPORT_ROWS
     friction: wp.array  # (tools, nodes) vec3 [m]
     reaction: wp.array  # (tools, node blocks) vec3 [N]
     clock: wp.array  # time, step, mean step [s]
@@ -57,6 +57,8 @@ class State:
         real, vec3, device = model.real, model.types.vec3, model.device
         tool_rows = max(model.tool_count, 1)
         slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
+        node_report = np.zeros((len(NODE_REPORT_ROWS), model.node_count))
+        node_report[NODE_REPORT_ROWS.index("half_thickness")] = 0.5 * model.fabric.thickness
         clock = np.zeros(CLOCK_LENGTH)
         clock[[CLOCK_STEP, CLOCK_MEAN_STEP]] = model.reference_step
         return cls(
@@ -65,7 +67,7 @@ class State:
             cell_report=wp.zeros((len(CELL_REPORT_ROWS), model.element_count), dtype=real, device=device),
             slip=wp.zeros((len(SLIP_ROWS), slip_count), dtype=real, device=device),
             corner_force=wp.zeros((CORNER_ROW_COUNT, model.element_count), dtype=real, device=device),
-            node_report=wp.zeros((len(NODE_REPORT_ROWS), model.node_count), dtype=real, device=device),
+            node_report=wp.array(node_report, dtype=real, device=device),
             friction=wp.zeros((tool_rows, model.node_count), dtype=vec3, device=device),
             reaction=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=vec3, device=device),
             clock=wp.array(clock, dtype=wp.float64, device=device),

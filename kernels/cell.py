@@ -76,7 +76,7 @@ def parameter_struct(name: str, fields: tuple[tuple[str, int], ...]):
 
 # A step of differences: unknowns, stretches and angles are all of order one.
 FORWARD_STEP = wp.constant(wp.float64(1.0e-7))
-CENTRAL_STEP = wp.constant(wp.float64(1.0e-5))
+CENTRAL_STEP = wp.constant(wp.float64(1.0e-6))
 # Largest change of an unknown in one Newton step, and what is small enough to be taken unseen.
 STEP_LIMIT = wp.constant(wp.float64(0.25))
 SMALL_STEP = wp.constant(wp.float64(1.0e-3))
@@ -194,9 +194,9 @@ def energy_cell(
 
     @wp.func
     def cholesky(h: square, least: real):
-        """Lower triangle of H + tau diag(d), tau the first of 0, 1e-3, 2e-3, ... that makes it positive definite.
+        """Lower triangle of H + tau diag |H|, tau the first of 0, 1e-3, 2e-3, ... that makes it positive definite.
 
-        d is |H_kk|, at least a millionth of the largest: an unknown that nothing holds is held.
+        An unknown that nothing holds, such as the stretch of a float of no length, gets a stiffness of its own.
         """
         largest = least
         for k in range(n):
@@ -206,13 +206,15 @@ def energy_cell(
         for _attempt in range(60):
             definite = real(1.0)
             for i in range(n):
-                own = wp.max(wp.abs(h[i, i]), real(1.0e-6) * largest)
+                own = wp.abs(h[i, i])
+                idle = own < real(1.0e-12) * largest
+                own = wp.where(idle, largest, own)
                 for j in range(i + 1):
                     s = h[i, j]
                     for k in range(j):
                         s = s - factor[i, k] * factor[j, k]
                     if i == j:
-                        s = s + shift * own
+                        s = wp.where(idle, own, s + shift * own)
                         # written so that a NaN is not definite
                         if not s > real(1.0e-9) * own:
                             definite = real(0.0)
@@ -257,8 +259,9 @@ def energy_cell(
     def equilibrium(p: Parameters, start: vector):
         """(x, gradient, residual, iterations) where dpsi/dq = 0, by a safeguarded Newton method.
 
-        A Hessian that is not positive definite is shifted; a step is limited; and unless it is small, it is halved
-        until the energy falls.
+        A Hessian that is not positive definite is shifted; a step is limited, and taken back in part while it
+        overshoots (the slope along it has changed sign and keeps more than half its size) or, unless it is small, the
+        energy grows.
         """
         _late = wp.grad(emitted_late)(real(0.0))
         x = start
@@ -266,17 +269,19 @@ def energy_cell(
         stiffest = real(0.0)
         iterations = real(0.0)
         residual = relative_residual(p, g, stiffest)
-        for iteration in range(MAXIMUM_ITERATIONS):
+        for _iteration in range(MAXIMUM_ITERATIONS):
             # a NaN ends it too
             if not residual > p.tolerance:
                 break
             h = square()
             for k in range(n):
+                # towards the minimum: a member that becomes taut on the way is then met with its stiffness
+                change = wp.where(g[3 + k] > real(0.0), -FORWARD_STEP, FORWARD_STEP)
                 y = x
-                y[3 + k] = y[3 + k] + FORWARD_STEP
+                y[3 + k] = y[3 + k] + change
                 ahead = gradient_of(p, y)
                 for j in range(n):
-                    h[j, k] = (ahead[3 + j] - g[3 + j]) / FORWARD_STEP
+                    h[j, k] = (ahead[3 + j] - g[3 + j]) / change
                 stiffest = wp.max(stiffest, wp.abs(h[k, k]) * (real(1.0) + wp.abs(x[3 + k])))
             by_q = unknowns()
             for k in range(n):
@@ -287,23 +292,30 @@ def energy_cell(
                 longest = wp.max(longest, wp.abs(step[k]))
             if longest > STEP_LIMIT:
                 step = (STEP_LIMIT / longest) * step
-            y = x
-            for k in range(n):
-                y[3 + k] = x[3 + k] - step[k]
-            # small steps cross a kink at most back and forth: after some, they are watched too
-            if longest > SMALL_STEP or iteration > 3:
-                slope = wp.dot(by_q, step)
+                longest = STEP_LIMIT
+            slope = wp.dot(by_q, step)
+            before = real(0.0)
+            if longest > SMALL_STEP:
                 before = energy_of(p, x)
-                share = real(1.0)
-                for _trial in range(30):
-                    noise = real(1.0e-15) * (wp.abs(before) + p.force_floor)
-                    if energy_of(p, y) <= before - real(1.0e-4) * share * slope + noise:
-                        break
-                    share = real(0.5) * share
-                    for k in range(n):
-                        y[3 + k] = x[3 + k] - share * step[k]
+            y = x
+            share = real(1.0)
+            for _trial in range(20):
+                for k in range(n):
+                    y[3 + k] = x[3 + k] - share * step[k]
+                g = gradient_of(p, y)
+                # directional derivative here: positive beyond the minimum along the step
+                rise = real(0.0)
+                for k in range(n):
+                    rise = rise - g[3 + k] * step[k]
+                higher = real(0.0)
+                if share * longest > SMALL_STEP:
+                    higher = energy_of(p, y) - before - real(1.0e-15) * (wp.abs(before) + p.force_floor)
+                if rise <= real(0.5) * slope and not higher > real(0.0):
+                    break
+                share = share * wp.where(
+                    rise > real(0.0), wp.clamp(slope / (slope + rise), real(0.1), real(0.9)), real(0.5)
+                )
             x = y
-            g = gradient_of(p, x)
             residual = relative_residual(p, g, stiffest)
             iterations = iterations + real(1.0)
         return x, g, residual, iterations

@@ -79,6 +79,7 @@ class EnergyCell(Cell):
     the vector of unknowns. Unknowns are dimensionless: a change of one is large.
 
     Attributes:
+        law_name: in compiled code; subclasses that share their functions share it too. The name of the class if None.
         unknown_count: internal unknowns, 0 to 4; the energy is stationary by them.
         depends_on_shear: False spares the shear angle's part if the energy does not use it.
         energy: per reference area [J/m^2].
@@ -87,6 +88,7 @@ class EnergyCell(Cell):
         crossover_pressure: force between warp and weft per reference area [N/m^2].
     """
 
+    law_name: ClassVar[str | None] = None
     unknown_count: ClassVar[int] = 0
     depends_on_shear: ClassVar[bool] = True
     part_names: ClassVar[tuple[str, ...]] = ("unit_cell",)
@@ -109,7 +111,7 @@ class EnergyCell(Cell):
         from .kernels.cell import energy_cell
 
         return energy_cell(
-            type(self).__name__,
+            self.law_name or type(self).__name__,
             tuple((name, np.size(value)) for name, value in self.parameters().items()),
             self.unknown_count,
             part_names=self.part_names,
@@ -297,6 +299,7 @@ class FloatWeave(CrossedYarns, EnergyCell):
     their scale, and the strains of the floats. The floats stay straight and level: an idealisation.
     """
 
+    law_name: ClassVar[str] = "FloatWeave"
     unknown_count: ClassVar[int] = 4
     depends_on_shear: ClassVar[bool] = False
     part_names: ClassVar[tuple[str, ...]] = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Literal, Self
 
 import numpy as np
 from pydantic import Field, SerializeAsAny, model_validator
 
 from .bending import BendingCurve, IsotropicBending, YarnBending
-from .cells import Cell, UnitCell
+from .cells import Cell, LinearMembrane, SatinWeave, TwillWeave, UnidirectionalTape, UnitCell
 from .compaction import Compaction, check_compaction
 from .parameters import NotNegative, Parameters, Positive
 from .shear import LinearShear, MomentCurve, ShearFriction
@@ -152,4 +154,50 @@ def glass_polypropylene(
     )  # fmt: skip
 
 
-PRESETS = {"glass-polypropylene": glass_polypropylene}
+def _glass_yarns(kind: type[Cell], **more) -> Cell:
+    return kind(**glass_polypropylene().unit_cell.model_dump() | more)
+
+
+def _stitched_tape() -> Cell:
+    tow = min(glass_polypropylene().unit_cell.yarn_stiffness_per_width)
+    return UnidirectionalTape(
+        tow_stiffness=tow, tow_compressive_stiffness=2.0e-4 * tow, stitch_stiffness=4.0e4, slip_stiffness=1.0e4,
+        stitch_pitch=5.2e-3, tow_spacing=5.2e-3, stitch_slack=0.01, transverse_stiffness=1.0e3,
+        transverse_compressive_stiffness=2.0e4,
+    )  # fmt: skip
+
+
+# One unit cell of every kind, to try, to test and to measure. All but the first are assumed.
+UNIT_CELLS: dict[str, Callable[[], Cell]] = {
+    "plain-weave": lambda: _glass_yarns(UnitCell),
+    "plain-weave-unilateral": lambda: _glass_yarns(UnitCell, contact="unilateral"),
+    "twill": lambda: _glass_yarns(TwillWeave),
+    "satin-5": lambda: _glass_yarns(SatinWeave),
+    "satin-8": lambda: _glass_yarns(SatinWeave, repeat=8),
+    "stitched-tape": _stitched_tape,
+    "linear-membrane": lambda: LinearMembrane(warp_stiffness=2.0e6, weft_stiffness=1.5e6, coupling_stiffness=0.3e6),
+}
+
+
+def assumed_fabric(unit_cell: str) -> Fabric:
+    """The glass/polypropylene fabric with another of ``UNIT_CELLS``: no such fabric was measured."""
+    fabric, cell = glass_polypropylene(), UNIT_CELLS[unit_cell]()
+    # locking may be a tenth as stiff as the softer yarns
+    largest = LARGEST_LOCKING_SHARE * min(cell.yarn_stiffness_per_width)
+    locking = min(fabric.shear.locking_stiffness, 0.1 * largest)
+    return fabric.model_copy(
+        update={
+            "name": f"assumed {unit_cell.replace('-', ' ')} of glass/polypropylene", "unit_cell": cell,
+            "shear": fabric.shear.model_copy(update={"locking_stiffness": locking}),
+            "source": f"none; all but the unit cell as in {fabric.name!r}", "assumed": ("everything",),
+        }
+    )  # fmt: skip
+
+
+PRESETS: dict[str, Callable[[], Fabric]] = {
+    "glass-polypropylene": glass_polypropylene,
+    **{
+        f"assumed-{name}": partial(assumed_fabric, name)
+        for name in ("twill", "satin-5", "satin-8", "stitched-tape", "linear-membrane")
+    },
+}

@@ -25,6 +25,7 @@ from .lanes import (
     scale,
     spread,
     square_root,
+    where_positive,
 )
 from .sheet import (
     BENDING_LOSS_ROW,
@@ -34,6 +35,7 @@ from .sheet import (
     bending_friction,
     bending_moments,
     compressive_force,
+    current_thickness,
     moment_resultants,
     shear_friction,
     shear_resultants,
@@ -43,10 +45,12 @@ from .sheet import (
 
 # Rows of the cell report: residual and iterations of this step, energy lost in snaps so far [J/m^2], worst residual.
 CELL_REPORT_ROWS = ("residual", "iterations", "snap_loss", "worst_residual")
-# Rows of the corner array, three per corner: forces, director gradients, and the shear angle in the first of three.
+# Rows of the corner array, three per corner: forces; director gradients; shear angle, thickness if tools meet it, and
+# one to spare.
 CORNER_ROW_COUNT = 36
 COUPLE_ROW = wp.constant(12)
 ANGLE_ROW = wp.constant(24)
+THICKNESS_ROW = wp.constant(25)
 # Rows of the motion array of the nodes; the remainder is what rounding cut off the position.
 MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
 POSITION_ROW = wp.constant(0)
@@ -55,12 +59,24 @@ DIRECTOR_ROW = wp.constant(2)
 SPIN_ROW = wp.constant(3)
 REMAINDER_ROW = wp.constant(4)
 # Rows of the node report: work done against friction so far, lost or held in the friction springs [J]; energy lost in
-# damping so far [J]; mean shear angle of the elements around the node [rad]; work of what holds the node so far [J].
-NODE_REPORT_ROWS = ("friction_work", "damping_loss", "mean_shear_angle", "support_work")
+# damping so far [J]; mean shear angle of the elements around the node [rad]; work of what holds the node, and of the
+# loads on it, so far [J]; half the current thickness of the sheet [m]; work of its change on the tools so far [J].
+NODE_REPORT_ROWS = (
+    "friction_work",
+    "damping_loss",
+    "mean_shear_angle",
+    "support_work",
+    "load_work",
+    "half_thickness",
+    "thickness_work",
+)
 FRICTION_ROW = wp.constant(0)
 DAMPING_ROW = wp.constant(1)
 MEAN_ANGLE_ROW = wp.constant(2)
 SUPPORT_ROW = wp.constant(3)
+LOAD_ROW = wp.constant(4)
+HALF_THICKNESS_ROW = wp.constant(5)
+THICKNESS_WORK_ROW = wp.constant(6)
 
 
 @cache
@@ -345,6 +361,11 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             shear22 = shear22 + rubbing22
         for corner in range(4):
             corner_force[ANGLE_ROW + 3 * corner, e] = angle
+        if laws.thickness > real(0.0):
+            # nodes with fewer neighbours read a padding element, which must add nothing
+            thickness = where_positive(elements.area[e], current_thickness(laws, area_ratio, pressure), lanes())
+            for corner in range(4):
+                corner_force[THICKNESS_ROW + 3 * corner, e] = thickness
 
         # bending and transverse shear
         k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)

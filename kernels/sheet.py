@@ -11,7 +11,7 @@ from typing import Any
 import warp as wp
 
 from .curve import curve_energy, curve_size, curve_struct, odd_curve, slide
-from .lanes import div, fill, larger, magnitude, mul, spread, where_positive
+from .lanes import div, fill, larger, magnitude, mul, power, spread, where_positive
 
 SHEAR_LINEAR = wp.constant(0)
 SHEAR_CURVE = wp.constant(1)
@@ -76,6 +76,9 @@ def sheet_struct(real: type):
         hourglass_warping: real
         hourglass_director: real  # [N m]
         slip_resolution: real  # relative rounding of a slip
+        thickness: real  # t_0 [m] if tools meet the current thickness, else 0
+        thickening: real  # n of t = t_0 J^-n / (1 + p/E_c)
+        inverse_crossover_modulus: real  # 1/E_c [1/Pa]
 
     return SheetLaws
 
@@ -163,6 +166,17 @@ def compressive_force(laws: Any, stretch: Any):
     """Resistance of the sheet itself to a yarn that is pushed together [N/m]; psi = 1/2 k min(stretch - 1, 0)^2."""
     shortening = stretch - fill(stretch, 1.0)
     return laws.compressive_stiffness * where_positive(shortening, fill(stretch, 0.0), shortening)
+
+
+# --- thickness --------------------------------------------------------------------------------------------------------
+
+
+@wp.func
+def current_thickness(laws: Any, area_ratio: Any, crossover_pressure: Any):
+    """t = t_0 J^-n / (1 + p/E_c) [m], with the pressure p of the crossovers."""
+    pressed = where_positive(crossover_pressure, crossover_pressure, fill(area_ratio, 0.0))
+    flattened = fill(area_ratio, 1.0) + laws.inverse_crossover_modulus * pressed
+    return laws.thickness * power(area_ratio, -laws.thickening) / flattened
 
 
 # --- bending and transverse shear -------------------------------------------------------------------------------------

@@ -66,6 +66,9 @@ class DoubleDomeParameters(RunOptions):
     blank_holder_gap: NotNegative | None = Field(
         default=None, description="the holder keeps this distance beyond the thickness [m], instead of a force"
     )
+    contact_thickness: Literal["initial", "current"] = Field(
+        default="initial", description="thickness of the sheet that the tools meet"
+    )
     punch_speed: Positive = Field(default=0.5, description="[m/s]")
     stroke: Positive = Field(
         default=0.0612,
@@ -181,7 +184,11 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     duration = tools[0].motion.duration + REST
     return Simulation(
         name="double_dome", blank=blank, fabric=fabric, tools=tools, duration=duration, symmetry=symmetry,
-        motion=MotionParameters(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
+        motion=MotionParameters(
+            damping=parameters.damping,
+            director_damping=DIRECTOR_DAMPING,
+            contact_thickness=parameters.contact_thickness,
+        ),
         device=parameters.device, precision=parameters.precision, threads=parameters.threads,
         time_step=parameters.time_step,
         target_step=parameters.target_step,

@@ -56,6 +56,11 @@ class Cell(Parameters):
         return 0.0
 
     @property
+    def crossover_modulus(self) -> float:
+        """Pressure of the crossovers over their relative flattening [Pa]; infinite if they do not flatten."""
+        return math.inf
+
+    @property
     def initial_unknowns(self) -> tuple[float, ...]:
         """Internal unknowns of the undeformed sheet, at which the cell carries no force."""
         return (0.0,) * self.law().unknown_count
@@ -205,6 +210,13 @@ class CrossedYarns(Cell):
         if self.contact_stiffness_value is not None:
             return self.contact_stiffness_value
         return self.contact_modulus * self.contact_cross_section / self.crossover_height
+
+    @property
+    def crossover_modulus(self) -> float:
+        """Two half cells of stiffness E_3 A_3 / L_3 share the area of a crossover; they flatten by a share of L_3."""
+        if self.crossover_height == 0.0:
+            return math.inf
+        return 2.0 * self.contact_stiffness * self.crossover_height / self.crossover_area
 
     @property
     def yarn_stiffness_per_width(self) -> tuple[float, float]:

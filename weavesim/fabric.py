@@ -12,6 +12,7 @@ from pydantic import Field, SerializeAsAny, model_validator
 
 from .bending import BendingCurve, IsotropicBending, YarnBending
 from .cells import Cell, LinearMembrane, SatinWeave, TwillWeave, UnidirectionalTape, UnitCell
+from .compaction import Compaction, check_compaction
 from .parameters import NotNegative, Parameters, Positive
 from .shear import LinearShear, MomentCurve, ShearFriction
 
@@ -56,6 +57,7 @@ class Fabric(Parameters):
         description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]",
     )
     stabilisation: Stabilisation = Stabilisation()
+    compaction: Compaction = Compaction()
     source: str = ""
     assumed: tuple[str, ...] = ()
 
@@ -67,6 +69,7 @@ class Fabric(Parameters):
                 f"locking_stiffness = {self.shear.locking_stiffness:.4g} N/m: at most {largest:.4g} N/m, a tenth of "
                 "the yarn stiffness per width, is allowed (it enters the stable time step)"
             )
+        check_compaction(self.compaction, self.thickness, self.areal_density)
         if self.shear_friction is not None and self.shear_friction.stiffness > largest * (1 + 1e-9):
             raise ValueError(
                 f"shear_friction.stiffness = {self.shear_friction.stiffness:.4g} N/m: at most {largest:.4g} N/m, a "
@@ -143,9 +146,10 @@ def glass_polypropylene(
         bending=IsotropicBending(modulus=bending_modulus, poisson_ratio=0.0),
         transverse_shear_modulus=10.0e6, compressive_stiffness=bending_modulus * thickness,
         in_plane_bending_stiffness=5.0e-3,
+        compaction=Compaction(fibre_areal_density=0.6 * 0.743, fibre_density=2550.0),
         source="Aridhi et al. 2019, credited there to Cao et al. 2008 (shear curve, density, thickness, pitch, E A)",
         assumed=("crimp", "contact stiffness", "yarn bending", "sheet bending", "transverse shear", "compression",
-            "in-plane bending", "locking",
+            "in-plane bending", "locking", "fibre content", "thickening",
         ),
     )  # fmt: skip
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import warp as wp
@@ -27,6 +28,7 @@ from .kernels.sheet import (
     SHEAR_LINEAR,
     sheet_struct,
 )
+from .loads import NodalLoads
 from .shear import LARGEST_SHEAR_ANGLE, LinearShear
 
 # Arrays are padded to whole blocks of the widest lanes, whatever lanes the kernels use.
@@ -186,12 +188,15 @@ class MotionParameters:
         damping: mass-proportional damping rate of the nodes [1/s].
         director_damping: the same for the directors [1/s].
         contact_damping_ratio: normal dashpot of the contact, as a share of critical.
+        contact_thickness: tools meet the sheet at half its "initial" or its "current" thickness; what a change of
+            thickness does on the tools is booked as ``thickness_work``.
     """
 
     gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     damping: float = 0.0
     director_damping: float = 0.0
     contact_damping_ratio: float = 0.1
+    contact_thickness: Literal["initial", "current"] = "initial"
 
     def __post_init__(self) -> None:
         gravity = np.asarray(self.gravity, dtype=np.float64)
@@ -200,6 +205,8 @@ class MotionParameters:
             np.isfinite(gravity).all() and np.isfinite(damping).all() and damping.min() >= 0
         ):
             raise InputError(f"{self}: gravity needs three finite components, damping is finite and not negative")
+        if self.contact_thickness not in ("initial", "current"):
+            raise InputError(f'contact_thickness = {self.contact_thickness!r}: "initial" or "current" is needed')
 
 
 class Model:
@@ -216,6 +223,7 @@ class Model:
         lane_count: elements per kernel thread.
         tool_count: number of tools.
         target_step: with mass scaling, the stable step aimed at [s]; None adds no mass.
+        loads: prescribed at the nodes.
 
     Attributes:
         reference_step: stable step with straight yarns [s]; contact stiffness and the first step come from it.
@@ -235,8 +243,9 @@ class Model:
         tool_count: int,
         target_step: float | None = None,
         contact_share: float = CONTACT_SHARE,
+        loads: NodalLoads | None = None,
     ) -> None:
-        self.blank, self.fabric, self.motion = blank, fabric, motion
+        self.blank, self.fabric, self.motion, self.loads = blank, fabric, motion, loads
         self.device, self.precision, self.lane_count, self.tool_count = device, precision, lane_count, tool_count
         self.real = precision.real
         self.types = lane_types(self.real, lane_count)
@@ -274,6 +283,11 @@ class Model:
         self.laws = self._sheet_laws()
         self.nodes = self._nodes(np.asarray(free, dtype=bool))
         self.motion_laws = self._motion_laws(contact_share)
+
+    @property
+    def follows_thickness(self) -> bool:
+        """True where tools meet the current thickness."""
+        return self.motion.contact_thickness == "current"
 
     # --- layout ------------------------------------------------------------------------------------------------------
 
@@ -350,6 +364,9 @@ class Model:
         # a family without friction has a slider that never holds: any spring will do
         laws.bending.friction_stiffness = vec2(*(family.friction_stiffness or 1.0 for family in families))
         laws.bending.friction_limit = vec2(*(family.friction_limit for family in families))
+        laws.thickness = fabric.thickness if self.follows_thickness else 0.0
+        laws.thickening = fabric.compaction.thickening
+        laws.inverse_crossover_modulus = 1.0 / fabric.compaction.modulus(fabric.unit_cell)
         laws.slip_resolution = 4.0 * np.finfo(self.precision.numpy).eps
         laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
         laws.in_plane_bending_stiffness = fabric.in_plane_bending_stiffness
@@ -391,11 +408,19 @@ class Model:
         freedom = np.zeros(self.node_count, dtype=np.int32)
         freedom[:count] = bits
         nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
+        loads = np.zeros((2, self.node_count if self.loads else 0, 3))
+        if self.loads:
+            loads[:, :count] = self.loads.arrays(count)
+        nodes.load = self._array(loads, self.types.vec3)
+        nodes.load_time = self._array(np.array(self.loads.times if self.loads else ()), wp.float64)
+        nodes.load_share = self._array(np.array(self.loads.shares if self.loads else ()), wp.float64)
 
         def lanes(values):
             return lanes_view(self._array(self._padded(values, self.node_count), self.real), self.lane_count)
 
         nodes.angle_weight = lanes(angle_weight)
+        if self.follows_thickness:
+            nodes.thickness_weight = lanes(1.0 / count_around)
         nodes.mass = lanes(self.node_mass)
         nodes.inverse_mass = lanes(1.0 / self.node_mass)
         nodes.inverse_inertia = lanes(1.0 / self.node_inertia)

@@ -12,11 +12,15 @@ from .element import (
     DAMPING_ROW,
     DIRECTOR_ROW,
     FRICTION_ROW,
+    HALF_THICKNESS_ROW,
+    LOAD_ROW,
     MEAN_ANGLE_ROW,
     POSITION_ROW,
     REMAINDER_ROW,
     SPIN_ROW,
     SUPPORT_ROW,
+    THICKNESS_ROW,
+    THICKNESS_WORK_ROW,
     VELOCITY_ROW,
 )
 from .lanes import (
@@ -59,6 +63,10 @@ def node_struct(real: type, lane_count: int):
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
         contact_stiffness: wp.array(dtype=types.lanes)  # [N/m]
         angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
+        thickness_weight: wp.array(dtype=types.lanes)  # of each in its mean thickness; empty if tools do not meet that
+        load: wp.array2d(dtype=types.vec3)  # rows: force [N], couple [N m] at a share of one
+        load_time: wp.array(dtype=wp.float64)  # knots of the loads' share [s]; none without loads
+        load_share: wp.array(dtype=wp.float64)
         freedom: wp.array(dtype=types.indices)  # bits 0-2: x, y, z may move; bits 3-5: director may turn about x, y, z
 
     return Nodes
@@ -110,8 +118,8 @@ def gather_corners(corners: Any, offset: Any, stride: int, row: int, total: Any)
 
 
 @wp.func
-def add_angles(corners: Any, offset: Any, first_row: int, total: Any):
-    """Add the shear angle of one adjacent element to ``total``; ``first_row`` is the flat start of the angle's row."""
+def add_scalar(corners: Any, offset: Any, first_row: int, total: Any):
+    """Add the scalar of one adjacent element to ``total``; ``first_row`` is the flat start of its row."""
     result = total
     for i in range(len(offset)):
         result[i] += corners[offset[i] + first_row]
@@ -125,6 +133,17 @@ def freedom_mask(freedom: Any, first_bit: int, like: Any):
     for i in range(len(freedom)):
         for c in range(3):
             result[c, i] = like.dtype((freedom[i] >> (first_bit + c)) & 1)
+    return result
+
+
+@wp.func
+def load_share(knot_time: wp.array(dtype=wp.float64), knot_share: wp.array(dtype=wp.float64), time: wp.float64):
+    """Share of the nodal loads, piecewise linear in time and constant beyond its ends."""
+    result = knot_share[0]
+    for k in range(1, knot_time.shape[0]):
+        if time > knot_time[k - 1]:
+            part = wp.min((time - knot_time[k - 1]) / (knot_time[k] - knot_time[k - 1]), wp.float64(1.0))
+            result = knot_share[k - 1] + part * (knot_share[k] - knot_share[k - 1])
     return result
 
 
@@ -182,17 +201,38 @@ def node_motion_kernel(real: type, lane_count: int):
         force = lanes3()
         couple = lanes3()
         angle = lanes()
+        thickness = lanes()
         for slot in range(nodes.corner_offset.shape[0]):
             offset = nodes.corner_offset[slot, block]
             force = gather_corners(corners, offset, nodes.corner_stride, 0, force)
             couple = gather_corners(corners, offset, nodes.corner_stride, COUPLE_ROW, couple)
-            angle = add_angles(corners, offset, ANGLE_ROW * nodes.corner_stride, angle)
+            angle = add_scalar(corners, offset, ANGLE_ROW * nodes.corner_stride, angle)
+            if nodes.thickness_weight.shape[0] > 0:
+                thickness = add_scalar(corners, offset, THICKNESS_ROW * nodes.corner_stride, thickness)
         # the elements met the mean of one step before: that resists its change, which is booked as damping
         mean_angle = nodes.angle_weight[block] * angle
         late = mean_angle - report[MEAN_ANGLE_ROW, block]
         weight = nodes.angle_weight[block]
         damping_loss = where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
         report[MEAN_ANGLE_ROW, block] = mean_angle
+
+        half_thickness = lanes(laws.half_thickness)
+        growth = lanes()
+        if nodes.thickness_weight.shape[0] > 0:
+            half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
+            growth = half_thickness - report[HALF_THICKNESS_ROW, block]
+            report[HALF_THICKNESS_ROW, block] = half_thickness
+
+        # prescribed loads; a moment M turns the director as the conjugate M x d does, without its part along d
+        director = load(motion[DIRECTOR_ROW], first, lanes3())
+        applied_force = lanes3()
+        applied_couple = lanes3()
+        if nodes.load_time.shape[0] > 0:
+            share = real(load_share(nodes.load_time, nodes.load_share, clock[CLOCK_TIME]))
+            applied_force = share * load(nodes.load[0], first, lanes3())
+            applied_couple = share * load(nodes.load[1], first, lanes3())
+            force = force + applied_force
+            couple = couple + cross(applied_couple, director)
 
         # forces that do not come from an energy, and the power that the moving tools take from them
         friction_force = lanes3()
@@ -203,13 +243,15 @@ def node_motion_kernel(real: type, lane_count: int):
         for k in range(laws.tool_count):
             tool = tools.tool[k]
             distance, normal = tool_distance(tools.part, tool, real(tools.displacement[k]), x)
-            penetration = lanes(laws.half_thickness) - distance
+            penetration = half_thickness - distance
             relative = velocity
             tool_velocity = real(tools.velocity[k]) * tool.axis
             for c in range(3):
                 relative[c] = relative[c] - lanes(tool_velocity[c])
             leaving = dot(relative, normal)
             spring, pressure = normal_force(penetration, -leaving, stiffness, laws.contact_damping_time)
+            if nodes.thickness_weight.shape[0] > 0:
+                report[THICKNESS_WORK_ROW, block] = report[THICKNESS_WORK_ROW, block] + spring * growth
             dashpot = scale(pressure - spring, normal)
             # friction: the spring follows the tangent plane and the sliding since the last step
             stretched = load(friction[k], first, lanes3()) + mean_step * relative
@@ -270,7 +312,6 @@ def node_motion_kernel(real: type, lane_count: int):
         store(motion[POSITION_ROW], first, new_x)
 
         # rotation of the director: I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps its length
-        director = load(motion[DIRECTOR_ROW], first, lanes3())
         spin = load(motion[SPIN_ROW], first, lanes3())
         turning = wp.cw_mul(
             freedom_mask(freedom, 3, lanes3()), scale(nodes.inverse_inertia[block], cross(director, couple))
@@ -289,6 +330,10 @@ def node_motion_kernel(real: type, lane_count: int):
         store(motion[DIRECTOR_ROW], first, new_director)
 
         report[FRICTION_ROW, block] = report[FRICTION_ROW, block] + friction_work
+        if nodes.load_time.shape[0] > 0:
+            report[LOAD_ROW, block] = report[LOAD_ROW, block] + mean_step * (
+                dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_middle)
+            )
         report[DAMPING_ROW, block] = report[DAMPING_ROW, block] + damping_loss
 
     return node_motion

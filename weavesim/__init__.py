@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .device import Precision
     from .errors import InputError, RunError
     from .fabric import Fabric
+    from .loads import NodalLoads
     from .recording import Frame, Observer, Outcome
     from .simulation import Simulation
     from .support import Drive, Support
@@ -31,6 +32,7 @@ _module_of = {
     "Fabric": "fabric",
     "Frame": "recording",
     "InputError": "errors",
+    "NodalLoads": "loads",
     "Observer": "recording",
     "Outcome": "recording",
     "Precision": "device",
@@ -46,6 +48,7 @@ __all__ = [
     "Fabric",
     "Frame",
     "InputError",
+    "NodalLoads",
     "Observer",
     "Outcome",
     "Precision",

@@ -24,7 +24,9 @@ class Frame:
         position: nodes, (node_count, 3) [m].
         director: unit directors, (node_count, 3).
         fields: one value per element, (element_count,): shear_angle [rad], warp_stretch, weft_stretch,
-            warp_force and weft_force [N/m], crossover_force [N], area_ratio, unit_cell_residual (worst so far),
+            warp_force and weft_force [N/m], crossover_force [N], area_ratio,
+            shear_moment (elastic and friction, without in-plane bending) [N/m], thickness [m],
+            fibre_volume_fraction (if the fabric tells its fibres), unit_cell_residual (worst so far),
             unit_cell_iterations, unit_cell_failed (0 or 1).
         tool_displacement: along each tool's axis, (tool_count,) [m].
         tool_reaction: force of the sheet on each tool, (tool_count, 3) [N].

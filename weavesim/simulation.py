@@ -18,6 +18,7 @@ from .errors import InputError, RunError
 from .fabric import Fabric
 from .kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from .ledger import Ledger, Penetration
+from .loads import NodalLoads
 from .mesh_shape import MeshShape
 from .model import Model, MotionParameters
 from .recording import Frame, Observer, Outcome
@@ -49,6 +50,7 @@ class Simulation:
             they hold has their velocity from the start.
         symmetry: planes ("x", "y") through the origin at which the blank is cut; their nodes are held accordingly.
         motion: gravity and damping.
+        loads: forces and couples prescribed at nodes.
         initial_velocity: (node_count, 3) [m/s].
         device: "cpu", "cuda:0", ...
         precision: "float32" or "float64".
@@ -78,6 +80,7 @@ class Simulation:
         supports: Sequence[Support] = (),
         symmetry: Sequence[str] = (),
         motion: MotionParameters | None = None,
+        loads: NodalLoads | None = None,
         initial_velocity: np.ndarray | None = None,
         device: str = "cpu",
         precision: str = "float32",
@@ -127,7 +130,7 @@ class Simulation:
             self.free[np.ix_(support.nodes, support.held)] = False
         self.model = Model(
             blank, fabric, self.free, motion or MotionParameters(), precision=self.precision, device=warp_device,
-            lane_count=lane_count, tool_count=len(self.tools), target_step=target_step,
+            lane_count=lane_count, tool_count=len(self.tools), target_step=target_step, loads=loads,
         )  # fmt: skip
         device_tools = build_device_tools(self.tools, self.model.real, self.device)
         self._check_reach()
@@ -229,6 +232,11 @@ class Simulation:
         if self.failure:
             raise RunError(self.failure)
         return self.outcome
+
+    def take_frame(self) -> Frame:
+        """A frame of the present state, added to ``history``; no observer hears of it."""
+        self._publish(self.ledger.frame(self.frame.index + 1), ())
+        return self.frame
 
     def _publish(self, frame: Frame, observers: Sequence[Observer]) -> None:
         self.frame = frame

@@ -388,13 +388,13 @@ def drive_forces(history: History) -> Figure:
 
 def energies(history: History) -> Figure:
     """Where the supplied work goes, every energy on a logarithmic scale, and the ratios that judge a run."""
-    from ..ledger import INTERNAL, LOST, STORED
+    from ..ledger import SUMS, SUPPLIED
 
     figure = _figure(15.5, 4.8)
     book = history.energies
     size = {name: float(np.abs(values).max(initial=0.0)) for name, values in book.items()}
     largest = max(size.values(), default=0.0) or 1.0
-    parts = [name for name in (*INTERNAL, *STORED, *LOST) if name in book and name != "internal"]
+    parts = [name for name in book if name not in (*SUPPLIED, *SUMS)]
     parts.sort(key=lambda name: -size[name])
     shown = [name for name in parts if size[name] > 0.004 * largest]
     colour = {name: _LINE_COLOURS[i % len(_LINE_COLOURS)] for i, name in enumerate(parts)}

@@ -9,7 +9,8 @@ import numpy as np
 from pydantic import Field
 
 from weavesim.errors import InputError
-from weavesim.fabric import PRESETS, Fabric, NotNegative, Positive
+from weavesim.fabric import PRESETS, Fabric
+from weavesim.parameters import NotNegative, Positive
 from weavesim.run_options import RunOptions
 
 # Nothing but the fabric damps a test. A yarn that rattles between slack and taut gains energy near the largest stable
@@ -52,6 +53,9 @@ def trellis_angle_rate(diagonal: np.ndarray, side: float) -> np.ndarray:
     return 1.0 / (side * np.sqrt(1.0 - share**2))
 
 
-def signed_moment(fabric: Fabric, angle: np.ndarray) -> np.ndarray:
-    """m(gamma) of the fabric's shear law at unit stretch [N/m]."""
-    return np.asarray(fabric.shear.moment(np.asarray(angle), fabric.thickness))
+def moment_along(fabric: Fabric, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0) -> np.ndarray:
+    """Shear moment at unit stretch [N/m] along a path of angles (n,) [rad] from rest, friction included."""
+    moment = np.asarray(fabric.shear.moment(np.asarray(angle, dtype=float), fabric.thickness))
+    if fabric.shear_friction is not None:
+        moment = moment + fabric.shear_friction.moment_along(angle, crossover_pressure)
+    return moment

@@ -15,12 +15,13 @@ from pydantic import Field
 
 from weavesim.blank import Blank
 from weavesim.errors import InputError
-from weavesim.fabric import PRESETS, Fabric, NotNegative, Positive
+from weavesim.fabric import PRESETS, Fabric
 from weavesim.measures import taut_path_draw_in, ten_points
 from weavesim.mesh_shape import MeshShape
 from weavesim.model import MotionParameters
 from weavesim.motion import Driven, Fixed, Motion, Stroke
 from weavesim.output import ResultFolder, load_measured_angles, load_measured_outline
+from weavesim.parameters import NotNegative, Positive
 from weavesim.run_options import RunOptions
 from weavesim.session import run_into_folder
 from weavesim.shapes import DomeOpening, DomePunch, Shape, rotation_matrix
@@ -64,6 +65,9 @@ class DoubleDomeParameters(RunOptions):
     )
     blank_holder_gap: NotNegative | None = Field(
         default=None, description="the holder keeps this distance beyond the thickness [m], instead of a force"
+    )
+    contact_thickness: Literal["initial", "current"] = Field(
+        default="initial", description="thickness of the sheet that the tools meet"
     )
     punch_speed: Positive = Field(default=0.5, description="[m/s]")
     stroke: Positive = Field(
@@ -180,7 +184,11 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     duration = tools[0].motion.duration + REST
     return Simulation(
         name="double_dome", blank=blank, fabric=fabric, tools=tools, duration=duration, symmetry=symmetry,
-        motion=MotionParameters(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
+        motion=MotionParameters(
+            damping=parameters.damping,
+            director_damping=DIRECTOR_DAMPING,
+            contact_thickness=parameters.contact_thickness,
+        ),
         device=parameters.device, precision=parameters.precision, threads=parameters.threads,
         time_step=parameters.time_step,
         target_step=parameters.target_step,

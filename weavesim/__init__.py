@@ -20,33 +20,41 @@ if TYPE_CHECKING:
     from .device import Precision
     from .errors import InputError, RunError
     from .fabric import Fabric
+    from .loads import NodalLoads
     from .recording import Frame, Observer, Outcome
     from .simulation import Simulation
+    from .support import Drive, Support
     from .tool import Tool
 
 _module_of = {
     "Blank": "blank",
+    "Drive": "support",
     "Fabric": "fabric",
     "Frame": "recording",
     "InputError": "errors",
+    "NodalLoads": "loads",
     "Observer": "recording",
     "Outcome": "recording",
     "Precision": "device",
     "RunError": "errors",
     "Simulation": "simulation",
+    "Support": "support",
     "Tool": "tool",
 }
 
 __all__ = [
     "Blank",
+    "Drive",
     "Fabric",
     "Frame",
     "InputError",
+    "NodalLoads",
     "Observer",
     "Outcome",
     "Precision",
     "RunError",
     "Simulation",
+    "Support",
     "Tool",
     "__version__",
 ]

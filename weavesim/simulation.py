@@ -18,10 +18,12 @@ from .errors import InputError, RunError
 from .fabric import Fabric
 from .kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from .ledger import Ledger, Penetration
+from .loads import NodalLoads
 from .mesh_shape import MeshShape
 from .model import Model, MotionParameters
 from .recording import Frame, Observer, Outcome
 from .stepper import REFRESH_INTERVAL, State, Stepper
+from .support import Support, build_device_supports, check_supports, prescribe_start
 from .tool import Tool, build_device_tools
 
 logger = logging.getLogger(__name__)
@@ -44,8 +46,11 @@ class Simulation:
         tools: rigid tools, in the order of all outputs.
         duration: time at which the run ends [s].
         free: (node_count, 6) bool, False where a displacement (x, y, z) or a director's rotation about x, y, z is held.
+        supports: nodes that are held and perhaps driven; what they hold need not be in ``free``, and a component that
+            they hold has their velocity from the start.
         symmetry: planes ("x", "y") through the origin at which the blank is cut; their nodes are held accordingly.
         motion: gravity and damping.
+        loads: forces and couples prescribed at nodes.
         initial_velocity: (node_count, 3) [m/s].
         device: "cpu", "cuda:0", ...
         precision: "float32" or "float64".
@@ -70,8 +75,10 @@ class Simulation:
         tools: Sequence[Tool] = (),
         duration: float,
         free: np.ndarray | None = None,
+        supports: Sequence[Support] = (),
         symmetry: Sequence[str] = (),
         motion: MotionParameters | None = None,
+        loads: NodalLoads | None = None,
         initial_velocity: np.ndarray | None = None,
         device: str = "cpu",
         precision: str = "float32",
@@ -109,26 +116,36 @@ class Simulation:
         self.threads = resolve_thread_count(threads, blank.element_count) if warp_device.is_cpu else 1
         lane_count = lane_count or (CPU_LANE_COUNT if warp_device.is_cpu else GPU_LANE_COUNT)
         constraints = np.ones((blank.node_count, 6), dtype=bool) if free is None else np.array(free, dtype=bool)
+        if constraints.shape != (blank.node_count, 6):
+            raise InputError(f"free: shape {constraints.shape}, but ({blank.node_count}, 6) is needed")
         self.free = hold_symmetry(blank, self.symmetry, constraints)
+        self.supports = tuple(supports)
+        check_supports(self.supports, blank, self.symmetry)
+        for support in self.supports:
+            self.free[np.ix_(support.nodes, support.held)] = False
         self.model = Model(
             blank, fabric, self.free, motion or MotionParameters(), precision=self.precision, device=warp_device,
-            lane_count=lane_count, tool_count=len(self.tools), target_step=target_step,
+            lane_count=lane_count, tool_count=len(self.tools), target_step=target_step, loads=loads,
         )  # fmt: skip
         device_tools = build_device_tools(self.tools, self.model.real, self.device)
         self._check_reach()
-        self.state = State.initial(self.model, initial_velocity)
+        device_supports = build_device_supports(
+            self.supports, self.model.node_count, self.model.real, lane_count, warp_device
+        )
+        self.state = State.initial(self.model, prescribe_start(self.supports, initial_velocity, blank.node_count))
         self.warnings = [*fabric.unit_cell.warnings(), *self._tool_warnings()]
         self.notes = [note for mesh in self._mesh_parts().values() for note in mesh.surface.notes()]
         self.stepper = Stepper(
-            self.model, self.state, device_tools, thread_count=self.threads, largest_step=time_step or math.inf
-        )
+            self.model, self.state, device_tools, device_supports, thread_count=self.threads,
+            largest_step=time_step or math.inf,
+        )  # fmt: skip
         stable = self.stepper.stable_step()
         if time_step is not None and time_step > stable:
             raise InputError(
                 f"time_step = {time_step:.4g} s is unstable for this mesh and fabric: at most {stable:.4g} s "
                 "is stable; take that, a coarser mesh, or mass scaling (target_step)"
             )
-        self.ledger = Ledger(self.stepper, self.tools, leading_tool)
+        self.ledger = Ledger(self.stepper, self.tools, leading_tool, self.supports)
         self.frame: Frame = self.ledger.frame(0)
         self.penetration: Penetration = self.ledger.penetration(self.frame)
         if self.penetration.at_nodes > 0.5 * fabric.thickness:
@@ -210,6 +227,11 @@ class Simulation:
         if self.failure:
             raise RunError(self.failure)
         return self.outcome
+
+    def take_frame(self) -> Frame:
+        """A frame of the present state, added to ``history``; no observer hears of it."""
+        self._publish(self.ledger.frame(self.frame.index + 1), ())
+        return self.frame
 
     def _publish(self, frame: Frame, observers: Sequence[Observer]) -> None:
         self.frame = frame
@@ -312,6 +334,10 @@ class Simulation:
                 abs(e["balance_error"]) / max(abs(e["supplied"]), e["used"], LEAST_WORK * supplied) for e in history
             ),
             "added_mass_ratio": self.model.added_mass_ratio,
+            "support_force_n": {
+                support.name: force.tolist()
+                for support, force in zip(self.supports, self.frame.support_force, strict=True)
+            },
             "penetration_at_nodes_mm": 1e3 * self.penetration.at_nodes,
             "penetration_at_element_centres_mm": 1e3 * self.penetration.at_element_centres,
             "unit_cell_max_residual": float(fields["unit_cell_residual"].max()),

@@ -204,14 +204,15 @@ class ResultFolder:
                     lambda: pictures.point_angles(blank, frame, points, symmetry, self._measured_angles),
                 )
             )
-        wanted.append(
-            (
-                "draw_in.png",
-                "Draw-in: the outline before and after, and the plan movement of the border against its flat normal.",
-                lambda: pictures.draw_in_picture(blank, frame, symmetry, self._measured_outline),
-            )
-        )
         if self._meets_both_axes():
+            wanted.append(
+                (
+                    "draw_in.png",
+                    "Draw-in: the outline before and after, and the plan movement of the border against its flat "
+                    "normal.",
+                    lambda: pictures.draw_in_picture(blank, frame, symmetry, self._measured_outline),
+                )
+            )
             wanted.append(
                 (
                     "sections.png",
@@ -225,6 +226,15 @@ class ResultFolder:
                     "tool_forces.png",
                     "Force between sheet and each tool, along the tool's axis.",
                     lambda: pictures.tool_forces(history, tools, symmetry),
+                )
+            )
+        if history.drive_names:
+            wanted.append(
+                (
+                    "drive_forces.png",
+                    "Force of the supports on the sheet along each prescribed motion: work per unit of its "
+                    "displacement.",
+                    lambda: pictures.drive_forces(history),
                 )
             )
         wanted.append(
@@ -284,7 +294,12 @@ class ResultFolder:
         tables: dict[str, Mapping[str, Any]] = {"Summary": numbers}
         if setup:
             tables["Set-up"] = dict(setup)
-        tables |= {"Fabric": fabric, "Tools": tools}
+        supports = {
+            support.name: f"{len(support.nodes)} nodes with {len(support.drives)} drives, holds displacements "
+            f"{support.displacements or 'none'} and rotations {support.rotations or 'none'}"
+            for support in getattr(simulation, "supports", ())
+        }
+        tables |= {"Fabric": fabric, "Tools": tools, "Supports": supports}
         if isinstance(summary.get("energies_j"), Mapping):
             tables["Energies at the end"] = {f"{name}_j": value for name, value in summary["energies_j"].items()}
         outcome = summary.get("outcome")

@@ -357,15 +357,28 @@ def tool_forces(history: History, tools: Sequence[Tool], symmetry: Sequence[str]
     return figure
 
 
+def drive_forces(history: History) -> Figure:
+    """Force of the supports on the sheet along each of their drives, against its displacement."""
+    figure = _figure(9.0, 4.4)
+    chart = _axes(figure, 1, 1, 1, title="Forces of the supports")
+    chart.set(xlabel="displacement of the drive [mm]", ylabel="force along the drive [N]")
+    for k, name in enumerate(history.drive_names):
+        way, force = 1.0e3 * history.drive_displacement[:, k], history.drive_force[:, k]
+        chart.plot(way, force, color=_LINE_COLOURS[k % len(_LINE_COLOURS)], label=_words(name))
+    chart.axhline(0.0, color=_FAINT, linewidth=1.0)
+    _legend(chart, loc="best")
+    return figure
+
+
 def energies(history: History) -> Figure:
     """Where the supplied work goes, every energy on a logarithmic scale, and the ratios that judge a run."""
-    from ..ledger import INTERNAL, LOST, STORED
+    from ..ledger import SUMS, SUPPLIED
 
     figure = _figure(15.5, 4.8)
     book = history.energies
     size = {name: float(np.abs(values).max(initial=0.0)) for name, values in book.items()}
     largest = max(size.values(), default=0.0) or 1.0
-    parts = [name for name in (*INTERNAL, *STORED, *LOST) if name in book and name != "internal"]
+    parts = [name for name in book if name not in (*SUPPLIED, *SUMS)]
     parts.sort(key=lambda name: -size[name])
     shown = [name for name in parts if size[name] > 0.004 * largest]
     colour = {name: _LINE_COLOURS[i % len(_LINE_COLOURS)] for i, name in enumerate(parts)}

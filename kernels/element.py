@@ -10,6 +10,7 @@ from typing import Any
 
 import warp as wp
 
+from .cell import CellLaw
 from .lanes import (
     angle_of,
     cross,
@@ -20,7 +21,6 @@ from .lanes import (
     lane_maximum,
     lane_types,
     larger,
-    magnitude,
     mul,
     scale,
     spread,
@@ -28,23 +28,29 @@ from .lanes import (
     where_positive,
 )
 from .sheet import (
+    BENDING_LOSS_ROW,
+    BENDING_SLIP_ROW,
+    SHEAR_LOSS_ROW,
+    SHEAR_SLIP_ROW,
+    bending_friction,
     bending_moments,
     compressive_force,
+    current_thickness,
     moment_resultants,
+    shear_friction,
     shear_resultants,
     sheet_struct,
     transverse_shear_forces,
 )
-from .unit_cell import solve_unit_cell, unit_cell_descent, unit_cell_energies, unit_cell_struct
 
-# A height change in one step beyond this share of the crimp heights is a snap: the energy that it frees is booked.
-SNAP_SHARE = wp.constant(0.05)
 # Rows of the cell report: residual and iterations of this step, energy lost in snaps so far [J/m^2], worst residual.
 CELL_REPORT_ROWS = ("residual", "iterations", "snap_loss", "worst_residual")
-# Rows of the corner array, three per corner: forces, director gradients, and the shear angle in the first of three.
+# Rows of the corner array, three per corner: forces; director gradients; shear angle, thickness if tools meet it, and
+# one to spare.
 CORNER_ROW_COUNT = 36
 COUPLE_ROW = wp.constant(12)
 ANGLE_ROW = wp.constant(24)
+THICKNESS_ROW = wp.constant(25)
 # Rows of the motion array of the nodes; the remainder is what rounding cut off the position.
 MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
 POSITION_ROW = wp.constant(0)
@@ -54,13 +60,23 @@ SPIN_ROW = wp.constant(3)
 REMAINDER_ROW = wp.constant(4)
 # Rows of the node report: work done against friction so far, lost or held in the friction springs [J]; energy lost in
 # damping so far [J]; mean shear angle of the elements around the node [rad]; work of what holds the node, and of the
-# loads on it, so far [J].
-NODE_REPORT_ROWS = ("friction_work", "damping_loss", "mean_shear_angle", "support_work", "load_work")
+# loads on it, so far [J]; half the current thickness of the sheet [m]; work of its change on the tools so far [J].
+NODE_REPORT_ROWS = (
+    "friction_work",
+    "damping_loss",
+    "mean_shear_angle",
+    "support_work",
+    "load_work",
+    "half_thickness",
+    "thickness_work",
+)
 FRICTION_ROW = wp.constant(0)
 DAMPING_ROW = wp.constant(1)
 MEAN_ANGLE_ROW = wp.constant(2)
 SUPPORT_ROW = wp.constant(3)
 LOAD_ROW = wp.constant(4)
+HALF_THICKNESS_ROW = wp.constant(5)
+THICKNESS_WORK_ROW = wp.constant(6)
 
 
 @cache
@@ -255,22 +271,23 @@ def store_corners(
 
 
 @wp.func
-def yarn_displacements(cell: Any, m11: Any, m22: Any):
-    """Prescribed displacements u_k = (lambda_k - 1) L_k of the cell, without cancellation."""
+def yarn_strains(m11: Any, m22: Any):
+    """lambda_k - 1 of both yarns, without cancellation, and the stretches lambda_k."""
     one = fill(m11, 1.0)
     stretch1 = square_root(m11)
     stretch2 = square_root(m22)
-    u1 = cell.half_spacing[0] * ((m11 - one) / (stretch1 + one))
-    u2 = cell.half_spacing[1] * ((m22 - one) / (stretch2 + one))
-    return u1, u2, stretch1, stretch2
+    return (m11 - one) / (stretch1 + one), (m22 - one) / (stretch2 + one), stretch1, stretch2
 
 
 @cache
-def element_force_kernel(real: type, lane_count: int):
+def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
     """Kernel of one launch per step: nodal forces and director gradients of every element."""
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
-    Elements, UnitCell, SheetLaws = element_struct(real, lane_count), unit_cell_struct(real), sheet_struct(real)
+    Elements, UnitCell, SheetLaws = element_struct(real, lane_count), cell.parameters(real), sheet_struct(real)
+    row_count, unknown_count = cell.row_count, cell.unknown_count
+    Unknowns = wp.types.matrix((row_count, lane_count), real)
+    solve, snap_loss, cell_shears = cell.solve, cell.snap_loss, cell.depends_on_shear
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_forces(
@@ -282,8 +299,9 @@ def element_force_kernel(real: type, lane_count: int):
         motion: wp.array2d(dtype=vec3),
         node_report: wp.array2d(dtype=real),
         # Out
-        crimp_change: wp.array2d(dtype=lanes),  # w_1, w_2 [m]
+        cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),  # rows: see CELL_REPORT_ROWS
+        slip: wp.array2d(dtype=lanes),  # rows: see SLIP_ROWS; not touched without friction inside the sheet
         corner_force: wp.array2d(dtype=lanes),
     ):
         e = first_block + wp.tid()
@@ -293,36 +311,25 @@ def element_force_kernel(real: type, lane_count: int):
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
 
         # membrane: the unit cell
-        u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
-        start1 = crimp_change[0, e]
-        start2 = crimp_change[1, e]
-        w1, w2, yarn_force1, yarn_force2, crossover, residual, iterations = solve_unit_cell(
-            cell, u1, u2, start1, start2
+        strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
+        angle = angle_of(m12, area_ratio, stretch1 * stretch2)
+        start = Unknowns()
+        for k in range(unknown_count):
+            start[k] = cell_unknowns[k, e]
+        unknowns, warp_force, weft_force, cell_moment, pressure, residual, iterations = solve(
+            cell, strain1, strain2, angle, start
         )
-        crimp_change[0, e] = w1
-        crimp_change[1, e] = w2
+        for k in range(unknown_count):
+            cell_unknowns[k, e] = unknowns[k]
         cell_report[0, e] = residual
         cell_report[1, e] = iterations
         cell_report[3, e] = larger(cell_report[3, e], residual)
-        jump = larger(magnitude(w1 - start1), magnitude(w2 - start2))
-        if lane_maximum(jump) > real(SNAP_SHARE) * (cell.crimp_height[0] + cell.crimp_height[1]):
-            warp_before, weft_before, bending_before, contact_before = unit_cell_energies(cell, u1, u2, start1, start2)
-            warp_after, weft_after, bending_after, contact_after = unit_cell_energies(cell, u1, u2, w1, w2)
-            freed = (
-                (warp_before - warp_after)
-                + (weft_before - weft_after)
-                + (bending_before - bending_after)
-                + (contact_before - contact_after)
-            )
-            snapped = jump - spread(jump, real(SNAP_SHARE) * (cell.crimp_height[0] + cell.crimp_height[1]))
-            # a fast but steady change frees 1/2 dw.H dw, half of what the gradient at its start promises, and the
-            # work of the forces contains that; a snap starts near an equilibrium and frees far more
-            promised = unit_cell_descent(cell, u1, u2, start1, start2, w1 - start1, w2 - start2)
-            snapped = where_positive(snapped, freed - promised, snapped)
-            density = freed / spread(freed, real(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
-            cell_report[2, e] = cell_report[2, e] + where_positive(snapped, density, fill(density, 0.0))
-        t11 = (yarn_force1 / lanes(real(2.0) * cell.half_spacing[1]) + compressive_force(laws, stretch1)) / stretch1
-        t22 = (yarn_force2 / lanes(real(2.0) * cell.half_spacing[0]) + compressive_force(laws, stretch2)) / stretch2
+        if wp.static(unknown_count > 0):
+            freed = snap_loss(cell, strain1, strain2, angle, start, unknowns)
+            if lane_maximum(freed) > real(0.0):
+                cell_report[2, e] = cell_report[2, e] + freed
+        t11 = (warp_force + compressive_force(laws, stretch1)) / stretch1
+        t22 = (weft_force + compressive_force(laws, stretch2)) / stretch2
 
         # in-plane shear, and the in-plane bending of the yarns, which resists a shear angle that varies
         # (b_p x b_q) is 1/(2 area); the area itself is zero in padding elements
@@ -330,8 +337,12 @@ def element_force_kernel(real: type, lane_count: int):
             elements.shape_gradient[0, e] * elements.shape_gradient[3, e]
             - elements.shape_gradient[1, e] * elements.shape_gradient[2, e]
         )
-        angle = angle_of(m12, area_ratio, stretch1 * stretch2)
         shear11, shear12, shear22 = shear_resultants(laws, m11, m12, m22, area_ratio, angle)
+        if wp.static(cell_shears):
+            cell11, cell12, cell22 = moment_resultants(cell_moment, m11, m12, m22, area_ratio)
+            shear11 = shear11 + cell11
+            shear12 = shear12 + cell12
+            shear22 = shear22 + cell22
         if laws.in_plane_bending_stiffness > real(0.0):
             difference, square = corner_angles(elements, e, node_report, angle)
             bundle11, bundle12, bundle22 = moment_resultants(
@@ -340,14 +351,37 @@ def element_force_kernel(real: type, lane_count: int):
             shear11 = shear11 + bundle11
             shear12 = shear12 + bundle12
             shear22 = shear22 + bundle22
+        if laws.shear.friction_stiffness > real(0.0):
+            moment, turned, lost = shear_friction(laws, angle, slip[SHEAR_SLIP_ROW, e], pressure)
+            slip[SHEAR_SLIP_ROW, e] = turned
+            slip[SHEAR_LOSS_ROW, e] = slip[SHEAR_LOSS_ROW, e] + lost
+            rubbing11, rubbing12, rubbing22 = moment_resultants(moment, m11, m12, m22, area_ratio)
+            shear11 = shear11 + rubbing11
+            shear12 = shear12 + rubbing12
+            shear22 = shear22 + rubbing22
         for corner in range(4):
             corner_force[ANGLE_ROW + 3 * corner, e] = angle
+        if laws.thickness > real(0.0):
+            # nodes with fewer neighbours read a padding element, which must add nothing
+            thickness = where_positive(elements.area[e], current_thickness(laws, area_ratio, pressure), lanes())
+            for corner in range(4):
+                corner_force[THICKNESS_ROW + 3 * corner, e] = thickness
 
         # bending and transverse shear
         k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
         moment11, moment12, moment22, bend11, bend12, bend22 = bending_moments(
             laws, m11, m12, m22, area_ratio, k11, k12, k22
         )
+        if laws.bending.friction == 1:
+            warp_moment, warp_slip, warp_loss = bending_friction(laws, 0, k11 / m11, slip[BENDING_SLIP_ROW, e])
+            weft_moment, weft_slip, weft_loss = bending_friction(laws, 1, k22 / m22, slip[BENDING_SLIP_ROW + 1, e])
+            slip[BENDING_SLIP_ROW, e] = warp_slip
+            slip[BENDING_SLIP_ROW + 1, e] = weft_slip
+            slip[BENDING_LOSS_ROW, e] = slip[BENDING_LOSS_ROW, e] + warp_loss + weft_loss
+            moment11 = moment11 + warp_moment / m11
+            moment22 = moment22 + weft_moment / m22
+            bend11 = bend11 - real(2.0) * warp_moment * k11 / (m11 * m11)
+            bend22 = bend22 - real(2.0) * weft_moment * k22 / (m22 * m22)
         q1, q2, slide11, slide12, slide22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
         t11 = t11 + shear11 + bend11 + slide11
         t12 = shear12 + bend12 + slide12

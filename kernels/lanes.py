@@ -116,6 +116,14 @@ def square_root(a: Any):
 
 
 @wp.func
+def power(a: Any, exponent: Any):
+    result = type(a)()
+    for i in range(len(a)):
+        result[i] = wp.pow(a[i], exponent)
+    return result
+
+
+@wp.func
 def magnitude(a: Any):
     result = type(a)()
     for i in range(len(a)):

@@ -4,6 +4,7 @@ from functools import cache
 
 import warp as wp
 
+from .cell import CellLaw
 from .element import (
     DIRECTOR_ROW,
     corner_angles,
@@ -14,18 +15,30 @@ from .element import (
     hourglass_stiffnesses,
     hourglass_strains,
     surface_metric,
-    yarn_displacements,
+    yarn_strains,
 )
 from .lanes import angle_of, cross, div, dot, fill, lane_types, larger, mul, scale, spread, square_root, where_positive
-from .sheet import bending_moments, compressive_force, shear_energy, sheet_struct, transverse_shear_forces
-from .unit_cell import solve_unit_cell, unit_cell_energies, unit_cell_struct
+from .sheet import (
+    BENDING_LOSS_ROW,
+    BENDING_SLIP_ROW,
+    SHEAR_LOSS_ROW,
+    SHEAR_SLIP_ROW,
+    bending_energy,
+    bending_moments,
+    compressive_force,
+    shear_energy,
+    shear_moment,
+    sheet_struct,
+    slip_energy,
+    transverse_shear_forces,
+)
 
-# Rows of the element energies [J], in this order.
-ELEMENT_ENERGIES = (
-    "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "compression",
-    "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass", "snap",
+# Rows of the element energies [J] after those of the unit cell, in this order.
+SHEET_ENERGIES = (
+    "compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass",
+    "snap_loss", "shear_friction_loss", "bending_friction_loss",
 )  # fmt: skip
-# Rows of the element fields.
+# Rows of the element fields; the crossover force still per reference area, the host multiplies it by the cell's.
 ELEMENT_FIELDS = (
     "shear_angle",
     "warp_stretch",
@@ -34,15 +47,19 @@ ELEMENT_FIELDS = (
     "weft_force",
     "crossover_force",
     "area_ratio",
+    "shear_moment",
 )
 
 
 @cache
-def element_ledger_kernel(real: type):
+def element_ledger_kernel(real: type, cell: CellLaw):
     """Energies [J] and fields of every element; changes nothing of the state."""
     types = lane_types(real, 1)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
-    Elements, UnitCell, SheetLaws = element_struct(real, 1), unit_cell_struct(real), sheet_struct(real)
+    Elements, UnitCell, SheetLaws = element_struct(real, 1), cell.parameters(real), sheet_struct(real)
+    unknown_count, part_count = cell.unknown_count, len(cell.energy_names)
+    Unknowns = wp.types.matrix((cell.row_count, 1), real)
+    solve, cell_energies = cell.solve, cell.energies
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_ledger(
@@ -52,8 +69,9 @@ def element_ledger_kernel(real: type):
         laws: SheetLaws,
         motion: wp.array2d(dtype=vec3),
         node_report: wp.array2d(dtype=real),
-        crimp_change: wp.array2d(dtype=lanes),
+        cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),
+        slip: wp.array2d(dtype=lanes),
         # Out
         energies: wp.array2d(dtype=lanes),
         fields: wp.array2d(dtype=lanes),
@@ -62,15 +80,19 @@ def element_ledger_kernel(real: type):
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
         d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
-        u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
-        w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(
-            cell, u1, u2, crimp_change[0, e], crimp_change[1, e]
-        )
-        warp, weft, yarn_bending, contact = unit_cell_energies(cell, u1, u2, w1, w2)
-        area = elements.area[e]
-        half = real(0.5)
-        cells = area / lanes(real(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
+        strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
+        start = Unknowns()
+        for k in range(unknown_count):
+            start[k] = cell_unknowns[k, e]
+        unknowns, warp_force, weft_force, cell_moment, pressure, residual, iterations = solve(
+            cell, strain1, strain2, angle, start
+        )
+        area = elements.area[e]
+        parts = cell_energies(cell, strain1, strain2, angle, unknowns, area)
+        for k in range(part_count):
+            energies[k, e] = parts[k]
+        half = real(0.5)
         k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
         moment11, moment12, moment22, b11, b12, b22 = bending_moments(laws, m11, m12, m22, area_ratio, k11, k12, k22)
         q1, q2, s11, s12, s22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
@@ -79,22 +101,33 @@ def element_ledger_kernel(real: type):
             elements, e, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
         )
         height = dot(x_hourglass, normal) / area_ratio
-        energies[0, e] = cells * warp
-        energies[1, e] = cells * weft
-        energies[2, e] = cells * yarn_bending
-        energies[3, e] = cells * contact
         squeeze1 = compressive_force(laws, stretch1)
         squeeze2 = compressive_force(laws, stretch2)
-        energies[4, e] = (
+        energies[part_count + 0, e] = (
             half * area * (squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0)))
         )
-        energies[5, e] = area * shear_energy(laws, m12, angle)
+        shear = shear_energy(laws, m12, angle)
+        moment = shear_moment(laws, m12, area_ratio, angle)
+        bending = bending_energy(laws, m11, m22, k11, k12, k22, moment11, moment12, moment22)
+        if laws.shear.friction_stiffness > real(0.0):
+            turned = slip[SHEAR_SLIP_ROW, e]
+            shear = shear + slip_energy(laws.shear.friction_stiffness, angle, turned)
+            moment = moment + laws.shear.friction_stiffness * (angle - turned)
+            energies[part_count + 7, e] = area * slip[SHEAR_LOSS_ROW, e]
+        if laws.bending.friction == 1:
+            bending = (
+                bending
+                + slip_energy(laws.bending.friction_stiffness[0], k11 / m11, slip[BENDING_SLIP_ROW, e])
+                + slip_energy(laws.bending.friction_stiffness[1], k22 / m22, slip[BENDING_SLIP_ROW + 1, e])
+            )
+            energies[part_count + 8, e] = area * slip[BENDING_LOSS_ROW, e]
+        energies[part_count + 1, e] = area * shear
         difference, square = corner_angles(elements, e, node_report, angle)
         real_element = where_positive(area, fill(area, 1.0), lanes())
-        energies[6, e] = (half * laws.in_plane_bending_stiffness) * real_element * square
-        energies[7, e] = half * area * (moment11 * k11 + real(2.0) * moment12 * k12 + moment22 * k22)
-        energies[8, e] = half * area * (q1 * g1 + q2 * g2)
-        energies[9, e] = (
+        energies[part_count + 2, e] = (half * laws.in_plane_bending_stiffness) * real_element * square
+        energies[part_count + 3, e] = area * bending
+        energies[part_count + 4, e] = half * area * (q1 * g1 + q2 * g2)
+        energies[part_count + 5, e] = (
             half
             * area
             * (
@@ -103,13 +136,14 @@ def element_ledger_kernel(real: type):
                 + director_stiffness * (twist1 * twist1 + twist2 * twist2)
             )
         )
-        energies[10, e] = area * cell_report[2, e]
+        energies[part_count + 6, e] = area * cell_report[2, e]
         fields[0, e] = angle
         fields[1, e] = stretch1
         fields[2, e] = stretch2
-        fields[3, e] = force1 / lanes(real(2.0) * cell.half_spacing[1]) + squeeze1
-        fields[4, e] = force2 / lanes(real(2.0) * cell.half_spacing[0]) + squeeze2
-        fields[5, e] = real(2.0) * crossover
+        fields[3, e] = warp_force + squeeze1
+        fields[4, e] = weft_force + squeeze2
+        fields[5, e] = pressure
         fields[6, e] = area_ratio
+        fields[7, e] = moment
 
     return element_ledger

@@ -12,12 +12,15 @@ from .element import (
     DAMPING_ROW,
     DIRECTOR_ROW,
     FRICTION_ROW,
+    HALF_THICKNESS_ROW,
     LOAD_ROW,
     MEAN_ANGLE_ROW,
     POSITION_ROW,
     REMAINDER_ROW,
     SPIN_ROW,
     SUPPORT_ROW,
+    THICKNESS_ROW,
+    THICKNESS_WORK_ROW,
     VELOCITY_ROW,
 )
 from .lanes import (
@@ -60,12 +63,28 @@ def node_struct(real: type, lane_count: int):
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
         contact_stiffness: wp.array(dtype=types.lanes)  # [N/m]
         angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
+        thickness_weight: wp.array(dtype=types.lanes)  # of each in its mean thickness; empty if tools do not meet that
         load: wp.array2d(dtype=types.vec3)  # rows: force [N], couple [N m] at a share of one
         load_time: wp.array(dtype=wp.float64)  # knots of the loads' share [s]; none without loads
         load_share: wp.array(dtype=wp.float64)
         freedom: wp.array(dtype=types.indices)  # bits 0-2: x, y, z may move; bits 3-5: director may turn about x, y, z
 
     return Nodes
+
+
+@cache
+def support_struct(real: type, lane_count: int):
+    """Nodes that are held and perhaps driven; what does not change but ``increment``."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Supports:
+        count: wp.int32  # 0: nothing else is read
+        held: wp.array(dtype=types.indices)  # bits 0-2: x, y, z of the node follow the drives
+        direction: wp.array2d(dtype=types.vec3)  # [drive, node]: displacement of the node over that of the drive
+        increment: wp.array(dtype=real)  # of each drive in this step [m]
+
+    return Supports
 
 
 @cache
@@ -99,8 +118,8 @@ def gather_corners(corners: Any, offset: Any, stride: int, row: int, total: Any)
 
 
 @wp.func
-def add_angles(corners: Any, offset: Any, first_row: int, total: Any):
-    """Add the shear angle of one adjacent element to ``total``; ``first_row`` is the flat start of the angle's row."""
+def add_scalar(corners: Any, offset: Any, first_row: int, total: Any):
+    """Add the scalar of one adjacent element to ``total``; ``first_row`` is the flat start of its row."""
     result = total
     for i in range(len(offset)):
         result[i] += corners[offset[i] + first_row]
@@ -152,6 +171,7 @@ def node_motion_kernel(real: type, lane_count: int):
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Nodes, MotionLaws, Tools = node_struct(real, lane_count), motion_struct(real), tool_set_struct(real)
+    Supports = support_struct(real, lane_count)
     tool_distance = tool_distance_function(real, lane_count)
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -161,12 +181,14 @@ def node_motion_kernel(real: type, lane_count: int):
         nodes: Nodes,
         laws: MotionLaws,
         tools: Tools,
+        supports: Supports,
         clock: wp.array(dtype=wp.float64),
         corners: wp.array(dtype=real),
         # Out
         motion: wp.array2d(dtype=vec3),  # rows: see MOTION_ROWS
         friction: wp.array2d(dtype=vec3),  # tangential spring of each tool [m]
         reaction: wp.array2d(dtype=vec3),  # [tool, block]: force of the sheet on the tool [N]
+        holding: wp.array(dtype=vec3),  # force of a support on its node [N]
         report: wp.array2d(dtype=lanes),  # NODE_REPORT_ROWS
     ):
         block = first_block + wp.tid()
@@ -179,17 +201,27 @@ def node_motion_kernel(real: type, lane_count: int):
         force = lanes3()
         couple = lanes3()
         angle = lanes()
+        thickness = lanes()
         for slot in range(nodes.corner_offset.shape[0]):
             offset = nodes.corner_offset[slot, block]
             force = gather_corners(corners, offset, nodes.corner_stride, 0, force)
             couple = gather_corners(corners, offset, nodes.corner_stride, COUPLE_ROW, couple)
-            angle = add_angles(corners, offset, ANGLE_ROW * nodes.corner_stride, angle)
+            angle = add_scalar(corners, offset, ANGLE_ROW * nodes.corner_stride, angle)
+            if nodes.thickness_weight.shape[0] > 0:
+                thickness = add_scalar(corners, offset, THICKNESS_ROW * nodes.corner_stride, thickness)
         # the elements met the mean of one step before: that resists its change, which is booked as damping
         mean_angle = nodes.angle_weight[block] * angle
         late = mean_angle - report[MEAN_ANGLE_ROW, block]
         weight = nodes.angle_weight[block]
         damping_loss = where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
         report[MEAN_ANGLE_ROW, block] = mean_angle
+
+        half_thickness = lanes(laws.half_thickness)
+        growth = lanes()
+        if nodes.thickness_weight.shape[0] > 0:
+            half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
+            growth = half_thickness - report[HALF_THICKNESS_ROW, block]
+            report[HALF_THICKNESS_ROW, block] = half_thickness
 
         # prescribed loads; a moment M turns the director as the conjugate M x d does, without its part along d
         director = load(motion[DIRECTOR_ROW], first, lanes3())
@@ -211,13 +243,15 @@ def node_motion_kernel(real: type, lane_count: int):
         for k in range(laws.tool_count):
             tool = tools.tool[k]
             distance, normal = tool_distance(tools.part, tool, real(tools.displacement[k]), x)
-            penetration = lanes(laws.half_thickness) - distance
+            penetration = half_thickness - distance
             relative = velocity
             tool_velocity = real(tools.velocity[k]) * tool.axis
             for c in range(3):
                 relative[c] = relative[c] - lanes(tool_velocity[c])
             leaving = dot(relative, normal)
             spring, pressure = normal_force(penetration, -leaving, stiffness, laws.contact_damping_time)
+            if nodes.thickness_weight.shape[0] > 0:
+                report[THICKNESS_WORK_ROW, block] = report[THICKNESS_WORK_ROW, block] + spring * growth
             dashpot = scale(pressure - spring, normal)
             # friction: the spring follows the tangent plane and the sliding since the last step
             stretched = load(friction[k], first, lanes3()) + mean_step * relative
@@ -246,20 +280,33 @@ def node_motion_kernel(real: type, lane_count: int):
         decay = real(0.5) * laws.damping * mean_step
         change = (mean_step * acceleration - (real(2.0) * decay) * velocity) / (real(1.0) + decay)
         new_velocity = velocity + wp.cw_mul(free, change)
+        way = step * new_velocity
+        if supports.count > 0:
+            follows = freedom_mask(supports.held[block], 0, lanes3())
+            driven = lanes3()
+            for k in range(supports.increment.shape[0]):
+                driven = driven + supports.increment[k] * load(supports.direction[k], first, lanes3())
+            # the way itself is prescribed, so that no rounding of a velocity adds up
+            way = way + wp.cw_mul(follows, driven - way)
+            new_velocity = new_velocity + wp.cw_mul(follows, driven / step - new_velocity)
         middle = real(0.5) * (velocity + new_velocity)
         friction_work = mean_step * (friction_power - dot(friction_force, middle))
         moving = wp.cw_mul(free, middle)
-        # what holds a node at its velocity takes up all the force on it
-        held = velocity - wp.cw_mul(free, velocity)
-        report[SUPPORT_ROW, block] = report[SUPPORT_ROW, block] - mean_step * nodes.mass[block] * dot(
-            acceleration, held
-        )
+        # what holds a node takes up all the force on it, and accelerates its mass
+        held = middle - moving
+        support_work = -mean_step * nodes.mass[block] * dot(acceleration, held)
+        if supports.count > 0:
+            gained = new_velocity - velocity
+            support_work = support_work + nodes.mass[block] * dot(gained, held)
+            needed = scale(nodes.mass[block], gained / mean_step - acceleration)
+            store(holding, first, wp.cw_mul(freedom_mask(supports.held[block], 0, lanes3()), needed))
+        report[SUPPORT_ROW, block] = report[SUPPORT_ROW, block] + support_work
         damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )
         store(motion[VELOCITY_ROW], first, new_velocity)
         # compensated sum: nothing of a small step is lost beside a large coordinate
-        way = step * new_velocity + load(motion[REMAINDER_ROW], first, lanes3())
+        way = way + load(motion[REMAINDER_ROW], first, lanes3())
         new_x = x + way
         store(motion[REMAINDER_ROW], first, way - (new_x - x))
         store(motion[POSITION_ROW], first, new_x)

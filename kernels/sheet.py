@@ -10,12 +10,55 @@ from typing import Any
 
 import warp as wp
 
-from .lanes import div, fill, magnitude, mul, spread, where_positive
+from .curve import curve_energy, curve_size, curve_struct, odd_curve, slide
+from .lanes import div, fill, larger, magnitude, mul, power, spread, where_positive
 
 SHEAR_LINEAR = wp.constant(0)
 SHEAR_CURVE = wp.constant(1)
 BENDING_ISOTROPIC = wp.constant(0)
 BENDING_YARNS = wp.constant(1)
+BENDING_CURVES = wp.constant(2)
+# Rows of what friction inside the sheet remembers: slip of the spring-sliders, and the work lost in them [J/m^2].
+SLIP_ROWS = ("shear_slip", "warp_bending_slip", "weft_bending_slip", "shear_friction_loss", "bending_friction_loss")
+SHEAR_SLIP_ROW = wp.constant(0)
+BENDING_SLIP_ROW = wp.constant(1)
+SHEAR_LOSS_ROW = wp.constant(3)
+BENDING_LOSS_ROW = wp.constant(4)
+
+
+@cache
+def shear_struct(real: type):
+    """Constants of in-plane shear in one precision, as a Warp struct."""
+
+    @wp.struct
+    class ShearLaw:
+        kind: wp.int32
+        stiffness: real  # t G_12 of the linear law [N/m]
+        curve: curve_struct(real)  # moment per reference area over the angle [N/m]
+        friction_stiffness: real  # of the spring before the slider [N/m]; 0: no friction
+        friction_limit: curve_struct(real)  # moment that makes it slip, over the angle [N/m]
+        crossover_friction_length: real  # times the pressure of the crossovers, is added to that limit [m]
+
+    return ShearLaw
+
+
+@cache
+def bending_struct(real: type):
+    """Constants of bending in one precision, as a Warp struct."""
+
+    @wp.struct
+    class BendingLaw:
+        kind: wp.int32
+        stiffness: real  # D [N m]
+        poisson_ratio: real
+        yarn_stiffness: wp.types.vector(4, real)  # D_1, D_2, D_12, coupling D_nu [N m]
+        warp_curve: curve_struct(real)  # moment over curvature [N]
+        weft_curve: curve_struct(real)
+        friction: wp.int32  # 1: at least one family has a slider
+        friction_stiffness: wp.types.vector(2, real)  # of the springs before the sliders [N m], not zero
+        friction_limit: wp.types.vector(2, real)  # moment that makes them slip [N]
+
+    return BendingLaw
 
 
 @cache
@@ -24,62 +67,23 @@ def sheet_struct(real: type):
 
     @wp.struct
     class SheetLaws:
-        shear_kind: wp.int32
-        shear_stiffness: real  # t G_12 of the linear law [N/m]
-        shear_knot_spacing: real  # of the moment curve [rad]
-        shear_moment: wp.array(dtype=wp.types.vector(4, real))  # cubic between knots: m = c0 + c1 x + c2 x^2 + c3 x^3
-        shear_energy: wp.array(dtype=real)  # psi at the knots [J/m^2]
-        bending_kind: wp.int32
-        bending_stiffness: real  # D [N m]
-        poisson_ratio: real
-        yarn_bending_stiffness: wp.types.vector(4, real)  # D_1, D_2, D_12, coupling D_nu [N m]
+        shear: shear_struct(real)
+        bending: bending_struct(real)
         transverse_shear_stiffness: real  # 5/6 G t [N/m]
         in_plane_bending_stiffness: real  # B: resists a varying shear angle, psi = 1/2 B |grad gamma|^2 [N m]
         compressive_stiffness: real  # of the sheet itself along a yarn that is pushed together [N/m]
         hourglass_in_plane: real  # factors of the sum of squared shape gradients: [N/m]
         hourglass_warping: real
         hourglass_director: real  # [N m]
+        slip_resolution: real  # relative rounding of a slip
+        thickness: real  # t_0 [m] if tools meet the current thickness, else 0
+        thickening: real  # n of t = t_0 J^-n / (1 + p/E_c)
+        inverse_crossover_modulus: real  # 1/E_c [1/Pa]
 
     return SheetLaws
 
 
 # --- in-plane shear ---------------------------------------------------------------------------------------------------
-
-
-@wp.func
-def curve_piece(laws: Any, angle: Any):
-    """Piece of the moment curve that holds one angle, and how far into it the angle lies."""
-    size = wp.abs(angle)
-    # clamped from below too: a NaN becomes the most negative integer
-    piece = wp.clamp(int(size / laws.shear_knot_spacing), 0, laws.shear_moment.shape[0] - 1)
-    return piece, size - type(angle)(piece) * laws.shear_knot_spacing
-
-
-@wp.func
-def shear_moment(laws: Any, angle: Any):
-    """(m, dm/dgamma) of the moment curve, odd in the angle [N/m]."""
-    moment = type(angle)()
-    tangent = type(angle)()
-    for i in range(len(angle)):
-        piece, x = curve_piece(laws, angle[i])
-        c = laws.shear_moment[piece]
-        value = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
-        moment[i] = wp.where(angle[i] < angle.dtype(0.0), -value, value)
-        tangent[i] = c[1] + x * (angle.dtype(2.0) * c[2] + angle.dtype(3.0) * x * c[3])
-    return moment, tangent
-
-
-@wp.func
-def shear_curve_energy(laws: Any, angle: Any):
-    """psi(gamma), the integral of the moment curve [J/m^2]."""
-    energy = type(angle)()
-    for i in range(len(angle)):
-        piece, x = curve_piece(laws, angle[i])
-        c = laws.shear_moment[piece]
-        energy[i] = laws.shear_energy[piece] + x * (
-            c[0] + x * (c[1] / angle.dtype(2.0) + x * (c[2] / angle.dtype(3.0) + x * c[3] / angle.dtype(4.0)))
-        )
-    return energy
 
 
 @wp.func
@@ -98,10 +102,10 @@ def shear_resultants(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, a
     t11 = fill(m11, 0.0)
     t22 = fill(m11, 0.0)
     t12 = fill(m11, 0.0)
-    if laws.shear_kind == SHEAR_LINEAR:
-        t12 = m11.dtype(0.5) * laws.shear_stiffness * m12
+    if laws.shear.kind == SHEAR_LINEAR:
+        t12 = m11.dtype(0.5) * laws.shear.stiffness * m12
     else:
-        moment, tangent = shear_moment(laws, angle)
+        moment, tangent = odd_curve(laws.shear.curve, angle)
         t11, t12, t22 = moment_resultants(moment, m11, m12, m22, area_ratio)
     return t11, t12, t22
 
@@ -109,24 +113,33 @@ def shear_resultants(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, a
 @wp.func
 def shear_energy(laws: Any, m12: Any, angle: Any):
     """psi of in-plane shear [J/m^2]; linear law: t G_12 E_12^2."""
-    energy = m12.dtype(0.25) * laws.shear_stiffness * m12 * m12
-    if laws.shear_kind == SHEAR_CURVE:
-        energy = shear_curve_energy(laws, angle)
+    energy = m12.dtype(0.25) * laws.shear.stiffness * m12 * m12
+    if laws.shear.kind == SHEAR_CURVE:
+        energy = curve_energy(laws.shear.curve, angle)
     return energy
 
 
 @wp.func
-def shear_tangent_bound(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, angle: Any):
-    """Upper bound of the shear stiffness per squared change of angle [N/m]: material tangent and moment times tan."""
-    bound = fill(m11, 0.0)
-    if laws.shear_kind == SHEAR_LINEAR:
-        bound = m11.dtype(0.5) * laws.shear_stiffness * (m11 * m22 + magnitude(m12))
-    else:
-        moment, tangent = shear_moment(laws, angle)
-        bound = where_positive(tangent, tangent, fill(m11, 0.0)) + magnitude(moment) * (
-            fill(m11, 1.0) + magnitude(m12) / area_ratio
-        )
-    return bound
+def shear_moment(laws: Any, m12: Any, area_ratio: Any, angle: Any):
+    """dpsi/dgamma at constant stretches, without friction [N/m]; linear law: T12 dm12/dgamma = T12 J."""
+    moment = m12.dtype(0.5) * laws.shear.stiffness * m12 * area_ratio
+    if laws.shear.kind == SHEAR_CURVE:
+        moment, tangent = odd_curve(laws.shear.curve, angle)
+    return moment
+
+
+@wp.func
+def shear_friction_limit(laws: Any, angle: Any, crossover_pressure: Any):
+    """Moment at which the yarns turn on each other [N/m]; it grows with the pressure of the crossovers [Pa]."""
+    pressed = where_positive(crossover_pressure, crossover_pressure, fill(angle, 0.0))
+    return curve_size(laws.shear.friction_limit, angle) + laws.shear.crossover_friction_length * pressed
+
+
+@wp.func
+def shear_friction(laws: Any, angle: Any, slip: Any, crossover_pressure: Any):
+    """Moment of the friction between the yarns [N/m], new slip [rad], work lost [J/m^2]."""
+    limit = shear_friction_limit(laws, angle, crossover_pressure)
+    return slide(angle, slip, laws.shear.friction_stiffness, limit, laws.slip_resolution)
 
 
 # --- compression ------------------------------------------------------------------------------------------------------
@@ -139,16 +152,28 @@ def compressive_force(laws: Any, stretch: Any):
     return laws.compressive_stiffness * where_positive(shortening, fill(stretch, 0.0), shortening)
 
 
+# --- thickness --------------------------------------------------------------------------------------------------------
+
+
+@wp.func
+def current_thickness(laws: Any, area_ratio: Any, crossover_pressure: Any):
+    """t = t_0 J^-n / (1 + p/E_c) [m], with the pressure p of the crossovers."""
+    pressed = where_positive(crossover_pressure, crossover_pressure, fill(area_ratio, 0.0))
+    flattened = fill(area_ratio, 1.0) + laws.inverse_crossover_modulus * pressed
+    return laws.thickness * power(area_ratio, -laws.thickening) / flattened
+
+
 # --- bending and transverse shear -------------------------------------------------------------------------------------
 
 
 @wp.func
 def bending_moments(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, k11: Any, k12: Any, k22: Any):
-    """M11, M12, M22 and T11, T12, T22 of bending; the energy is 1/2 M.k.
+    """M11, M12, M22 and T11, T12, T22 of bending.
 
     Isotropic: M = J D [(1-nu) k + nu a tr k] in the current metric, equation (6) of the paper, with k raised by the
     inverse metric; T = a (psi + 2 J D (1-nu) det k) - 2 J D tr(k) k is the derivative by the metric.
     Yarns: psi = 1/2 sum D_a (k_aa/m_aa)^2 + D_nu k_11 k_22/(m_11 m_22) + 2 D_12 k_12^2/(m_11 m_22).
+    Curves: the same with the integral of a family's moment over k_aa/m_aa in place of 1/2 D_a (k_aa/m_aa)^2.
     """
     two = m11.dtype(2.0)
     half = m11.dtype(0.5)
@@ -159,13 +184,13 @@ def bending_moments(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, k1
     t11 = fill(m11, 0.0)
     t12 = fill(m11, 0.0)
     t22 = fill(m11, 0.0)
-    if laws.bending_kind == BENDING_ISOTROPIC:
+    if laws.bending.kind == BENDING_ISOTROPIC:
         inverse_ratio = one / area_ratio
         inverse_square = inverse_ratio * inverse_ratio
-        twisting = m11.dtype(1.0) - laws.poisson_ratio
+        twisting = m11.dtype(1.0) - laws.bending.poisson_ratio
         trace = (m22 * k11 - two * m12 * k12 + m11 * k22) * inverse_square
         determinant = (k11 * k22 - k12 * k12) * inverse_square
-        stiffness = laws.bending_stiffness * inverse_ratio
+        stiffness = laws.bending.stiffness * inverse_ratio
         moment11 = stiffness * (trace * m22 - twisting * k22)
         moment12 = stiffness * (twisting * k12 - trace * m12)
         moment22 = stiffness * (trace * m11 - twisting * k11)
@@ -176,16 +201,49 @@ def bending_moments(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, k1
         t12 = -(spherical * m12 - along * (trace * m12 - k12))
         t22 = spherical * m11 - along * (trace * m11 - k11)
     else:
-        stiffness1 = laws.yarn_bending_stiffness[0]
-        stiffness2 = laws.yarn_bending_stiffness[1]
-        stiffness12 = laws.yarn_bending_stiffness[2]
-        coupling = spread(m11, laws.yarn_bending_stiffness[3]) / (m11 * m22)
-        moment11 = stiffness1 * k11 / (m11 * m11) + coupling * k22
+        stiffness1 = laws.bending.yarn_stiffness[0]
+        stiffness2 = laws.bending.yarn_stiffness[1]
+        stiffness12 = laws.bending.yarn_stiffness[2]
+        coupling = spread(m11, laws.bending.yarn_stiffness[3]) / (m11 * m22)
         moment12 = two * stiffness12 * k12 / (m11 * m22)
-        moment22 = stiffness2 * k22 / (m22 * m22) + coupling * k11
+        if laws.bending.kind == BENDING_YARNS:
+            moment11 = stiffness1 * k11 / (m11 * m11) + coupling * k22
+            moment22 = stiffness2 * k22 / (m22 * m22) + coupling * k11
+        else:
+            warp_moment, warp_tangent = odd_curve(laws.bending.warp_curve, k11 / m11)
+            weft_moment, weft_tangent = odd_curve(laws.bending.weft_curve, k22 / m22)
+            moment11 = warp_moment / m11
+            moment22 = weft_moment / m22
         t11 = -(two * (moment11 * k11 + moment12 * k12) / m11)
         t22 = -(two * (moment22 * k22 + moment12 * k12) / m22)
     return moment11, moment12, moment22, t11, t12, t22
+
+
+@wp.func
+def bending_energy(laws: Any, m11: Any, m22: Any, k11: Any, k12: Any, k22: Any, m_11: Any, m_12: Any, m_22: Any):
+    """psi of bending [J/m^2], from curvatures and the moments ``m_11``, ``m_12``, ``m_22`` of ``bending_moments``."""
+    half = m11.dtype(0.5)
+    energy = half * (m_11 * k11 + m_22 * k22) + m_12 * k12
+    if laws.bending.kind == BENDING_CURVES:
+        energy = (
+            curve_energy(laws.bending.warp_curve, k11 / m11)
+            + curve_energy(laws.bending.weft_curve, k22 / m22)
+            + m_12 * k12
+        )
+    return energy
+
+
+@wp.func
+def bending_friction(laws: Any, family: int, curvature: Any, slip: Any):
+    """Moment of the friction in a bent family of yarns (0 warp, 1 weft) [N], new slip [1/m], work lost [J/m^2]."""
+    limit = spread(curvature, laws.bending.friction_limit[family])
+    return slide(curvature, slip, laws.bending.friction_stiffness[family], limit, laws.slip_resolution)
+
+
+@wp.func
+def slip_energy(stiffness: Any, strain: Any, slip: Any):
+    """psi of the spring before a slider [J/m^2]."""
+    return (strain.dtype(0.5) * stiffness) * ((strain - slip) * (strain - slip))
 
 
 @wp.func

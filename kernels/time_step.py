@@ -5,6 +5,8 @@ from typing import Any
 
 import warp as wp
 
+from .cell import CellLaw
+from .curve import odd_curve
 from .element import (
     DIRECTOR_ROW,
     VELOCITY_ROW,
@@ -15,7 +17,7 @@ from .element import (
     hourglass_stiffnesses,
     surface_metric,
     twist_weights,
-    yarn_displacements,
+    yarn_strains,
 )
 from .lanes import (
     angle_of,
@@ -25,30 +27,19 @@ from .lanes import (
     lane_types,
     larger,
     mul,
+    spread,
     square_root,
     where_positive,
 )
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
-from .sheet import SHEAR_LINEAR, shear_moment, sheet_struct
-from .unit_cell import condensed_tangent, solve_unit_cell, unit_cell_struct
+from .sheet import SHEAR_LINEAR, shear_friction_limit, sheet_struct
 
 
 @wp.func
-def cell_tangent(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
-    """Derivatives C11, C12, C22 of the forces per width n_1, n_2 by the stretches, yarns in tension, and n_1, n_2."""
-    w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start1, start2)
-    k11, k12, k22 = condensed_tangent(cell, u1, u2, w1, w2, True)
-    half = u1.dtype(0.5)
-    l1 = cell.half_spacing[0]
-    l2 = cell.half_spacing[1]
-    return (half * l1 / l2) * k11, half * k12, (half * l2 / l1) * k22, (half / l2) * force1, (half / l1) * force2
-
-
-@wp.func
-def shear_tangent(laws: Any, stretch1: Any, stretch2: Any, sine: Any, cosine: Any, angle: Any):
+def shear_tangent(laws: Any, stretch1: Any, stretch2: Any, sine: Any, cosine: Any, angle: Any, crossover_pressure: Any):
     """Second derivatives of the shear energy by (stretch 1, stretch 2, angle): C11, C12, C22, C13, C23, C33 [N/m].
 
-    Then its first derivatives n_1, n_2, m.
+    Then its first derivatives n_1, n_2, m. Friction counts as long as it sticks, with all the moment that it can bear.
     """
     zero = fill(angle, 0.0)
     c11 = zero
@@ -60,9 +51,9 @@ def shear_tangent(laws: Any, stretch1: Any, stretch2: Any, sine: Any, cosine: An
     n1 = zero
     n2 = zero
     moment = zero
-    if laws.shear_kind == SHEAR_LINEAR:
+    if laws.shear.kind == SHEAR_LINEAR:
         # psi = 1/4 t G_12 (stretch1 stretch2 sin)^2
-        half = angle.dtype(0.5) * laws.shear_stiffness
+        half = angle.dtype(0.5) * laws.shear.stiffness
         product = stretch1 * stretch2
         c11 = half * (stretch2 * sine) * (stretch2 * sine)
         c12 = (angle.dtype(2.0) * half) * (product * sine * sine)
@@ -75,7 +66,12 @@ def shear_tangent(laws: Any, stretch1: Any, stretch2: Any, sine: Any, cosine: An
         n2 = stretch2 * c22
         moment = half * (product * product) * (sine * cosine)
     else:
-        moment, c33 = shear_moment(laws, angle)
+        moment, c33 = odd_curve(laws.shear.curve, angle)
+        c33 = larger(c33, zero)
+    if laws.shear.friction_stiffness > angle.dtype(0.0):
+        limit = shear_friction_limit(laws, angle, crossover_pressure)
+        c33 = c33 + spread(angle, laws.shear.friction_stiffness)
+        moment = moment + where_positive(moment, limit, -limit)
     return c11, c12, c22, c13, c23, c33, n1, n2, moment
 
 
@@ -202,7 +198,7 @@ def largest_in_plane(
 
 
 @cache
-def element_frequency_kernel(real: type, lane_count: int):
+def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
     """Square of each element's highest frequency, bounded from above [1/s^2].
 
     The bound is the largest eigenvalue of a 2 x 2 matrix of norms: of the second derivatives by the positions, by the
@@ -211,7 +207,10 @@ def element_frequency_kernel(real: type, lane_count: int):
     """
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
-    Elements, UnitCell, SheetLaws = element_struct(real, lane_count), unit_cell_struct(real), sheet_struct(real)
+    Elements, UnitCell, SheetLaws = element_struct(real, lane_count), cell.parameters(real), sheet_struct(real)
+    unknown_count, state_count, cell_shears = cell.unknown_count, cell.stable_state_count, cell.depends_on_shear
+    Unknowns = wp.types.matrix((cell.row_count, lane_count), real)
+    stable_tangent = cell.stable_tangent
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_frequencies(
@@ -224,7 +223,7 @@ def element_frequency_kernel(real: type, lane_count: int):
         contact_frequency: real,  # squared, of the contact springs [1/s^2]
         motion: wp.array2d(dtype=vec3),
         node_report: wp.array2d(dtype=real),
-        crimp_change: wp.array2d(dtype=lanes),
+        cell_unknowns: wp.array2d(dtype=lanes),
         inertia: wp.array2d(dtype=lanes),  # rows: inverse areal density with any added mass; inverse squared radius
         clock: wp.array(dtype=wp.float64),
         steps_ahead: wp.int32,
@@ -235,7 +234,7 @@ def element_frequency_kernel(real: type, lane_count: int):
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
         d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
-        u1, u2, stretch1, stretch2 = yarn_displacements(cell, m11, m22)
+        strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
         bp1 = elements.shape_gradient[0, e]
         bp2 = elements.shape_gradient[1, e]
         bq1 = elements.shape_gradient[2, e]
@@ -255,41 +254,64 @@ def element_frequency_kernel(real: type, lane_count: int):
         # in the plane; where the present rate takes the yarns before the next look, twice as far for safety
         v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion[VELOCITY_ROW], lanes3())
         horizon = two * real(clock[CLOCK_STEP]) * real(steps_ahead)
-        u1 = u1 + (horizon * cell.half_spacing[0]) * (larger(dot(a1, v1), zero) / stretch1)
-        u2 = u2 + (horizon * cell.half_spacing[1]) * (larger(dot(a2, v2), zero) / stretch2)
-        c11, c12, c22, n1, n2 = cell_tangent(cell, u1, u2, crimp_change[0, e], crimp_change[1, e])
-        n1 = larger(n1, zero)
-        n2 = larger(n2, zero)
-        shear11, shear12, shear22, c13, c23, c33, pull1, pull2, moment = shear_tangent(
-            laws, stretch1, stretch2, sine, cosine, angle
-        )
-        c33 = larger(c33, zero)
+        strain1 = strain1 + horizon * (larger(dot(a1, v1), zero) / stretch1)
+        strain2 = strain2 + horizon * (larger(dot(a2, v2), zero) / stretch2)
+        angle_ahead = angle
+        if wp.static(cell_shears):
+            # dgamma/da_1 = (a_2 - a_1 m12/m11)/J
+            rate = (dot(a2, v1) - dot(a1, v1) * m12 / m11 + dot(a1, v2) - dot(a2, v2) * m12 / m22) / area_ratio
+            angle_ahead = angle + horizon * rate
+        start = Unknowns()
+        for k in range(unknown_count):
+            start[k] = cell_unknowns[k, e]
+        bundling = zero
+        bundled = zero
         if laws.in_plane_bending_stiffness > real(0.0):
             bundling = (two * laws.in_plane_bending_stiffness) * (bp1 * bq2 - bp2 * bq1)
             difference, square = corner_angles(elements, e, node_report, angle)
-            moment = moment + bundling * difference
-            c33 = c33 + real(4.0) * bundling
-        n1 = n1 + pull1
-        n2 = n2 + pull2
-        in_plane = largest_in_plane(
-            c11 + shear11 + lanes(laws.compressive_stiffness),
-            c12 + shear12,
-            c22 + shear22 + lanes(laws.compressive_stiffness),
-            c13, c23, c33, n1, n2, moment, stretch1, stretch2, sine, cosine, b11, b12, b22,
-        )  # fmt: skip
-
-        # across the plane: tension, shear and transverse shear
+            bundled = bundling * difference
         metric11 = m22 / (area_ratio * area_ratio)
         metric12 = -(m12 / (area_ratio * area_ratio))
         metric22 = m11 / (area_ratio * area_ratio)
         slope = laws.transverse_shear_stiffness * area_ratio
-        turn = moment / area_ratio
-        across = largest_of_pencil(
-            n1 / stretch1 - turn * m12 / m11 + slope * metric11,
-            turn + slope * metric12,
-            n2 / stretch2 - turn * m12 / m22 + slope * metric22,
-            b11, b12, b22,
-        )  # fmt: skip
+        in_plane = zero
+        across = zero
+        for state in range(state_count):
+            c11, c12, c22, c13, c23, c33, n1, n2, turning, pressure = stable_tangent(
+                cell, strain1, strain2, angle_ahead, start, state
+            )
+            s11, s12, s22, s13, s23, s33, pull1, pull2, moment = shear_tangent(
+                laws, stretch1, stretch2, sine, cosine, angle, pressure
+            )
+            if wp.static(cell_shears):
+                s13 = s13 + c13
+                s23 = s23 + c23
+                s33 = s33 + c33
+                moment = moment + turning
+            n1 = larger(n1, zero) + pull1
+            n2 = larger(n2, zero) + pull2
+            moment = moment + bundled
+            in_plane = larger(
+                in_plane,
+                largest_in_plane(
+                    c11 + s11 + lanes(laws.compressive_stiffness),
+                    c12 + s12,
+                    c22 + s22 + lanes(laws.compressive_stiffness),
+                    s13, s23, s33 + real(4.0) * bundling, n1, n2, moment,
+                    stretch1, stretch2, sine, cosine, b11, b12, b22,
+                ),
+            )  # fmt: skip
+            # across the plane: tension, shear and transverse shear
+            turn = moment / area_ratio
+            across = larger(
+                across,
+                largest_of_pencil(
+                    n1 / stretch1 - turn * m12 / m11 + slope * metric11,
+                    turn + slope * metric12,
+                    n2 / stretch2 - turn * m12 / m22 + slope * metric22,
+                    b11, b12, b22,
+                ),
+            )  # fmt: skip
 
         # what couples positions and directors: curvature [1/m], tilt of the directors, hourglass vectors; sizes in the
         # current metric

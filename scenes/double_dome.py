@@ -15,12 +15,14 @@ from pydantic import Field
 
 from weavesim.blank import Blank
 from weavesim.errors import InputError
-from weavesim.fabric import PRESETS, Fabric, NotNegative, Positive
+from weavesim.fabric import Fabric
+from weavesim.fabric_file import FABRIC_HELP, resolve_fabric
 from weavesim.measures import taut_path_draw_in, ten_points
 from weavesim.mesh_shape import MeshShape
 from weavesim.model import MotionParameters
 from weavesim.motion import Driven, Fixed, Motion, Stroke
 from weavesim.output import ResultFolder, load_measured_angles, load_measured_outline
+from weavesim.parameters import NotNegative, Positive
 from weavesim.run_options import RunOptions
 from weavesim.session import run_into_folder
 from weavesim.shapes import DomeOpening, DomePunch, Shape, rotation_matrix
@@ -53,7 +55,7 @@ class DoubleDomeParameters(RunOptions):
     yarn_angle: float = Field(
         default=0.0, ge=-90.0, le=90.0, description="angle from the long axis to the warp [degrees]"
     )
-    fabric: str = Field(default="glass-polypropylene", description=f"one of {', '.join(PRESETS)}")
+    fabric: str = Field(default="glass-polypropylene", description=FABRIC_HELP)
     shear_law: Literal["curve", "linear"] = Field(
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
@@ -64,6 +66,9 @@ class DoubleDomeParameters(RunOptions):
     )
     blank_holder_gap: NotNegative | None = Field(
         default=None, description="the holder keeps this distance beyond the thickness [m], instead of a force"
+    )
+    contact_thickness: Literal["initial", "current"] = Field(
+        default="initial", description="thickness of the sheet that the tools meet"
     )
     punch_speed: Positive = Field(default=0.5, description="[m/s]")
     stroke: Positive = Field(
@@ -158,10 +163,8 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     """
     if parameters.blank_holder_force is not None and parameters.blank_holder_gap is not None:
         raise InputError("blank holder: a force and a gap are given; it keeps one or the other")
-    if parameters.fabric not in PRESETS:
-        raise InputError(f"fabric {parameters.fabric!r} is unknown: choose one of {', '.join(PRESETS)}")
     if fabric is None:
-        fabric = PRESETS[parameters.fabric]()
+        fabric = resolve_fabric(parameters.fabric)
         if parameters.shear_law == "linear":
             fabric = fabric.with_linear_shear(parameters.shear_modulus)
     symmetry = {"quarter": ("x", "y"), "half": ("y",), "full": ()}[parameters.part]
@@ -180,7 +183,11 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     duration = tools[0].motion.duration + REST
     return Simulation(
         name="double_dome", blank=blank, fabric=fabric, tools=tools, duration=duration, symmetry=symmetry,
-        motion=MotionParameters(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
+        motion=MotionParameters(
+            damping=parameters.damping,
+            director_damping=DIRECTOR_DAMPING,
+            contact_thickness=parameters.contact_thickness,
+        ),
         device=parameters.device, precision=parameters.precision, threads=parameters.threads,
         time_step=parameters.time_step,
         target_step=parameters.target_step,

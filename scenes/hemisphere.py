@@ -15,10 +15,11 @@ import numpy as np
 from pydantic import Field
 
 from weavesim.blank import Blank
-from weavesim.fabric import Fabric, IsotropicBending, MomentCurve, NotNegative, Positive, Stabilisation, UnitCell
+from weavesim.fabric import Fabric, IsotropicBending, MomentCurve, Stabilisation, UnitCell
 from weavesim.measures import close_pairs, rim_folds
 from weavesim.model import MotionParameters
 from weavesim.output import ResultFolder
+from weavesim.parameters import NotNegative, Positive
 from weavesim.run_options import RunOptions
 from weavesim.session import run_into_folder
 from weavesim.shapes import Sphere

@@ -23,10 +23,12 @@ if TYPE_CHECKING:
     from .loads import NodalLoads
     from .recording import Frame, Observer, Outcome
     from .simulation import Simulation
+    from .support import Drive, Support
     from .tool import Tool
 
 _module_of = {
     "Blank": "blank",
+    "Drive": "support",
     "Fabric": "fabric",
     "Frame": "recording",
     "InputError": "errors",
@@ -36,11 +38,13 @@ _module_of = {
     "Precision": "device",
     "RunError": "errors",
     "Simulation": "simulation",
+    "Support": "support",
     "Tool": "tool",
 }
 
 __all__ = [
     "Blank",
+    "Drive",
     "Fabric",
     "Frame",
     "InputError",
@@ -50,6 +54,7 @@ __all__ = [
     "Precision",
     "RunError",
     "Simulation",
+    "Support",
     "Tool",
     "__version__",
 ]

@@ -3,294 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Callable
+from functools import partial
+from typing import Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, SerializeAsAny, model_validator
 
-from .errors import InputError
+from .bending import BendingCurve, IsotropicBending, YarnBending
+from .cells import Cell, LinearMembrane, SatinWeave, TwillWeave, UnidirectionalTape, UnitCell
+from .compaction import Compaction, check_compaction
+from .parameters import NotNegative, Parameters, Positive
+from .shear import LinearShear, MomentCurve, ShearFriction
 
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Share = Annotated[float, Field(ge=0.0, le=1.0)]
-
-# No law may resist locking harder than this share of a yarn's stiffness per width: it enters the stable time step.
+# No law may resist locking or slip harder than this share of a yarn's stiffness per width: it enters the stable step.
 LARGEST_LOCKING_SHARE = 0.1
-SHEAR_KNOT_COUNT = 512
-
-
-class Parameters(BaseModel):
-    """Immutable, checked parameters; a bad value raises InputError that names it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
-
-    def __init__(self, **values):
-        try:
-            super().__init__(**values)
-        except ValidationError as error:
-            lines = []
-            for problem in error.errors():
-                name = ".".join(map(str, problem["loc"]))
-                message = problem["msg"].removeprefix("Value error, ")
-                lines.append(f"{name} = {problem['input']!r}: {message}" if name else message)
-            raise InputError(f"{type(self).__name__}: " + "; ".join(lines)) from None
-
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy with some values changed, checked like a new one.
-
-        Raises:
-            InputError: a value that is not allowed.
-        """
-        return type(self)(**{**{name: getattr(self, name) for name in type(self).model_fields}, **(update or {})})
-
-
-class UnitCell(Parameters):
-    """Plain-weave unit cell of crossed beams: the paper's parameters, and four of our own with defaults.
-
-    A yarn's compressive stiffness E A_c defaults to the Euler-like 3 E I / l0^2: a yarn pushed together is a buckled
-    bundle, and a stiffer one gives the cell several equilibria (``warnings`` tells).
-    """
-
-    warp_modulus: Positive = Field(description="Young's modulus of the warp yarn [Pa]")
-    weft_modulus: Positive = Field(description="Young's modulus of the weft yarn [Pa]")
-    contact_modulus: Positive = Field(description="Young's modulus E_3 of the contact element [Pa]")
-    warp_cross_section: Positive = Field(description="cross-section of the warp yarn [m^2]")
-    weft_cross_section: Positive = Field(description="cross-section of the weft yarn [m^2]")
-    contact_cross_section: Positive = Field(
-        description="cross-section A_3 of the contact element of the half cell [m^2]"
-    )
-    warp_second_moment: NotNegative = Field(description="second moment of area of the warp yarn [m^4]")
-    weft_second_moment: NotNegative = Field(description="second moment of area of the weft yarn [m^4]")
-    warp_half_spacing: Positive = Field(description="L_1, half distance between crossovers along the warp [m]")
-    weft_half_spacing: Positive = Field(description="L_2, half distance between crossovers along the weft [m]")
-    crossover_height: NotNegative = Field(description="L_3 = h_1 + h_2, distance of the yarn axes at the crossover [m]")
-    warp_crimp_share: Share = Field(default=0.5, description="h_1 / L_3")
-    warp_compressive_stiffness: NotNegative | None = Field(default=None, description="E A_c of the warp [N]")
-    weft_compressive_stiffness: NotNegative | None = Field(default=None, description="E A_c of the weft [N]")
-    contact: Literal["bilateral", "unilateral"] = Field(default="bilateral", description="may the yarns separate?")
-    contact_stiffness_value: Positive | None = Field(
-        default=None, description="E_3 A_3 / L_3 [N/m] given directly; needed where L_3 = 0"
-    )
-
-    @model_validator(mode="after")
-    def _contact_is_defined(self) -> Self:
-        if self.crossover_height == 0.0 and self.contact_stiffness_value is None:
-            raise ValueError("crossover_height = 0 leaves E_3 A_3 / L_3 undefined: give contact_stiffness_value [N/m]")
-        return self
-
-    @property
-    def half_spacing(self) -> tuple[float, float]:
-        return self.warp_half_spacing, self.weft_half_spacing
-
-    @property
-    def crimp_height(self) -> tuple[float, float]:
-        return self.warp_crimp_share * self.crossover_height, (1.0 - self.warp_crimp_share) * self.crossover_height
-
-    @property
-    def chord_length(self) -> tuple[float, float]:
-        """l0 of warp and weft [m]."""
-        return tuple(math.hypot(L, h) for L, h in zip(self.half_spacing, self.crimp_height, strict=True))
-
-    @property
-    def axial_stiffness(self) -> tuple[float, float]:
-        """E A of warp and weft in tension [N]."""
-        return self.warp_modulus * self.warp_cross_section, self.weft_modulus * self.weft_cross_section
-
-    @property
-    def bending_stiffness(self) -> tuple[float, float]:
-        """E I of warp and weft [N m^2]."""
-        return self.warp_modulus * self.warp_second_moment, self.weft_modulus * self.weft_second_moment
-
-    @property
-    def euler_stiffness(self) -> tuple[float, float]:
-        """3 E I / l0^2 of warp and weft [N], the largest compressive stiffness known to leave one equilibrium."""
-        return tuple(3.0 * EI / l0**2 for EI, l0 in zip(self.bending_stiffness, self.chord_length, strict=True))
-
-    @property
-    def compressive_stiffness(self) -> tuple[float, float]:
-        """E A_c of warp and weft [N]."""
-        given = (self.warp_compressive_stiffness, self.weft_compressive_stiffness)
-        return tuple(e if g is None else g for g, e in zip(given, self.euler_stiffness, strict=True))
-
-    @property
-    def contact_stiffness(self) -> float:
-        """E_3 A_3 / L_3 of the half cell [N/m]."""
-        if self.contact_stiffness_value is not None:
-            return self.contact_stiffness_value
-        return self.contact_modulus * self.contact_cross_section / self.crossover_height
-
-    @property
-    def yarn_stiffness_per_width(self) -> tuple[float, float]:
-        """E A over the spacing of the yarns: membrane stiffness of straight yarns [N/m]."""
-        return (
-            self.axial_stiffness[0] / (2.0 * self.weft_half_spacing),
-            self.axial_stiffness[1] / (2.0 * self.warp_half_spacing),
-        )
-
-    def warnings(self) -> list[str]:
-        """What a user should know before trusting this cell."""
-        return [
-            f"compressive stiffness of the {name} is {given:.4g} N, above the Euler-like {euler:.4g} N: the cell may "
-            "have several equilibria; the branch from stretch 1 is followed and what a snap frees is booked"
-            for name, given, euler in zip(
-                ("warp", "weft"), self.compressive_stiffness, self.euler_stiffness, strict=True
-            )
-            if given > euler * (1.0 + 1.0e-9)
-        ]
-
-    @classmethod
-    def straight(cls, *, stiffness_per_width: float, spacing: float = 0.005, bending: float = 0.0) -> UnitCell:
-        """Two straight, uncoupled yarn families of equal tensile and compressive stiffness: a linear membrane.
-
-        Args:
-            stiffness_per_width: E A over the yarn spacing [N/m].
-            spacing: distance of the yarns [m].
-            bending: E I of a yarn [N m^2].
-        """
-        axial = stiffness_per_width * spacing
-        return cls(
-            warp_modulus=axial, weft_modulus=axial, contact_modulus=1.0,
-            warp_cross_section=1.0, weft_cross_section=1.0, contact_cross_section=1.0,
-            warp_second_moment=bending / axial, weft_second_moment=bending / axial,
-            warp_half_spacing=0.5 * spacing, weft_half_spacing=0.5 * spacing, crossover_height=0.0,
-            warp_compressive_stiffness=axial, weft_compressive_stiffness=axial,
-            contact_stiffness_value=axial / spacing,
-        )  # fmt: skip
-
-
-class LinearShear(Parameters):
-    """The paper's law, equation (4): S_12 = G_12 E_12 with the tensor component E_12 of the Green-Lagrange strain.
-
-    At small angles the stress is therefore G_12 gamma / 2: a modulus meant as tau/gamma has to be doubled here.
-    """
-
-    modulus: NotNegative = Field(description="G_12 of equation (4) [Pa]")
-
-    def moment(self, angle: np.ndarray, thickness: float) -> np.ndarray:
-        """m(gamma) = dpsi/dgamma at unit stretch, t/2 G_12 sin(gamma) cos(gamma) [N/m]."""
-        return 0.5 * thickness * self.modulus * np.sin(angle) * np.cos(angle)
-
-
-class MomentCurve(Parameters):
-    """Shear moment per reference area m(gamma) [N/m] as a curve, odd in gamma, with a locking branch.
-
-    Attributes:
-        angle: increasing angles from 0 [rad].
-        moment: m at these angles, without locking [N/m]; beyond the last angle its end slope (never negative) goes on.
-        locking_angle: where the locking branch begins [rad].
-        locking_stiffness: slope dm/dgamma that locking adds, at most a tenth of the yarn stiffness per width [N/m].
-        locking_width: angle over which that slope builds up [rad].
-    """
-
-    angle: tuple[float, ...]
-    moment_values: tuple[float, ...]
-    locking_angle: Positive = math.radians(60.0)
-    locking_stiffness: NotNegative = 0.0
-    locking_width: Positive = math.radians(5.0)
-
-    @model_validator(mode="after")
-    def _is_a_curve(self) -> Self:
-        angle, moment = np.array(self.angle), np.array(self.moment_values)
-        if len(angle) < 2 or len(angle) != len(moment):
-            raise ValueError(f"{len(angle)} angles and {len(moment)} moments: two or more of each, as many, are needed")
-        if not (np.all(np.isfinite(angle)) and np.all(np.isfinite(moment))):
-            raise ValueError("angles and moments must be finite")
-        if angle[0] != 0.0 or moment[0] != 0.0 or np.any(np.diff(angle) <= 0.0) or angle[-1] > math.pi / 2:
-            raise ValueError("angles must start at 0 (with moment 0), increase, and stay below pi/2 rad")
-        return self
-
-    @classmethod
-    def from_stress_polynomial(
-        cls,
-        tangent_coefficients: tuple[float, ...],
-        thickness: float,
-        *,
-        convention: Literal["yarn frame", "moment"] = "yarn frame",
-        trusted_angle: float = math.radians(55.0),
-        **locking: float,
-    ) -> MomentCurve:
-        """A published d tau / d gamma = c_0 + c_1 gamma + ... [Pa], gamma in rad.
-
-        convention "yarn frame": tau is a nominal shear stress over the yarn's current frame, m = t tau cos(gamma);
-        "moment": m = t tau. Beyond ``trusted_angle`` the curve goes on along its end slope.
-        """
-        angle = np.linspace(0.0, trusted_angle, 221)
-        stress = np.polynomial.Polynomial(tangent_coefficients).integ()(angle)
-        factor = np.cos(angle) if convention == "yarn frame" else 1.0
-        return cls(angle=tuple(angle), moment_values=tuple(thickness * stress * factor), **locking)
-
-    def moment(self, angle: np.ndarray, thickness: float = 0.0) -> np.ndarray:
-        """m(gamma) [N/m], locking included."""
-        size = np.abs(angle)
-        knots, values = np.array(self.angle), np.array(self.moment_values)
-        slope = _monotone_slopes(knots, values)
-        i = np.clip(np.searchsorted(knots, size, side="right") - 1, 0, len(knots) - 2)
-        h = knots[i + 1] - knots[i]
-        s = np.minimum(size - knots[i], h) / h
-        inside = (
-            values[i] * (1 + 2 * s) * (1 - s) ** 2
-            + h * slope[i] * s * (1 - s) ** 2
-            + values[i + 1] * s**2 * (3 - 2 * s)
-            + h * slope[i + 1] * s**2 * (s - 1)
-        )
-        beyond = np.maximum(size - knots[-1], 0.0) * max(slope[-1], 0.0)
-        x = np.maximum(size - self.locking_angle, 0.0)
-        width = self.locking_width
-        locking = self.locking_stiffness * np.where(x < width, x**2 / (2.0 * width), x - 0.5 * width)
-        return np.sign(angle) * (inside + beyond + locking)
-
-
-def _monotone_slopes(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Slopes of a cubic Hermite curve: three-point differences, second order also at the ends."""
-    return np.gradient(y, x, edge_order=2 if len(x) > 2 else 1)
-
-
-class IsotropicBending(Parameters):
-    """Equations (5) and (6): an isotropic plate in the current tangent plane, decoupled from the membrane."""
-
-    modulus: NotNegative = Field(description="E of the sheet in bending (not that of the yarns) [Pa]")
-    poisson_ratio: float = Field(default=0.0, gt=-1.0, lt=0.5)
-
-    def stiffness(self, thickness: float) -> float:
-        """D = E t^3 / 12 (1 - nu^2) [N m]."""
-        return self.modulus * thickness**3 / (12.0 * (1.0 - self.poisson_ratio**2))
-
-
-class YarnBending(Parameters):
-    """Bending stiffness of each yarn family, per unit width."""
-
-    warp: NotNegative = Field(description="D_1 [N m]")
-    weft: NotNegative = Field(description="D_2 [N m]")
-    twist: NotNegative = Field(description="D_12 [N m]")
-    coupling: float = Field(default=0.0, allow_inf_nan=False, description="D_nu between the two curvatures [N m]")
-
-    @model_validator(mode="after")
-    def _is_stable(self) -> Self:
-        if self.coupling**2 > self.warp * self.weft:
-            raise ValueError(
-                f"coupling = {self.coupling:.4g} N m: its square may not exceed warp * weft, or bending releases energy"
-            )
-        return self
-
-    @property
-    def largest(self) -> float:
-        """Largest stiffness of any curvature, as a bound [N m]."""
-        return max(self.warp, self.weft) + abs(self.coupling) + 2.0 * self.twist
-
-    @classmethod
-    def from_moduli(cls, modulus: float, poisson_ratio: float, shear_modulus: float, thickness: float) -> YarnBending:
-        """Equation (6) along the yarns, with a shear modulus G of its own: sigma_12 = G eps_12, eps_12 the tensor's.
-
-        G = E/(1 + nu) would make the sheet isotropic; ``IsotropicBending`` does that in the current tangent plane.
-        """
-        stiffness = IsotropicBending(modulus=modulus, poisson_ratio=poisson_ratio).stiffness(thickness)
-        return cls(
-            warp=stiffness,
-            weft=stiffness,
-            coupling=poisson_ratio * stiffness,
-            twist=shear_modulus * thickness**3 / 24.0,
-        )
 
 
 class Stabilisation(Parameters):
@@ -315,8 +42,9 @@ class Fabric(Parameters):
     name: str
     areal_density: Positive = Field(description="[kg/m^2]")
     thickness: Positive = Field(description="[m]")
-    unit_cell: UnitCell
+    unit_cell: SerializeAsAny[Cell]
     shear: LinearShear | MomentCurve
+    shear_friction: ShearFriction | None = None
     bending: IsotropicBending | YarnBending
     transverse_shear_modulus: NotNegative = Field(description="G of equation (6) across the sheet [Pa]")
     in_plane_bending_stiffness: NotNegative = Field(
@@ -329,6 +57,7 @@ class Fabric(Parameters):
         description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]",
     )
     stabilisation: Stabilisation = Stabilisation()
+    compaction: Compaction = Compaction()
     source: str = ""
     assumed: tuple[str, ...] = ()
 
@@ -340,20 +69,40 @@ class Fabric(Parameters):
                 f"locking_stiffness = {self.shear.locking_stiffness:.4g} N/m: at most {largest:.4g} N/m, a tenth of "
                 "the yarn stiffness per width, is allowed (it enters the stable time step)"
             )
+        check_compaction(self.compaction, self.thickness, self.areal_density)
+        if self.shear_friction is not None and self.shear_friction.stiffness > largest * (1 + 1e-9):
+            raise ValueError(
+                f"shear_friction.stiffness = {self.shear_friction.stiffness:.4g} N/m: at most {largest:.4g} N/m, a "
+                "tenth of the yarn stiffness per width, is allowed (it enters the stable time step)"
+            )
         return self
+
+    @property
+    def has_inner_friction(self) -> bool:
+        """True where yarns or fibres slip on each other inside the sheet, which then has a history."""
+        bending = self.bending
+        return self.shear_friction is not None or (
+            isinstance(bending, YarnBending) and any(family.friction_limit > 0.0 for family in bending.families)
+        )
 
     @property
     def shear_stiffness_scale(self) -> float:
         """Typical shear stiffness [N/m], for the in-plane stabilisation: the mean of m/gamma up to 45 degrees."""
         angle = np.linspace(0.0, math.pi / 4, 46)[1:]
-        return float(np.mean(self.shear.moment(angle, self.thickness) / angle))
+        moment = self.shear.moment(angle, self.thickness)
+        if self.shear_friction is not None:
+            moment = moment + self.shear_friction.moment_along(angle)
+        return float(np.mean(moment / angle))
 
     @property
     def bending_stiffness_scale(self) -> float:
         """Typical bending stiffness [N m] that the director stabilisation scales with."""
         if isinstance(self.bending, IsotropicBending):
             return self.bending.stiffness(self.thickness)
-        return 0.5 * (self.bending.warp + self.bending.weft)
+        return 0.5 * sum(
+            family.typical_stiffness if isinstance(family, BendingCurve) else family
+            for family in (self.bending.warp, self.bending.weft)
+        )
 
     @property
     def largest_bending_stiffness(self) -> float:
@@ -404,11 +153,58 @@ def glass_polypropylene(
         bending=IsotropicBending(modulus=bending_modulus, poisson_ratio=0.0),
         transverse_shear_modulus=10.0e6, compressive_stiffness=bending_modulus * thickness,
         in_plane_bending_stiffness=5.0e-3,
+        compaction=Compaction(fibre_areal_density=0.6 * 0.743, fibre_density=2550.0),
         source="Aridhi et al. 2019, credited there to Cao et al. 2008 (shear curve, density, thickness, pitch, E A)",
         assumed=("crimp", "contact stiffness", "yarn bending", "sheet bending", "transverse shear", "compression",
-            "in-plane bending", "locking",
+            "in-plane bending", "locking", "fibre content", "thickening",
         ),
     )  # fmt: skip
 
 
-PRESETS = {"glass-polypropylene": glass_polypropylene}
+def _glass_yarns(kind: type[Cell], **more) -> Cell:
+    return kind(**glass_polypropylene().unit_cell.model_dump() | more)
+
+
+def _stitched_tape() -> Cell:
+    tow = min(glass_polypropylene().unit_cell.yarn_stiffness_per_width)
+    return UnidirectionalTape(
+        tow_stiffness=tow, tow_compressive_stiffness=2.0e-4 * tow, stitch_stiffness=4.0e4, slip_stiffness=1.0e4,
+        stitch_pitch=5.2e-3, tow_spacing=5.2e-3, stitch_slack=0.01, transverse_stiffness=1.0e3,
+        transverse_compressive_stiffness=2.0e4,
+    )  # fmt: skip
+
+
+# One unit cell of every kind, to try, to test and to measure. All but the first are assumed.
+UNIT_CELLS: dict[str, Callable[[], Cell]] = {
+    "plain-weave": lambda: _glass_yarns(UnitCell),
+    "plain-weave-unilateral": lambda: _glass_yarns(UnitCell, contact="unilateral"),
+    "twill": lambda: _glass_yarns(TwillWeave),
+    "satin-5": lambda: _glass_yarns(SatinWeave),
+    "satin-8": lambda: _glass_yarns(SatinWeave, repeat=8),
+    "stitched-tape": _stitched_tape,
+    "linear-membrane": lambda: LinearMembrane(warp_stiffness=2.0e6, weft_stiffness=1.5e6, coupling_stiffness=0.3e6),
+}
+
+
+def assumed_fabric(unit_cell: str) -> Fabric:
+    """The glass/polypropylene fabric with another of ``UNIT_CELLS``: no such fabric was measured."""
+    fabric, cell = glass_polypropylene(), UNIT_CELLS[unit_cell]()
+    # locking may be a tenth as stiff as the softer yarns
+    largest = LARGEST_LOCKING_SHARE * min(cell.yarn_stiffness_per_width)
+    locking = min(fabric.shear.locking_stiffness, 0.1 * largest)
+    return fabric.model_copy(
+        update={
+            "name": f"assumed {unit_cell.replace('-', ' ')} of glass/polypropylene", "unit_cell": cell,
+            "shear": fabric.shear.model_copy(update={"locking_stiffness": locking}),
+            "source": f"none; all but the unit cell as in {fabric.name!r}", "assumed": ("everything",),
+        }
+    )  # fmt: skip
+
+
+PRESETS: dict[str, Callable[[], Fabric]] = {
+    "glass-polypropylene": glass_polypropylene,
+    **{
+        f"assumed-{name}": partial(assumed_fabric, name)
+        for name in ("twill", "satin-5", "satin-8", "stitched-tape", "linear-membrane")
+    },
+}

@@ -9,23 +9,25 @@ import warp as wp
 
 from .kernels.distance import sample_distance_kernel
 from .kernels.element import CELL_REPORT_ROWS, NODE_REPORT_ROWS
-from .kernels.ledger import ELEMENT_ENERGIES, ELEMENT_FIELDS, element_ledger_kernel
+from .kernels.ledger import ELEMENT_FIELDS, SHEET_ENERGIES, element_ledger_kernel
 from .model import TANGENTIAL_RATIO, lanes_view
 from .motion import Driven
 from .recording import Frame
 from .stepper import Ahead, Stepper
+from .support import Support, support_outputs
 from .tool import Tool
 
 # A cell whose residual ever exceeds this share of the forces that it balances has failed.
 UNIT_CELL_FAILURE = 1.0e-3
-# Elastic energies of the sheet; their sum is the internal energy.
-INTERNAL = (
-    "warp_axial", "weft_axial", "yarn_bending", "crossover_contact", "compression",
-    "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass",
-)  # fmt: skip
+# Elastic energies of the sheet; their sum with those of its unit cell is the internal energy.
+SHEET_INTERNAL = ("compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass")
 STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
-LOST = ("friction_loss", "damping_loss", "snap_loss")
-SUPPLIED = ("tool_work", "driving_force_work", "support_work", "load_work", "gravity_work", "initial_kinetic")
+LOST = ("friction_loss", "damping_loss", "snap_loss", "shear_friction_loss", "bending_friction_loss")
+SUPPLIED = (
+    "tool_work", "driving_force_work", "support_work", "load_work", "thickness_work", "gravity_work", "initial_kinetic",
+)  # fmt: skip
+# What is made of the other entries.
+SUMS = ("internal", "supplied", "used", "balance_error")
 
 
 @dataclass(frozen=True)
@@ -43,15 +45,23 @@ class Ledger:
         stepper: its state is read.
         tools: in the order of the device tools.
         leading_tool: whose displacement is the stroke.
+        supports: in the order of the device supports.
+
+    Attributes:
+        internal: names of the elastic energies of unit cell and sheet; their sum is the entry ``internal``.
     """
 
-    def __init__(self, stepper: Stepper, tools: tuple[Tool, ...], leading_tool: int) -> None:
-        self._stepper, self._tools, self._leading_tool = stepper, tools, leading_tool
+    def __init__(
+        self, stepper: Stepper, tools: tuple[Tool, ...], leading_tool: int, supports: tuple[Support, ...] = ()
+    ) -> None:
+        self._stepper, self._tools, self._leading_tool, self._supports = stepper, tools, leading_tool, supports
         model = stepper.model
-        self._kernel = element_ledger_kernel(model.real)
+        self._kernel = element_ledger_kernel(model.real, model.cell_law)
         self._distance_kernel = sample_distance_kernel(model.real, 1)
         shape = model.element_count
-        self._energies = wp.zeros((len(ELEMENT_ENERGIES), shape), dtype=model.real, device=model.device)
+        self._energy_names = (*model.cell_law.energy_names, *SHEET_ENERGIES)
+        self.internal = (*model.cell_law.energy_names, *SHEET_INTERNAL)
+        self._energies = wp.zeros((len(self._energy_names), shape), dtype=model.real, device=model.device)
         self._fields = wp.zeros((len(ELEMENT_FIELDS), shape), dtype=model.real, device=model.device)
         self._driven = np.array([isinstance(tool.motion, Driven) for tool in tools], dtype=bool)
         self._tool_mass = np.array([tool.motion.mass if isinstance(tool.motion, Driven) else 0.0 for tool in tools])
@@ -67,7 +77,7 @@ class Ledger:
             dim=model.element_count,
             inputs=[
                 model.elements_single, model.cell, model.laws, state.motion, ahead.node_report,
-                lanes_view(state.crimp_change, 1), lanes_view(state.cell_report, 1),
+                lanes_view(state.cell_unknowns, 1), lanes_view(state.cell_report, 1), lanes_view(state.slip, 1),
             ],
             outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
             device=model.device,
@@ -75,22 +85,36 @@ class Ledger:
         count = model.blank.element_count
         fields = dict(zip(ELEMENT_FIELDS, self._fields.numpy()[:, :count].astype(np.float64), strict=True))
         report = dict(zip(CELL_REPORT_ROWS, state.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
+        compaction, cell = model.fabric.compaction, model.fabric.unit_cell
+        fields["thickness"] = model.fabric.thickness * compaction.thickness_ratio(
+            cell, fields["area_ratio"], fields["crossover_force"]
+        )
+        fraction = compaction.fibre_volume_fraction(fields["thickness"], fields["area_ratio"])
+        if fraction is not None:
+            fields["fibre_volume_fraction"] = fraction
+        # the kernel gives the force per reference area
+        fields["crossover_force"] *= model.fabric.unit_cell.crossover_area
         fields["unit_cell_residual"] = report["worst_residual"]
         fields["unit_cell_iterations"] = report["iterations"]
         fields["unit_cell_failed"] = (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
         position, _, director, _, remainder = self._motion(state.motion)
         displacement = stepper.tools.displacement.numpy().copy()
+        support_force, drive_displacement, drive_force = support_outputs(self._supports, stepper.supports)
+        leading = displacement[self._leading_tool :] if len(displacement) else drive_displacement
         return Frame(
             index=index,
             step_count=stepper.step_count,
             time=state.time,
-            stroke=float(displacement[self._leading_tool]) if len(displacement) else 0.0,
+            stroke=float(leading[0]) if len(leading) else 0.0,
             position=position + remainder,
             director=director,
             fields=fields,
             tool_displacement=displacement,
             tool_reaction=stepper.tools.total_reaction.numpy().copy(),
             energies=self._balance(position + remainder, ahead),
+            support_force=support_force,
+            drive_displacement=drive_displacement,
+            drive_force=drive_force,
         )
 
     def _motion(self, motion: wp.array) -> np.ndarray:
@@ -116,9 +140,8 @@ class Ledger:
         """
         stepper, model, state = self._stepper, self._stepper.model, self._stepper.state
         element = self._energies.numpy()[:, : model.blank.element_count].astype(np.float64).sum(axis=1)
-        entries = dict(zip(ELEMENT_ENERGIES, element.tolist(), strict=True))
-        entries["snap_loss"] = entries.pop("snap")
-        entries["internal"] = sum(entries[name] for name in INTERNAL)
+        entries = dict(zip(self._energy_names, element.tolist(), strict=True))
+        entries["internal"] = sum(entries[name] for name in self.internal)
         started = stepper.step_count > 0
         _, velocity, _, spin, _ = self._motion(state.motion)
         _, next_velocity, _, next_spin, _ = self._motion(ahead.motion)
@@ -133,7 +156,8 @@ class Ledger:
         entries["tool_kinetic"] = 0.5 * float(
             self._tool_mass @ (stepper.tools.velocity.numpy() * ahead.tool_velocity.numpy())
         )
-        penetration = np.maximum(self._penetration(position), 0.0)
+        half_thickness = ahead.node_report.numpy()[NODE_REPORT_ROWS.index("half_thickness"), : len(position)]
+        penetration = np.maximum(self._penetration(position, half_thickness), 0.0)
         entries["contact"] = 0.5 * float((model.contact_stiffness * np.square(penetration)).sum())
         friction = ahead.friction.numpy()[: len(self._tools), : model.blank.node_count].astype(np.float64)
         entries["friction_spring"] = (
@@ -143,6 +167,7 @@ class Ledger:
         entries["friction_loss"] = float(report["friction_work"]) - entries["friction_spring"]
         entries["damping_loss"] = float(report["damping_loss"])
         entries["support_work"] = float(report["support_work"])
+        entries["thickness_work"] = float(report["thickness_work"])
         entries["load_work"] = float(report["load_work"])
         entries["tool_work"] = float(work[0][~self._driven].sum())
         entries["driving_force_work"] = float(work[1][self._driven].sum())
@@ -154,8 +179,8 @@ class Ledger:
         entries["balance_error"] = entries["supplied"] - entries["used"]
         return entries
 
-    def _penetration(self, points: np.ndarray) -> np.ndarray:
-        """Half the thickness minus the distance to each tool, (tool_count, point_count) [m]."""
+    def _penetration(self, points: np.ndarray, half_thickness: np.ndarray) -> np.ndarray:
+        """Half the thickness (of each point) minus the distance to each tool, (tool_count, point_count) [m]."""
         model, tools = self._stepper.model, self._stepper.tools
         device = model.device
         result = np.full((len(self._tools), len(points)), -np.inf)
@@ -172,15 +197,22 @@ class Ledger:
                 outputs=[distance, normal],
                 device=device,
             )
-            result[k] = 0.5 * model.fabric.thickness - distance.numpy().astype(np.float64)
+            result[k] = half_thickness - distance.numpy().astype(np.float64)
         return result
 
     def penetration(self, frame: Frame) -> Penetration:
         """Deepest penetration of a frame just taken."""
-        centres = frame.position[self._stepper.model.blank.quads].mean(axis=1)
+        model, quads = self._stepper.model, self._stepper.model.blank.quads
         if not self._tools:
             return Penetration(-np.inf, -np.inf)
+        at_elements = np.full(len(quads), 0.5 * model.fabric.thickness)
+        at_nodes = np.full(len(frame.position), 0.5 * model.fabric.thickness)
+        if model.follows_thickness:
+            at_elements = 0.5 * frame.fields["thickness"]
+            sharing = np.bincount(quads.ravel())
+            at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
+        centres = frame.position[quads].mean(axis=1)
         return Penetration(
-            at_nodes=float(self._penetration(frame.position).max()),
-            at_element_centres=float(self._penetration(centres).max()),
+            at_nodes=float(self._penetration(frame.position, at_nodes).max()),
+            at_element_centres=float(self._penetration(centres, at_elements).max()),
         )

@@ -3,21 +3,33 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import warp as wp
 
+from .bending import BendingCurve, IsotropicBending
 from .blank import Blank
+from .curve import tabulate
 from .device import Precision
 from .errors import InputError
-from .fabric import SHEAR_KNOT_COUNT, Fabric, IsotropicBending, LinearShear, UnitCell
+from .fabric import Fabric
+from .kernels.curve import curve_struct
 from .kernels.element import MOTION_ROWS, element_struct
 from .kernels.lanes import lane_types
 from .kernels.node import motion_struct, node_struct
-from .kernels.sheet import BENDING_ISOTROPIC, BENDING_YARNS, SHEAR_CURVE, SHEAR_LINEAR, sheet_struct
-from .kernels.unit_cell import unit_cell_struct
+from .kernels.sheet import (
+    BENDING_CURVES,
+    BENDING_ISOTROPIC,
+    BENDING_YARNS,
+    SHEAR_CURVE,
+    SHEAR_LINEAR,
+    sheet_struct,
+)
 from .loads import NodalLoads
+from .shear import LARGEST_SHEAR_ANGLE, LinearShear
 
 # Arrays are padded to whole blocks of the widest lanes, whatever lanes the kernels use.
 BLOCK = 16
@@ -26,8 +38,8 @@ ROTARY_SHARE = 0.05
 # Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
-# Relative residual that the unit cell's Newton iteration reaches in each precision.
-UNIT_CELL_TOLERANCE = {"float32": 2.0e-5, "float64": 1.0e-11}
+# Cubic pieces of a measured curve on the device.
+CURVE_PIECE_COUNT = 512
 
 
 def padded(count: int, spare: int) -> int:
@@ -137,7 +149,7 @@ class Frequencies:
         in_plane, warping, director = hourglass_coefficients(fabric)
         transverse = fabric.transverse_shear_stiffness
         bending = 4.0 * fabric.largest_bending_stiffness * b
-        shear = fabric.shear_stiffness_scale
+        shear = fabric.shear_stiffness_scale + fabric.unit_cell.shear_stiffness
         straight = 4.0 / areal_density * (np.maximum(c1 * b11, c2 * b22) + 2.0 * shear * b)
         yarns_in_plane = 2.0 * 4.0 * fabric.in_plane_bending_stiffness / geometry.area
         turning = transverse + bending + 4.0 * (director * gamma + warping * geometry.squared_twist_weights * b) * b
@@ -173,12 +185,15 @@ class MotionParameters:
         damping: mass-proportional damping rate of the nodes [1/s].
         director_damping: the same for the directors [1/s].
         contact_damping_ratio: normal dashpot of the contact, as a share of critical.
+        contact_thickness: tools meet the sheet at half its "initial" or its "current" thickness; what a change of
+            thickness does on the tools is booked as ``thickness_work``.
     """
 
     gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     damping: float = 0.0
     director_damping: float = 0.0
     contact_damping_ratio: float = 0.1
+    contact_thickness: Literal["initial", "current"] = "initial"
 
     def __post_init__(self) -> None:
         gravity = np.asarray(self.gravity, dtype=np.float64)
@@ -187,6 +202,8 @@ class MotionParameters:
             np.isfinite(gravity).all() and np.isfinite(damping).all() and damping.min() >= 0
         ):
             raise InputError(f"{self}: gravity needs three finite components, damping is finite and not negative")
+        if self.contact_thickness not in ("initial", "current"):
+            raise InputError(f'contact_thickness = {self.contact_thickness!r}: "initial" or "current" is needed')
 
 
 class Model:
@@ -258,10 +275,16 @@ class Model:
         self._element_arrays = self._fill_elements()
         self.elements = self._elements(self.lane_count)
         self.elements_single = self._elements(1)
-        self.cell = self._unit_cell()
+        self.cell_law = fabric.unit_cell.law()
+        self.cell = fabric.unit_cell.device_parameters(precision)
         self.laws = self._sheet_laws()
         self.nodes = self._nodes(np.asarray(free, dtype=bool))
         self.motion_laws = self._motion_laws(contact_share)
+
+    @property
+    def follows_thickness(self) -> bool:
+        """True where tools meet the current thickness."""
+        return self.motion.contact_thickness == "current"
 
     # --- layout ------------------------------------------------------------------------------------------------------
 
@@ -313,33 +336,49 @@ class Model:
         elements.flat = int(self.geometry.flat)
         return elements
 
-    def _unit_cell(self):
-        parameters: UnitCell = self.fabric.unit_cell
-        cell = unit_cell_struct(self.real)()
-        fill_unit_cell(cell, parameters, self.precision)
-        return cell
-
     def _sheet_laws(self):
         fabric, shear, bending = self.fabric, self.fabric.shear, self.fabric.bending
         laws = sheet_struct(self.real)()
-        laws.shear_kind = int(SHEAR_LINEAR if isinstance(shear, LinearShear) else SHEAR_CURVE)
-        laws.shear_stiffness = fabric.thickness * shear.modulus if isinstance(shear, LinearShear) else 0.0
-        spacing = 0.5 * math.pi / SHEAR_KNOT_COUNT
-        coefficients, energy = shear_table(shear, fabric.thickness, spacing)
-        laws.shear_knot_spacing = spacing
-        laws.shear_moment = self._array(coefficients, self.types.vec4)
-        laws.shear_energy = self._array(energy, self.real)
+        laws.shear.kind = int(SHEAR_LINEAR if isinstance(shear, LinearShear) else SHEAR_CURVE)
+        laws.shear.stiffness = fabric.thickness * shear.modulus if isinstance(shear, LinearShear) else 0.0
+        laws.shear.curve = self._curve(lambda angle: shear.moment(angle, fabric.thickness), LARGEST_SHEAR_ANGLE)
+        friction = fabric.shear_friction
+        laws.shear.friction_stiffness = friction.stiffness if friction else 0.0
+        laws.shear.crossover_friction_length = friction.crossover_friction_length if friction else 0.0
+        laws.shear.friction_limit = self._curve(friction.limit_at if friction else np.zeros_like, LARGEST_SHEAR_ANGLE)
         isotropic = isinstance(bending, IsotropicBending)
-        laws.bending_kind = int(BENDING_ISOTROPIC if isotropic else BENDING_YARNS)
-        laws.bending_stiffness = bending.stiffness(fabric.thickness) if isotropic else 0.0
-        laws.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
-        per_yarn = (0.0,) * 4 if isotropic else (bending.warp, bending.weft, bending.twist, bending.coupling)
-        laws.yarn_bending_stiffness = self.types.vec4(*per_yarn)
+        laws.bending.kind = int(BENDING_ISOTROPIC if isotropic else BENDING_CURVES if bending.curved else BENDING_YARNS)
+        laws.bending.stiffness = bending.stiffness(fabric.thickness) if isotropic else 0.0
+        laws.bending.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
+        families = (BendingCurve.straight(0.0),) * 2 if isotropic else bending.families
+        per_yarn = (0.0, 0.0) if isotropic else (bending.twist, bending.coupling)
+        laws.bending.yarn_stiffness = self.types.vec4(*(family.initial_stiffness for family in families), *per_yarn)
+        laws.bending.warp_curve, laws.bending.weft_curve = (
+            self._curve(family.moment, family.curvature[-1]) for family in families
+        )
+        laws.bending.friction = int(any(family.friction_limit > 0.0 for family in families))
+        vec2 = wp.types.vector(2, self.real)
+        # a family without friction has a slider that never holds: any spring will do
+        laws.bending.friction_stiffness = vec2(*(family.friction_stiffness or 1.0 for family in families))
+        laws.bending.friction_limit = vec2(*(family.friction_limit for family in families))
+        laws.thickness = fabric.thickness if self.follows_thickness else 0.0
+        laws.thickening = fabric.compaction.thickening
+        laws.inverse_crossover_modulus = 1.0 / fabric.compaction.modulus(fabric.unit_cell)
+        laws.slip_resolution = 4.0 * np.finfo(self.precision.numpy).eps
         laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
         laws.in_plane_bending_stiffness = fabric.in_plane_bending_stiffness
         laws.compressive_stiffness = fabric.compressive_stiffness
         laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(fabric)
         return laws
+
+    def _curve(self, function: Callable[[np.ndarray], np.ndarray], end: float):
+        """Device table of a function from 0 to ``end``."""
+        curve = curve_struct(self.real)()
+        curve.knot_spacing = end / CURVE_PIECE_COUNT
+        coefficients, integral = tabulate(function, end / CURVE_PIECE_COUNT, CURVE_PIECE_COUNT)
+        curve.coefficient = self._array(coefficients, self.types.vec4)
+        curve.integral = self._array(integral, self.real)
+        return curve
 
     def _nodes(self, free: np.ndarray):
         count = self.blank.node_count
@@ -377,6 +416,8 @@ class Model:
             return lanes_view(self._array(self._padded(values, self.node_count), self.real), self.lane_count)
 
         nodes.angle_weight = lanes(angle_weight)
+        if self.follows_thickness:
+            nodes.thickness_weight = lanes(1.0 / count_around)
         nodes.mass = lanes(self.node_mass)
         nodes.inverse_mass = lanes(1.0 / self.node_mass)
         nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
@@ -416,6 +457,12 @@ class Model:
 
     # --- initial values ----------------------------------------------------------------------------------------------
 
+    def initial_unknowns(self) -> np.ndarray:
+        """Of every element's unit cell at rest, (rows, padded elements)."""
+        rows = np.zeros((self.cell_law.row_count, self.element_count))
+        rows[: self.cell_law.unknown_count] = np.array(self.fabric.unit_cell.initial_unknowns)[:, None]
+        return rows
+
     def initial_motion(self, velocity: np.ndarray | None = None) -> np.ndarray:
         """Rows MOTION_ROWS, (5, padded nodes, 3); the remainder is what the precision cannot hold of the positions."""
         count = self.blank.node_count
@@ -429,38 +476,3 @@ class Model:
             rows[1, :count] = velocity
         rows[4] = rows[0] - rows[0].astype(self.precision.numpy)
         return rows
-
-
-def fill_unit_cell(cell, parameters: UnitCell, precision: Precision) -> None:
-    """Write a cell's parameters into its device struct."""
-    vec2 = wp.types.vector(2, precision.real)
-    length = np.array(parameters.chord_length)
-    cell.half_spacing = vec2(*parameters.half_spacing)
-    cell.crimp_height = vec2(*parameters.crimp_height)
-    cell.chord_length = vec2(*length)
-    cell.tensile_stiffness = vec2(*(parameters.axial_stiffness / length))
-    cell.compressive_stiffness = vec2(*(parameters.compressive_stiffness / length))
-    cell.rotation_stiffness = vec2(*(3.0 * np.array(parameters.bending_stiffness) / length))
-    cell.contact_stiffness = parameters.contact_stiffness
-    cell.unilateral = int(parameters.contact == "unilateral")
-    cell.tolerance = UNIT_CELL_TOLERANCE[precision.value]
-    # four roundings of each of the two parts whose sum is the elongation
-    cell.resolution = 4.0 * np.finfo(precision.numpy).eps / UNIT_CELL_TOLERANCE[precision.value]
-    cell.stiffness_floor = 1.0e-9 * max(parameters.axial_stiffness) / length.max()
-    cell.force_floor = 1.0e-9 * max(parameters.axial_stiffness)
-
-
-def shear_table(law, thickness: float, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Cubic coefficients (knots, 4) of m(gamma) between evenly spaced knots up to 90 degrees, and psi at the knots."""
-    knots = spacing * np.arange(SHEAR_KNOT_COUNT + 1)
-    moment = law.moment(knots, thickness)
-    step = 1.0e-4 * spacing
-    slope = (law.moment(knots + step, thickness) - law.moment(knots - step, thickness)) / (2.0 * step)
-    rise = np.diff(moment) / spacing
-    c2 = (3.0 * rise - 2.0 * slope[:-1] - slope[1:]) / spacing
-    c3 = (slope[:-1] + slope[1:] - 2.0 * rise) / spacing**2
-    coefficients = np.column_stack([moment[:-1], slope[:-1], c2, c3])
-    h = spacing
-    pieces = h * (coefficients @ np.array([1.0, h / 2.0, h**2 / 3.0, h**3 / 4.0]))
-    energy = np.concatenate([[0.0], np.cumsum(pieces)])[:-1]
-    return coefficients, energy

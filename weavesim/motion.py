@@ -1,9 +1,9 @@
-"""How a tool moves along its axis: fixed, by a prescribed stroke, or by a force."""
+"""How a tool moves along its axis (fixed, by a prescribed stroke, or by a force), and how a support is driven."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,10 +117,84 @@ class Driven:
         return np.array(self.times), np.array(self.forces)
 
 
+@dataclass(frozen=True)
+class SmoothStroke:
+    """Displacement prescribed in time without a jump of the speed, for supports.
+
+    Cubic between the knots (Hermite), constant before and after them. A support moves the sheet itself, and every jump
+    of its speed would send a wave of tension through the yarns; contact softens those of a tool.
+
+    Attributes:
+        times: increasing [s].
+        displacements: one per time [m].
+        speeds: one per time [m/s].
+    """
+
+    times: tuple[float, ...]
+    displacements: tuple[float, ...]
+    speeds: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        _check_curve(self, "displacements")
+        speeds = _numbers("SmoothStroke.speeds", self.speeds)
+        if len(speeds) != len(self.times):
+            raise InputError(f"SmoothStroke has {len(self.times)} times and {len(speeds)} speeds; it needs as many.")
+        object.__setattr__(self, "speeds", tuple(speeds))
+
+    @property
+    def duration(self) -> float:
+        """Time of the last knot [s]."""
+        return self.times[-1]
+
+    @classmethod
+    def ramped(cls, distance: float, speed: float, ramp_time: float, start_time: float = 0.0) -> SmoothStroke:
+        """The motion of ``Stroke.smooth``, which has the meaning of the arguments, with a continuous speed."""
+        knots = Stroke.smooth(distance, speed, ramp_time, start_time)
+        end = knots.duration - start_time
+        ramp_time = min(ramp_time, abs(distance) / speed)
+        # knots on the straight part too: what is mapped from this stroke need not be straight there
+        straight = np.linspace(ramp_time, end - ramp_time, RAMP_KNOT_COUNT + 2)[1:-1]
+        times = np.unique(np.concatenate([np.array(knots.times) - start_time, straight]))
+        times = times[np.append(True, np.diff(times) > 1e-9 * end)]
+        if ramp_time > 0.0:
+            share = np.clip(np.minimum(times, end - times) / ramp_time, 0.0, 1.0)
+            speeds = speed * share**2 * (3.0 - 2.0 * share)
+        else:
+            speeds = np.full(len(times), speed)
+        way = np.interp(start_time + times, knots.times, np.abs(knots.displacements))
+        sign = math.copysign(1.0, distance)
+        return cls(*(tuple(v.tolist()) for v in (start_time + times, sign * way, sign * speeds)))
+
+    def mapped(
+        self, value: Callable[[np.ndarray], np.ndarray], slope: Callable[[np.ndarray], np.ndarray]
+    ) -> SmoothStroke:
+        """The stroke f(s) of a support that moves along with this one.
+
+        Args:
+            value: f, of displacements [m], to displacements [m].
+            slope: its derivative.
+        """
+        way = np.array(self.displacements)
+        return SmoothStroke(self.times, tuple(value(way)), tuple(slope(way) * np.array(self.speeds)))
+
+    def and_back(self, rest: float = 0.0) -> SmoothStroke:
+        """This stroke, ``rest`` [s] at its end, and the same way back."""
+        rest = finite("rest of the stroke", rest)
+        if rest < 0.0:
+            raise InputError(f"SmoothStroke.and_back is given a rest of {rest} s; it must not be negative.")
+        later = tuple(2.0 * self.duration + rest - time for time in self.times[::-1])
+        skip = 0 if rest > 0.0 else 1
+        return SmoothStroke(
+            self.times + later[skip:],
+            self.displacements + self.displacements[::-1][skip:],
+            self.speeds + tuple(-speed for speed in self.speeds[::-1])[skip:],
+        )
+
+
 Motion = Fixed | Stroke | Driven
 
 
-def _check_curve(motion: Stroke | Driven, values_name: str) -> None:
+def _check_curve(motion: Stroke | Driven | SmoothStroke, values_name: str) -> None:
     name = type(motion).__name__
     times = _numbers(f"{name}.times", motion.times)
     values = _numbers(f"{name}.{values_name}", getattr(motion, values_name))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Protocol
 
@@ -20,15 +20,22 @@ class Frame:
         index: number of the frame, 0 for the undeformed state.
         step_count: time steps done.
         time: [s].
-        stroke: displacement of the leading tool along its axis [m].
+        stroke: displacement of the leading tool along its axis, without tools that of the first drive [m].
         position: nodes, (node_count, 3) [m].
         director: unit directors, (node_count, 3).
         fields: one value per element, (element_count,): shear_angle [rad], warp_stretch, weft_stretch,
-            warp_force and weft_force [N/m], crossover_force [N], area_ratio, unit_cell_residual (worst so far),
+            warp_force and weft_force [N/m], crossover_force [N], area_ratio,
+            shear_moment (elastic and friction, without in-plane bending) [N/m], thickness [m],
+            fibre_volume_fraction (if the fabric tells its fibres), unit_cell_residual (worst so far),
             unit_cell_iterations, unit_cell_failed (0 or 1).
         tool_displacement: along each tool's axis, (tool_count,) [m].
         tool_reaction: force of the sheet on each tool, (tool_count, 3) [N].
         energies: every entry of the ledger [J], by name.
+        support_force: force of each support on the sheet, (support_count, 3) [N], from the last step: it holds against
+            all other forces on its nodes and accelerates their mass.
+        drive_displacement: of every drive of every support, in order, (drive_count,) [m].
+        drive_force: of the support on the sheet along each drive, (drive_count,) [N]: its work per unit of the drive's
+            displacement.
     """
 
     index: int
@@ -41,6 +48,9 @@ class Frame:
     tool_displacement: np.ndarray
     tool_reaction: np.ndarray
     energies: dict[str, float]
+    support_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    drive_displacement: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    drive_force: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
 class Outcome(Enum):

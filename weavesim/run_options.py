@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from .device import LARGEST_THREAD_COUNT, Precision
-from .fabric import Parameters, Positive
+from .parameters import Parameters, Positive
 
 LARGEST_MESH_SIZE_M = 0.5
 SMALLEST_MESH_SIZE_M = 1.0e-4

@@ -22,14 +22,15 @@ from .loads import NodalLoads
 from .mesh_shape import MeshShape
 from .model import Model, MotionParameters
 from .recording import Frame, Observer, Outcome
-from .stepper import REFRESH_INTERVAL, State, Stepper
+from .stepper import REFRESH_INTERVAL, STEP_SAFETY, State, Stepper
+from .support import Support, build_device_supports, check_supports, prescribe_start
 from .tool import Tool, build_device_tools
 
 logger = logging.getLogger(__name__)
 
 # The balance of frames in which less than this share of the run's work is done is compared with that share.
 LEAST_WORK = 1.0e-4
-# Hourglass over internal energy is judged from this share of the largest internal energy on.
+# Hourglass and kinetic over internal energy are judged from this share of the largest internal energy on.
 LEAST_INTERNAL = 0.05
 # At most this many blocks are replayed before the host looks whether the state is still finite.
 LARGEST_REPLAY = 50
@@ -45,6 +46,8 @@ class Simulation:
         tools: rigid tools, in the order of all outputs.
         duration: time at which the run ends [s].
         free: (node_count, 6) bool, False where a displacement (x, y, z) or a director's rotation about x, y, z is held.
+        supports: nodes that are held and perhaps driven; what they hold need not be in ``free``, and a component that
+            they hold has their velocity from the start.
         symmetry: planes ("x", "y") through the origin at which the blank is cut; their nodes are held accordingly.
         motion: gravity and damping.
         loads: forces and couples prescribed at nodes.
@@ -56,6 +59,8 @@ class Simulation:
         frame_count: frames after the first, evenly spaced in time.
         time_step: largest step allowed [s]; must be stable. None takes the stable one.
         target_step: step to scale the mass for [s]; None adds none.
+        step_safety: share of the stable step 2/omega that is taken; less quiets yarns that rattle between slack and
+            taut (theory, section 7).
         leading_tool: index of the tool whose displacement is the stroke.
         stop_when: called with each frame; True ends the run.
 
@@ -72,6 +77,7 @@ class Simulation:
         tools: Sequence[Tool] = (),
         duration: float,
         free: np.ndarray | None = None,
+        supports: Sequence[Support] = (),
         symmetry: Sequence[str] = (),
         motion: MotionParameters | None = None,
         loads: NodalLoads | None = None,
@@ -83,12 +89,15 @@ class Simulation:
         frame_count: int = 60,
         time_step: float | None = None,
         target_step: float | None = None,
+        step_safety: float = STEP_SAFETY,
         leading_tool: int = 0,
         stop_when: Callable[[Frame], bool] | None = None,
     ) -> None:
         for label, value in (("duration", duration), ("time_step", time_step), ("target_step", target_step)):
             if value is not None and not (math.isfinite(value) and value > 0.0):
                 raise InputError(f"{label} = {value} s: a positive, finite number of seconds is needed")
+        if not 0.0 < step_safety <= STEP_SAFETY:
+            raise InputError(f"step_safety = {step_safety}: above 0 and at most {STEP_SAFETY} is stable")
         if frame_count < 1:
             raise InputError(f"frame_count = {frame_count}: at least one frame is needed")
         if tools and not 0 <= leading_tool < len(tools):
@@ -112,26 +121,36 @@ class Simulation:
         self.threads = resolve_thread_count(threads, blank.element_count) if warp_device.is_cpu else 1
         lane_count = lane_count or (CPU_LANE_COUNT if warp_device.is_cpu else GPU_LANE_COUNT)
         constraints = np.ones((blank.node_count, 6), dtype=bool) if free is None else np.array(free, dtype=bool)
+        if constraints.shape != (blank.node_count, 6):
+            raise InputError(f"free: shape {constraints.shape}, but ({blank.node_count}, 6) is needed")
         self.free = hold_symmetry(blank, self.symmetry, constraints)
+        self.supports = tuple(supports)
+        check_supports(self.supports, blank, self.symmetry)
+        for support in self.supports:
+            self.free[np.ix_(support.nodes, support.held)] = False
         self.model = Model(
             blank, fabric, self.free, motion or MotionParameters(), precision=self.precision, device=warp_device,
             lane_count=lane_count, tool_count=len(self.tools), target_step=target_step, loads=loads,
         )  # fmt: skip
         device_tools = build_device_tools(self.tools, self.model.real, self.device)
         self._check_reach()
-        self.state = State.initial(self.model, initial_velocity)
+        device_supports = build_device_supports(
+            self.supports, self.model.node_count, self.model.real, lane_count, warp_device
+        )
+        self.state = State.initial(self.model, prescribe_start(self.supports, initial_velocity, blank.node_count))
         self.warnings = [*fabric.unit_cell.warnings(), *self._tool_warnings()]
         self.notes = [note for mesh in self._mesh_parts().values() for note in mesh.surface.notes()]
         self.stepper = Stepper(
-            self.model, self.state, device_tools, thread_count=self.threads, largest_step=time_step or math.inf
-        )
+            self.model, self.state, device_tools, device_supports, thread_count=self.threads,
+            largest_step=time_step or math.inf, step_safety=step_safety,
+        )  # fmt: skip
         stable = self.stepper.stable_step()
         if time_step is not None and time_step > stable:
             raise InputError(
                 f"time_step = {time_step:.4g} s is unstable for this mesh and fabric: at most {stable:.4g} s "
                 "is stable; take that, a coarser mesh, or mass scaling (target_step)"
             )
-        self.ledger = Ledger(self.stepper, self.tools, leading_tool)
+        self.ledger = Ledger(self.stepper, self.tools, leading_tool, self.supports)
         self.frame: Frame = self.ledger.frame(0)
         self.penetration: Penetration = self.ledger.penetration(self.frame)
         if self.penetration.at_nodes > 0.5 * fabric.thickness:
@@ -279,13 +298,13 @@ class Simulation:
         supplied = max(np.abs([entry["supplied"] for entry in history]).max(), 1.0e-300)
         stroke = abs(self.frame.stroke)
         # of the stroke; where no tool has one, of the time
+        largest_internal = max(e["internal"] for e in history)
         last_quarter = [
             e
             for e in history
-            if e["internal"] > 0.0
+            if e["internal"] > LEAST_INTERNAL * largest_internal
             and (abs(e["stroke"]) >= 0.75 * stroke if stroke > 0.0 else e["time"] >= 0.75 * self.frame.time)
         ]
-        largest_internal = max(e["internal"] for e in history)
         stretch = np.concatenate([fields["warp_stretch"], fields["weft_stretch"]])
         return {
             "weavesim_version": __version__,
@@ -320,6 +339,10 @@ class Simulation:
                 abs(e["balance_error"]) / max(abs(e["supplied"]), e["used"], LEAST_WORK * supplied) for e in history
             ),
             "added_mass_ratio": self.model.added_mass_ratio,
+            "support_force_n": {
+                support.name: force.tolist()
+                for support, force in zip(self.supports, self.frame.support_force, strict=True)
+            },
             "penetration_at_nodes_mm": 1e3 * self.penetration.at_nodes,
             "penetration_at_element_centres_mm": 1e3 * self.penetration.at_element_centres,
             "unit_cell_max_residual": float(fields["unit_cell_residual"].max()),

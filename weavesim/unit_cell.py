@@ -1,4 +1,4 @@
-"""The unit cell's response on its own, for any number of stretches and cells at once."""
+"""The response of any unit cell on its own, for any number of strains and cells at once."""
 
 from __future__ import annotations
 
@@ -8,57 +8,62 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
+from .cells import Cell
 from .device import initialise, resolve_device, resolve_precision
 from .errors import InputError
-from .fabric import UnitCell
-from .kernels.unit_cell import unit_cell_struct
 from .kernels.unit_cell_response import unit_cell_response_kernel
-from .model import fill_unit_cell
 
 
 @dataclass(frozen=True)
 class UnitCellResponse:
-    """Answers for n pairs of stretches; all of the half cell, which two make a crossover.
+    """Answers for n strains; all per reference area or width.
 
     Attributes:
-        height_change: w_1, w_2, (n, 2) [m].
-        force: F_1, F_2 along warp and weft of one yarn, (n, 2) [N].
+        unknowns: internal unknowns, (n, unknown_count); of the plain weave the height changes w_1, w_2 [m].
         force_per_width: n_1, n_2, (n, 2) [N/m].
-        crossover_force: pressing warp and weft together at a physical crossover (two half cells), (n,) [N].
-        energy: axial warp, axial weft, yarn bending, contact, (n, 4) [J].
-        tangent: dF_k/du_l with w in equilibrium: K11, K12, K22, (n, 3) [N/m].
+        moment: m = dpsi/dgamma, (n,) [N/m].
+        crossover_force: pressing warp and weft together at a physical crossover, (n,) [N].
+        energy: parts of psi, (n, part_count) [J/m^2]; ``energy_names`` says which.
+        energy_names: names of the parts.
+        tangent: derivatives of (n_1, n_2, m) by (warp stretch, weft stretch, shear angle) with the unknowns in
+            equilibrium, (n, 3, 3) [N/m].
         residual: largest relative residual on the path, (n,).
         iterations: most Newton iterations of one increment, (n,).
+        snap_loss: energy freed by jumps to other equilibria on the path, (n,) [J/m^2].
     """
 
-    height_change: np.ndarray
-    force: np.ndarray
+    unknowns: np.ndarray
     force_per_width: np.ndarray
+    moment: np.ndarray
     crossover_force: np.ndarray
     energy: np.ndarray
+    energy_names: tuple[str, ...]
     tangent: np.ndarray
     residual: np.ndarray
     iterations: np.ndarray
+    snap_loss: np.ndarray
 
 
 def respond(
-    cells: UnitCell | Sequence[UnitCell],
+    cells: Cell | Sequence[Cell],
     stretch: np.ndarray,
+    shear_angle: np.ndarray | float = 0.0,
     *,
     increment_count: int = 50,
     start: np.ndarray | None = None,
     precision: str = "float64",
     device: str = "cpu",
 ) -> UnitCellResponse:
-    """Follow each cell from stretch 1 to ``stretch`` in equal increments.
+    """Follow each cell from rest to ``stretch`` and ``shear_angle`` in equal increments.
 
     Args:
-        cells: one cell for all, or one per row of ``stretch``.
+        cells: one cell for all, or one per row of ``stretch``; all of one class.
         stretch: of warp and weft, (n, 2).
-        start: first guess of the height changes, (n, 2) [m]; zero by default.
+        shear_angle: one for all, or (n,) [rad]; less than a right angle.
+        start: first guess of the unknowns, (n, unknown_count); those of the cell at rest by default.
 
     Raises:
-        InputError: stretches that are not finite and positive, or shapes that do not fit.
+        InputError: strains that are not finite, stretches not positive, or shapes that do not fit.
     """
     initialise()
     precision = resolve_precision(precision)
@@ -69,37 +74,46 @@ def respond(
     if increment_count < 1:
         raise InputError(f"increment_count = {increment_count}: at least 1 is needed")
     count = len(stretch)
-    cells = [cells] if isinstance(cells, UnitCell) else list(cells)
+    angle = np.asarray(shear_angle, dtype=float)
+    if angle.shape not in ((), (count,)) or not np.all(np.abs(angle) < 0.5 * np.pi):
+        raise InputError(f"shear_angle: one angle or {count} are needed, in radians and less than a right angle")
+    cells = [cells] if isinstance(cells, Cell) else list(cells)
     if len(cells) not in (1, count):
         raise InputError(f"{len(cells)} cells for {count} pairs of stretches: give one, or as many")
-    structs = []
-    for parameters in cells:
-        struct = unit_cell_struct(real)()
-        fill_unit_cell(struct, parameters, precision)
-        structs.append(struct)
-    first_guess = np.zeros((count, 2)) if start is None else np.asarray(start, dtype=float)
-    rows = [wp.zeros((n, count), dtype=real, device=wp_device) for n in (2, 3, 4, 3, 2)]
+    law = cells[0].law()
+    if any(cell.law() is not law for cell in cells):
+        raise InputError("cells of several classes were given: answer each class on its own")
+    if start is None:
+        start = np.array([cell.initial_unknowns for cell in cells])
+    first_guess = np.zeros((count, law.row_count))
+    first_guess[:, : law.unknown_count] = start
+    strain = np.column_stack([stretch - 1.0, np.broadcast_to(angle, count)])
+    row_counts = (law.row_count, 4, len(law.energy_names), 6, 3)
+    rows = [wp.zeros((n, count), dtype=real, device=wp_device) for n in row_counts]
     wp.launch(
-        unit_cell_response_kernel(real),
+        unit_cell_response_kernel(real, law),
         dim=count,
         inputs=[
-            wp.array(structs, dtype=unit_cell_struct(real), device=wp_device),
-            wp.array(stretch.T.copy(), dtype=real, device=wp_device),
+            wp.array(
+                [cell.device_parameters(precision) for cell in cells], dtype=law.parameters(real), device=wp_device
+            ),
+            wp.array(strain.T.copy(), dtype=real, device=wp_device),
             wp.array(first_guess.T.copy(), dtype=real, device=wp_device),
             increment_count,
         ],
         outputs=rows,
         device=wp_device,
     )
-    height_change, force, energy, tangent, convergence = (row.numpy().astype(np.float64).T for row in rows)
-    spacing = 2.0 * np.array([[cell.weft_half_spacing, cell.warp_half_spacing] for cell in cells])
+    unknowns, force, energy, tangent, convergence = (row.numpy().astype(np.float64).T for row in rows)
     return UnitCellResponse(
-        height_change=height_change,
-        force=force[:, :2],
-        force_per_width=force[:, :2] / spacing,
-        crossover_force=2.0 * force[:, 2],
+        unknowns=unknowns[:, : law.unknown_count],
+        force_per_width=force[:, :2],
+        moment=force[:, 2],
+        crossover_force=force[:, 3] * np.array([cell.crossover_area for cell in cells]),
         energy=energy,
-        tangent=tangent,
+        energy_names=law.energy_names,
+        tangent=tangent[:, [[0, 1, 3], [1, 2, 4], [3, 4, 5]]],
         residual=convergence[:, 0],
         iterations=convergence[:, 1],
+        snap_loss=convergence[:, 2],
     )

@@ -92,7 +92,7 @@ def test_bad_fabrics_are_refused_by_name(changes, message):
         (lambda: Stabilisation(in_plane=-0.1), "in_plane = -0.1"),
         (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(0.0,)), "2 angles and 1 moments"),
         (lambda: MomentCurve(angle=(0.1, 0.5), moment_values=(0.0, 1.0)), "start at 0"),
-        (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(1.0, 2.0)), "moment 0"),
+        (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(1.0, 2.0)), "moments must start at 0"),
         (lambda: MomentCurve(angle=(0.0, 0.5, 0.4), moment_values=(0.0, 1.0, 2.0)), "increase"),
         (lambda: MomentCurve(angle=(0.0, 1.7), moment_values=(0.0, 1.0)), "below pi/2"),
         (lambda: MomentCurve(angle=(0.0, math.nan), moment_values=(0.0, 1.0)), "finite"),

@@ -8,9 +8,43 @@ import scipy.optimize
 
 from weavesim.errors import InputError
 from weavesim.fabric import UnitCell, glass_polypropylene
-from weavesim.unit_cell import respond
+from weavesim.unit_cell import UnitCellResponse, respond
 
 INCREMENT_COUNT = 50
+
+
+@dataclass(frozen=True)
+class HalfCell:
+    """The response in the quantities of the half cell: forces [N], energies [J], K = dF/du [N/m]."""
+
+    response: UnitCellResponse
+    height_change: np.ndarray
+    force: np.ndarray
+    force_per_width: np.ndarray
+    crossover_force: np.ndarray
+    energy: np.ndarray
+    tangent: np.ndarray
+    residual: np.ndarray
+
+
+def half_cell(cells, stretch, **options) -> HalfCell:
+    """``respond`` for plain weaves: F_1 = 2 L_2 n_1, Pi = 2 L_1 L_2 psi, K_kl = dF_k/du_l."""
+    response = respond(cells, stretch, **options)
+    spacing = np.array([cell.half_spacing for cell in ([cells] if isinstance(cells, UnitCell) else cells)])
+    across = 2.0 * spacing[:, ::-1]
+    stiffness = response.tangent[:, :2, :2] * across[:, :, None] / spacing[:, None, :]
+    assert np.all(response.moment == 0.0)
+    assert np.all(response.tangent[:, 2] == 0.0)
+    return HalfCell(
+        response=response,
+        height_change=response.unknowns,
+        force=response.force_per_width * across,
+        force_per_width=response.force_per_width,
+        crossover_force=response.crossover_force,
+        energy=response.energy * (2.0 * spacing.prod(axis=1))[:, None],
+        tangent=stiffness[:, [0, 0, 1], [0, 1, 1]],
+        residual=response.residual,
+    )
 
 
 def random_cell(rng: np.random.Generator, **given) -> UnitCell:
@@ -154,7 +188,7 @@ def many():
     return (
         cells,
         stretch,
-        respond(cells, stretch, increment_count=INCREMENT_COUNT),
+        half_cell(cells, stretch, increment_count=INCREMENT_COUNT),
         reference,
         reference.follow(stretch),
     )
@@ -216,7 +250,7 @@ def test_second_start_finds_the_same_point(many):
     cells, stretch, response, reference, _ = many
     size = np.hypot(reference.spacing, reference.height)
     start = np.random.default_rng(3).uniform(-0.3, 0.3, (len(cells), 2)) * size
-    again = respond(cells, stretch, increment_count=1, start=start)
+    again = half_cell(cells, stretch, increment_count=1, start=start)
     assert relative_difference(again.height_change / size + 1.0, response.height_change / size + 1.0).max() < 1e-6
     assert relative_difference(again.force, response.force).max() < 1e-6
 
@@ -225,14 +259,14 @@ def test_condensed_tangent_is_the_derivative_of_the_forces():
     rng = np.random.default_rng(11)
     cells = [random_cell(rng) for _ in range(300)]
     stretch = rng.uniform(0.7, 1.2, (300, 2))
-    centre = respond(cells, stretch)
+    centre = half_cell(cells, stretch)
     small = 1e-6
     numerical = np.empty((300, 2, 2))
     for column in range(2):
         change = np.zeros(2)
         change[column] = small
         ends = [
-            respond(cells, stretch + sign * change, increment_count=1, start=centre.height_change).force
+            half_cell(cells, stretch + sign * change, increment_count=1, start=centre.height_change).force
             for sign in (1.0, -1.0)
         ]
         spacing = Reference.of(cells).spacing[:, column]
@@ -247,8 +281,8 @@ def test_swapping_warp_and_weft_swaps_the_answer():
     rng = np.random.default_rng(5)
     cells = [random_cell(rng) for _ in range(200)]
     stretch = rng.uniform(0.5, 1.3, (200, 2))
-    response = respond(cells, stretch)
-    mirrored = respond([swapped(cell) for cell in cells], stretch[:, ::-1])
+    response = half_cell(cells, stretch)
+    mirrored = half_cell([swapped(cell) for cell in cells], stretch[:, ::-1])
     assert relative_difference(mirrored.force[:, ::-1], response.force).max() < 1e-8
     assert relative_difference(mirrored.energy[:, [1, 0, 2, 3]], response.energy).max() < 1e-8
     assert np.allclose(
@@ -270,7 +304,7 @@ def test_sawtooth_with_equal_yarns_and_equal_stretch():
         contact_stiffness_value=1e12,
     )  # fmt: skip
     stretch = np.array([1.001, 1.01, 1.05, 1.2])
-    response = respond(cell, np.column_stack([stretch, stretch]))
+    response = half_cell(cell, np.column_stack([stretch, stretch]))
     l0, length = np.hypot(2e-3, 0.5e-3), np.hypot(stretch * 2e-3, 0.5e-3)
     tension = 1e9 * 1e-6 * (length / l0 - 1.0)
     force = tension * stretch * 2e-3 / length
@@ -307,19 +341,19 @@ def test_sawtooth_with_unequal_yarns():
         for k in range(2):
             h, x = height(k, press), cell.half_spacing[k] * stretch[k]
             expected.append(press * x / h)
-        response = respond(cell, stretch)
+        response = half_cell(cell, stretch)
         assert np.allclose(response.force[0], expected, rtol=1e-6)
         assert response.crossover_force[0] == pytest.approx(2.0 * press, rel=1e-6)
 
 
 def test_vanishing_bending_stiffness_approaches_the_sawtooth():
     stretch = np.array([[1.02, 1.03], [1.1, 1.01]])
-    limit = respond(sawtooth_cell(), stretch).force
+    limit = half_cell(sawtooth_cell(), stretch).force
     errors = []
     for share in (1e-4, 1e-5, 1e-6):
         second_moment = share * sawtooth_cell().warp_cross_section ** 2 / 12.0
         cell = sawtooth_cell(warp_second_moment=second_moment, weft_second_moment=second_moment)
-        errors.append(relative_difference(respond(cell, stretch).force, limit).max())
+        errors.append(relative_difference(half_cell(cell, stretch).force, limit).max())
     assert errors[0] > 5.0 * errors[1] > 25.0 * errors[2] > 0.0
     assert errors[2] < 1e-4
 
@@ -327,7 +361,7 @@ def test_vanishing_bending_stiffness_approaches_the_sawtooth():
 def test_yarns_without_crimp_are_two_straight_bars():
     cell = sawtooth_cell(warp_second_moment=1e-16, crossover_height=0.0, contact_stiffness_value=1e5)
     stretch = np.array([[1.05, 0.9], [1.2, 1.3], [0.5, 1.1], [0.6, 0.7]])
-    response = respond(cell, stretch)
+    response = half_cell(cell, stretch)
     stiffness = np.where(stretch > 1.0, cell.axial_stiffness, cell.compressive_stiffness)
     assert np.allclose(response.force, stiffness * (stretch - 1.0), rtol=1e-9, atol=1e-12)
     assert np.abs(response.height_change).max() < 1e-15
@@ -338,7 +372,7 @@ def test_yarns_without_crimp_are_two_straight_bars():
 def test_linear_membrane_of_straight_yarns():
     cell = UnitCell.straight(stiffness_per_width=2.0e4, spacing=0.004)
     stretch = np.array([[1.02, 0.97], [0.8, 1.1]])
-    assert np.allclose(respond(cell, stretch).force_per_width, 2.0e4 * (stretch - 1.0), rtol=1e-9)
+    assert np.allclose(half_cell(cell, stretch).force_per_width, 2.0e4 * (stretch - 1.0), rtol=1e-9)
 
 
 def test_slack_weft_leaves_a_yarn_that_only_bends():
@@ -346,7 +380,7 @@ def test_slack_weft_leaves_a_yarn_that_only_bends():
     common = {"contact_stiffness_value": 1e13, "warp_second_moment": 0.0, "weft_compressive_stiffness": 0.0}
     cell = sawtooth_cell(**common, weft_second_moment=1e-16, crossover_height=4e-4, warp_half_spacing=2e-3,
                          weft_half_spacing=2e-3, weft_modulus=1e9, weft_cross_section=1e-16)  # fmt: skip
-    response = respond(cell, [1.01, 1.0])
+    response = half_cell(cell, [1.01, 1.0])
     w = response.height_change[0, 1]
     assert w > 0.0
     h = cell.crimp_height[1] + w
@@ -366,15 +400,15 @@ def test_unilateral_contact_lets_yarns_separate():
     unilateral = UnitCell(**(cell.model_dump() | compressive))
     bilateral = UnitCell(**(unilateral.model_dump() | {"contact": "bilateral"}))
     pulled = [[1.05, 1.03]]
-    assert np.allclose(respond(unilateral, pulled).force, respond(bilateral, pulled).force, rtol=1e-12)
+    assert np.allclose(half_cell(unilateral, pulled).force, half_cell(bilateral, pulled).force, rtol=1e-12)
     pushed = [[0.9, 0.85]]
-    apart, tied = respond(unilateral, pushed), respond(bilateral, pushed)
+    apart, tied = half_cell(unilateral, pushed), half_cell(bilateral, pushed)
     assert apart.crossover_force[0] == 0.0
     assert apart.energy[0, 3] == 0.0
     assert apart.height_change[0].sum() > 0.0
     assert tied.crossover_force[0] < 0.0
     # separated yarns do not know of each other
-    alone = respond(unilateral, [[0.9, 0.8]])
+    alone = half_cell(unilateral, [[0.9, 0.8]])
     assert alone.force[0, 0] == pytest.approx(apart.force[0, 0], rel=1e-9)
     assert apart.tangent[0, 1] == 0.0
     assert abs(tied.tangent[0, 1]) > 0.0
@@ -385,7 +419,7 @@ def test_single_precision_converges_for_the_preset(contact):
     cell = UnitCell(**(glass_polypropylene().unit_cell.model_dump() | {"contact": contact}))
     warp, weft = np.meshgrid(np.linspace(0.5, 1.3, 33), np.linspace(0.5, 1.3, 33))
     stretch = np.column_stack([warp.ravel(), weft.ravel()])
-    single, double = respond(cell, stretch, precision="float32"), respond(cell, stretch)
+    single, double = half_cell(cell, stretch, precision="float32"), half_cell(cell, stretch)
     for name in ("force", "energy", "tangent", "height_change"):
         assert np.all(np.isfinite(getattr(single, name))), name
     assert single.residual.max() < 1e-4

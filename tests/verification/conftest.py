@@ -51,7 +51,8 @@ class Sheet:
         motion[4] += motion[0] - held[0]
         self.simulation.state.motion.assign(motion.astype(self.simulation.precision.numpy))
         if fresh:
-            self.simulation.state.crimp_change.zero_()
+            self.simulation.state.cell_unknowns.zero_()
+            self.simulation.state.slip.zero_()
         # a run takes the nodes' mean shear angles from the step before; here they belong to these positions
         self.simulation.stepper.evaluate()
         angle = self._corners()[2, 0, 0]

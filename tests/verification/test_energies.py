@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from weavesim.bending import BendingCurve
 from weavesim.blank import Blank
 from weavesim.fabric import (
     IsotropicBending,
@@ -14,12 +15,16 @@ from weavesim.fabric import (
     YarnBending,
     glass_polypropylene,
 )
-from weavesim.ledger import INTERNAL
+from weavesim.shear import ShearFriction
 
 CELL = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")
 CURVE = MomentCurve(angle=(0.0, 0.2, 0.5, 1.0), moment_values=(0.0, 3.0, 5.0, 20.0))
 # from two degrees on, with its full slope reached inside the range of the test
 LOCKING = CURVE.model_copy(update={"locking_angle": 0.035, "locking_width": 0.05, "locking_stiffness": 90.0})
+
+# softens within the curvatures of the test
+SOFTENING = BendingCurve(curvature=(0.0, 5.0, 15.0, 40.0), moment_values=(0.0, 0.04, 0.07, 0.1))
+HELD = SOFTENING.model_copy(update={"friction_limit": 1e6, "friction_stiffness": 2e-3})
 
 # What is added to a fabric that is a membrane only, and the entry of the ledger that must explain the change of forces.
 TERMS = {
@@ -30,6 +35,12 @@ TERMS = {
     "in-plane bending": ({"in_plane_bending_stiffness": 5.0e-3}, "in_plane_bending"),
     "isotropic bending": ({"bending": IsotropicBending(modulus=2.0e7, poisson_ratio=0.3)}, "bending"),
     "yarn bending": ({"bending": YarnBending(warp=3e-3, weft=1e-3, twist=5e-4)}, "bending"),
+    "bending curves": ({"bending": YarnBending(warp=SOFTENING, weft=2e-3, twist=5e-4)}, "bending"),
+    "bending friction that holds": (
+        {"bending": YarnBending(warp=HELD, weft=HELD.model_copy(update={"friction_stiffness": 4e-3}), twist=0.0)},
+        "bending",
+    ),
+    "shear friction that holds": ({"shear_friction": ShearFriction(stiffness=60.0, limit=(1e6,))}, "shear"),
     "coupled yarn bending": ({"bending": YarnBending(warp=3e-3, weft=1e-3, twist=5e-4, coupling=1e-3)}, "bending"),
     "transverse shear": ({"transverse_shear_modulus": 1.0e5}, "transverse_shear"),
     "in-plane hourglass": (
@@ -151,9 +162,11 @@ def test_internal_forces_have_no_resultant_and_no_moment(sheet, curved_blank, de
 
 
 def test_internal_energy_is_the_sum_of_its_entries(sheet, curved_blank, deformed):
-    energies = sheet(curved_blank, glass_polypropylene()).energies(*deformed)
-    assert energies["internal"] == pytest.approx(sum(energies[name] for name in INTERNAL), rel=1e-12)
-    assert min(energies[name] for name in INTERNAL) >= 0.0
+    shell = sheet(curved_blank, glass_polypropylene())
+    energies, names = shell.energies(*deformed), shell.simulation.ledger.internal
+    assert set(CELL) < set(names)
+    assert energies["internal"] == pytest.approx(sum(energies[name] for name in names), rel=1e-12)
+    assert min(energies[name] for name in names) >= 0.0
 
 
 def test_uniform_stretch_and_shear_have_their_closed_form(sheet, fabric):

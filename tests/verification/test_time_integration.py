@@ -110,7 +110,7 @@ def falling_sheet(**given) -> Simulation:
 
 def snapshot(simulation: Simulation) -> dict[str, np.ndarray]:
     state = simulation.state
-    names = ("motion", "crimp_change", "corner_force", "node_report", "friction", "reaction", "clock", "cell_report")
+    names = ("motion", "cell_unknowns", "corner_force", "node_report", "friction", "reaction", "clock", "cell_report")
     return {name: getattr(state, name).numpy().copy() for name in names}
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import warp as wp
 
+from .cell import CellLaw
 from .lanes import (
     angle_of,
     div,
@@ -29,6 +30,9 @@ from .lanes import (
 )
 
 MAXIMUM_ITERATIONS = 40
+# A height change in one step beyond this share of the crimp heights is a snap: the energy that it frees is booked.
+SNAP_SHARE = wp.constant(0.05)
+ENERGY_NAMES = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")
 
 
 @cache
@@ -248,3 +252,103 @@ def condensed_tangent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, in_tension:
     k22 = uu2 - uw2 * uw2 * (ww1 + stiffness) / determinant
     k12 = uw1 * uw2 * stiffness / determinant
     return k11, k12, k22
+
+
+# --- the contract of kernels/cell.py ----------------------------------------------------------------------------------
+
+
+@wp.func
+def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any):
+    u1 = cell.half_spacing[0] * strain1
+    u2 = cell.half_spacing[1] * strain2
+    w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start[0], start[1])
+    two = u1.dtype(2.0)
+    return (
+        wp.matrix_from_rows(w1, w2),
+        force1 / spread(u1, two * cell.half_spacing[1]),
+        force2 / spread(u1, two * cell.half_spacing[0]),
+        fill(u1, 0.0),
+        crossover / spread(u1, two * cell.half_spacing[0] * cell.half_spacing[1]),
+        residual,
+        iterations,
+    )
+
+
+@wp.func
+def energies(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: Any):
+    warp, weft, bending, contact = unit_cell_energies(
+        cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, q[0], q[1]
+    )
+    cells = area / spread(area, area.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
+    return wp.matrix_from_rows(cells * warp, cells * weft, cells * bending, cells * contact)
+
+
+@wp.func
+def per_width(cell: Any, k11: Any, k12: Any, k22: Any):
+    """C11, C12, C22 of dn = C dlambda from dF = K du, and what depends on the shear angle: nothing [N/m]."""
+    half = k11.dtype(0.5)
+    l1 = cell.half_spacing[0]
+    l2 = cell.half_spacing[1]
+    zero = fill(k11, 0.0)
+    return (half * l1 / l2) * k11, half * k12, (half * l2 / l1) * k22, zero, zero, zero
+
+
+@wp.func
+def tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any):
+    k11, k12, k22 = condensed_tangent(
+        cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, q[0], q[1], False
+    )
+    return per_width(cell, k11, k12, k22)
+
+
+@wp.func
+def stable_tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int):
+    solution, n1, n2, m, pressure, residual, iterations = solve(cell, strain1, strain2, angle, q)
+    k11, k12, k22 = condensed_tangent(
+        cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, solution[0], solution[1], True
+    )
+    c11, c12, c22, c13, c23, c33 = per_width(cell, k11, k12, k22)
+    return c11, c12, c22, c13, c23, c33, n1, n2, m, pressure
+
+
+@wp.func
+def snap_loss(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: Any):
+    loss = fill(strain1, 0.0)
+    change1 = q[0] - start[0]
+    change2 = q[1] - start[1]
+    jump = larger(magnitude(change1), magnitude(change2))
+    least = strain1.dtype(SNAP_SHARE) * (cell.crimp_height[0] + cell.crimp_height[1])
+    if lane_maximum(jump) > least:
+        u1 = cell.half_spacing[0] * strain1
+        u2 = cell.half_spacing[1] * strain2
+        warp_before, weft_before, bending_before, contact_before = unit_cell_energies(cell, u1, u2, start[0], start[1])
+        warp_after, weft_after, bending_after, contact_after = unit_cell_energies(cell, u1, u2, q[0], q[1])
+        freed = (
+            (warp_before - warp_after)
+            + (weft_before - weft_after)
+            + (bending_before - bending_after)
+            + (contact_before - contact_after)
+        )
+        snapped = jump - spread(jump, least)
+        # a fast but steady change frees 1/2 dw.H dw, half of what the gradient at its start promises, and the
+        # work of the forces contains that; a snap starts near an equilibrium and frees far more
+        promised = unit_cell_descent(cell, u1, u2, start[0], start[1], change1, change2)
+        snapped = where_positive(snapped, freed - promised, snapped)
+        density = freed / spread(freed, freed.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
+        loss = where_positive(snapped, density, loss)
+    return loss
+
+
+PLAIN_WEAVE = CellLaw(
+    name="plain weave",
+    parameters=unit_cell_struct,
+    unknown_count=2,
+    energy_names=ENERGY_NAMES,
+    depends_on_shear=False,
+    stable_state_count=1,
+    solve=solve,
+    energies=energies,
+    tangent=tangent,
+    stable_tangent=stable_tangent,
+    snap_loss=snap_loss,
+)

@@ -1,0 +1,84 @@
+"""Curves given as even tables of cubic pieces, and the spring-slider that gives a curve its hysteresis (theory, 3)."""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from .lanes import div, fill, larger, magnitude, mul, spread, where_positive
+
+
+@cache
+def curve_struct(real: type):
+    """A function of a size x >= 0, as cubic pieces between even knots; the last piece goes on for ever."""
+
+    @wp.struct
+    class Curve:
+        knot_spacing: real
+        coefficient: wp.array(dtype=wp.types.vector(4, real))  # c0 + c1 x + c2 x^2 + c3 x^3 from each knot on
+        integral: wp.array(dtype=real)  # of the function, up to each knot
+
+    return Curve
+
+
+@wp.func
+def curve_piece(curve: Any, value: Any):
+    """Piece of the curve that holds one size, and how far into it that lies."""
+    size = wp.abs(value)
+    # clamped from below too: a NaN becomes the most negative integer
+    piece = wp.clamp(int(size / curve.knot_spacing), 0, curve.coefficient.shape[0] - 1)
+    return piece, size - type(value)(piece) * curve.knot_spacing
+
+
+@wp.func
+def curve_size(curve: Any, x: Any):
+    """The curve at |x|: an even function."""
+    result = type(x)()
+    for i in range(len(x)):
+        piece, s = curve_piece(curve, x[i])
+        c = curve.coefficient[piece]
+        result[i] = c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+    return result
+
+
+@wp.func
+def odd_curve(curve: Any, x: Any):
+    """The curve with the sign of x, and its derivative."""
+    result = type(x)()
+    tangent = type(x)()
+    for i in range(len(x)):
+        piece, s = curve_piece(curve, x[i])
+        c = curve.coefficient[piece]
+        value = c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+        result[i] = wp.where(x[i] < x.dtype(0.0), -value, value)
+        tangent[i] = c[1] + s * (x.dtype(2.0) * c[2] + x.dtype(3.0) * s * c[3])
+    return result, tangent
+
+
+@wp.func
+def curve_energy(curve: Any, x: Any):
+    """Integral of the odd curve from 0 to x."""
+    energy = type(x)()
+    for i in range(len(x)):
+        piece, s = curve_piece(curve, x[i])
+        c = curve.coefficient[piece]
+        energy[i] = curve.integral[piece] + s * (
+            c[0] + s * (c[1] / x.dtype(2.0) + s * (c[2] / x.dtype(3.0) + s * c[3] / x.dtype(4.0)))
+        )
+    return energy
+
+
+@wp.func
+def slide(strain: Any, slip: Any, stiffness: Any, limit: Any, resolution: Any):
+    """Spring and slider in series: the force k (strain - slip) keeps within its limit, because the slip follows.
+
+    Rounding of the difference (``resolution``, relative) is no slip: the same strain twice gives the same bits.
+    Returns the force, the new slip, and the work lost in slipping.
+    """
+    spring = strain - slip
+    free = limit / spread(strain, stiffness)
+    excess = magnitude(spring) - free - resolution * (magnitude(strain) + magnitude(slip) + free)
+    held = where_positive(spring, free, -free)
+    new_slip = where_positive(excess, strain - held, slip)
+    force = stiffness * (strain - new_slip)
+    return force, new_slip, force * (new_slip - slip)

@@ -1,0 +1,414 @@
+"""What every unit cell must do: a new one is tested by being added to ``CELLS``.
+
+A cell stands here beside its energy written once more, in NumPy, from the theory: that alone is what the kernels'
+forces, tangents, unknowns and equilibria are compared with.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.optimize
+import warp as wp
+from scipy.spatial.transform import Rotation
+from warp import float64 as real
+
+from weavesim.blank import Blank
+from weavesim.cells import Cell, EnergyCell, FloatWeave
+from weavesim.errors import InputError
+from weavesim.fabric import UNIT_CELLS, Positive, glass_polypropylene
+from weavesim.simulation import Simulation
+from weavesim.stepper import STEP_SAFETY
+from weavesim.unit_cell import respond
+
+# --- the cells and their energies -------------------------------------------------------------------------------------
+
+
+@wp.func
+def net_energy(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
+    """Threads along both yarns with a bound knot each, one knotted to the angle."""
+    warp = warp_stretch - real(1.0) - q[0]
+    weft = weft_stretch - real(1.0) - q[1]
+    return (
+        real(0.5) * p.thread * (warp * warp + weft * weft)
+        + real(0.5) * p.knot * (q[0] * q[0] + q[1] * q[1] + q[0] * q[1] + real(3.0) * q[0] * q[0] * q[0] * q[0])
+        + p.turning * (real(1.0) - wp.cos(shear_angle - q[1]))
+    )
+
+
+class KnottedNet(EnergyCell):
+    """A cell as a user would add it: everything depends on everything."""
+
+    unknown_count = 2
+    energy = net_energy
+
+    thread: Positive = 1.0e5
+    knot: Positive = 4.0e4
+    turning: Positive = 2.0e3
+
+    @property
+    def yarn_stiffness_per_width(self) -> tuple[float, float]:
+        return self.thread, self.thread
+
+    @property
+    def shear_stiffness(self) -> float:
+        return self.turning
+
+
+def net_reference(cell: KnottedNet, stretch, angle, q) -> float:
+    threads = 0.5 * cell.thread * ((stretch[0] - 1 - q[0]) ** 2 + (stretch[1] - 1 - q[1]) ** 2)
+    knots = 0.5 * cell.knot * (q[0] ** 2 + q[1] ** 2 + q[0] * q[1] + 3 * q[0] ** 4)
+    return threads + knots + cell.turning * (1 - math.cos(angle - q[1]))
+
+
+def crossed_yarns_reference(cell, stretch, angle, q) -> float:
+    """Plain weave (q is w_1, w_2 [m]) and weaves with floats (w over a scale, strains of the floats)."""
+    repeat = getattr(cell, "repeat", 2)
+    heights = np.array(q[:2]) * (cell.parameters()["height_scale"] if isinstance(cell, FloatWeave) else 1.0)
+    strains = q[2:] if isinstance(cell, FloatWeave) else (0.0, 0.0)
+    energy = 0.0
+    for k in range(2):
+        spacing, height = cell.half_spacing[k], cell.crimp_height[k]
+        float_length = (repeat / 2 - 1) * spacing
+        x = stretch[k] * repeat / 2 * spacing - (1 + strains[k]) * float_length
+        h = height + heights[k]
+        l0 = math.hypot(spacing, height)
+
+        def bar(elongation, length, k=k):
+            stiffness = cell.axial_stiffness[k] if elongation > 0 else cell.compressive_stiffness[k]
+            return 0.5 * stiffness / length * elongation**2 if length else 0.0
+
+        rotation = math.atan2(h, x) - math.atan2(height, spacing)
+        energy += bar(math.hypot(x, h) - l0, l0) + bar(strains[k] * float_length, float_length)
+        energy += 1.5 * cell.bending_stiffness[k] / l0 * rotation**2
+    opening = heights.sum()
+    if not (cell.contact == "unilateral" and opening > 0):
+        energy += 0.5 * cell.contact_stiffness * opening**2
+    return energy / (repeat * cell.warp_half_spacing * cell.weft_half_spacing)
+
+
+def tape_reference(cell, stretch, angle, q) -> float:
+    corner = np.array([cell.stitch_pitch, cell.tow_spacing])
+    # yarns of a sheared sheet: the weft leans by the angle
+    weft = np.array([math.sin(angle), math.cos(angle)])
+    energy = 0.0
+    for k, sign in enumerate((1.0, -1.0)):
+        leg = np.array([corner[0] * stretch[0], 0.0]) + sign * corner[1] * stretch[1] * weft
+        strain = np.linalg.norm(leg) / np.linalg.norm(corner) - 1 - cell.stitch_slack - (q[0] if k == 0 else -q[0])
+        energy += 0.5 * cell.stitch_stiffness * max(strain, 0.0) ** 2
+    energy += 0.5 * cell.slip_stiffness * q[0] ** 2
+    for strain, pull, push in (
+        (stretch[0] - 1, cell.tow_stiffness, cell.tow_compressive_stiffness),
+        (stretch[1] - 1, cell.transverse_stiffness, cell.transverse_compressive_stiffness),
+    ):
+        energy += 0.5 * (pull if strain > 0 else push) * strain**2
+    return energy
+
+
+def membrane_reference(cell, stretch, angle, q) -> float:
+    stiffness = np.array(
+        [[cell.warp_stiffness, cell.coupling_stiffness], [cell.coupling_stiffness, cell.weft_stiffness]]
+    )
+    strain = np.asarray(stretch) - 1
+    return 0.5 * strain @ stiffness @ strain
+
+
+@dataclass(frozen=True)
+class Registered:
+    """A cell, its energy in NumPy, and how large its unknowns are: one is large for all but the plain weave's."""
+
+    make: Callable[[], Cell]
+    reference: Callable[..., float]
+    unknown_scale: float = 1.0
+
+
+CELLS = {
+    "plain-weave": Registered(UNIT_CELLS["plain-weave"], crossed_yarns_reference, 6e-4),
+    "plain-weave-unilateral": Registered(UNIT_CELLS["plain-weave-unilateral"], crossed_yarns_reference, 6e-4),
+    "plain weave as floats of no length": Registered(
+        lambda: FloatWeave(**UNIT_CELLS["plain-weave"]().model_dump(), repeat=2), crossed_yarns_reference
+    ),
+    "twill": Registered(UNIT_CELLS["twill"], crossed_yarns_reference),
+    "satin-5": Registered(UNIT_CELLS["satin-5"], crossed_yarns_reference),
+    "satin-8": Registered(UNIT_CELLS["satin-8"], crossed_yarns_reference),
+    "stitched-tape": Registered(UNIT_CELLS["stitched-tape"], tape_reference),
+    "linear-membrane": Registered(UNIT_CELLS["linear-membrane"], membrane_reference),
+    "user's net": Registered(KnottedNet, net_reference),
+}
+# One of each law: the others share the kernels.
+SHELL_CELLS = ("plain-weave", "twill", "stitched-tape", "linear-membrane", "user's net")
+
+
+def test_every_built_in_cell_is_tested():
+    assert set(UNIT_CELLS) <= set(CELLS)
+
+
+@pytest.fixture(params=CELLS)
+def registered(request) -> Registered:
+    return CELLS[request.param]
+
+
+def random_strains(count: int, seed: int = 1, low: float = 0.85, high: float = 1.08) -> tuple[np.ndarray, np.ndarray]:
+    """Stretches (n, 2) and angles (n,) up to 50 degrees."""
+    rng = np.random.default_rng(seed)
+    return rng.uniform(low, high, (count, 2)), rng.uniform(-0.9, 0.9, count)
+
+
+def forces(response) -> np.ndarray:
+    """n_1, n_2, m, (n, 3) [N/m]."""
+    return np.column_stack([response.force_per_width, response.moment])
+
+
+def again(cell, response, stretch, angle):
+    """The response next to one that is known."""
+    return respond(cell, stretch, angle, increment_count=1, start=response.unknowns)
+
+
+def differences(cell, response, stretch, angle, change, quantity) -> np.ndarray:
+    """Central differences of a quantity by the stretches and the angle, (n, ..., 3)."""
+    columns = []
+    for k in range(3):
+        ends = []
+        for sign in (change, -change):
+            moved = np.column_stack([stretch, angle])
+            moved[:, k] += sign
+            ends.append(quantity(again(cell, response, moved[:, :2], moved[:, 2])))
+        columns.append((ends[0] - ends[1]) / (2 * change))
+    return np.stack(columns, axis=-1)
+
+
+def size_of(cell: Cell) -> float:
+    """A force that is small in any state but the ones near rest [N/m]."""
+    return 1e-6 * max(cell.yarn_stiffness_per_width)
+
+
+# --- the cell alone ---------------------------------------------------------------------------------------------------
+
+
+def test_rest_is_free_of_force(registered):
+    response = respond(registered.make(), [1.0, 1.0])
+    assert np.abs(forces(response)).max() == 0.0
+    assert response.crossover_force[0] == 0.0
+    assert np.abs(response.energy).max() == 0.0
+
+
+def test_energy_is_the_reference_energy_at_its_minimum(registered):
+    """SciPy minimises the NumPy energy along the same path."""
+    cell = registered.make()
+    stretch, angle = random_strains(6)
+    response = respond(cell, stretch, angle, increment_count=20)
+    unit = max(cell.yarn_stiffness_per_width) * 1e-2
+    for i in range(len(stretch)):
+        q = np.array(cell.initial_unknowns)
+        for share in np.linspace(0.05, 1.0, 20) if len(q) else ():
+            s, a = 1 + share * (stretch[i] - 1), share * angle[i]
+            found = scipy.optimize.minimize(
+                lambda x, s=s, a=a: registered.reference(cell, s, a, x * registered.unknown_scale) / unit,
+                q / registered.unknown_scale, method="Nelder-Mead" if share < 1 else "Powell",
+                options={"xatol": 1e-9, "fatol": 1e-14, "maxiter": 4000} if share < 1 else
+                {"xtol": 1e-11, "ftol": 1e-15, "maxiter": 4000},
+            )  # fmt: skip
+            q = found.x * registered.unknown_scale
+        least = registered.reference(cell, stretch[i], angle[i], q)
+        there = registered.reference(cell, stretch[i], angle[i], response.unknowns[i])
+        assert response.energy[i].sum() == pytest.approx(there, rel=1e-9, abs=1e-9 * unit)
+        assert there <= least * (1 + 1e-7) + 1e-9 * unit
+        assert least <= there * (1 + 1e-4) + 1e-6 * unit
+
+
+def test_forces_are_the_derivative_of_the_energy(registered):
+    cell = registered.make()
+    stretch, angle = random_strains(200)
+    response = respond(cell, stretch, angle)
+    change = 1e-6
+    numerical = differences(cell, response, stretch, angle, change, lambda r: r.energy.sum(axis=1))
+    # the difference quotient's own rounding
+    rounding = 1e-15 * response.energy.sum(axis=1) / change
+    error = np.abs(forces(response) - numerical).max(axis=1) - 10 * rounding
+    assert (error / (np.abs(numerical).max(axis=1) + size_of(cell))).max() < 2e-6
+
+
+def test_tangent_is_the_derivative_of_the_forces(registered):
+    cell = registered.make()
+    stretch, angle = random_strains(200)
+    response = respond(cell, stretch, angle)
+    numerical = differences(cell, response, stretch, angle, 1e-6, forces)
+    scale = np.abs(numerical).max(axis=(1, 2)) + size_of(cell)
+    error = np.abs(response.tangent - numerical).max(axis=(1, 2)) / scale
+    # within the difference of a member that becomes taut, the derivative jumps
+    assert np.quantile(error, 0.97) < 1e-5
+    assert np.abs(response.tangent - response.tangent.transpose(0, 2, 1)).max() == 0.0
+
+
+def test_equilibrium_is_reached(registered):
+    """The residual that is reported, and the slope of the NumPy energy by every unknown."""
+    cell = registered.make()
+    stretch, angle = random_strains(40)
+    response = respond(cell, stretch, angle)
+    assert response.residual.max() < 1e-9
+    change, scale = 1e-6, registered.unknown_scale
+    for i in range(len(stretch)):
+        size = np.abs(forces(response)[i]).max() + 1e-3 * max(cell.yarn_stiffness_per_width)
+        for k in range(response.unknowns.shape[1]):
+            ends = []
+            for sign in (change, -change):
+                q = response.unknowns[i].copy()
+                q[k] += sign * scale
+                ends.append(registered.reference(cell, stretch[i], angle[i], q))
+            assert abs(ends[0] - ends[1]) / (2 * change) < 1e-5 * size
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_finite_for_every_strain(registered, precision):
+    cell = registered.make()
+    axis = np.linspace(0.5, 1.3, 9)
+    grid = np.stack(np.meshgrid(axis, axis, np.radians([-60, -25, 0, 25, 60])), axis=-1).reshape(-1, 3)
+    response = respond(cell, grid[:, :2], grid[:, 2], precision=precision)
+    for name in ("unknowns", "force_per_width", "moment", "energy", "tangent", "crossover_force"):
+        assert np.isfinite(getattr(response, name)).all(), name
+    assert response.residual.max() < 1e-3
+    assert (response.energy >= 0.0).all()
+
+
+def test_precisions_agree(registered):
+    cell = registered.make()
+    stretch, angle = random_strains(200)
+    single, double = respond(cell, stretch, angle, precision="float32"), respond(cell, stretch, angle)
+    # a stretch of one is rounded to 6e-8
+    floor = 1e-3 * max(cell.yarn_stiffness_per_width)
+    assert (
+        np.abs(forces(single) - forces(double)).max(axis=1) / (np.abs(forces(double)).max(axis=1) + floor)
+    ).max() < 1e-3
+
+
+def test_path_is_reversible(registered):
+    """A closed path does no work and ends at rest: the built-in cells have one equilibrium."""
+    cell = registered.make()
+    corners = np.array([[1.0, 1.0, 0.0], [0.9, 1.03, 0.4], [1.04, 0.92, 0.7], [1.02, 1.02, -0.5], [1.0, 1.0, 0.0]])
+    path = np.concatenate([np.linspace(a, b, 61)[1:] for a, b in zip(corners[:-1], corners[1:], strict=True)])
+    q, before, work, positive, lost = np.array([cell.initial_unknowns]), np.zeros(3), 0.0, 0.0, 0.0
+    position = corners[0]
+    for point in path:
+        response = respond(cell, point[:2], point[2], increment_count=1, start=q)
+        here = forces(response)[0]
+        step = 0.5 * (before + here) @ (point - position)
+        work, positive, lost = work + step, positive + max(step, 0.0), lost + response.snap_loss[0]
+        q, before, position = response.unknowns, here, point
+    assert np.abs(before).max() < 1e-6 * size_of(cell) * 1e6 * 1e-3
+    assert lost == 0.0
+    assert abs(work) < 2e-3 * positive
+
+
+# --- the cell in the shell --------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(params=SHELL_CELLS)
+def shell_cell(request) -> Cell:
+    return CELLS[request.param].make()
+
+
+def test_nodal_forces_are_the_derivative_of_the_energy(shell_cell, sheet, fabric, curved_blank, deformed):
+    membrane = sheet(curved_blank, fabric(unit_cell=shell_cell))
+    position, director = deformed
+    force, _ = membrane.forces(position, director)
+    names = membrane.simulation.model.cell_law.energy_names
+    rng, change = np.random.default_rng(2), 2e-7
+    for node in rng.choice(len(position), 6, replace=False):
+        for component in range(3):
+            ends = []
+            for sign in (change, -change):
+                moved = position.copy()
+                moved[node, component] += sign
+                energies = membrane.energies(moved, director)
+                ends.append(sum(energies[name] for name in names))
+            numerical = (ends[1] - ends[0]) / (2 * change)
+            assert force[node, component] == pytest.approx(numerical, abs=2e-6 * np.abs(force).max())
+
+
+def test_rigid_motion_gives_no_force(shell_cell, sheet, fabric, curved_blank, deformed):
+    membrane = sheet(curved_blank, fabric(unit_cell=shell_cell))
+    rotation = Rotation.from_rotvec([1.1, -2.0, 0.7]).as_matrix()
+    moved = curved_blank.node_position @ rotation.T + [0.3, -0.2, 0.5]
+    force, _ = membrane.forces(moved, curved_blank.initial_director @ rotation.T)
+    typical, _ = membrane.forces(*deformed)
+    assert np.abs(force).max() < 1e-9 * np.abs(typical).max()
+
+
+def test_resultant_and_moment_vanish(shell_cell, sheet, fabric, curved_blank, deformed):
+    position, director = deformed
+    force, _ = sheet(curved_blank, fabric(unit_cell=shell_cell)).forces(position, director)
+    moment = np.cross(position, force)
+    assert np.abs(force.sum(axis=0)).max() < 1e-12 * np.abs(force).sum()
+    assert np.abs(moment.sum(axis=0)).max() < 1e-12 * np.abs(moment).sum()
+
+
+@pytest.mark.parametrize(
+    "state", [(1.0, 1.0, 0.0), (1.004, 1.003, 0.0), (1.006, 1.004, 0.5), (1.02, 0.98, 0.3)], ids=str
+)
+def test_time_step_is_below_the_limit(shell_cell, state, sheet, fabric):
+    """Against the highest frequency of the finite-difference tangent, for a sheet that is a membrane only."""
+    blank = Blank.rectangle((0.0, 0.0), (0.015, 0.015), 0.005, yarn_angle=10.0)
+    patch = sheet(blank, fabric(unit_cell=shell_cell))
+    yarn = np.column_stack([blank.warp_direction[0], blank.weft_direction[0]])[:2]
+    wanted = np.array([[state[0], state[1] * math.sin(state[2])], [0.0, state[1] * math.cos(state[2])]])
+    position = blank.node_position.copy()
+    position[:, :2] = position[:, :2] @ (wanted @ np.linalg.inv(yarn)).T
+    stiffness = patch.stiffness(position, blank.initial_director, 1e-7)
+    model = patch.simulation.model
+    mass = np.column_stack([np.tile(model.node_mass, (3, 1)).T, np.tile(model.node_inertia, (2, 1)).T]).ravel()
+    root = 1.0 / np.sqrt(mass)
+    squared = scipy.linalg.eigvalsh(0.5 * (stiffness + stiffness.T) * np.outer(root, root))[-1]
+    patch.place(position, blank.initial_director)
+    patch.simulation.stepper.evaluate()
+    patch.simulation.stepper._replay(patch.simulation.stepper._refresh_graphs)
+    found = patch.simulation.stepper.stable_step() / STEP_SAFETY
+    assert found <= 2.0 / math.sqrt(squared)
+    assert found >= 0.4 * 2.0 / math.sqrt(squared)
+
+
+def test_thrown_sheet_keeps_momentum_and_energy(shell_cell):
+    """Free flight of a whole fabric with this cell.
+
+    The kinetic energy is half a step older than the elastic one: a small step keeps the balance from swinging.
+    """
+    blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005, yarn_angle=15.0, distortion=0.2)
+    rng = np.random.default_rng(0)
+    velocity = 0.3 * rng.normal(size=blank.node_position.shape)
+    velocity[:, 0] += 20.0 * blank.node_position[:, 1]
+    shear = glass_polypropylene().shear.model_copy(update={"locking_stiffness": 0.0})
+    # in-plane bending takes the angles from the step before, and books what that costs: not what is tested here
+    laws = {"unit_cell": shell_cell, "shear": shear, "in_plane_bending_stiffness": 0.0}
+    settings = {"name": "thrown", "blank": blank, "fabric": glass_polypropylene().model_copy(update=laws)}
+    settings |= {"duration": 5e-4, "precision": "float64", "lane_count": 1, "threads": 1}
+    step = 0.1 * Simulation(**settings).model.reference_step
+    simulation = Simulation(**settings, initial_velocity=velocity, frame_count=40, time_step=step)
+    mass = simulation.model.node_mass[:, None]
+    before = (mass * velocity).sum(axis=0)
+    simulation.run()
+    after = (mass * simulation.state.motion.numpy()[1, : blank.node_count]).sum(axis=0)
+    assert np.abs(after - before).max() < 1e-12 * np.abs(mass * velocity).sum()
+    energies = simulation.frame.energies
+    assert energies["internal"] > 0.05 * energies["initial_kinetic"]
+    assert energies["snap_loss"] == 0.0
+    errors = np.array([entry["balance_error"] for entry in simulation.history]) / energies["initial_kinetic"]
+    assert np.abs(errors).max() < 0.02
+    assert abs(errors[-10:].mean()) < 1e-3
+    assert simulation.summary()["unit_cell_max_residual"] < 1e-9
+
+
+# --- what a user can get wrong ----------------------------------------------------------------------------------------
+
+
+def test_cells_of_several_classes_are_refused():
+    with pytest.raises(InputError, match="several classes"):
+        respond([UNIT_CELLS["twill"](), UNIT_CELLS["plain-weave"]()], np.ones((2, 2)))
+
+
+@pytest.mark.parametrize("angle", [2.0, np.nan, [0.1, 0.2]])
+def test_bad_angles_are_refused(angle):
+    with pytest.raises(InputError, match="shear_angle"):
+        respond(UNIT_CELLS["plain-weave"](), [1.0, 1.0], angle)

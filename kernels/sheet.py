@@ -11,7 +11,7 @@ from typing import Any
 import warp as wp
 
 from .curve import curve_energy, curve_size, curve_struct, odd_curve, slide
-from .lanes import div, fill, larger, magnitude, mul, power, spread, where_positive
+from .lanes import div, fill, larger, mul, power, spread, where_positive
 
 SHEAR_LINEAR = wp.constant(0)
 SHEAR_CURVE = wp.constant(1)

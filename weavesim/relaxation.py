@@ -92,7 +92,8 @@ class _Relaxation:
             raise RunError(
                 f"relax: after {self.step_count} steps the residual is {self.residual:.3g} of the applied forces, "
                 f"above {self.tolerance:g}: give more steps or a larger tolerance; a sheet that may move freely never "
-                "comes to rest"
+                "comes to rest, and the rounding of stiff sheets under small loads may keep the residual up (float64 "
+                "has more digits)"
             )
         self.simulation.stepper.advance(1)
 
@@ -111,7 +112,9 @@ class _Relaxation:
             self.stop()
             if self.residual <= self.tolerance:
                 break
-        self.frequency = 0.5 * math.pi / longest
+        # near rest only rounding moves, and fast: what was found in motion counts
+        found = 0.5 * math.pi / longest
+        self.frequency = min(self.frequency, found) if self.frequency else found
 
     def damp(self) -> None:
         """Critical damping of the lowest frequency, until the sheet is at rest or that frequency is in doubt."""

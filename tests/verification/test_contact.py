@@ -127,9 +127,10 @@ def test_sampled_distance_converges_with_its_spacing(manual):
         shape = MeshShape.from_triangles(ball.vertices, ball.faces, spacing=spacing, reach=0.012)
         error = np.abs(Tool("ball", shape).distance(points)[0] - shape.surface.exact_distance(points))
         means.append(np.sqrt(np.mean(error**2)))
-        # curved by 1/R in two directions, the innermost points most; and kinked at the edges of the facets
+        # curved by 1/R in two directions, the innermost points most; and kinked at the edges of the facets,
+        # where linear interpolation errs by a quarter of the kink times the spacing in either direction
         kink = ball.face_adjacency_angles.max()
-        assert error.max() < spacing**2 / (4.0 * (RADIUS - 1e-3)) + 0.25 * kink * spacing
+        assert error.max() < spacing**2 / (4.0 * (RADIUS - 1e-3)) + 0.5 * kink * spacing
         reported = shape.surface.sampled().mean_error
         assert means[-1] == pytest.approx(reported, rel=0.3)
         rows.append([f"{1e3 * spacing:g}", 1e6 * means[-1], 1e6 * error.max(), 1e6 * reported])

@@ -37,6 +37,9 @@ class Scene(NamedTuple):
 SCENES = {
     "double-dome": Scene("double_dome", "DoubleDomeParameters", "Form a woven blank over a double dome."),
     "hemisphere": Scene("hemisphere", "HemisphereParameters", "Let a square cloth fall on a hemisphere."),
+    "picture-frame": Scene("picture_frame", "PictureFrameParameters", "Shear a woven fabric in a picture frame."),
+    "bias-extension": Scene("bias_extension", "BiasExtensionParameters", "Pull a woven fabric in its bias direction."),
+    "cantilever": Scene("cantilever", "CantileverParameters", "Let a strip of woven fabric hang over an edge."),
 }
 
 application = typer.Typer(

@@ -22,7 +22,7 @@ from .loads import NodalLoads
 from .mesh_shape import MeshShape
 from .model import Model, MotionParameters
 from .recording import Frame, Observer, Outcome
-from .stepper import REFRESH_INTERVAL, State, Stepper
+from .stepper import REFRESH_INTERVAL, STEP_SAFETY, State, Stepper
 from .support import Support, build_device_supports, check_supports, prescribe_start
 from .tool import Tool, build_device_tools
 
@@ -30,7 +30,7 @@ logger = logging.getLogger(__name__)
 
 # The balance of frames in which less than this share of the run's work is done is compared with that share.
 LEAST_WORK = 1.0e-4
-# Hourglass over internal energy is judged from this share of the largest internal energy on.
+# Hourglass and kinetic over internal energy are judged from this share of the largest internal energy on.
 LEAST_INTERNAL = 0.05
 # At most this many blocks are replayed before the host looks whether the state is still finite.
 LARGEST_REPLAY = 50
@@ -59,6 +59,8 @@ class Simulation:
         frame_count: frames after the first, evenly spaced in time.
         time_step: largest step allowed [s]; must be stable. None takes the stable one.
         target_step: step to scale the mass for [s]; None adds none.
+        step_safety: share of the stable step 2/omega that is taken; less quiets yarns that rattle between slack and
+            taut (theory, section 7).
         leading_tool: index of the tool whose displacement is the stroke.
         stop_when: called with each frame; True ends the run.
 
@@ -87,12 +89,15 @@ class Simulation:
         frame_count: int = 60,
         time_step: float | None = None,
         target_step: float | None = None,
+        step_safety: float = STEP_SAFETY,
         leading_tool: int = 0,
         stop_when: Callable[[Frame], bool] | None = None,
     ) -> None:
         for label, value in (("duration", duration), ("time_step", time_step), ("target_step", target_step)):
             if value is not None and not (math.isfinite(value) and value > 0.0):
                 raise InputError(f"{label} = {value} s: a positive, finite number of seconds is needed")
+        if not 0.0 < step_safety <= STEP_SAFETY:
+            raise InputError(f"step_safety = {step_safety}: above 0 and at most {STEP_SAFETY} is stable")
         if frame_count < 1:
             raise InputError(f"frame_count = {frame_count}: at least one frame is needed")
         if tools and not 0 <= leading_tool < len(tools):
@@ -137,7 +142,7 @@ class Simulation:
         self.notes = [note for mesh in self._mesh_parts().values() for note in mesh.surface.notes()]
         self.stepper = Stepper(
             self.model, self.state, device_tools, device_supports, thread_count=self.threads,
-            largest_step=time_step or math.inf,
+            largest_step=time_step or math.inf, step_safety=step_safety,
         )  # fmt: skip
         stable = self.stepper.stable_step()
         if time_step is not None and time_step > stable:
@@ -293,13 +298,13 @@ class Simulation:
         supplied = max(np.abs([entry["supplied"] for entry in history]).max(), 1.0e-300)
         stroke = abs(self.frame.stroke)
         # of the stroke; where no tool has one, of the time
+        largest_internal = max(e["internal"] for e in history)
         last_quarter = [
             e
             for e in history
-            if e["internal"] > 0.0
+            if e["internal"] > LEAST_INTERNAL * largest_internal
             and (abs(e["stroke"]) >= 0.75 * stroke if stroke > 0.0 else e["time"] >= 0.75 * self.frame.time)
         ]
-        largest_internal = max(e["internal"] for e in history)
         stretch = np.concatenate([fields["warp_stretch"], fields["weft_stretch"]])
         return {
             "weavesim_version": __version__,

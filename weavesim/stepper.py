@@ -111,6 +111,7 @@ class Stepper:
         supports: held nodes, on the same device.
         thread_count: CPU threads; results do not depend on it, to the last bit.
         largest_step: upper limit of the time step [s].
+        step_safety: share of the stable step 2/omega that is taken.
     """
 
     def __init__(
@@ -122,10 +123,11 @@ class Stepper:
         *,
         thread_count: int = 1,
         largest_step: float = np.inf,
+        step_safety: float = STEP_SAFETY,
     ) -> None:
         self.model, self.state, self.tools, self.supports = model, state, tools, supports
         self.thread_count = thread_count if model.device.is_cpu else 1
-        self.largest_step = largest_step
+        self.largest_step, self.step_safety = largest_step, step_safety
         real, lane_count, device = model.real, model.lane_count, model.device
         self._element_forces = element_force_kernel(real, lane_count, model.cell_law)
         self._node_motion = node_motion_kernel(real, lane_count)
@@ -247,7 +249,7 @@ class Stepper:
         wp.launch(
             self._set_step,
             dim=1,
-            inputs=[self._maxima, STEP_SAFETY, self.largest_step],
+            inputs=[self._maxima, self.step_safety, self.largest_step],
             outputs=[self.state.clock],
             device=self.model.device,
         )
@@ -360,7 +362,7 @@ class Stepper:
     def stable_step(self) -> float:
         """Stable step of the present state, safety included [s]; waits for the device."""
         largest = float(self._maxima.numpy().max())
-        return STEP_SAFETY * 2.0 / np.sqrt(largest)
+        return self.step_safety * 2.0 / np.sqrt(largest)
 
     def advance(self, block_count: int = 1) -> None:
         """Do ``block_count`` times ``REFRESH_INTERVAL`` steps."""

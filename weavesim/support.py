@@ -124,7 +124,7 @@ class Support:
                         f"support {self.name}: drive {k} moves nodes along {axis}, but its displacements "
                         f"({self.displacements!r}) leave {axis} free; a component is driven or free."
                     )
-            if abs(drive.at(0.0)) > 0.0:
+            if abs(drive.at(0.0)) > 1.0e-12 * np.abs(drive.motion.displacements).max():
                 raise InputError(
                     f"support {self.name}: drive {k} is at {drive.at(0.0):.4g} m at time zero; the blank is where the "
                     "nodes are at rest, so it must start from 0."

@@ -15,11 +15,12 @@ from ..errors import InputError
 from ..measures import checkerboard, close_pairs, draw_in, integrated_yarn_stretch, shear_angle_at
 from ..recording import Frame, Observer, Outcome
 from . import pictures
+from .curves import Curves
 from .files import check_writable, plain, write_summary
 from .film import Film
 from .report import Report, shown, write_report
 from .series import ParaViewSeries
-from .tables import History, write_draw_in, write_shear_angles
+from .tables import History, write_draw_in, write_shear_angles, write_table
 
 if TYPE_CHECKING:
     from ..simulation import Simulation
@@ -48,6 +49,7 @@ class ResultFolder:
         points: material points for ``shear_angle.csv`` and its picture, (k, 2) [m]; None for neither.
         measured_angles: measured point numbers and angles [degrees] to draw beside the computed ones.
         measured_outline: a measured outline in plan (k, 2) [m] to draw beside the computed one.
+        curves: the scene's own numbers of every frame, for a CSV and charts of their own.
         film, paraview: whether to write them.
 
     Raises:
@@ -61,6 +63,7 @@ class ResultFolder:
         points: np.ndarray | None = None,
         measured_angles: tuple[np.ndarray, np.ndarray] | None = None,
         measured_outline: np.ndarray | None = None,
+        curves: Curves | None = None,
         film: bool = True,
         paraview: bool = True,
     ) -> None:
@@ -74,6 +77,7 @@ class ResultFolder:
                 raise InputError(
                     f"measured angles: point {max(measured_angles[0])} is given, but the run has {point_count} points"
                 )
+        self._curves = curves
         self._with_film, self._with_paraview = film, paraview
         self._streams: dict[str, Observer] = {}
         self._outcome: Outcome | None = None
@@ -85,6 +89,8 @@ class ResultFolder:
         self._simulation = simulation
         self.warnings.clear()
         self.history.start(simulation)
+        if self._curves:
+            self._curves.start(simulation)
         self._streams = {}
         if self._with_film:
             self._streams["film"] = Film(self.path / f"{simulation.name}.usdc")
@@ -94,6 +100,8 @@ class ResultFolder:
 
     def frame(self, frame: Frame) -> None:
         self.history.frame(frame)
+        if self._curves:
+            self._curves.frame(frame)
         self._tell_streams(lambda stream: stream.frame(frame))
 
     def finish(self, outcome: Outcome) -> None:
@@ -145,6 +153,10 @@ class ResultFolder:
         if (points := self._points) is not None:
             path = self.path / "shear_angle.csv"
             self._attempt("shear_angle.csv", lambda: write_shear_angles(path, blank, angle, points, symmetry))
+        if (curves := self._curves) is not None:
+            columns, path = curves.columns, self.path / f"{curves.name}.csv"
+            rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+            self._attempt(path.name, lambda: write_table(path, list(columns), rows))
         shown_pictures = self._write_pictures(frame)
         summary["warnings"] = [*map(str, summary.get("warnings") or ()), *self.warnings]
         report = self._report(summary, setup or {}, shown_pictures)
@@ -195,6 +207,12 @@ class ResultFolder:
                 lambda: pictures.formed_sheet(blank, frame, symmetry),
             )
         ]
+        if self._curves is not None:
+            columns = self._curves.columns
+            wanted += [
+                (f"{chart.name}.png", chart.caption, partial(pictures.chart_of, chart, columns))
+                for chart in self._curves.charts
+            ]
         if (points := self._points) is not None:
             wanted.append(
                 (

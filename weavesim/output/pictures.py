@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from ..blank import Blank
     from ..tool import Tool
+    from .curves import Chart
 
 _INK, _GREY, _FAINT, _ACCENT, _MEASURED = "#23262d", "#6b7280", "#9aa1ad", "#5b3fb5", "#d1495b"
 _LINE_COLOURS = ("#5b3fb5", "#e07a1f", "#1f8a70", "#d1495b", "#3b82c4", "#a05d1a", "#7a7f8a", "#b5479b", "#5a8f29")
@@ -354,6 +355,21 @@ def tool_forces(history: History, tools: Sequence[Tool], symmetry: Sequence[str]
     chart.set_ylim(bottom=0.0)
     chart.margins(x=0.0)
     _legend(chart, loc="upper left")
+    return figure
+
+
+def chart_of(chart: Chart, columns: Mapping[str, np.ndarray]) -> Figure:
+    """Computed columns as lines, expected ones dashed on top."""
+    figure = _figure(9.0, 4.4)
+    axes = _axes(figure, 1, 1, 1, title=chart.title, xlabel=chart.x[1], ylabel=chart.y_label)
+    x = columns[chart.x[0]]
+    for k, (name, label) in enumerate(chart.computed.items()):
+        axes.plot(x, columns[name], color=_LINE_COLOURS[k % len(_LINE_COLOURS)], label=label)
+    for k, (name, label) in enumerate(chart.expected.items()):
+        colour = _LINE_COLOURS[k % len(_LINE_COLOURS)] if len(chart.expected) > 1 else _INK
+        axes.plot(x, columns[name], color=colour, linestyle=(0, (4, 3)), linewidth=1.4, label=label)
+    axes.margins(x=0.0)
+    _legend(axes, loc="best")
     return figure
 
 

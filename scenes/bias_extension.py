@@ -1,0 +1,199 @@
+"""Bias-extension test: a strip with its yarns at 45 degrees to the pull, clamped at both short ends.
+
+Yarns that do not stretch divide the strip into three kinds of zones: C in the middle, whose yarns all end at free
+edges, shears as a trellis; B, where one family is clamped, shears half as much; A at the clamps does not shear.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from weavesim.blank import Blank
+from weavesim.fabric import Fabric
+from weavesim.model import MotionParameters
+from weavesim.motion import SmoothStroke
+from weavesim.output import ResultFolder
+from weavesim.output.curves import Chart, Curves
+from weavesim.parameters import NotNegative, Positive
+from weavesim.recording import Frame
+from weavesim.session import run_into_folder
+from weavesim.simulation import Simulation
+from weavesim.support import Drive, Support
+
+from .fabric_test import (
+    STEP_SAFETY,
+    FabricTestParameters,
+    chosen_fabric,
+    moment_along,
+    trellis_angle,
+    trellis_angle_rate,
+)
+
+RAMP_SHARE = 0.2
+DIRECTOR_DAMPING = 1.0e4
+
+
+class BiasExtensionParameters(FabricTestParameters):
+    """Everything that a bias-extension test can be told."""
+
+    mesh_size: Positive = Field(default=0.00625, description="edge length of an element [m]")
+    out: Path = Field(default=Path("out/bias_extension"), description="folder for the results")
+    length: Positive = Field(default=0.2, le=2.0, description="between the clamps [m]; at least twice the width")
+    width: Positive = Field(default=0.1, le=1.0, description="[m]")
+    largest_angle: Positive = Field(
+        default=40.0, lt=80.0, description="kinematic shear angle of the central zone [degrees]"
+    )
+    speed: Positive = Field(default=0.25, description="of the moving clamp [m/s]")
+    damping: NotNegative = Field(default=50.0, description="mass-proportional damping rate [1/s]")
+
+    @model_validator(mode="after")
+    def _has_a_central_zone(self) -> Self:
+        if self.length < 2.0 * self.width * (1.0 - 1.0e-9):
+            raise ValueError(
+                f"length = {self.length} m and width = {self.width} m: the length must be at least twice the width, so "
+                "that the central zone reaches from edge to edge"
+            )
+        return self
+
+    @property
+    def zone_length(self) -> float:
+        """D = length - width: diagonal of the trellis that the central zone is part of [m]."""
+        return self.length - self.width
+
+
+def zones(parameters: BiasExtensionParameters, points: np.ndarray) -> np.ndarray:
+    """0, 1, 2 for the zones A, B, C of flat points (..., 2) [m], the strip's centre at the origin."""
+    from_clamp = 0.5 * parameters.length - np.abs(points[..., 0])
+    off_axis = np.abs(points[..., 1])
+    half = 0.5 * parameters.width
+    return (from_clamp >= half - off_axis).astype(int) + (from_clamp >= half + off_axis)
+
+
+def zone_areas(parameters: BiasExtensionParameters) -> tuple[float, float, float]:
+    """Areas of the zones A, B, C [m^2]."""
+    length, width = parameters.length, parameters.width
+    return 0.5 * width**2, width**2, width * (length - 1.5 * width)
+
+
+def kinematic_angle(parameters: BiasExtensionParameters, displacement: float) -> tuple[float, float]:
+    """Shear angle of the central zone [rad], and its rate over the displacement of the clamp [rad/m]."""
+    side = math.sqrt(0.5) * parameters.zone_length
+    diagonal = parameters.zone_length + displacement
+    return float(trellis_angle(diagonal, side)), float(trellis_angle_rate(diagonal, side))
+
+
+def closed_form_force(parameters: BiasExtensionParameters, fabric: Fabric, displacement: float) -> float:
+    """Force on the clamp [N] from F d' = A_C m(gamma) gamma' + A_B m(gamma/2) gamma'/2, yarns that do not stretch."""
+    angle, rate = kinematic_angle(parameters, displacement)
+    _, half_zone, central_zone = zone_areas(parameters)
+    path = np.linspace(0.0, angle, 101)
+    moment, half_moment = (float(moment_along(fabric, share * path)[-1]) for share in (1.0, 0.5))
+    return (central_zone * moment + 0.5 * half_zone * half_moment) * rate
+
+
+def bias_extension(
+    parameters: BiasExtensionParameters, fabric: Fabric | None = None, blank: Blank | None = None
+) -> Simulation:
+    """A ready simulation of the test.
+
+    Args:
+        parameters: of the test.
+        fabric: takes the place of the preset and of the shear law named.
+        blank: takes the place of the mesh with edges along the strip; the strip along x, its centre at the origin.
+    """
+    fabric = fabric or chosen_fabric(parameters)
+    half_length, half_width = 0.5 * parameters.length, 0.5 * parameters.width
+    if blank is None:
+        blank = Blank.rectangle(
+            (-half_length, -half_width), (half_length, half_width), parameters.mesh_size, yarn_angle=45.0
+        )
+    stroke = clamp_stroke(parameters)
+    x = blank.node_position[:, 0]
+    ends = [np.flatnonzero(np.abs(x - place) < 1.0e-9) for place in (-half_length, half_length)]
+    supports = (Support("clamp", ends[0]), Support("moving_clamp", ends[1], (Drive(stroke, (1.0, 0.0, 0.0)),)))
+    return Simulation(
+        name="bias_extension", blank=blank, fabric=fabric, supports=supports, duration=stroke.duration,
+        motion=MotionParameters(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
+        device=parameters.device, precision=parameters.precision, threads=parameters.threads,
+        time_step=parameters.time_step, target_step=parameters.target_step, step_safety=STEP_SAFETY,
+        frame_count=parameters.frames,
+    )  # fmt: skip
+
+
+def clamp_stroke(parameters: BiasExtensionParameters) -> SmoothStroke:
+    """Displacement of the moving clamp, up to the largest kinematic angle."""
+    half_angle = math.radians(0.5 * (90.0 - parameters.largest_angle))
+    distance = parameters.zone_length * (math.sqrt(2.0) * math.cos(half_angle) - 1.0)
+    return SmoothStroke.ramped(distance, parameters.speed, RAMP_SHARE * distance / parameters.speed)
+
+
+def record(parameters: BiasExtensionParameters, fabric: Fabric, blank: Blank) -> Curves:
+    """Angles of the zones and the force of every frame beside what kinematics and shear law say.
+
+    A zone's angle is the mean of the elements that lie in it with all corners.
+    """
+    zone = zones(parameters, 0.999 * blank.material_coordinates[blank.quads])
+    inside = [np.all(zone == index, axis=1) for index in range(3)]
+
+    def measure(state: Frame) -> dict[str, float]:
+        angle, _ = kinematic_angle(parameters, state.stroke)
+        found = np.degrees(state.fields["shear_angle"])
+        means = {
+            f"zone_{name}_angle_deg": abs(found[chosen].mean()) if chosen.any() else math.nan
+            for name, chosen in zip("abc", inside, strict=True)
+        }
+        return {
+            "time_s": state.time,
+            "displacement_mm": 1.0e3 * state.stroke,
+            "kinematic_angle_deg": math.degrees(angle),
+            "kinematic_half_angle_deg": 0.5 * math.degrees(angle),
+            **means,
+            "force_n": float(state.support_force[1, 0]),
+            "fixed_clamp_force_n": -float(state.support_force[0, 0]),
+            "closed_form_force_n": closed_form_force(parameters, fabric, state.stroke),
+        }
+
+    return Curves("bias_extension", measure, [
+        Chart(
+            "force", "Force of the clamps",
+            "Force against the displacement, beside that of the shear law in three zones by the balance of power.",
+            ("displacement_mm", "displacement [mm]"), "force [N]",
+            {"force_n": "moving clamp", "fixed_clamp_force_n": "fixed clamp"},
+            {"closed_form_force_n": "shear law, three zones"},
+        ),
+        Chart(
+            "zones", "Shear angle of the zones",
+            "Mean of the elements that lie wholly in a zone: A at the clamps, B beside them, C in the middle.",
+            ("displacement_mm", "displacement [mm]"), "shear angle [degrees]",
+            {"zone_c_angle_deg": "zone C", "zone_b_angle_deg": "zone B", "zone_a_angle_deg": "zone A"},
+            {"kinematic_angle_deg": "kinematics, zone C", "kinematic_half_angle_deg": "kinematics, zone B"},
+        ),
+    ])  # fmt: skip
+
+
+def findings(curves: Curves) -> dict[str, Any]:
+    """Entries of the summary, at the last frame; the force as the mean of both clamps."""
+    c = {name: float(values[-1]) for name, values in curves.columns.items()}
+    force = 0.5 * (c["force_n"] + c["fixed_clamp_force_n"])
+    return {
+        **{f"zone_{name}_angle_deg": c[f"zone_{name}_angle_deg"] for name in "abc"},
+        "kinematic_angle_deg": c["kinematic_angle_deg"],
+        "force_n": force,
+        "closed_form_force_n": c["closed_form_force_n"],
+        "force_ratio": force / c["closed_form_force_n"],
+    }
+
+
+def run(parameters: BiasExtensionParameters) -> dict[str, Any]:
+    """Run the test and leave its results in ``parameters.out``; returns the summary."""
+    simulation = bias_extension(parameters)
+    curves = record(parameters, simulation.fabric, simulation.blank)
+    return run_into_folder(
+        lambda: simulation, ResultFolder(parameters.out, curves=curves),
+        setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
+    )  # fmt: skip

@@ -1,0 +1,231 @@
+"""Cantilever test (Peirce): a strip held flat at one end hangs over under its own weight.
+
+The chord from the clamp to the tip makes an angle with the horizontal; the bending stiffness follows from it and the
+length of the overhang, by Peirce's formula or from the heavy elastica. At 41.5 degrees Peirce's bending length is half
+of the overhang.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from weavesim.bending import BendingCurve, IsotropicBending
+from weavesim.blank import Blank
+from weavesim.cells import UnitCell
+from weavesim.compaction import Compaction
+from weavesim.errors import InputError
+from weavesim.fabric import LARGEST_LOCKING_SHARE, Fabric
+from weavesim.model import MotionParameters
+from weavesim.output import ResultFolder
+from weavesim.output.curves import Chart, Curves
+from weavesim.parameters import NotNegative, Positive
+from weavesim.recording import Frame
+from weavesim.session import run_into_folder
+from weavesim.shear import MomentCurve
+from weavesim.simulation import Simulation
+from weavesim.support import Support
+
+from .fabric_test import FabricTestParameters, chosen_fabric
+
+GRAVITY = 9.81
+# The weight stretches yarns of this stiffness per width, over that of the whole strip, by less than 0.02 %. Stiffer
+# ones change nothing but the time step, so stiffer ones are softened.
+LARGEST_STRETCH_STIFFNESS = 1.0e4
+# Of the straight yarns that take their place [m].
+YARN_SPACING = 0.005
+# At rest: kinetic over internal energy, once a swing of the first mode has died out. Single precision keeps some 1e-7.
+REST = 1.0e-6
+# Times of 1/omega of the first mode: not before, and not after.
+SHORTEST_TIME, LONGEST_TIME = 10.0, 30.0
+
+
+class CantileverParameters(FabricTestParameters):
+    """Everything that a cantilever test can be told."""
+
+    mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
+    out: Path = Field(default=Path("out/cantilever"), description="folder for the results")
+    yarn: Literal["warp", "weft"] = Field(default="warp", description="yarn family along the strip")
+    length: Positive | None = Field(
+        default=None, description="of the overhang [m]; the default is where the tip reaches about 41.5 degrees"
+    )
+    width: Positive = Field(default=0.025, le=1.0, description="of the strip [m]")
+    damping: NotNegative | None = Field(
+        default=None, description="mass-proportional damping rate [1/s]; the default is critical for the first mode"
+    )
+
+
+def strip_stiffness(fabric: Fabric, yarn: str) -> float:
+    """Bending stiffness D per width [N m] of a strip along ``yarn`` that is free to bend across.
+
+    Of a moment-curvature curve it is the initial slope, without friction.
+    """
+    law = fabric.bending
+    if isinstance(law, IsotropicBending):
+        return law.stiffness(fabric.thickness) * (1.0 - law.poisson_ratio**2)
+    along, across = (law.warp, law.weft) if yarn == "warp" else (law.weft, law.warp)
+    if isinstance(along, BendingCurve):
+        return along.initial_stiffness
+    return along - (law.coupling**2 / across if law.coupling else 0.0)
+
+
+def overhang(parameters: CantileverParameters, fabric: Fabric) -> float:
+    """Length of the overhang [m]: as given, or twice the bending length (D/w)^(1/3)."""
+    stiffness = strip_stiffness(fabric, parameters.yarn)
+    if stiffness <= 0.0:
+        raise InputError(
+            f"cantilever: the fabric's bending stiffness along the {parameters.yarn} is zero; it would hang"
+        )
+    return parameters.length or 2.0 * (stiffness / (fabric.areal_density * GRAVITY)) ** (1.0 / 3.0)
+
+
+def peirce_stiffness(angle: float, length: float, weight: float) -> float:
+    """Peirce's D = w c^3 [N m], c = length (cos(angle/2) / (8 tan(angle)))^(1/3).
+
+    Args:
+        angle: of the chord below the horizontal [rad].
+        length: of the overhang [m].
+        weight: per area [N/m^2].
+    """
+    return weight * length**3 * math.cos(0.5 * angle) / (8.0 * math.tan(angle))
+
+
+def heavy_elastica(tip_slope: float, step_count: int = 2000) -> tuple[float, float]:
+    """Load w L^3 / D and chord angle [rad] of a clamped, inextensible strip whose tip slopes by ``tip_slope`` [rad].
+
+    From the free end, with lengths over (D/w)^(1/3): slope'' = -s cos(slope), slope(0) = tip_slope, slope'(0) = 0, up
+    to the clamp, where the slope is zero. Runge-Kutta of fourth order, and a last step that ends at the clamp.
+    """
+
+    def rate(s: float, y: np.ndarray) -> np.ndarray:
+        return np.array([y[1], -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])])
+
+    def advanced(s: float, y: np.ndarray, h: float) -> np.ndarray:
+        k1 = rate(s, y)
+        k2 = rate(s + 0.5 * h, y + 0.5 * h * k1)
+        k3 = rate(s + 0.5 * h, y + 0.5 * h * k2)
+        k4 = rate(s + h, y + h * k3)
+        return y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+
+    # a straight strip of the same tip slope is this long; a steep one is longer, and the loop goes on
+    h = (6.0 * tip_slope) ** (1.0 / 3.0) / step_count
+    s, y = 0.0, np.array([tip_slope, 0.0, 0.0, 0.0])
+    while True:
+        following = advanced(s, y, h)
+        if following[0] <= 0.0:
+            break
+        s, y = s + h, following
+    low, high = 0.0, h
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if advanced(s, y, middle)[0] > 0.0 else (low, middle)
+    end = advanced(s, y, low)
+    return (s + low) ** 3, math.atan2(end[3], end[2])
+
+
+def elastica_stiffness(angle: float, length: float, weight: float) -> float:
+    """D [N m] of the heavy elastica whose chord has this angle; arguments as ``peirce_stiffness``."""
+    low, high = 1.0e-6, 0.5 * math.pi - 1.0e-6
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if heavy_elastica(middle, 400)[1] < angle else (low, middle)
+    return weight * length**3 / heavy_elastica(low)[0]
+
+
+def softened(fabric: Fabric, stiffness: float) -> Fabric:
+    """The fabric with straight yarns of at most ``stiffness`` per width [N/m] in the place of its unit cell."""
+    stiffness = min(stiffness, *fabric.unit_cell.yarn_stiffness_per_width)
+    # in compression as stiff as in tension, which E I = E A l0^2 / 3 leaves with one equilibrium
+    bending = stiffness * YARN_SPACING * (0.5 * YARN_SPACING) ** 2 / 3.0
+    cell = UnitCell.straight(stiffness_per_width=stiffness, spacing=YARN_SPACING, bending=1.001 * bending)
+    changes: dict[str, Any] = {"unit_cell": cell, "compaction": Compaction(), "shear_friction": None}
+    if isinstance(fabric.shear, MomentCurve):
+        # a locking branch may be a tenth as stiff as the yarns; the strip does not shear
+        locking = min(fabric.shear.locking_stiffness, LARGEST_LOCKING_SHARE * stiffness)
+        changes["shear"] = fabric.shear.model_copy(update={"locking_stiffness": locking})
+    return fabric.model_copy(update=changes)
+
+
+def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -> Simulation:
+    """A ready simulation of the test; ``fabric`` takes the place of the preset and of the shear law named."""
+    fabric = fabric or chosen_fabric(parameters)
+    length, stiffness = overhang(parameters, fabric), strip_stiffness(fabric, parameters.yarn)
+    half = 0.5 * parameters.width
+    blank = Blank.rectangle(
+        (0.0, -half), (length, half), parameters.mesh_size, yarn_angle=0.0 if parameters.yarn == "warp" else 90.0
+    )
+    clamp = Support("clamp", np.flatnonzero(blank.node_position[:, 0] < 1.0e-9))
+    # the first mode of a straight cantilever; a hanging one is slower to swing than a pendulum of its length at most
+    frequency = 3.516 * math.sqrt(stiffness / (fabric.areal_density * length**4))
+    damping = 2.0 * frequency if parameters.damping is None else parameters.damping
+    weight = fabric.areal_density * GRAVITY * length
+    return Simulation(
+        name="cantilever", blank=blank, fabric=softened(fabric, LARGEST_STRETCH_STIFFNESS * weight), supports=(clamp,),
+        duration=LONGEST_TIME / frequency,
+        motion=MotionParameters(gravity=(0.0, 0.0, -GRAVITY), damping=damping, director_damping=damping),
+        device=parameters.device, precision=parameters.precision, threads=parameters.threads,
+        time_step=parameters.time_step, target_step=parameters.target_step, frame_count=parameters.frames,
+        stop_when=lambda frame: frame.time > SHORTEST_TIME / frequency
+        and frame.energies["kinetic"] < REST * frame.energies["internal"],
+    )  # fmt: skip
+
+
+def chord_angle(blank: Blank, position: np.ndarray) -> float:
+    """Angle of the line from the clamp to the tip below the horizontal [rad]."""
+    x = blank.node_position[:, 0]
+    tip = position[x > x.max() - 1.0e-9].mean(axis=0)
+    return math.atan2(-tip[2], tip[0])
+
+
+def record(simulation: Simulation) -> Curves:
+    """How the tip comes to rest."""
+    blank = simulation.blank
+
+    def measure(state: Frame) -> dict[str, float]:
+        tip = state.position[blank.node_position[:, 0] > blank.node_position[:, 0].max() - 1.0e-9].mean(axis=0)
+        return {
+            "time_s": state.time,
+            "tip_x_mm": 1.0e3 * tip[0],
+            "tip_drop_mm": -1.0e3 * tip[2],
+            "chord_angle_deg": math.degrees(chord_angle(blank, state.position)),
+            "clamp_force_n": float(state.support_force[0, 2]),
+        }
+
+    return Curves("cantilever", measure, [
+        Chart(
+            "chord_angle", "The strip comes to rest", "Angle of the line from the clamp to the tip.",
+            ("time_s", "time [s]"), "chord below the horizontal [degrees]", {"chord_angle_deg": "computed"}, {},
+        ),
+    ])  # fmt: skip
+
+
+def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simulation) -> dict[str, Any]:
+    """Entries of the summary: angle of the chord, and the bending stiffness recovered from it."""
+    length, weight = overhang(parameters, fabric), fabric.areal_density * GRAVITY
+    angle = chord_angle(simulation.blank, simulation.frame.position)
+    given = strip_stiffness(fabric, parameters.yarn)
+    peirce, elastica = (f(angle, length, weight) for f in (peirce_stiffness, elastica_stiffness))
+    return {
+        "overhang_mm": 1.0e3 * length,
+        "chord_angle_deg": math.degrees(angle),
+        "bending_length_mm": 1.0e3 * (peirce / weight) ** (1.0 / 3.0),
+        "input_bending_stiffness_nm": given,
+        "peirce_bending_stiffness_nm": peirce,
+        "elastica_bending_stiffness_nm": elastica,
+        "peirce_over_input": peirce / given,
+        "elastica_over_input": elastica / given,
+    }
+
+
+def run(parameters: CantileverParameters) -> dict[str, Any]:
+    """Run the test and leave its results in ``parameters.out``; returns the summary."""
+    fabric, simulation = chosen_fabric(parameters), cantilever(parameters)
+    return run_into_folder(
+        lambda: simulation, ResultFolder(parameters.out, curves=record(simulation)),
+        setup=parameters.model_dump(mode="json"),
+        measure=lambda simulation: findings(parameters, fabric, simulation),
+    )  # fmt: skip

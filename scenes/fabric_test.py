@@ -1,0 +1,59 @@
+"""What the fabric tests (picture frame, bias extension, cantilever) share: the choice of the fabric, and kinematics."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from weavesim.fabric import Fabric
+from weavesim.fabric_file import FABRIC_HELP, resolve_fabric
+from weavesim.parameters import NotNegative, Positive
+from weavesim.run_options import RunOptions
+
+# Nothing but the fabric damps a test. A yarn that rattles between slack and taut gains energy near the largest stable
+# step, because its stiffness jumps there; at this share of it the little damping that a test has is enough.
+STEP_SAFETY = 0.6
+
+
+class FabricTestParameters(RunOptions):
+    """Options of every fabric test."""
+
+    fabric: str = Field(default="glass-polypropylene", description=FABRIC_HELP)
+    shear_law: Literal["curve", "linear"] = Field(
+        default="curve", description="published moment curve, or the paper's linear law, equation (4)"
+    )
+    shear_modulus: Positive = Field(default=0.25e6, description="G_12 of the linear law [Pa]")
+    damping: NotNegative = Field(default=10.0, description="mass-proportional damping rate [1/s]")
+    frames: int = Field(default=60, ge=1, description="frames after the first")
+
+
+def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
+    """The preset or file that is named, with the shear law that is named.
+
+    Raises:
+        InputError: no such fabric.
+    """
+    fabric = resolve_fabric(parameters.fabric)
+    return fabric.with_linear_shear(parameters.shear_modulus) if parameters.shear_law == "linear" else fabric
+
+
+def trellis_angle(diagonal: np.ndarray, side: float) -> np.ndarray:
+    """Shear angle of a rhombus [rad], pi/2 - 2 acos(diagonal / (2 side)), from its longer diagonal [m]."""
+    return 0.5 * math.pi - 2.0 * np.arccos(np.clip(np.asarray(diagonal) / (2.0 * side), 0.0, 1.0))
+
+
+def trellis_angle_rate(diagonal: np.ndarray, side: float) -> np.ndarray:
+    """d(shear angle)/d(diagonal) of a rhombus [rad/m], 1/(side sin(theta)), theta half the angle at its tip."""
+    share = np.clip(np.asarray(diagonal) / (2.0 * side), 0.0, 1.0)
+    return 1.0 / (side * np.sqrt(1.0 - share**2))
+
+
+def moment_along(fabric: Fabric, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0) -> np.ndarray:
+    """Shear moment at unit stretch [N/m] along a path of angles (n,) [rad] from rest, friction included."""
+    moment = np.asarray(fabric.shear.moment(np.asarray(angle, dtype=float), fabric.thickness))
+    if fabric.shear_friction is not None:
+        moment = moment + fabric.shear_friction.moment_along(angle, crossover_pressure)
+    return moment

@@ -1,0 +1,254 @@
+"""Picture-frame test: a hinged square frame shears a fabric whose yarns lie along its sides.
+
+The frame is four clamps that move as a rhombus; its bars have no mass. With the yarns along the sides the fabric
+shears evenly, so the angle is known from the crosshead's displacement and the force from the shear law.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from weavesim.blank import Blank
+from weavesim.errors import InputError
+from weavesim.fabric import Fabric
+from weavesim.model import MotionParameters
+from weavesim.motion import SmoothStroke
+from weavesim.output import ResultFolder
+from weavesim.output.curves import Chart, Curves
+from weavesim.parameters import NotNegative, Positive
+from weavesim.recording import Frame
+from weavesim.session import run_into_folder
+from weavesim.simulation import Simulation
+from weavesim.support import Drive, Support
+from weavesim.unit_cell import respond
+
+from .fabric_test import (
+    STEP_SAFETY,
+    FabricTestParameters,
+    chosen_fabric,
+    moment_along,
+    trellis_angle,
+    trellis_angle_rate,
+)
+
+# Time to reach the yarn tension, and of each start and stop of the crosshead, as a share of its stroke's time.
+TENSION_TIME = 10.0e-3
+RAMP_SHARE = 0.2
+# Directors are held at the frame and have nothing to do in a plane sheet [1/s].
+DIRECTOR_DAMPING = 1.0e4
+LARGEST_TENSION_STRETCH = 1.05
+
+
+class PictureFrameParameters(FabricTestParameters):
+    """Everything that a picture-frame test can be told."""
+
+    mesh_size: Positive = Field(default=0.01, description="edge length of an element [m]")
+    out: Path = Field(default=Path("out/picture_frame"), description="folder for the results")
+    side: Positive = Field(default=0.2, le=2.0, description="of the square inner area [m]")
+    arm_length: NotNegative = Field(
+        default=0.0, description="of arms beyond each side, clamped at their ends; the corners between are cut out [m]"
+    )
+    largest_angle: Positive = Field(default=40.0, lt=80.0, description="shear angle of the frame [degrees]")
+    misalignment: float = Field(default=0.0, ge=-45.0, le=45.0, description="of the yarns to the sides [degrees]")
+    yarn_tension: NotNegative = Field(
+        default=100.0,
+        description="of both yarn families before the shear, by stretching the frame [N/m]; without any, the yarns "
+        "rattle between slack and taut",
+    )
+    cycle: bool = Field(default=False, description="go back to the start: loading and unloading")
+    speed: Positive = Field(default=0.5, description="of the crosshead [m/s]")
+
+
+class PictureFrame:
+    """Geometry and motion of the frame.
+
+    Attributes:
+        side: from hinge to hinge when the shear begins [m].
+        stretch: of the yarns by the tension.
+        shear: displacement of the crosshead against the lower hinge, from when the shear begins.
+    """
+
+    def __init__(self, parameters: PictureFrameParameters, fabric: Fabric) -> None:
+        flat_side = parameters.side + 2.0 * parameters.arm_length
+        self.stretch = tension_stretch(fabric, parameters.yarn_tension)
+        self.side = self.stretch * flat_side
+        self.stretching = math.sqrt(2.0) * (self.side - flat_side)
+        half = math.radians(0.5 * (90.0 - parameters.largest_angle))
+        stroke = 2.0 * self.side * (math.cos(half) - math.cos(0.25 * math.pi))
+        start = TENSION_TIME if self.stretching > 0.0 else 0.0
+        ramp = RAMP_SHARE * stroke / parameters.speed
+        self.shear = SmoothStroke.ramped(stroke, parameters.speed, ramp, start_time=start)
+        if parameters.cycle:
+            self.shear = self.shear.and_back()
+        self.flat_diagonal = math.sqrt(2.0) * flat_side
+
+    def half_angle(self, displacement: np.ndarray) -> np.ndarray:
+        """Half the angle at the pulled hinges [rad], of a displacement of the crosshead [m]."""
+        return np.arccos(math.sqrt(0.5) + np.asarray(displacement) / (2.0 * self.side))
+
+    def support(self, blank: Blank, nodes: np.ndarray) -> Support:
+        """The clamped nodes, driven as the frame goes: the vertical diagonal, then the horizontal one, then both."""
+        place = blank.node_position[nodes] / self.flat_diagonal
+        vertical, horizontal = place * (0.0, 1.0, 0.0), place * (1.0, 0.0, 0.0)
+        narrowing = self.shear.mapped(
+            lambda d: 2.0 * self.side * (np.sin(self.half_angle(d)) - math.sqrt(0.5)),
+            lambda d: -1.0 / np.tan(self.half_angle(d)),
+        )
+        drives = [Drive(self.shear, vertical), Drive(narrowing, horizontal)]
+        if self.stretching > 0.0:
+            stretching = SmoothStroke.ramped(self.stretching, 2.0 * self.stretching / TENSION_TIME, 0.5 * TENSION_TIME)
+            drives.append(Drive(stretching, vertical + horizontal))
+        return Support("frame", nodes, tuple(drives))
+
+    def force(self, frame: Frame) -> float:
+        """Of the crosshead [N]: the work of both diagonals per displacement of the pulled one."""
+        return float(frame.drive_force[0] - frame.drive_force[1] / np.tan(self.half_angle(frame.stroke)))
+
+
+def tension_stretch(fabric: Fabric, tension: float) -> float:
+    """Equal stretch of both yarn families at which their mean force is ``tension`` [N/m], by bisection.
+
+    Raises:
+        InputError: more than any stretch up to 5 % gives.
+    """
+    if tension == 0.0:
+        return 1.0
+    low, high = 1.0, LARGEST_TENSION_STRETCH
+
+    def force(stretch: float) -> float:
+        return float(respond(fabric.unit_cell, [[stretch, stretch]]).force_per_width.mean())
+
+    if force(high) < tension:
+        raise InputError(f"yarn tension {tension} N/m: a stretch of 5 % gives only {force(high):.4g} N/m; ask for less")
+    while high - low > 1.0e-12:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if force(middle) < tension else (low, middle)
+    return 0.5 * (low + high)
+
+
+def specimen(parameters: PictureFrameParameters) -> tuple[Blank, np.ndarray]:
+    """The specimen, a corner up, and its clamped nodes."""
+    half = 0.5 * parameters.side + parameters.arm_length
+    count = max(2, round(parameters.side / parameters.mesh_size))
+    arm_count = math.ceil(parameters.arm_length / (parameters.side / count) - 1.0e-9)
+    inner = np.linspace(-0.5, 0.5, count + 1) * parameters.side
+    arm = np.linspace(0.5 * parameters.side, half, arm_count + 1)[1:]
+    line = np.concatenate([-arm[::-1], inner, arm])
+    plan = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
+    index = np.arange(plan.shape[0] * plan.shape[1]).reshape(plan.shape[:2])
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
+    plan = plan.reshape(-1, 2)
+    outside = np.abs(plan[quads].mean(axis=1)) > 0.5 * parameters.side
+    used, quads = np.unique(quads[~outside.all(axis=1)], return_inverse=True)
+    flat = plan[used]
+    turn = math.sqrt(0.5) * np.array([[1.0, 1.0], [-1.0, 1.0]])
+    position = np.column_stack([flat @ turn, np.zeros(len(flat))])
+    blank = Blank.from_mesh(position, quads.reshape(-1, 4), yarn_angle=45.0 + parameters.misalignment)
+    return blank, np.flatnonzero(np.abs(flat).max(axis=1) > half * (1.0 - 1.0e-9))
+
+
+def picture_frame(parameters: PictureFrameParameters, fabric: Fabric | None = None) -> Simulation:
+    """A ready simulation of the test; ``fabric`` takes the place of the preset and of the shear law named."""
+    fabric = fabric or chosen_fabric(parameters)
+    blank, clamped = specimen(parameters)
+    frame = PictureFrame(parameters, fabric)
+    return Simulation(
+        name="picture_frame", blank=blank, fabric=fabric, supports=(frame.support(blank, clamped),),
+        duration=frame.shear.duration,
+        motion=MotionParameters(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
+        device=parameters.device, precision=parameters.precision, threads=parameters.threads,
+        time_step=parameters.time_step, target_step=parameters.target_step, step_safety=STEP_SAFETY,
+        frame_count=parameters.frames,
+    )  # fmt: skip
+
+
+def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
+    """Angle and force of every frame beside what kinematics and shear law say.
+
+    The power balance F d' = A m(gamma) gamma' gives F; A is the area of all the fabric, arms included. The normalised
+    shear force is that along a side, F / (2 cos(theta)), times side over area: the moment m over cos(gamma).
+    """
+    frame = PictureFrame(parameters, fabric)
+    blank, _ = specimen(parameters)
+    inner = np.abs(blank.element_centres()[:, :2]).sum(axis=1) < math.sqrt(0.5) * parameters.side
+    area = parameters.side**2 + 4.0 * parameters.side * parameters.arm_length
+    path: list[tuple[float, float]] = []  # angles and crossover pressures so far, for a law that remembers them
+
+    def measure(state: Frame) -> dict[str, float]:
+        diagonal = math.sqrt(2.0) * frame.side + state.stroke
+        angle = trellis_angle(diagonal, frame.side)
+        if state.index == 0:
+            path.clear()
+        path.append((float(angle), state.fields["crossover_force"][inner].mean() / fabric.unit_cell.crossover_area))
+        moment = float(moment_along(fabric, *np.array(path).T)[-1])
+        rate = trellis_angle_rate(diagonal, frame.side)
+        force = frame.force(state)
+        found = np.degrees(state.fields["shear_angle"][inner])
+        per_side = 1.0 / (2.0 * np.cos(frame.half_angle(state.stroke)))
+        return {
+            "time_s": state.time,
+            "displacement_mm": 1.0e3 * state.stroke,
+            "frame_angle_deg": math.degrees(angle),
+            "mean_shear_angle_deg": found.mean(),
+            "min_shear_angle_deg": found.min(),
+            "max_shear_angle_deg": found.max(),
+            "force_n": force,
+            "closed_form_force_n": area * moment * rate,
+            "normalised_shear_force_n_per_m": force * per_side * frame.side / area,
+            "closed_form_shear_force_n_per_m": moment * rate * per_side * frame.side,
+            "warp_tension_n_per_m": state.fields["warp_force"][inner].mean(),
+            "weft_tension_n_per_m": state.fields["weft_force"][inner].mean(),
+        }
+
+    return Curves("picture_frame", measure, [
+        Chart(
+            "force", "Force of the crosshead",
+            "Force against the frame's angle, beside that of the shear law by the balance of power.",
+            ("frame_angle_deg", "angle of the frame [degrees]"), "force [N]",
+            {"force_n": "computed"}, {"closed_form_force_n": "shear law, even shear"},
+        ),
+        Chart(
+            "angle", "Shear angle of the fabric",
+            "Mean and extremes of the inner area against the angle of the frame.",
+            ("frame_angle_deg", "angle of the frame [degrees]"), "shear angle [degrees]",
+            {"mean_shear_angle_deg": "mean", "min_shear_angle_deg": "smallest", "max_shear_angle_deg": "largest"},
+            {"frame_angle_deg": "kinematics"},
+        ),
+        Chart(
+            "tension", "Tension of the yarns", "Mean of the inner area.",
+            ("frame_angle_deg", "angle of the frame [degrees]"), "tension [N/m]",
+            {"warp_tension_n_per_m": "warp", "weft_tension_n_per_m": "weft"}, {},
+        ),
+    ])  # fmt: skip
+
+
+def findings(curves: Curves) -> dict[str, Any]:
+    """Entries of the summary: the largest deviations, of the force over its largest value."""
+    c = curves.columns
+    # a locking yarn family or a tension adds forces that no shear law has
+    force_error = np.abs(c["force_n"] - c["closed_form_force_n"]).max() / np.abs(c["closed_form_force_n"]).max()
+    way = 1.0e-3 * np.diff(c["displacement_mm"])
+    peak = int(np.argmax(np.abs(c["frame_angle_deg"])))
+    return {
+        "frame_angle_deg": c["frame_angle_deg"][peak],
+        "mean_shear_angle_deg": c["mean_shear_angle_deg"][peak],
+        "largest_angle_error_deg": np.abs(c["mean_shear_angle_deg"] - c["frame_angle_deg"]).max(),
+        "peak_force_n": c["force_n"][peak],
+        "closed_form_peak_force_n": c["closed_form_force_n"][peak],
+        "largest_force_error_ratio": force_error,
+        "work_of_a_cycle_j": 0.5 * float((c["force_n"][1:] + c["force_n"][:-1]) @ way),
+    }
+
+
+def run(parameters: PictureFrameParameters) -> dict[str, Any]:
+    """Run the test and leave its results in ``parameters.out``; returns the summary."""
+    curves = record(parameters, chosen_fabric(parameters))
+    return run_into_folder(
+        lambda: picture_frame(parameters), ResultFolder(parameters.out, curves=curves),
+        setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
+    )  # fmt: skip

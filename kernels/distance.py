@@ -30,6 +30,7 @@ TORUS = wp.constant(3)  # tube radius, major radius in half_length, around z
 DOME_PUNCH = wp.constant(4)  # lower half of a capsule along x, extruded to z = +infinity
 DOME_OPENING = wp.constant(5)  # solid z < 0 with an opening: radius, half_length, edge_radius
 VOLUME = wp.constant(6)  # sampled distance
+DOME_CAVITY = wp.constant(7)  # solid z < 0 with a hollow, the lower half of a capsule along x: radius, half_length
 
 
 @cache
@@ -124,6 +125,30 @@ def dome_opening_distance(x: Any, y: Any, z: Any, radius: Any, half_length: Any,
     return distance, normal_out * along * inverse_out, normal_out * across * inverse_out, normal_up
 
 
+@wp.func
+def dome_cavity_distance(x: Any, y: Any, z: Any, radius: Any, half_length: Any):
+    """Block z < 0 with a hollow, the lower half of a capsule along x: distance and normal components."""
+    zero = fill(x, 0.0)
+    one = fill(x, 1.0)
+    out, along, across = _profile(x, y, half_length)
+    inverse_out = _safe_inverse(out)
+    # below the top: the hollow, or the top itself where that is nearer
+    deep = square_root(out * out + z * z)
+    inverse_deep = _safe_inverse(deep)
+    hollow = spread(x, radius) - deep
+    top_nearer = z - hollow
+    # above it: the rim, or the top beside it
+    wall = larger(spread(x, radius) - out, zero)
+    high = square_root(wall * wall + z * z)
+    inverse_high = _safe_inverse(high)
+    distance = where_positive(z, high, larger(hollow, z))
+    normal_out = where_positive(
+        z, -(wall * inverse_high) * inverse_out, where_positive(top_nearer, zero, -inverse_deep)
+    )
+    normal_up = where_positive(z, z * inverse_high, where_positive(top_nearer, one, -(z * inverse_deep)))
+    return distance, normal_out * along, normal_out * across, normal_up
+
+
 @cache
 def tool_distance_function(real: type, lane_count: int):
     """wp.func (parts, tool, displacement, x) -> (signed distance, outward normal), for lanes of points."""
@@ -175,6 +200,8 @@ def tool_distance_function(real: type, lane_count: int):
             n2 = normal[2]
         elif part.kind == DOME_OPENING:
             distance, n0, n1, n2 = dome_opening_distance(x, y, z, part.radius, part.half_length, part.edge_radius)
+        elif part.kind == DOME_CAVITY:
+            distance, n0, n1, n2 = dome_cavity_distance(x, y, z, part.radius, part.half_length)
         elif part.kind == TORUS:
             out = square_root(x * x + y * y)
             a = out - spread(x, part.half_length)

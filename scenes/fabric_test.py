@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from weavesim.errors import InputError
-from weavesim.fabric import PRESETS, Fabric
+from weavesim.fabric import Fabric
+from weavesim.fabric_file import FABRIC_HELP, resolve_fabric
 from weavesim.parameters import NotNegative, Positive
 from weavesim.run_options import RunOptions
 
@@ -21,7 +21,7 @@ STEP_SAFETY = 0.6
 class FabricTestParameters(RunOptions):
     """Options of every fabric test."""
 
-    fabric: str = Field(default="glass-polypropylene", description=f"one of {', '.join(PRESETS)}")
+    fabric: str = Field(default="glass-polypropylene", description=FABRIC_HELP)
     shear_law: Literal["curve", "linear"] = Field(
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
@@ -31,14 +31,12 @@ class FabricTestParameters(RunOptions):
 
 
 def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
-    """The preset that is named, with the shear law that is named.
+    """The preset or file that is named, with the shear law that is named.
 
     Raises:
-        InputError: no such preset.
+        InputError: no such fabric.
     """
-    if parameters.fabric not in PRESETS:
-        raise InputError(f"fabric {parameters.fabric!r} is unknown: choose one of {', '.join(PRESETS)}")
-    fabric = PRESETS[parameters.fabric]()
+    fabric = resolve_fabric(parameters.fabric)
     return fabric.with_linear_shear(parameters.shear_modulus) if parameters.shear_law == "linear" else fabric
 
 

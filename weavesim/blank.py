@@ -112,6 +112,45 @@ class Blank:
         return cls.from_mesh(position, quads, yarn_angle=yarn_angle)
 
     @classmethod
+    def fitted(
+        cls,
+        outline: np.ndarray,
+        element_size: float,
+        *,
+        mesh_angle: float = 0.0,
+        yarn_angle: float = 0.0,
+        height: float = 0.0,
+        distortion: float = 0.0,
+        seed: int = 0,
+    ) -> Blank:
+        """A flat sheet of any outline without corners that point inwards, the mesh at any angle to outline and yarns.
+
+        Square elements in the inside, one layer of others along the outline; corners and sides are met exactly.
+
+        Args:
+            outline: corners in order, (k, 2) [m]; a curve is given by many corners, each of a small turn.
+            element_size: edge length in the inside [m].
+            mesh_angle: angle from the x axis to the edges of the elements [degrees].
+            yarn_angle: angle from the x axis to the warp [degrees].
+            height: z of all nodes [m].
+            distortion: random shift of the inner nodes, as a share of the element size (below 0.4).
+            seed: of that shift.
+
+        Raises:
+            InputError: an outline that crosses itself or has a corner that points inwards; elements too large for it.
+        """
+        from .fitted_mesh import fitted_mesh
+
+        plan, quads = fitted_mesh(outline, element_size, mesh_angle=mesh_angle, distortion=distortion, seed=seed)
+        return cls.from_mesh(np.column_stack([plan, np.full(len(plan), height)]), quads, yarn_angle=yarn_angle)
+
+    @classmethod
+    def disc(cls, radius: float, element_size: float, **options: float) -> Blank:
+        """A flat disc around the origin [m], as a polygon of 720 sides; ``options`` are those of ``fitted``."""
+        angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+        return cls.fitted(radius * np.column_stack([np.cos(angle), np.sin(angle)]), element_size, **options)
+
+    @classmethod
     def from_mesh(
         cls,
         node_position: np.ndarray,

@@ -335,6 +335,42 @@ class DomeOpening(Shape):
 
 
 @dataclass(frozen=True)
+class DomeCavity(Shape):
+    """A block, solid z < 0, with a hollow: two quarter-balls joined by a half-cylinder along x, open to +z.
+
+    It is the closed end of a ``DomeOpening`` of the same radius, and the counterpart of a ``DomePunch``.
+
+    Attributes:
+        radius: of balls and cylinder [m].
+        half_length: half the distance of the balls' centres [m]; zero gives a hemispherical hollow.
+    """
+
+    radius: float
+    half_length: float
+    _lengths = ("radius",)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _non_negative(self, "half_length")
+
+    @property
+    def smallest_radius(self) -> float:
+        # a sheet lies in the hollow; it is not bent over its rim, which an opening above it hides
+        return self.radius
+
+    def _fill_dimensions(self, part: Any, device: Any) -> None:
+        part.kind = int(kinds.DOME_CAVITY)
+        part.radius = self.radius
+        part.half_length = self.half_length
+
+    def _local_display_mesh(self) -> trimesh.Trimesh:
+        latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
+        mesh = _swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
+        mesh.invert()  # seen from inside the hollow
+        return mesh
+
+
+@dataclass(frozen=True)
 class Union(Shape):
     """Several shapes as one tool: its distance is that of the nearest shape.
 

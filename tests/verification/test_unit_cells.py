@@ -371,21 +371,21 @@ def test_time_step_is_below_the_limit(shell_cell, state, sheet, fabric):
 
 
 def test_thrown_sheet_keeps_momentum_and_energy(shell_cell):
-    """Free flight of a whole fabric with this cell."""
+    """Free flight of a whole fabric with this cell.
+
+    The kinetic energy is half a step older than the elastic one: a small step keeps the balance from swinging.
+    """
     blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005, yarn_angle=15.0, distortion=0.2)
     rng = np.random.default_rng(0)
     velocity = 0.3 * rng.normal(size=blank.node_position.shape)
     velocity[:, 0] += 20.0 * blank.node_position[:, 1]
-    fabric = glass_polypropylene().model_copy(
-        update={
-            "unit_cell": shell_cell,
-            "shear": glass_polypropylene().shear.model_copy(update={"locking_stiffness": 0.0}),
-        }
-    )
-    simulation = Simulation(
-        name="thrown", blank=blank, fabric=fabric, duration=5e-4, initial_velocity=velocity, precision="float64",
-        lane_count=1, threads=1, frame_count=5,
-    )  # fmt: skip
+    shear = glass_polypropylene().shear.model_copy(update={"locking_stiffness": 0.0})
+    # in-plane bending takes the angles from the step before, and books what that costs: not what is tested here
+    laws = {"unit_cell": shell_cell, "shear": shear, "in_plane_bending_stiffness": 0.0}
+    settings = {"name": "thrown", "blank": blank, "fabric": glass_polypropylene().model_copy(update=laws)}
+    settings |= {"duration": 5e-4, "precision": "float64", "lane_count": 1, "threads": 1}
+    step = 0.1 * Simulation(**settings).model.reference_step
+    simulation = Simulation(**settings, initial_velocity=velocity, frame_count=40, time_step=step)
     mass = simulation.model.node_mass[:, None]
     before = (mass * velocity).sum(axis=0)
     simulation.run()
@@ -393,7 +393,11 @@ def test_thrown_sheet_keeps_momentum_and_energy(shell_cell):
     assert np.abs(after - before).max() < 1e-12 * np.abs(mass * velocity).sum()
     energies = simulation.frame.energies
     assert energies["internal"] > 0.05 * energies["initial_kinetic"]
-    assert abs(energies["balance_error"]) < 0.02 * energies["initial_kinetic"]
+    assert energies["snap_loss"] == 0.0
+    errors = np.array([entry["balance_error"] for entry in simulation.history]) / energies["initial_kinetic"]
+    assert np.abs(errors).max() < 0.02
+    assert abs(errors[-10:].mean()) < 1e-3
+    assert simulation.summary()["unit_cell_max_residual"] < 1e-9
 
 
 # --- what a user can get wrong ----------------------------------------------------------------------------------------

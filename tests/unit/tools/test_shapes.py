@@ -14,6 +14,7 @@ from weavesim.kernels.distance import sample_distance_kernel
 from weavesim.shapes import (
     IDENTITY,
     Capsule,
+    DomeCavity,
     DomeOpening,
     DomePunch,
     Plane,
@@ -34,6 +35,8 @@ SHAPES = [
     PUNCH,
     DomePunch(0.05, 0.0),
     OPENING,
+    DomeCavity(0.05, 0.0),
+    DomeCavity(0.04, 0.08),
     DomeOpening(0.05, 0.0, 0.0),
     DomeOpening(0.04, 0.05, 0.0, display_size=(0.5, 0.3)),
 ]
@@ -93,6 +96,30 @@ def test_punch_is_the_union_of_capsules_stacked_upwards(seed, radius, half_lengt
     value = distance(DomePunch(radius, half_length), points)[0]
     assert np.all(value <= stacked + 1e-12)
     assert np.all(value >= stacked - 0.6e-4)
+
+
+@cases
+@given(seeds, length, length)
+def test_cavity_is_as_far_as_the_nearest_point_of_its_profile(seed, radius, half_length):
+    points = points_around(seed)
+    out = np.linalg.norm(to_segment(points * (1.0, 1.0, 0.0), half_length), axis=1)
+    angle = np.linspace(-0.5 * np.pi, 0.0, 1500)
+    step = np.linspace(0.0, 0.6, 3000)
+    profile = np.concatenate(
+        [
+            radius * np.column_stack([np.cos(angle), np.sin(angle)]),
+            np.column_stack([radius + step, np.zeros_like(step)]),
+        ]
+    )
+    nearest = np.linalg.norm(np.column_stack([out, points[:, 2]])[:, None] - profile, axis=2).min(axis=1)
+    value, normal = distance(DomeCavity(radius, half_length), points)
+    solid = (points[:, 2] < 0.0) & (np.hypot(out, points[:, 2]) > radius)
+    assert np.array_equal(value < 0.0, solid)
+    outside = ~solid
+    np.testing.assert_allclose(value[outside], nearest[outside], atol=1.2e-4)
+    # inside the solid the nearer of top and hollow; their common edge is nearer to no point of it
+    np.testing.assert_allclose(-value[solid], nearest[solid], atol=1.2e-4)
+    np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1.0, atol=1e-9)
 
 
 @cases

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 # Relative residual that Newton's method reaches in a run of either precision: of the plain weave, which works in the
 # precision of the run, and of all other cells, which work in double precision.
 UNIT_CELL_TOLERANCE = {"float32": 2.0e-5, "float64": 1.0e-11}
-ENERGY_CELL_TOLERANCE = {"float32": 1.0e-6, "float64": 1.0e-11}
+ENERGY_CELL_TOLERANCE = {"float32": 1.0e-5, "float64": 1.0e-11}
 
 
 class Cell(Parameters):

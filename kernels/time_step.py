@@ -198,6 +198,13 @@ def largest_in_plane(
     return size * power
 
 
+# A step that shrinks goes to this share of the limit, so that it need not shrink again at once.
+STEP_MARGIN = wp.constant(0.98)
+# A step grows by one factor per refresh as soon as the limit is the other one above it.
+STEP_GROWTH = wp.constant(1.02)
+STEP_SLACK = wp.constant(1.05)
+
+
 @cache
 def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
     """Square of each element's highest frequency, bounded from above [1/s^2].
@@ -429,7 +436,11 @@ def partial_maximum_kernel(real: type):
 
 @cache
 def set_step_kernel(real: type):
-    """The next time step: a share of 2/omega, growing by at most 2 % per refresh."""
+    """The next time step: kept as long as it is stable and not far below what is, for every change costs energy.
+
+    Central differences with a constant step keep an energy of their own; each change of the step breaks it, and since
+    the stable step follows the state, the breaks add up.
+    """
 
     @wp.kernel(module="unique", enable_backward=False)
     def set_step(
@@ -441,9 +452,13 @@ def set_step_kernel(real: type):
         largest = real(0.0)
         for i in range(maxima.shape[0]):
             largest = wp.where(maxima[i] <= largest, largest, maxima[i])
-        limit = wp.min(safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest)), largest_step)
+        stable = safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest))
         old = clock[CLOCK_STEP]
-        new = wp.min(limit, wp.float64(1.02) * old)
+        new = old
+        if not wp.min(stable, largest_step) >= old:  # a NaN shrinks the step too, and so stops the run
+            new = wp.min(wp.float64(STEP_MARGIN) * stable, largest_step)
+        elif stable > wp.float64(STEP_SLACK) * old:
+            new = wp.min(wp.float64(STEP_GROWTH) * old, largest_step)
         clock[CLOCK_STEP] = new
         clock[CLOCK_MEAN_STEP] = wp.float64(0.5) * (old + new)
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from weavesim.blank import Blank
+from weavesim.cells import LinearMembrane
 from weavesim.errors import RunError
-from weavesim.fabric import Fabric, LinearShear, MomentCurve, UnitCell, glass_polypropylene
+from weavesim.fabric import Fabric, LinearShear, MomentCurve, Stabilisation, UnitCell, glass_polypropylene
 from weavesim.model import MotionParameters
 from weavesim.motion import Stroke
 from weavesim.recording import Outcome
@@ -77,6 +78,30 @@ def test_free_vibration_keeps_its_energy(precision, in_plane):
         assert np.abs(error).max() < tolerance
         lost = simulation.frame.energies["damping_loss"] / supplied
         assert (lost > 0.05) if in_plane else (lost == 0.0)
+
+
+def test_noise_keeps_its_energy(fabric):
+    """Random velocities excite the highest modes, for which the step is almost too large; it must not follow them."""
+    laws = fabric(
+        unit_cell=LinearMembrane(warp_stiffness=1e5, weft_stiffness=1e5), shear=LinearShear(modulus=1e6),
+        stabilisation=Stabilisation(),
+    )  # fmt: skip
+    blank = Blank.rectangle((0.0, 0.0), (0.04, 0.04), 0.01)
+    velocity = np.zeros((blank.node_count, 3))
+    velocity[:, :2] = np.random.default_rng(0).normal(scale=0.1, size=(blank.node_count, 2))
+    simulation = Simulation(
+        name="noise", blank=blank, fabric=laws, duration=1.0, initial_velocity=velocity, precision="float64",
+        lane_count=1, threads=1,
+    )  # fmt: skip
+    start = simulation.frame.energies
+    for _ in range(5):
+        simulation.stepper.advance(100)
+        energies = simulation.ledger.frame(1).energies
+        # the step is as large as it may be, but for the margins of a step that is kept
+        assert 0.9 < simulation.state.step / simulation.stepper.stable_step() <= 1.0
+        total, first = (e["kinetic"] + e["internal"] for e in (energies, start))
+        assert total == pytest.approx(first, rel=1e-3)
+    assert simulation.stepper.step_count == 10_000
 
 
 def test_momentum_is_kept_with_a_changing_step():

@@ -185,7 +185,7 @@ def test_forces_turn_with_the_sheet(sheet, curved_blank, deformed, manual):
     assert change < 1e-10
     case = manual(
         "Element", "Objectivity",
-        known="A strained, sheared, bent and warped sheet of the preset is turned by 142 degrees and moved: forces and "
+        known="A strained, sheared, bent and warped sheet of the preset is turned by 139 degrees and moved: forces and "
         "director gradients turn with it, its energy stays, to round-off.",
     )  # fmt: skip
     case.table(["quantity", "largest relative difference"], [["forces", f"{errors[0]:.1e}"],

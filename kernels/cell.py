@@ -34,6 +34,7 @@ class CellLaw:
         unknown_count: number n of unknowns, 0 to 4.
         energy_names: the parts of the energy, entries of the ledger.
         depends_on_shear: False spares all that would be zero.
+        lane_by_lane: True if its functions take one lane after the other, so that wide kernels gain nothing.
         stable_state_count: states whose tangents ``stable_tangent`` gives.
         solve: (..., start q) -> q, n_1, n_2, m [N/m], pressure between warp and weft per reference
             area [N/m^2], relative residual, iterations.
@@ -49,6 +50,7 @@ class CellLaw:
     unknown_count: int
     energy_names: tuple[str, ...]
     depends_on_shear: bool
+    lane_by_lane: bool
     stable_state_count: int
     solve: Any
     energies: Any
@@ -493,6 +495,7 @@ def energy_cell(
         unknown_count=n,
         energy_names=part_names,
         depends_on_shear=depends_on_shear,
+        lane_by_lane=True,
         stable_state_count=2,
         solve=solve,
         energies=energies,

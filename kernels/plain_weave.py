@@ -345,6 +345,7 @@ PLAIN_WEAVE = CellLaw(
     unknown_count=2,
     energy_names=ENERGY_NAMES,
     depends_on_shear=False,
+    lane_by_lane=False,
     stable_state_count=1,
     solve=solve,
     energies=energies,

@@ -134,7 +134,9 @@ class Stepper:
         self._tool_motion = tool_motion_kernel(real)
         self._support_motion = support_motion_kernel(real)
         self._partial_sums = partial_sum_kernel(real)
-        self._frequencies = element_frequency_kernel(real, lane_count, model.cell_law)
+        # the wide kernel takes long to compile: only for cells that run faster in it
+        self._frequency_lane_count = 1 if model.cell_law.lane_by_lane else lane_count
+        self._frequencies = element_frequency_kernel(real, self._frequency_lane_count, model.cell_law)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._tool_set = tool_set_struct(real)()
@@ -225,16 +227,17 @@ class Stepper:
         )
 
     def _refresh_frequencies(self, first: int, count: int) -> None:
-        model, state = self.model, self.state
+        model, state, lane_count = self.model, self.state, self._frequency_lane_count
+        elements = model.elements_single if lane_count == 1 else model.elements
         wp.launch(
             self._frequencies,
             dim=count,
             inputs=[
-                first, model.elements, model.cell, model.laws, model.bending_bound, model.contact_frequency,
-                state.motion, state.node_report, lanes_view(state.cell_unknowns, model.lane_count),
-                lanes_view(model.step_inertia, model.lane_count), state.clock, REFRESH_INTERVAL,
+                first, elements, model.cell, model.laws, model.bending_bound, model.contact_frequency,
+                state.motion, state.node_report, lanes_view(state.cell_unknowns, lane_count),
+                lanes_view(model.step_inertia, lane_count), state.clock, REFRESH_INTERVAL,
             ],
-            outputs=[lanes_view(self._squared_frequency, model.lane_count)],
+            outputs=[lanes_view(self._squared_frequency, lane_count)],
             device=model.device,
         )  # fmt: skip
 
@@ -261,7 +264,9 @@ class Stepper:
             wp.launch(barrier, dim=1, inputs=[self._counter, self.thread_count], device=self.model.device)
 
     def _refresh(self, thread: int) -> None:
-        self._refresh_frequencies(*chunks(self.model.element_count // self.model.lane_count, self.thread_count)[thread])
+        self._refresh_frequencies(
+            *chunks(self.model.element_count // self._frequency_lane_count, self.thread_count)[thread]
+        )
         self._wait()
         if thread == 0:
             self._refresh_step()

@@ -77,7 +77,7 @@ def parameter_struct(name: str, fields: tuple[tuple[str, int], ...]):
 # A step of differences: unknowns, stretches and angles are all of order one.
 LARGEST_FORWARD_STEP = wp.constant(wp.float64(1.0e-7))
 SMALLEST_FORWARD_STEP = wp.constant(wp.float64(1.0e-10))
-CENTRAL_STEP = wp.constant(wp.float64(1.0e-6))
+CENTRAL_STEP = wp.constant(wp.float64(1.0e-8))
 # Largest change of an unknown in one Newton step, and what is small enough to be taken unseen.
 STEP_LIMIT = wp.constant(wp.float64(0.25))
 SMALL_STEP = wp.constant(wp.float64(1.0e-3))

@@ -118,14 +118,22 @@ def test_forces_are_the_derivative_of_the_energy(registered):
 
 
 def test_tangent_is_the_derivative_of_the_forces(registered):
-    cell = registered.make()
+    cell, change = registered.make(), 1e-6
     stretch, angle = random_strains(200)
     response = respond(cell, stretch, angle)
-    numerical = differences(cell, response, stretch, angle, 1e-6, forces)
-    scale = np.abs(numerical).max(axis=(1, 2)) + size_of(cell)
-    error = np.abs(response.tangent - numerical).max(axis=(1, 2)) / scale
-    # within the difference of a member that becomes taut, the derivative jumps
-    assert np.quantile(error, 0.97) < 1e-5
+    here, ends = forces(response), []
+    for k in range(3):
+        for sign in (change, -change):
+            moved = np.column_stack([stretch, angle])
+            moved[:, k] += sign
+            ends.append((forces(again(cell, response, moved[:, :2], moved[:, 2])) - here) / sign)
+    ahead, behind = np.stack(ends[::2], axis=-1), np.stack(ends[1::2], axis=-1)
+    scale = np.abs(ahead).max(axis=(1, 2)) + size_of(cell)
+    # where a member is just becoming taut there are two derivatives: such states are left out, and are few
+    smooth = np.abs(ahead - behind).max(axis=(1, 2)) < 1e-3 * scale
+    assert smooth.mean() > 0.95
+    error = np.abs(response.tangent - 0.5 * (ahead + behind)).max(axis=(1, 2)) / scale
+    assert error[smooth].max() < 1e-5
     assert np.abs(response.tangent - response.tangent.transpose(0, 2, 1)).max() == 0.0
 
 

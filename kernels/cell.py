@@ -432,17 +432,36 @@ def energy_cell(
     def stable_tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int):
         """State 0: as it is; 1: the same with its yarns, if slack, just pulled taut."""
         _late = wp.grad(emitted_late)(real(0.0))
-        x = lane_state(strain1, strain2, angle, q, 0)
-        if state == 1:
-            x[0] = wp.max(x[0], real(0.0)) + PULL
-            x[1] = wp.max(x[1], real(0.0)) + PULL
-        x, g, residual, iterations = equilibrium(p, x)
-        c11, c12, c22, c13, c23, c33 = six_lanes(strain1, condensed(p, x))
-        return (
-            c11, c12, c22, c13, c23, c33,
-            type(strain1)(strain1.dtype(g[0])), type(strain1)(strain1.dtype(g[1])), type(strain1)(strain1.dtype(g[2])),
-            type(strain1)(strain1.dtype(crossover_of(p, x))),
-        )  # fmt: skip
+        c11 = type(strain1)()
+        c12 = type(strain1)()
+        c22 = type(strain1)()
+        c13 = type(strain1)()
+        c23 = type(strain1)()
+        c33 = type(strain1)()
+        force1 = type(strain1)()
+        force2 = type(strain1)()
+        moment = type(strain1)()
+        pressure = type(strain1)()
+        i = wp.int32(0)
+        while i < len(strain1):
+            x = lane_state(strain1, strain2, angle, q, i)
+            if state == 1:
+                x[0] = wp.max(x[0], real(0.0)) + PULL
+                x[1] = wp.max(x[1], real(0.0)) + PULL
+            x, g, residual, iterations = equilibrium(p, x)
+            c = condensed(p, x)
+            c11[i] = strain1.dtype(c[0])
+            c12[i] = strain1.dtype(c[1])
+            c22[i] = strain1.dtype(c[2])
+            c13[i] = strain1.dtype(c[3])
+            c23[i] = strain1.dtype(c[4])
+            c33[i] = strain1.dtype(c[5])
+            force1[i] = strain1.dtype(g[0])
+            force2[i] = strain1.dtype(g[1])
+            moment[i] = strain1.dtype(g[2])
+            pressure[i] = strain1.dtype(crossover_of(p, x))
+            i = i + 1
+        return c11, c12, c22, c13, c23, c33, force1, force2, moment, pressure
 
     @wp.func
     def snap_loss(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: Any):

@@ -196,6 +196,7 @@ def largest_in_plane(
         power = square_root(power)
     return size * power
 
+
 # A step that shrinks goes to this share of the limit, so that it need not shrink again at once.
 STEP_MARGIN = wp.constant(0.98)
 # A step grows by one factor per refresh as soon as the limit is the other one above it.

@@ -314,10 +314,10 @@ def test_thrown_sheet_keeps_momentum_and_energy(shell_cell):
     assert simulation.summary()["unit_cell_max_residual"] < 1e-9
 
 
-@pytest.mark.parametrize("name", ["twill", "user's net"])
-def test_lanes_and_precisions_agree_in_the_shell(name, sheet, fabric, curved_blank, deformed):
+@pytest.mark.slow
+def test_lanes_and_precisions_agree_in_the_shell(sheet, fabric, curved_blank, deformed):
     """Sixteen lanes of single precision, as a run on a CPU has them, against one of double precision."""
-    laws = fabric(unit_cell=CELLS[name].make())
+    laws = fabric(unit_cell=CELLS["twill"].make())
     exact, _ = sheet(curved_blank, laws).forces(*deformed)
     single, _ = sheet(curved_blank, laws, precision="float32", lane_count=16).forces(*deformed)
     assert np.abs(single - exact).max() < 1e-4 * np.abs(exact).max()

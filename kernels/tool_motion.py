@@ -89,17 +89,21 @@ def tool_motion_kernel(real: type):
             total_reaction[k] = total
             along = wp.dot(total, axis[k])
             old = displacement[k]
+            old_velocity = velocity[k]
+            drive_force = wp.float64(0.0)
             new = curve_value(curve_times, curve_values, drive, next_time)
             if drive.kind == FORCE:
                 drive_force = curve_value(curve_times, curve_values, drive, clock[CLOCK_TIME])
                 new_velocity = velocity[k] + clock[CLOCK_MEAN_STEP] * (drive_force + along) / drive.mass
                 velocity[k] = new_velocity
                 new = old + step * new_velocity
-                work[1, k] = work[1, k] + drive_force * (new - old)
             else:
                 velocity[k] = (new - old) / step
             displacement[k] = new
-            work[0, k] = work[0, k] - along * (new - old)
+            # forces are those of the present, between two half steps: like the nodes, the tool goes the mean of both
+            way = wp.float64(0.5) * clock[CLOCK_MEAN_STEP] * (old_velocity + velocity[k])
+            work[0, k] = work[0, k] - along * way
+            work[1, k] = work[1, k] + drive_force * way
         clock[CLOCK_TIME] = next_time
         clock[CLOCK_MEAN_STEP] = step
 

@@ -75,7 +75,8 @@ def parameter_struct(name: str, fields: tuple[tuple[str, int], ...]):
 
 
 # A step of differences: unknowns, stretches and angles are all of order one.
-FORWARD_STEP = wp.constant(wp.float64(1.0e-7))
+LARGEST_FORWARD_STEP = wp.constant(wp.float64(1.0e-7))
+SMALLEST_FORWARD_STEP = wp.constant(wp.float64(1.0e-10))
 CENTRAL_STEP = wp.constant(wp.float64(1.0e-6))
 # Largest change of an unknown in one Newton step, and what is small enough to be taken unseen.
 STEP_LIMIT = wp.constant(wp.float64(0.25))
@@ -261,12 +262,13 @@ def energy_cell(
 
         A Hessian that is not positive definite is shifted; a step is limited, and taken back in part while it
         overshoots (the slope along it has changed sign and keeps more than half its size) or, unless it is small, the
-        energy grows.
+        energy grows; then until the slope has lost half its size.
         """
         _late = wp.grad(emitted_late)(real(0.0))
         x = start
         g = gradient_of(p, x)
         stiffest = real(0.0)
+        reach = LARGEST_FORWARD_STEP
         iterations = real(0.0)
         residual = relative_residual(p, g, stiffest)
         for _iteration in range(MAXIMUM_ITERATIONS):
@@ -276,7 +278,7 @@ def energy_cell(
             h = square()
             for k in range(n):
                 # towards the minimum: a member that becomes taut on the way is then met with its stiffness
-                change = wp.where(g[3 + k] > real(0.0), -FORWARD_STEP, FORWARD_STEP)
+                change = wp.where(g[3 + k] > real(0.0), -reach, reach)
                 y = x
                 y[3 + k] = y[3 + k] + change
                 ahead = gradient_of(p, y)
@@ -299,7 +301,10 @@ def energy_cell(
                 before = energy_of(p, x)
             y = x
             share = real(1.0)
-            for _trial in range(20):
+            low = real(0.0)
+            high = real(0.0)
+            fall = slope
+            for trial in range(30):
                 for k in range(n):
                     y[3 + k] = x[3 + k] - share * step[k]
                 g = gradient_of(p, y)
@@ -307,15 +312,24 @@ def energy_cell(
                 rise = real(0.0)
                 for k in range(n):
                     rise = rise - g[3 + k] * step[k]
-                higher = real(0.0)
+                grown = real(0.0)
                 if share * longest > SMALL_STEP:
-                    higher = energy_of(p, y) - before - real(1.0e-15) * (wp.abs(before) + p.force_floor)
-                if rise <= real(0.5) * slope and not higher > real(0.0):
+                    grown = energy_of(p, y) - before - real(1.0e-15) * (wp.abs(before) + p.force_floor)
+                # between two known points by turns of the secant and the middle: at a kink the secant alone creeps
+                part = real(0.5)
+                if rise > real(0.5) * slope or grown > real(0.0):
+                    high = share
+                    if trial % 2 == 0 and rise > real(0.0):
+                        part = wp.clamp(fall / (fall + rise), real(0.1), real(0.9))
+                elif high > real(0.0) and rise < real(-0.5) * slope:
+                    low = share
+                    fall = -rise
+                else:
                     break
-                share = share * wp.where(
-                    rise > real(0.0), wp.clamp(slope / (slope + rise), real(0.1), real(0.9)), real(0.5)
-                )
+                share = low + part * (high - low)
             x = y
+            # near a kink that is closer than the reach of the differences they would mix both sides
+            reach = wp.clamp(real(0.01) * share * longest, SMALLEST_FORWARD_STEP, LARGEST_FORWARD_STEP)
             residual = relative_residual(p, g, stiffest)
             iterations = iterations + real(1.0)
         return x, g, residual, iterations
@@ -418,17 +432,36 @@ def energy_cell(
     def stable_tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int):
         """State 0: as it is; 1: the same with its yarns, if slack, just pulled taut."""
         _late = wp.grad(emitted_late)(real(0.0))
-        x = lane_state(strain1, strain2, angle, q, 0)
-        if state == 1:
-            x[0] = wp.max(x[0], real(0.0)) + PULL
-            x[1] = wp.max(x[1], real(0.0)) + PULL
-        x, g, residual, iterations = equilibrium(p, x)
-        c11, c12, c22, c13, c23, c33 = six_lanes(strain1, condensed(p, x))
-        return (
-            c11, c12, c22, c13, c23, c33,
-            type(strain1)(strain1.dtype(g[0])), type(strain1)(strain1.dtype(g[1])), type(strain1)(strain1.dtype(g[2])),
-            type(strain1)(strain1.dtype(crossover_of(p, x))),
-        )  # fmt: skip
+        c11 = type(strain1)()
+        c12 = type(strain1)()
+        c22 = type(strain1)()
+        c13 = type(strain1)()
+        c23 = type(strain1)()
+        c33 = type(strain1)()
+        force1 = type(strain1)()
+        force2 = type(strain1)()
+        moment = type(strain1)()
+        pressure = type(strain1)()
+        i = wp.int32(0)
+        while i < len(strain1):
+            x = lane_state(strain1, strain2, angle, q, i)
+            if state == 1:
+                x[0] = wp.max(x[0], real(0.0)) + PULL
+                x[1] = wp.max(x[1], real(0.0)) + PULL
+            x, g, residual, iterations = equilibrium(p, x)
+            c = condensed(p, x)
+            c11[i] = strain1.dtype(c[0])
+            c12[i] = strain1.dtype(c[1])
+            c22[i] = strain1.dtype(c[2])
+            c13[i] = strain1.dtype(c[3])
+            c23[i] = strain1.dtype(c[4])
+            c33[i] = strain1.dtype(c[5])
+            force1[i] = strain1.dtype(g[0])
+            force2[i] = strain1.dtype(g[1])
+            moment[i] = strain1.dtype(g[2])
+            pressure[i] = strain1.dtype(crossover_of(p, x))
+            i = i + 1
+        return c11, c12, c22, c13, c23, c33, force1, force2, moment, pressure
 
     @wp.func
     def snap_loss(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: Any):

@@ -11,7 +11,7 @@ from typing import Any
 import warp as wp
 
 from .curve import curve_energy, curve_size, curve_struct, odd_curve, slide
-from .lanes import div, fill, larger, magnitude, mul, power, spread, where_positive
+from .lanes import div, fill, larger, mul, power, spread, where_positive
 
 SHEAR_LINEAR = wp.constant(0)
 SHEAR_CURVE = wp.constant(1)
@@ -140,22 +140,6 @@ def shear_friction(laws: Any, angle: Any, slip: Any, crossover_pressure: Any):
     """Moment of the friction between the yarns [N/m], new slip [rad], work lost [J/m^2]."""
     limit = shear_friction_limit(laws, angle, crossover_pressure)
     return slide(angle, slip, laws.shear.friction_stiffness, limit, laws.slip_resolution)
-
-
-@wp.func
-def shear_tangent_bound(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, angle: Any, crossover_pressure: Any):
-    """Upper bound of the shear stiffness per squared change of angle [N/m]: material tangent and moment times tan."""
-    bound = fill(m11, 0.0)
-    curving = fill(m11, 1.0) + magnitude(m12) / area_ratio
-    if laws.shear.kind == SHEAR_LINEAR:
-        bound = m11.dtype(0.5) * laws.shear.stiffness * (m11 * m22 + magnitude(m12))
-    else:
-        moment, tangent = odd_curve(laws.shear.curve, angle)
-        bound = where_positive(tangent, tangent, fill(m11, 0.0)) + magnitude(moment) * curving
-    if laws.shear.friction_stiffness > m11.dtype(0.0):
-        limit = shear_friction_limit(laws, angle, crossover_pressure)
-        bound = bound + spread(m11, laws.shear.friction_stiffness) + limit * curving
-    return bound
 
 
 # --- compression ------------------------------------------------------------------------------------------------------

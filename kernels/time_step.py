@@ -6,54 +6,216 @@ from typing import Any
 import warp as wp
 
 from .cell import CellLaw
+from .curve import odd_curve
 from .element import (
+    DIRECTOR_ROW,
     VELOCITY_ROW,
+    corner_angles,
     element_positions,
     element_struct,
     element_vectors,
+    hourglass_stiffnesses,
     surface_metric,
+    twist_weights,
     yarn_strains,
 )
-from .lanes import angle_of, cross, div, dot, lane_types, larger, magnitude, mul, spread, square_root
+from .lanes import (
+    angle_of,
+    div,
+    dot,
+    fill,
+    lane_types,
+    larger,
+    mul,
+    spread,
+    square_root,
+    where_positive,
+)
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
-from .sheet import shear_tangent_bound, sheet_struct
+from .sheet import SHEAR_LINEAR, shear_friction_limit, sheet_struct
 
 
 @wp.func
-def spectral_radius_bound(a: Any):
-    """|A^16|^(1/16) in the Frobenius norm: never below the largest |eigenvalue| of a 3 x 3 matrix, at most 4 % above.
+def shear_tangent(laws: Any, stretch1: Any, stretch2: Any, sine: Any, cosine: Any, angle: Any, crossover_pressure: Any):
+    """Second derivatives of the shear energy by (stretch 1, stretch 2, angle): C11, C12, C22, C13, C23, C33 [N/m].
 
-    The 4 % hold where A is similar to a symmetric matrix. A NaN stays one.
+    Then its first derivatives n_1, n_2, m. Friction counts as long as it sticks, with all the moment that it can bear.
     """
-    size = a.dtype(0.0)
-    for i in range(3):
-        size = size + wp.dot(a[i], a[i])
-    size = wp.sqrt(size)
-    bound = size
-    # the logarithm keeps single precision from overflowing
-    if size > a.dtype(0.0):
-        power = a / size
-        bound_log = wp.log(size)
-        share = a.dtype(1.0)
-        for _k in range(4):
-            power = power * power
-            share = a.dtype(0.5) * share
-            norm = wp.sqrt(wp.dot(power[0], power[0]) + wp.dot(power[1], power[1]) + wp.dot(power[2], power[2]))
-            bound_log = bound_log + share * wp.log(norm)
-            power = power / norm
-        bound = wp.exp(bound_log)
-    return bound
+    zero = fill(angle, 0.0)
+    c11 = zero
+    c12 = zero
+    c22 = zero
+    c13 = zero
+    c23 = zero
+    c33 = zero
+    n1 = zero
+    n2 = zero
+    moment = zero
+    if laws.shear.kind == SHEAR_LINEAR:
+        # psi = 1/4 t G_12 (stretch1 stretch2 sin)^2
+        half = angle.dtype(0.5) * laws.shear.stiffness
+        product = stretch1 * stretch2
+        c11 = half * (stretch2 * sine) * (stretch2 * sine)
+        c12 = (angle.dtype(2.0) * half) * (product * sine * sine)
+        c22 = half * (stretch1 * sine) * (stretch1 * sine)
+        mixed = (angle.dtype(2.0) * half) * (product * sine * cosine)
+        c13 = stretch2 * mixed
+        c23 = stretch1 * mixed
+        c33 = half * (product * product) * (cosine * cosine - sine * sine)
+        n1 = stretch1 * c11
+        n2 = stretch2 * c22
+        moment = half * (product * product) * (sine * cosine)
+    else:
+        moment, c33 = odd_curve(laws.shear.curve, angle)
+        c33 = larger(c33, zero)
+    if laws.shear.friction_stiffness > angle.dtype(0.0):
+        limit = shear_friction_limit(laws, angle, crossover_pressure)
+        c33 = c33 + spread(angle, laws.shear.friction_stiffness)
+        moment = moment + where_positive(moment, limit, -limit)
+    return c11, c12, c22, c13, c23, c33, n1, n2, moment
+
+
+@wp.func
+def largest_of_pencil(h11: Any, h12: Any, h22: Any, b11: Any, b12: Any, b22: Any):
+    """Largest eigenvalue of H B, both 2 x 2 and symmetric, B positive definite."""
+    two = h11.dtype(2.0)
+    half_trace = h11.dtype(0.5) * (h11 * b11 + two * (h12 * b12) + h22 * b22)
+    determinant = (h11 * h22 - h12 * h12) * (b11 * b22 - b12 * b12)
+    return half_trace + square_root(larger(half_trace * half_trace - determinant, fill(h11, 0.0)))
+
+
+@wp.func
+def norm_squared(a00: Any, a01: Any, a02: Any, a03: Any, a11: Any, a12: Any, a13: Any, a22: Any, a23: Any, a33: Any):
+    """Sum of the squared entries of a symmetric 4 x 4 matrix."""
+    diagonal = a00 * a00 + a11 * a11 + a22 * a22 + a33 * a33
+    rest = a01 * a01 + a02 * a02 + a03 * a03 + a12 * a12 + a13 * a13 + a23 * a23
+    return diagonal + a00.dtype(2.0) * rest
+
+
+@wp.func
+def largest_in_plane(
+    c11: Any,
+    c12: Any,
+    c22: Any,
+    c13: Any,
+    c23: Any,
+    c33: Any,
+    n1: Any,
+    n2: Any,
+    moment: Any,
+    stretch1: Any,
+    stretch2: Any,
+    sine: Any,
+    cosine: Any,
+    b11: Any,
+    b12: Any,
+    b22: Any,
+):
+    """Bound of the largest |eigenvalue| of H (B x I) for motions in the tangent plane, at most 4.5 % above it.
+
+    H is the 4 x 4 second derivative by (da_1, da_2) of an energy of the stretches and the shear angle: its tangent C on
+    the strains, and the forces n_1, n_2 and the moment m on their curvature. A norm of H^16 is its bound.
+    """
+    one = fill(sine, 1.0)
+    inverse1 = one / stretch1
+    inverse2 = one / stretch2
+    # blocks of H in the tangent frame (e_1, across e_1); e_2 = (sin, cos), and the angle falls along (-cos, sin)
+    xx = c11
+    xy = inverse1 * (c13 - moment * inverse1)
+    yy = inverse1 * (n1 + c33 * inverse1)
+    along = c22
+    mixed = inverse2 * (c23 - moment * inverse2)
+    across = inverse2 * (n2 + c33 * inverse2)
+    square_sine = sine * sine
+    product = sine * cosine
+    square_cosine = cosine * cosine
+    zz = along * square_sine + sine.dtype(2.0) * (mixed * product) + across * square_cosine
+    zw = (along - across) * product + mixed * (square_cosine - square_sine)
+    ww = along * square_cosine - sine.dtype(2.0) * (mixed * product) + across * square_sine
+    angle2 = c33 * (inverse1 * inverse2)
+    xz = c12 * sine + c13 * (cosine * inverse2)
+    xw = c12 * cosine - c13 * (sine * inverse2)
+    yz = c23 * (sine * inverse1) + angle2 * cosine
+    yw = c23 * (cosine * inverse1) - angle2 * sine
+    # A = L^T H L with B = L L^T
+    l11 = square_root(b11)
+    l21 = b12 / l11
+    l22 = square_root(larger(b22 - l21 * l21, fill(sine, 0.0)))
+    s11 = l11 * l11
+    s12 = l11 * l21
+    s22 = l21 * l21
+    a00 = s11 * xx + sine.dtype(2.0) * (s12 * xz) + s22 * zz
+    a01 = s11 * xy + s12 * (xw + yz) + s22 * zw
+    a11 = s11 * yy + sine.dtype(2.0) * (s12 * yw) + s22 * ww
+    a02 = l22 * (l11 * xz + l21 * zz)
+    a03 = l22 * (l11 * xw + l21 * zw)
+    a12 = l22 * (l11 * yz + l21 * zw)
+    a13 = l22 * (l11 * yw + l21 * ww)
+    l22 = l22 * l22
+    a22 = l22 * zz
+    a23 = l22 * zw
+    a33 = l22 * ww
+    # over its norm no eigenvalue is above one, and the largest not below a half: its powers fit any precision
+    size = square_root(norm_squared(a00, a01, a02, a03, a11, a12, a13, a22, a23, a33))
+    scaling = where_positive(size, one / size, one)
+    a00 = a00 * scaling
+    a01 = a01 * scaling
+    a02 = a02 * scaling
+    a03 = a03 * scaling
+    a11 = a11 * scaling
+    a12 = a12 * scaling
+    a13 = a13 * scaling
+    a22 = a22 * scaling
+    a23 = a23 * scaling
+    a33 = a33 * scaling
+    squaring_count = int(4)  # noqa: UP018, a literal would be unrolled and take long to compile
+    for _squaring in range(squaring_count):
+        p00 = a00 * a00 + a01 * a01 + a02 * a02 + a03 * a03
+        p01 = a00 * a01 + a01 * a11 + a02 * a12 + a03 * a13
+        p02 = a00 * a02 + a01 * a12 + a02 * a22 + a03 * a23
+        p03 = a00 * a03 + a01 * a13 + a02 * a23 + a03 * a33
+        p11 = a01 * a01 + a11 * a11 + a12 * a12 + a13 * a13
+        p12 = a01 * a02 + a11 * a12 + a12 * a22 + a13 * a23
+        p13 = a01 * a03 + a11 * a13 + a12 * a23 + a13 * a33
+        p22 = a02 * a02 + a12 * a12 + a22 * a22 + a23 * a23
+        p23 = a02 * a03 + a12 * a13 + a22 * a23 + a23 * a33
+        p33 = a03 * a03 + a13 * a13 + a23 * a23 + a33 * a33
+        a00 = p00
+        a01 = p01
+        a02 = p02
+        a03 = p03
+        a11 = p11
+        a12 = p12
+        a13 = p13
+        a22 = p22
+        a23 = p23
+        a33 = p33
+    # the 16th root of |A^16|
+    power = norm_squared(a00, a01, a02, a03, a11, a12, a13, a22, a23, a33)
+    for _root in range(squaring_count + 1):
+        power = square_root(power)
+    return size * power
+
+# A step that shrinks goes to this share of the limit, so that it need not shrink again at once.
+STEP_MARGIN = wp.constant(0.98)
+# A step grows by one factor per refresh as soon as the limit is the other one above it.
+STEP_GROWTH = wp.constant(1.02)
+STEP_SLACK = wp.constant(1.05)
 
 
 @cache
-def element_frequency_kernel(real: type, cell: CellLaw):
-    """Square of each element's highest frequency, bounded from above [1/s^2]; one lane, any number of elements."""
-    types = lane_types(real, 1)
+def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
+    """Square of each element's highest frequency, bounded from above [1/s^2].
+
+    The bound is the largest eigenvalue of a 2 x 2 matrix of norms: of the second derivatives by the positions, by the
+    directors, and of those that couple both, each over the lumped masses. In a flat element the first falls apart into
+    motions in the plane, across it, and hourglass modes, of which the largest counts.
+    """
+    types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
-    Elements, UnitCell, SheetLaws = element_struct(real, 1), cell.parameters(real), sheet_struct(real)
+    Elements, UnitCell, SheetLaws = element_struct(real, lane_count), cell.parameters(real), sheet_struct(real)
     unknown_count, state_count, cell_shears = cell.unknown_count, cell.stable_state_count, cell.depends_on_shear
-    Unknowns = wp.types.matrix((cell.row_count, 1), real)
-    mat33 = wp.types.matrix((3, 3), real)
+    Unknowns = wp.types.matrix((cell.row_count, lane_count), real)
     stable_tangent = cell.stable_tangent
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -63,9 +225,12 @@ def element_frequency_kernel(real: type, cell: CellLaw):
         elements: Elements,
         cell: UnitCell,
         laws: SheetLaws,
+        bending_bound: real,  # largest bending stiffness of any curvature [N m]
+        contact_frequency: real,  # squared, of the contact springs [1/s^2]
         motion: wp.array2d(dtype=vec3),
+        node_report: wp.array2d(dtype=real),
         cell_unknowns: wp.array2d(dtype=lanes),
-        inertia: wp.array2d(dtype=lanes),  # rows: inverse areal density with any added mass; constant part [1/s^2]
+        inertia: wp.array2d(dtype=lanes),  # rows: inverse areal density with any added mass; inverse squared radius
         clock: wp.array(dtype=wp.float64),
         steps_ahead: wp.int32,
         # Out
@@ -73,14 +238,30 @@ def element_frequency_kernel(real: type, cell: CellLaw):
     ):
         e = first + wp.tid()
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
+        bp1 = elements.shape_gradient[0, e]
+        bp2 = elements.shape_gradient[1, e]
+        bq1 = elements.shape_gradient[2, e]
+        bq2 = elements.shape_gradient[3, e]
+        zero = lanes()
+        one = lanes(real(1.0))
+        half = real(0.5)
+        two = real(2.0)
+        b11 = two * (bp1 * bp1 + bq1 * bq1)
+        b22 = two * (bp2 * bp2 + bq2 * bq2)
+        b12 = two * (bp1 * bp2 + bq1 * bq2)
+        inverse_product = one / (stretch1 * stretch2)
+        sine = m12 * inverse_product
+        cosine = area_ratio * inverse_product
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
-        # where the present rate takes the yarns before the step is looked at again, twice as far for safety
+
+        # in the plane; where the present rate takes the yarns before the next look, twice as far for safety
         v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion[VELOCITY_ROW], lanes3())
-        horizon = real(2.0) * real(clock[CLOCK_STEP]) * real(steps_ahead)
-        strain1 = strain1 + horizon * (larger(dot(a1, v1), lanes()) / stretch1)
-        strain2 = strain2 + horizon * (larger(dot(a2, v2), lanes()) / stretch2)
+        horizon = two * real(clock[CLOCK_STEP]) * real(steps_ahead)
+        strain1 = strain1 + horizon * (larger(dot(a1, v1), zero) / stretch1)
+        strain2 = strain2 + horizon * (larger(dot(a2, v2), zero) / stretch2)
         angle_ahead = angle
         if wp.static(cell_shears):
             # dgamma/da_1 = (a_2 - a_1 m12/m11)/J
@@ -89,51 +270,140 @@ def element_frequency_kernel(real: type, cell: CellLaw):
         start = Unknowns()
         for k in range(unknown_count):
             start[k] = cell_unknowns[k, e]
-        bp1 = elements.shape_gradient[0, e]
-        bp2 = elements.shape_gradient[1, e]
-        bq1 = elements.shape_gradient[2, e]
-        bq2 = elements.shape_gradient[3, e]
-        half = real(0.5)
-        two = real(2.0)
-        sum11 = two * (bp1 * bp1 + bq1 * bq1)
-        sum22 = two * (bp2 * bp2 + bq2 * bq2)
-        sum12 = two * (bp1 * bp2 + bq1 * bq2)
-        b12 = sum12 * m12 / (stretch1 * stretch2)
-        highest = lanes()
-        pressure = lanes()
+        bundling = zero
+        bundled = zero
+        if laws.in_plane_bending_stiffness > real(0.0):
+            bundling = (two * laws.in_plane_bending_stiffness) * (bp1 * bq2 - bp2 * bq1)
+            difference, square = corner_angles(elements, e, node_report, angle)
+            bundled = bundling * difference
+        metric11 = m22 / (area_ratio * area_ratio)
+        metric12 = -(m12 / (area_ratio * area_ratio))
+        metric22 = m11 / (area_ratio * area_ratio)
+        slope = laws.transverse_shear_stiffness * area_ratio
+        in_plane = zero
+        across = zero
         for state in range(state_count):
-            c11, c12, c22, c13, c23, c33, force1, force2, moment, pressed = stable_tangent(
+            c11, c12, c22, c13, c23, c33, n1, n2, turning, pressure = stable_tangent(
                 cell, strain1, strain2, angle_ahead, start, state
             )
-            membrane = lanes()
+            s11, s12, s22, s13, s23, s33, pull1, pull2, moment = shear_tangent(
+                laws, stretch1, stretch2, sine, cosine, angle, pressure
+            )
             if wp.static(cell_shears):
-                # the same with the angle as the third strain, whose gradients across the yarns are 1/lambda long
-                b13 = sum12 * area_ratio / (stretch1 * m22)
-                b23 = sum12 * area_ratio / (stretch2 * m11)
-                b33 = sum11 / m11 + sum22 / m22 - two * sum12 * m12 / (m11 * m22)
-                stiffness = mat33(c11[0], c12[0], c13[0], c12[0], c22[0], c23[0], c13[0], c23[0], c33[0])
-                gram = mat33(sum11[0], b12[0], b13[0], b12[0], sum22[0], b23[0], b13[0], b23[0], b33[0])
-                membrane = lanes(spectral_radius_bound(stiffness * gram))
-            else:
-                # largest eigenvalue of C B, both symmetric
-                trace = c11 * sum11 + two * (c12 * b12) + c22 * sum22
-                determinant = (c11 * c22 - c12 * c12) * (sum11 * sum22 - b12 * b12)
-                root = square_root(larger(real(0.25) * trace * trace - determinant, lanes()))
-                membrane = half * trace + root
-                membrane = larger(membrane, magnitude(trace - membrane))
-            # tension stiffens the directions across the yarn, a moment those in which the angle is not linear
-            membrane = membrane + larger(force1 / stretch1, lanes()) * sum11
-            membrane = membrane + larger(force2 / stretch2, lanes()) * sum22
-            if wp.static(cell_shears):
-                turning = magnitude(moment) * (lanes(real(1.0)) + magnitude(m12) / area_ratio)
-                membrane = membrane + two * turning * (sum11 / m11 + sum22 / m22)
-            highest = larger(highest, membrane)
-            pressure = larger(pressure, pressed)
-        tangent_bound = shear_tangent_bound(laws, m11, m12, m22, area_ratio, angle, pressure)
-        shear = two * tangent_bound * (sum11 / m11 + sum22 / m22)
-        # raised indices: in a sheared sheet the same curvature or slope costs more along the narrow diagonal
-        metric_growth = (stretch1 * stretch2 + magnitude(m12)) / area_ratio
-        squared_frequency[e] = real(4.0) * inertia[0, e] * (highest + shear) + metric_growth * inertia[1, e]
+                s13 = s13 + c13
+                s23 = s23 + c23
+                s33 = s33 + c33
+                moment = moment + turning
+            n1 = larger(n1, zero) + pull1
+            n2 = larger(n2, zero) + pull2
+            moment = moment + bundled
+            in_plane = larger(
+                in_plane,
+                largest_in_plane(
+                    c11 + s11 + lanes(laws.compressive_stiffness),
+                    c12 + s12,
+                    c22 + s22 + lanes(laws.compressive_stiffness),
+                    s13, s23, s33 + real(4.0) * bundling, n1, n2, moment,
+                    stretch1, stretch2, sine, cosine, b11, b12, b22,
+                ),
+            )  # fmt: skip
+            # across the plane: tension, shear and transverse shear
+            turn = moment / area_ratio
+            across = larger(
+                across,
+                largest_of_pencil(
+                    n1 / stretch1 - turn * m12 / m11 + slope * metric11,
+                    turn + slope * metric12,
+                    n2 / stretch2 - turn * m12 / m22 + slope * metric22,
+                    b11, b12, b22,
+                ),
+            )  # fmt: skip
+
+        # what couples positions and directors: curvature [1/m], tilt of the directors, hourglass vectors; sizes in the
+        # current metric
+        gradient = largest_of_pencil(metric11, metric12, metric22, b11, b12, b22)
+        squares = b11 + b22
+        tilt1 = dot(a1, mean_director)
+        tilt2 = dot(a2, mean_director)
+        curvature = metric11 * dot(d1, d1) + two * (metric12 * dot(d1, d2)) + metric22 * dot(d2, d2)
+        tilt = metric11 * tilt1 * tilt1 + two * (metric12 * tilt1 * tilt2) + metric22 * tilt2 * tilt2
+        if elements.flat == 0:
+            raising = metric11 + metric22
+            k11 = elements.initial_curvature[0, e]
+            k12 = elements.initial_curvature[1, e]
+            k22 = elements.initial_curvature[2, e]
+            g1 = elements.initial_transverse_shear[0, e]
+            g2 = elements.initial_transverse_shear[1, e]
+            curvature = two * (curvature + raising * raising * (k11 * k11 + two * (k12 * k12) + k22 * k22))
+            tilt = two * (tilt + raising * (g1 * g1 + g2 * g2))
+        curvature = square_root(larger(curvature, zero))
+        tilt = square_root(larger(tilt, zero))
+        x_odd = square_root(dot(x_hourglass, x_hourglass))
+        d_odd = square_root(dot(d_hourglass, d_hourglass))
+        root_gradient = square_root(gradient)
+        lean = tilt + curvature / root_gradient + real(0.25) * d_odd
+        radius = inertia[1, e]
+        inverse_radius = square_root(radius)
+        largest_metric = m11 + m22
+
+        # transverse shear couples slopes and mean directors, by the directors' full length in a flat element too
+        slope_positions = slope * gradient
+        mean_directors = (real(0.25) * slope) * radius
+        tilting = slope_positions * tilt * (lanes(real(4.4)) + real(8.5) * tilt)
+        slope_coupling = square_root(slope_positions * mean_directors) * (one + real(5.4) * tilt)
+
+        # bending couples positions and director gradients
+        bending = (bending_bound * area_ratio) * gradient
+        bending_positions = (real(24.0) * bending) * (curvature * curvature)
+        bending_coupling = (real(7.4) * bending) * (inverse_radius * curvature)
+        bending_directors = bending * radius
+        constraint = mean_directors * tilt * lean + bending_directors * curvature * lean / root_gradient
+
+        # hourglass modes; x_h has the norm ``length``, the warping takes a quarter of it and ``twist`` of the curvature
+        in_plane_stiffness, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
+        offset_p = elements.hourglass_offset[0, e]
+        offset_q = elements.hourglass_offset[1, e]
+        length = square_root(lanes(real(4.0)) + two * (offset_p * offset_p + offset_q * offset_q))
+        weight11, weight12, weight22 = twist_weights(elements, e)
+        twist = square_root(squares * (weight11 * weight11 + half * weight12 * weight12 + weight22 * weight22))
+        root_metric = square_root(largest_metric)
+        tipping = x_odd * root_gradient
+        in_plane_odd = in_plane_stiffness * length * (length + two * tipping * (one + tipping))
+        warp_positions = real(0.25) * length + twist * root_metric * curvature
+        warp_directors = inverse_radius * (twist * root_metric + real(0.125) * x_odd)
+        warp = real(0.25) * x_odd + twist * curvature / root_gradient
+        warp_coupling = warp_positions * warp_directors + warp * inverse_radius * (
+            real(0.125) * length + twist * root_gradient
+        )
+        root_squares = square_root(squares)
+        odd_positions = root_squares * d_odd
+        odd_directors = inverse_radius * (length * root_metric)
+
+        # in a flat element slopes with mean directors, and warping with director gradients, move by themselves
+        positions = (
+            larger(
+                larger(in_plane, across) + tilting,
+                larger(in_plane_odd, warping_stiffness * warp_positions * warp_positions),
+            )
+            + bending_positions
+            + director_stiffness * odd_positions * odd_positions
+        )
+        directors = (
+            larger(
+                larger(mean_directors, bending_directors + warping_stiffness * warp_directors * warp_directors),
+                director_stiffness * odd_directors * odd_directors,
+            )
+            + constraint
+        )
+        coupling = (
+            larger(slope_coupling, warping_stiffness * warp_coupling)
+            + bending_coupling
+            + (two * director_stiffness) * (odd_positions * odd_directors)
+        )
+        mean = half * (positions + directors)
+        difference = half * (positions - directors)
+        largest = mean + square_root(difference * difference + coupling * coupling)
+        squared_frequency[e] = real(4.0) * inertia[0, e] * largest + lanes(contact_frequency)
 
     return element_frequencies
 
@@ -158,7 +428,11 @@ def partial_maximum_kernel(real: type):
 
 @cache
 def set_step_kernel(real: type):
-    """The next time step: a share of 2/omega, growing by at most 2 % per refresh."""
+    """The next time step: kept as long as it is stable and not far below what is, for every change costs energy.
+
+    Central differences with a constant step keep an energy of their own; each change of the step breaks it, and since
+    the stable step follows the state, the breaks add up.
+    """
 
     @wp.kernel(module="unique", enable_backward=False)
     def set_step(
@@ -170,9 +444,13 @@ def set_step_kernel(real: type):
         largest = real(0.0)
         for i in range(maxima.shape[0]):
             largest = wp.where(maxima[i] <= largest, largest, maxima[i])
-        limit = wp.min(safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest)), largest_step)
+        stable = safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest))
         old = clock[CLOCK_STEP]
-        new = wp.min(limit, wp.float64(1.02) * old)
+        new = old
+        if not wp.min(stable, largest_step) >= old:  # a NaN shrinks the step too, and so stops the run
+            new = wp.min(wp.float64(STEP_MARGIN) * stable, largest_step)
+        elif stable > wp.float64(STEP_SLACK) * old:
+            new = wp.min(wp.float64(STEP_GROWTH) * old, largest_step)
         clock[CLOCK_STEP] = new
         clock[CLOCK_MEAN_STEP] = wp.float64(0.5) * (old + new)
 

@@ -14,11 +14,12 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from weavesim.blank import Blank
-from weavesim.fabric import Fabric, NotNegative, Positive
+from weavesim.fabric import Fabric
 from weavesim.model import MotionParameters
 from weavesim.motion import SmoothStroke
 from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
+from weavesim.parameters import NotNegative, Positive
 from weavesim.recording import Frame
 from weavesim.session import run_into_folder
 from weavesim.simulation import Simulation
@@ -28,7 +29,7 @@ from .fabric_test import (
     STEP_SAFETY,
     FabricTestParameters,
     chosen_fabric,
-    signed_moment,
+    moment_along,
     trellis_angle,
     trellis_angle_rate,
 )
@@ -90,7 +91,8 @@ def closed_form_force(parameters: BiasExtensionParameters, fabric: Fabric, displ
     """Force on the clamp [N] from F d' = A_C m(gamma) gamma' + A_B m(gamma/2) gamma'/2, yarns that do not stretch."""
     angle, rate = kinematic_angle(parameters, displacement)
     _, half_zone, central_zone = zone_areas(parameters)
-    moment, half_moment = (float(signed_moment(fabric, a)) for a in (angle, 0.5 * angle))
+    path = np.linspace(0.0, angle, 101)
+    moment, half_moment = (float(moment_along(fabric, share * path)[-1]) for share in (1.0, 0.5))
     return (central_zone * moment + 0.5 * half_zone * half_moment) * rate
 
 

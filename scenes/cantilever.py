@@ -14,14 +14,19 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
+from weavesim.bending import BendingCurve, IsotropicBending
 from weavesim.blank import Blank
+from weavesim.cells import UnitCell
+from weavesim.compaction import Compaction
 from weavesim.errors import InputError
-from weavesim.fabric import Fabric, IsotropicBending, MomentCurve, NotNegative, Positive, YarnBending
+from weavesim.fabric import LARGEST_LOCKING_SHARE, Fabric
 from weavesim.model import MotionParameters
 from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
+from weavesim.parameters import NotNegative, Positive
 from weavesim.recording import Frame
 from weavesim.session import run_into_folder
+from weavesim.shear import MomentCurve
 from weavesim.simulation import Simulation
 from weavesim.support import Support
 
@@ -31,6 +36,8 @@ GRAVITY = 9.81
 # The weight stretches yarns of this stiffness per width, over that of the whole strip, by less than 0.02 %. Stiffer
 # ones change nothing but the time step, so stiffer ones are softened.
 LARGEST_STRETCH_STIFFNESS = 1.0e4
+# Of the straight yarns that take their place [m].
+YARN_SPACING = 0.005
 # At rest: kinetic over internal energy, once a swing of the first mode has died out. Single precision keeps some 1e-7.
 REST = 1.0e-6
 # Times of 1/omega of the first mode: not before, and not after.
@@ -55,16 +62,15 @@ class CantileverParameters(FabricTestParameters):
 def strip_stiffness(fabric: Fabric, yarn: str) -> float:
     """Bending stiffness D per width [N m] of a strip along ``yarn`` that is free to bend across.
 
-    Raises:
-        InputError: a law without one.
+    Of a moment-curvature curve it is the initial slope, without friction.
     """
     law = fabric.bending
     if isinstance(law, IsotropicBending):
         return law.stiffness(fabric.thickness) * (1.0 - law.poisson_ratio**2)
-    if isinstance(law, YarnBending):
-        along, across = (law.warp, law.weft) if yarn == "warp" else (law.weft, law.warp)
-        return along - (law.coupling**2 / across if across > 0.0 else 0.0)
-    raise InputError(f"cantilever: {type(law).__name__} has no constant bending stiffness to compare the test with")
+    along, across = (law.warp, law.weft) if yarn == "warp" else (law.weft, law.warp)
+    if isinstance(along, BendingCurve):
+        return along.initial_stiffness
+    return along - (law.coupling**2 / across if law.coupling else 0.0)
 
 
 def overhang(parameters: CantileverParameters, fabric: Fabric) -> float:
@@ -131,21 +137,15 @@ def elastica_stiffness(angle: float, length: float, weight: float) -> float:
 
 
 def softened(fabric: Fabric, stiffness: float) -> Fabric:
-    """The fabric with yarns of at most ``stiffness`` per width [N/m], every part of its cell softened alike."""
-    factor = stiffness / min(fabric.unit_cell.yarn_stiffness_per_width)
-    if factor >= 1.0:
-        return fabric
-    names = ("warp_modulus", "weft_modulus", "contact_modulus", "warp_compressive_stiffness",
-        "weft_compressive_stiffness", "contact_stiffness_value")  # fmt: skip
-    given = {name: getattr(fabric.unit_cell, name) for name in names}
-    changes: dict[str, Any] = {
-        "unit_cell": fabric.unit_cell.model_copy(
-            update={name: factor * value for name, value in given.items() if value is not None}
-        )
-    }
+    """The fabric with straight yarns of at most ``stiffness`` per width [N/m] in the place of its unit cell."""
+    stiffness = min(stiffness, *fabric.unit_cell.yarn_stiffness_per_width)
+    # in compression as stiff as in tension, which E I = E A l0^2 / 3 leaves with one equilibrium
+    bending = stiffness * YARN_SPACING * (0.5 * YARN_SPACING) ** 2 / 3.0
+    cell = UnitCell.straight(stiffness_per_width=stiffness, spacing=YARN_SPACING, bending=1.001 * bending)
+    changes: dict[str, Any] = {"unit_cell": cell, "compaction": Compaction(), "shear_friction": None}
     if isinstance(fabric.shear, MomentCurve):
-        # a locking branch may be a tenth as stiff as the yarns
-        locking = min(fabric.shear.locking_stiffness, 0.1 * stiffness)
+        # a locking branch may be a tenth as stiff as the yarns; the strip does not shear
+        locking = min(fabric.shear.locking_stiffness, LARGEST_LOCKING_SHARE * stiffness)
         changes["shear"] = fabric.shear.model_copy(update={"locking_stiffness": locking})
     return fabric.model_copy(update=changes)
 

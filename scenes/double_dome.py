@@ -15,7 +15,8 @@ from pydantic import Field
 
 from weavesim.blank import Blank
 from weavesim.errors import InputError
-from weavesim.fabric import PRESETS, Fabric
+from weavesim.fabric import Fabric
+from weavesim.fabric_file import FABRIC_HELP, resolve_fabric
 from weavesim.measures import taut_path_draw_in, ten_points
 from weavesim.mesh_shape import MeshShape
 from weavesim.model import MotionParameters
@@ -54,7 +55,7 @@ class DoubleDomeParameters(RunOptions):
     yarn_angle: float = Field(
         default=0.0, ge=-90.0, le=90.0, description="angle from the long axis to the warp [degrees]"
     )
-    fabric: str = Field(default="glass-polypropylene", description=f"one of {', '.join(PRESETS)}")
+    fabric: str = Field(default="glass-polypropylene", description=FABRIC_HELP)
     shear_law: Literal["curve", "linear"] = Field(
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
@@ -162,10 +163,8 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     """
     if parameters.blank_holder_force is not None and parameters.blank_holder_gap is not None:
         raise InputError("blank holder: a force and a gap are given; it keeps one or the other")
-    if parameters.fabric not in PRESETS:
-        raise InputError(f"fabric {parameters.fabric!r} is unknown: choose one of {', '.join(PRESETS)}")
     if fabric is None:
-        fabric = PRESETS[parameters.fabric]()
+        fabric = resolve_fabric(parameters.fabric)
         if parameters.shear_law == "linear":
             fabric = fabric.with_linear_shear(parameters.shear_modulus)
     symmetry = {"quarter": ("x", "y"), "half": ("y",), "full": ()}[parameters.part]

@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from weavesim.errors import InputError
-from weavesim.fabric import PRESETS, Fabric, NotNegative, Positive
+from weavesim.fabric import Fabric
+from weavesim.fabric_file import FABRIC_HELP, resolve_fabric
+from weavesim.parameters import NotNegative, Positive
 from weavesim.run_options import RunOptions
 
 # Nothing but the fabric damps a test. A yarn that rattles between slack and taut gains energy near the largest stable
@@ -20,7 +21,7 @@ STEP_SAFETY = 0.6
 class FabricTestParameters(RunOptions):
     """Options of every fabric test."""
 
-    fabric: str = Field(default="glass-polypropylene", description=f"one of {', '.join(PRESETS)}")
+    fabric: str = Field(default="glass-polypropylene", description=FABRIC_HELP)
     shear_law: Literal["curve", "linear"] = Field(
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
@@ -30,14 +31,12 @@ class FabricTestParameters(RunOptions):
 
 
 def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
-    """The preset that is named, with the shear law that is named.
+    """The preset or file that is named, with the shear law that is named.
 
     Raises:
-        InputError: no such preset.
+        InputError: no such fabric.
     """
-    if parameters.fabric not in PRESETS:
-        raise InputError(f"fabric {parameters.fabric!r} is unknown: choose one of {', '.join(PRESETS)}")
-    fabric = PRESETS[parameters.fabric]()
+    fabric = resolve_fabric(parameters.fabric)
     return fabric.with_linear_shear(parameters.shear_modulus) if parameters.shear_law == "linear" else fabric
 
 
@@ -52,6 +51,9 @@ def trellis_angle_rate(diagonal: np.ndarray, side: float) -> np.ndarray:
     return 1.0 / (side * np.sqrt(1.0 - share**2))
 
 
-def signed_moment(fabric: Fabric, angle: np.ndarray) -> np.ndarray:
-    """m(gamma) of the fabric's shear law at unit stretch [N/m]."""
-    return np.asarray(fabric.shear.moment(np.asarray(angle), fabric.thickness))
+def moment_along(fabric: Fabric, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0) -> np.ndarray:
+    """Shear moment at unit stretch [N/m] along a path of angles (n,) [rad] from rest, friction included."""
+    moment = np.asarray(fabric.shear.moment(np.asarray(angle, dtype=float), fabric.thickness))
+    if fabric.shear_friction is not None:
+        moment = moment + fabric.shear_friction.moment_along(angle, crossover_pressure)
+    return moment

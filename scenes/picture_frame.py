@@ -15,11 +15,12 @@ from pydantic import Field
 
 from weavesim.blank import Blank
 from weavesim.errors import InputError
-from weavesim.fabric import Fabric, NotNegative, Positive
+from weavesim.fabric import Fabric
 from weavesim.model import MotionParameters
 from weavesim.motion import SmoothStroke
 from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
+from weavesim.parameters import NotNegative, Positive
 from weavesim.recording import Frame
 from weavesim.session import run_into_folder
 from weavesim.simulation import Simulation
@@ -30,7 +31,7 @@ from .fabric_test import (
     STEP_SAFETY,
     FabricTestParameters,
     chosen_fabric,
-    signed_moment,
+    moment_along,
     trellis_angle,
     trellis_angle_rate,
 )
@@ -176,10 +177,15 @@ def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
     blank, _ = specimen(parameters)
     inner = np.abs(blank.element_centres()[:, :2]).sum(axis=1) < math.sqrt(0.5) * parameters.side
     area = parameters.side**2 + 4.0 * parameters.side * parameters.arm_length
+    path: list[tuple[float, float]] = []  # angles and crossover pressures so far, for a law that remembers them
 
     def measure(state: Frame) -> dict[str, float]:
         diagonal = math.sqrt(2.0) * frame.side + state.stroke
         angle = trellis_angle(diagonal, frame.side)
+        if state.index == 0:
+            path.clear()
+        path.append((float(angle), state.fields["crossover_force"][inner].mean() / fabric.unit_cell.crossover_area))
+        moment = float(moment_along(fabric, *np.array(path).T)[-1])
         rate = trellis_angle_rate(diagonal, frame.side)
         force = frame.force(state)
         found = np.degrees(state.fields["shear_angle"][inner])
@@ -192,9 +198,9 @@ def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
             "min_shear_angle_deg": found.min(),
             "max_shear_angle_deg": found.max(),
             "force_n": force,
-            "closed_form_force_n": area * float(signed_moment(fabric, angle)) * rate,
+            "closed_form_force_n": area * moment * rate,
             "normalised_shear_force_n_per_m": force * per_side * frame.side / area,
-            "closed_form_shear_force_n_per_m": float(signed_moment(fabric, angle)) * rate * per_side * frame.side,
+            "closed_form_shear_force_n_per_m": moment * rate * per_side * frame.side,
             "warp_tension_n_per_m": state.fields["warp_force"][inner].mean(),
             "weft_tension_n_per_m": state.fields["weft_force"][inner].mean(),
         }

@@ -1,56 +1,544 @@
-"""Element-steps per second of the double dome, by mesh size, precision and threads.
+"""How fast weavesim is, on what problem, and how far from what the machine can do.
 
-    python scripts/benchmark.py [--seconds 3]
+    python scripts/benchmark.py rates [--case double_dome_5mm] [--json now.json] [--compare before.json]
+    python scripts/benchmark.py laws        what each law and unit cell costs, beside the default ones
+    python scripts/benchmark.py bounds      memory bandwidth and multiply-adds of this machine
+    python scripts/benchmark.py against ../weavesim-before     this checkout beside another one
 
-Each row is the best of two turns, taken one after the other over all rows: on a shared machine compare rows of one run.
+Contestants take short turns one after the other, so that a machine whose speed drifts treats all alike: compare rows of
+one run, not runs. Rates are of the best turn, ratios are medians of paired turns.
 """
 
 from __future__ import annotations
 
+import datetime
+import json
+import os
+import platform
+import subprocess
+import sys
 import time
-from typing import Annotated
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
-from weavesim.device import available_threads
-from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
-from weavesim.simulation import Simulation
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
 
-BLOCKS_PER_TURN = 5
-TURNS = 2
+app = typer.Typer(add_completion=False, help=__doc__, no_args_is_help=True, pretty_exceptions_enable=False)
 
 
-def microseconds_per_step(simulation: Simulation, seconds: float) -> float:
-    """Time of one step [us], contact with three tools included, output not."""
-    simulation.stepper.advance(BLOCKS_PER_TURN)
-    first, started = simulation.stepper.step_count, time.perf_counter()
-    while (elapsed := time.perf_counter() - started) < seconds:
-        simulation.stepper.advance(BLOCKS_PER_TURN)
-    return 1e6 * elapsed / (simulation.stepper.step_count - first)
+# --- cases ------------------------------------------------------------------------------------------------------------
 
 
-def main(seconds: Annotated[float, typer.Option(help="time of each turn")] = 3.0) -> None:
-    thread_counts = sorted({1, available_threads()})
-    cases = [
-        {"mesh_size": size, "precision": precision, "threads": threads}
-        for size in (0.01, 0.005, 0.0025, 0.00125)
-        for precision in ("float32", "float64")
-        for threads in thread_counts
-    ]
-    simulations = [double_dome(DoubleDomeParameters(**case)) for case in cases]
-    best = [float("inf")] * len(cases)
-    for _ in range(TURNS):
-        for index, simulation in enumerate(simulations):
-            best[index] = min(best[index], microseconds_per_step(simulation, seconds))
-    print("| mesh [mm] | elements | precision | threads | step [us] | million element-steps/s |")
-    print("|---|---|---|---|---|---|")
-    for case, simulation, step in zip(cases, simulations, best, strict=True):
-        count = simulation.blank.element_count
-        print(
-            f"| {1e3 * case['mesh_size']:g} | {count} | {case['precision']} | {case['threads']} | {step:.1f} "
-            f"| {count / step:.1f} |"
+def _double_dome(mesh_size: float) -> Callable[..., Any]:
+    def build(**options: Any):
+        from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
+
+        return double_dome(DoubleDomeParameters(mesh_size=mesh_size, **options))
+
+    return build
+
+
+def _hemisphere(**options: Any):
+    from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
+
+    return hemisphere(HemisphereParameters(**options))
+
+
+def _patch(side: int) -> Callable[..., Any]:
+    """A free square of ``side`` x ``side`` elements of 5 mm, stretched, sheared and thrown, that meets no tool."""
+
+    def build(**options: Any):
+        from weavesim.blank import Blank
+        from weavesim.fabric import glass_polypropylene
+        from weavesim.simulation import Simulation
+
+        size = min(0.005, 19.0 / side)
+        blank = Blank.rectangle((0.0, 0.0), (side * size, side * size), size)
+        x, y, _ = blank.node_position.T
+        wave = 20.0 * np.pi
+        velocity = np.column_stack([np.sin(wave * y), np.sin(wave * x), np.sin(wave * x) * np.sin(wave * y)])
+        return Simulation(
+            name="patch", blank=blank, fabric=glass_polypropylene(), duration=1.0, initial_velocity=velocity, **options
         )
+
+    return build
+
+
+CASES: dict[str, Callable[..., Any]] = {
+    "double_dome_10mm": _double_dome(0.01),
+    "double_dome_5mm": _double_dome(0.005),
+    "double_dome_2.5mm": _double_dome(0.0025),
+    "double_dome_1.25mm": _double_dome(0.00125),
+    "hemisphere": _hemisphere,
+    "patch_1k": _patch(32),
+    "patch_10k": _patch(100),
+    "patch_100k": _patch(316),
+    "patch_1m": _patch(1000),
+}
+# The longest takes 3 GB and several minutes: by name only.
+DEFAULT_CASES = tuple(name for name in CASES if name != "patch_1m")
+# Steps before the clock starts, in blocks: the sheet of a double dome meets its tools.
+WARM_UP_BLOCKS = 5
+
+
+# --- measuring one simulation -----------------------------------------------------------------------------------------
+
+
+def seconds_per_step(simulation: Any, seconds: float, largest_block_count: int = 50) -> float:
+    """Time of one step, without output, over about ``seconds``."""
+    stepper = simulation.stepper
+    first, started = stepper.step_count, time.perf_counter()
+    block_count = 1
+    while (elapsed := time.perf_counter() - started) < seconds:
+        stepper.advance(block_count)
+        _synchronise()
+        block_count = min(2 * block_count, largest_block_count)
+    return elapsed / (stepper.step_count - first)
+
+
+def _synchronise() -> None:
+    import warp as wp
+
+    wp.synchronize()
+
+
+def phases(simulation: Any, seconds: float) -> dict[str, float]:
+    """Seconds of each phase of a step, and of an output frame, of a run on one thread; its state stays as it is."""
+    stepper, model = simulation.stepper, simulation.stepper.model
+    stepper.look_ahead()
+    copied_state, copied_tools = stepper._ahead  # the copy that frames are taken from
+    launches = {
+        "elements": lambda: stepper.evaluate(),
+        "nodes and contact": lambda: stepper._advance_nodes(0, model.node_count // model.lane_count, copied_state),
+        "tools": lambda: stepper._advance_tools(copied_state, copied_tools),
+        "stable step (every 20th)": lambda: stepper._refresh_frequencies(0, model.element_count),
+    }
+    repeats = 10
+
+    def repeated(launch: Callable[[], None]) -> Callable[[int], None]:
+        return lambda thread: [launch() for _ in range(repeats)] and None
+
+    result = {}
+    for name, launch in launches.items():
+        # recorded, as in a run: a launch from Python alone costs more than a small sheet
+        graphs = stepper._record(repeated(launch))
+        result[name] = _repeat(lambda graphs=graphs: stepper._replay(graphs), seconds) / repeats
+    result["output frame"] = _repeat(lambda: simulation.ledger.frame(0), seconds)
+    return result
+
+
+def _repeat(work: Callable[[], object], seconds: float) -> float:
+    """Best time of one call, over about ``seconds``, twice at least."""
+    times, started = [], time.perf_counter()
+    while time.perf_counter() - started < seconds or len(times) < 2:
+        before = time.perf_counter()
+        work()
+        _synchronise()
+        times.append(time.perf_counter() - before)
+    return min(times)
+
+
+def state_bytes(simulation: Any) -> float:
+    """Allocated bytes per element of all arrays that constants and state of a run live in."""
+    import warp as wp
+
+    stepper = simulation.stepper
+    seen: dict[int, int] = {}
+
+    def add(thing: Any, depth: int = 0) -> None:
+        if isinstance(thing, wp.array):
+            if thing.ptr:
+                seen[thing.ptr] = max(seen.get(thing.ptr, 0), thing.capacity)
+        elif depth < 3:
+            names = getattr(getattr(thing, "_cls", None), "vars", None) or getattr(thing, "__dict__", {})
+            for name in names:
+                add(getattr(thing, name), depth + 1)
+
+    model = stepper.model
+    for thing in (stepper.state, model.elements, model.nodes, model.step_inertia, stepper._squared_frequency):
+        add(thing)
+    return sum(seen.values()) / model.blank.element_count
+
+
+def moved_bytes(simulation: Any) -> float:
+    """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
+    from weavesim.kernels.element import CELL_REPORT_ROWS, MOTION_ROWS, NODE_REPORT_ROWS
+
+    model = simulation.stepper.model
+    size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
+    flat = 4 * 4 + size * (4 + 2 + 1)
+    if not model.elements.flat:
+        flat += size * 8
+    element_reads = flat + per_node * size * (3 * 3 + 1)
+    element_own = 2 * size * (model.cell_law.unknown_count + len(CELL_REPORT_ROWS))
+    corners = size * (24 + 4)
+    slots = model.nodes.corner_offset.shape[0]
+    node_constants = 4 * slots + 4 + size * 5
+    node_motion = 2 * size * (3 * len(MOTION_ROWS) + len(NODE_REPORT_ROWS) + 3 * model.tool_count)
+    return element_reads + element_own + 2 * corners + per_node * (node_constants + node_motion)
+
+
+def machine() -> dict[str, Any]:
+    """What the numbers were measured on."""
+    import warp as wp
+
+    from weavesim import __version__
+    from weavesim.device import available_threads, cpu_features, device_names
+
+    model_name = platform.processor()
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        model_name = next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        pass
+    revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=ROOT)
+    return {
+        "date": datetime.date.today().isoformat(),
+        "processor": model_name,
+        "cores": available_threads(),
+        "avx512": "avx512f" in cpu_features(),
+        "devices": [wp.get_device(name).name for name in device_names()],
+        "warp": wp.config.version,
+        "python": platform.python_version(),
+        "weavesim": __version__,
+        "revision": revision.stdout.strip() or None,
+    }
+
+
+# --- rates ------------------------------------------------------------------------------------------------------------
+
+
+@app.command(hidden=True)
+def worker(case: str, precisions: str, threads: str, device: str, seconds: float, turns: int) -> None:
+    """One case in a process of its own: a line of JSON per precision and number of threads."""
+    import resource
+
+    rows = []
+    for precision in precisions.split(","):
+        variants = []
+        for thread_count in (int(count) for count in threads.split(",")):
+            started = time.perf_counter()
+            simulation = CASES[case](precision=precision, threads=thread_count, device=device)
+            setup = time.perf_counter() - started
+            simulation.stepper.advance(WARM_UP_BLOCKS)
+            variants.append((thread_count, simulation, setup, []))
+        for _ in range(turns):
+            for _, simulation, _, times in variants:
+                times.append(seconds_per_step(simulation, seconds))
+        for thread_count, simulation, setup, times in variants:
+            count, step = simulation.blank.element_count, min(times)
+            rows.append(
+                {
+                    "case": case, "elements": count, "nodes": simulation.blank.node_count, "precision": precision,
+                    "threads": thread_count, "device": device, "lanes": simulation.stepper.model.lane_count,
+                    "setup_s": setup, "step_us": 1e6 * step, "median_step_us": 1e6 * float(np.median(times)),
+                    "rate": count / step, "moved_bytes": moved_bytes(simulation),
+                    "state_bytes": state_bytes(simulation), "turn_steps_us": [1e6 * t for t in times],
+                }
+            )  # fmt: skip
+        rows[-len(variants)]["phases_us"] = {
+            name: 1e6 * value for name, value in phases(variants[0][1], 0.3 * seconds).items()
+        }
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    for row in rows:
+        row["peak_memory_mb"] = peak / 2**20
+        print(json.dumps(row), flush=True)
+
+
+@app.command()
+def rates(
+    case: Annotated[list[str] | None, typer.Option(help=f"one of {', '.join(CASES)}; may be repeated")] = None,
+    precision: Annotated[str, typer.Option(help="float32, float64, or both with a comma")] = "float32,float64",
+    threads: Annotated[str | None, typer.Option(help="numbers of CPU threads, with commas [default: 1, all]")] = None,
+    device: Annotated[str, typer.Option(help='"cpu", "cuda:0", ...')] = "cpu",
+    seconds: Annotated[float, typer.Option(help="length of a turn")] = 1.0,
+    turns: Annotated[int, typer.Option(help="turns of every variant")] = 3,
+    json_file: Annotated[Path | None, typer.Option("--json", help="write all numbers here")] = None,
+    compare: Annotated[Path | None, typer.Option(help="an earlier file of --json to set beside")] = None,
+) -> None:
+    """Element-steps per second of whole steps: cell, laws, gather, contact, update; output not included."""
+    from weavesim.device import available_threads
+
+    names = case or list(DEFAULT_CASES)
+    unknown = sorted(set(names) - set(CASES))
+    if unknown:
+        raise typer.BadParameter(f"{', '.join(unknown)}: choose from {', '.join(CASES)}", param_hint="--case")
+    old = json.loads(compare.read_text()) if compare else None
+    thread_list = threads or ",".join(map(str, sorted({1, available_threads()} if device == "cpu" else {1})))
+    about = machine()
+    rows = []
+    for name in names:
+        command = [sys.executable, __file__, "worker", name, precision, thread_list, device, str(seconds), str(turns)]
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+        if done.returncode:
+            raise SystemExit(f"{name}: ended with {done.returncode}; its message is above")
+        rows += [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+        typer.echo(f"{name}: done", err=True)
+    result = {"machine": about, "rows": rows}
+    if json_file is not None:
+        partial = json_file.with_suffix(".partial")
+        partial.write_text(json.dumps(result, indent=1))
+        partial.replace(json_file)
+    typer.echo(report(result, old))
+
+
+def report(result: dict[str, Any], old: dict[str, Any] | None = None) -> str:
+    """Markdown tables of ``rates``, beside an earlier result if given."""
+    about, rows = result["machine"], result["rows"]
+    before = {_key(row): row["rate"] for row in old["rows"]} if old else {}
+    lines = [", ".join(f"{name} {value}" for name, value in about.items()), ""]
+    head = ["case", "elements", "precision", "device", "threads", "step [us]", "M element-steps/s", "GB/s moved"]
+    head += ["state [bytes/element]", "set-up [s]", "peak [MB]"] + (["ratio to before"] if old else [])
+    lines += ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    for row in rows:
+        cells = [
+            row["case"], row["elements"], row["precision"], row["device"], row["threads"], f"{row['step_us']:.1f}",
+            f"{row['rate'] / 1e6:.2f}", f"{row['rate'] * row['moved_bytes'] / 1e9:.1f}", f"{row['state_bytes']:.0f}",
+            f"{row['setup_s']:.1f}", f"{row['peak_memory_mb']:.0f}",
+        ]  # fmt: skip
+        if old:
+            cells.append(f"{row['rate'] / before[_key(row)]:.2f}" if _key(row) in before else "new")
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    names = next((list(row["phases_us"]) for row in rows if "phases_us" in row), [])
+    lines += ["", "Phases on one thread, microseconds per launch:", ""]
+    lines += ["| case | precision | " + " | ".join(names) + " |", "|" + "---|" * (len(names) + 2)]
+    for row in rows:
+        if "phases_us" in row:
+            values = " | ".join(f"{value:.1f}" for value in row["phases_us"].values())
+            lines.append(f"| {row['case']} | {row['precision']} | {values} |")
+    return "\n".join(lines)
+
+
+def _key(row: dict[str, Any]) -> tuple[Any, ...]:
+    return tuple(row[name] for name in ("case", "precision", "device", "threads"))
+
+
+# --- laws -------------------------------------------------------------------------------------------------------------
+
+
+def law_variants() -> dict[str, Any]:
+    """Fabrics that differ from the default one in one law."""
+    from weavesim.bending import BendingCurve
+    from weavesim.fabric import UNIT_CELLS, YarnBending, glass_polypropylene
+    from weavesim.model import MotionParameters
+    from weavesim.shear import ShearFriction
+
+    base = glass_polypropylene()
+
+    def changed(motion: MotionParameters | None = None, **update: Any) -> tuple[Any, Any]:
+        return base.model_copy(update=update), motion
+
+    stiff = base.bending.stiffness(base.thickness)
+    curve = BendingCurve(curvature=(0.0, 10.0, 50.0), moment_values=(0.0, 8.0 * stiff, 25.0 * stiff))
+    rubbing = BendingCurve.from_kawabata(rigidity=stiff, hysteresis=2e-2)
+    soft = base.shear.model_copy(update={"locking_stiffness": 0.0})
+    variants = {
+        "default: plain weave, shear curve, isotropic bending": changed(),
+        "linear shear": changed(shear=base.with_linear_shear(0.25e6).shear),
+        "shear friction, tension-shear coupling": changed(
+            shear_friction=ShearFriction(stiffness=60.0, limit=(0.5,), crossover_friction_length=1e-4)
+        ),
+        "bending per yarn family": changed(bending=YarnBending(warp=stiff, weft=stiff, twist=0.5 * stiff)),
+        "bending curves": changed(bending=YarnBending(warp=curve, weft=curve, twist=0.5 * stiff)),
+        "bending friction": changed(bending=YarnBending(warp=rubbing, weft=rubbing, twist=0.5 * stiff)),
+        "no in-plane bending of yarns": changed(in_plane_bending_stiffness=0.0),
+        "tools meet the current thickness": changed(MotionParameters(contact_thickness="current")),
+    }
+    for name, cell in UNIT_CELLS.items():
+        if name != "plain-weave":
+            variants[f"unit cell: {name}"] = changed(unit_cell=cell(), shear=soft)
+    return variants
+
+
+@app.command()
+def laws(
+    turns: Annotated[int, typer.Option(help="turns of each law")] = 7,
+    seconds: Annotated[float, typer.Option(help="length of a turn")] = 0.3,
+    mesh_size: Annotated[float, typer.Option(help="of the double dome [m]")] = 0.01,
+    precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
+) -> None:
+    """Time per element and step of every law and unit cell in the double dome, on one thread."""
+    from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
+    from weavesim.simulation import Simulation
+
+    parameters = DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1)
+    variants = law_variants()
+    simulations = []
+    for fabric, motion in variants.values():
+        simulation = double_dome(parameters, fabric)
+        if motion is not None:
+            simulation = Simulation(
+                name="double_dome", blank=simulation.blank, fabric=fabric, tools=simulation.tools,
+                duration=simulation.duration, symmetry=simulation.symmetry, motion=motion,
+                precision=precision, threads=1,
+            )  # fmt: skip
+        simulation.stepper.advance(WARM_UP_BLOCKS)
+        simulations.append(simulation)
+    times = np.array([[seconds_per_step(simulation, seconds) for simulation in simulations] for _ in range(turns)])
+    count = simulations[0].blank.element_count
+    typer.echo(", ".join(f"{name} {value}" for name, value in machine().items()))
+    typer.echo(f"\n{count} elements, {precision}, one thread, {turns} turns of {seconds} s\n")
+    typer.echo(ratio_table(list(variants), 1e9 * times / count))
+
+
+def ratio_table(names: list[str], times: np.ndarray) -> str:
+    """Medians, and ratios to the first of paired turns with their quartiles; times (turns, contestants) [ns]."""
+    lines = [f"| | ns per element and step | ratio to {names[0].split(':')[0]} | quartiles |", "|---|---|---|---|"]
+    for name, column in zip(names, times.T, strict=True):
+        low, middle, high = np.quantile(column / times[:, 0], [0.25, 0.5, 0.75])
+        lines.append(f"| {name} | {np.median(column):.0f} | {middle:.3f} | {low:.3f} to {high:.3f} |")
+    return "\n".join(lines)
+
+
+# --- this checkout beside another -------------------------------------------------------------------------------------
+
+# Steps on demand in a process of its own: reads a number of blocks, answers with nanoseconds per element and step.
+CONTESTANT = """
+import sys, time
+from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
+mesh_size, precision = sys.argv[1:]
+simulation = double_dome(DoubleDomeParameters(mesh_size=float(mesh_size), precision=precision, threads=1))
+stepper, count = simulation.stepper, simulation.blank.element_count
+stepper.advance(100)
+print(count, flush=True)
+for line in sys.stdin:
+    first, started = stepper.step_count, time.perf_counter()
+    stepper.advance(int(line))
+    print(1e9 * (time.perf_counter() - started) / (stepper.step_count - first) / count, flush=True)
+"""
+
+
+class Contestant:
+    """A double dome of one checkout that steps in a process of its own."""
+
+    def __init__(self, checkout: Path, mesh_size: float, precision: str) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", CONTESTANT, str(mesh_size), precision],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=checkout,
+            env=os.environ | {"PYTHONPATH": str(checkout)},
+        )  # fmt: skip
+        self.element_count = int(self._answer())
+
+    def _answer(self) -> str:
+        line = self._process.stdout.readline()
+        if not line:
+            raise SystemExit("a contestant broke off; its message is above")
+        return line
+
+    def turn(self, block_count: int) -> float:
+        """Nanoseconds per element and step."""
+        self._process.stdin.write(f"{block_count}\n")
+        self._process.stdin.flush()
+        return float(self._answer())
+
+    def close(self) -> None:
+        """End its process."""
+        self._process.stdin.close()
+        self._process.wait()
+
+
+@app.command()
+def against(
+    checkout: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="folder of another version")],
+    turns: Annotated[int, typer.Option(help="turns of each")] = 20,
+    blocks: Annotated[int, typer.Option(help="blocks of 20 steps in a turn")] = 50,
+    mesh_size: Annotated[float, typer.Option(help="of the double dome [m]")] = 0.01,
+    precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
+) -> None:
+    """The default double dome of another checkout (git worktree add) and of this one, in alternating turns."""
+    contestants = [Contestant(folder.resolve(), mesh_size, precision) for folder in (checkout, ROOT)]
+    times = np.array([[contestant.turn(blocks) for contestant in contestants] for _ in range(turns)])
+    for contestant in contestants:
+        contestant.close()
+    typer.echo(
+        f"{contestants[0].element_count} elements, {precision}, one thread, {turns} turns of {20 * blocks} steps"
+    )
+    typer.echo(ratio_table(["the other checkout", "this checkout"], times))
+
+
+# --- bounds -----------------------------------------------------------------------------------------------------------
+
+
+@app.command()
+def bounds(
+    megabytes: Annotated[int, typer.Option(help="size of the arrays that are copied")] = 256,
+    turns: Annotated[int, typer.Option(help="of each measurement; the best counts")] = 5,
+) -> None:
+    """What the machine can do on one core: bytes copied, and multiply-adds in lanes as the kernels use them."""
+    typer.echo(", ".join(f"{name} {value}" for name, value in machine().items()))
+    typer.echo("\n| bound, one core | |\n|---|---|")
+    for size in (64 * 2**10, 2**20, megabytes * 2**20):
+        source = np.ones(size // 8)
+        target = np.empty_like(source)
+        repeats = max(1, 64 * 2**20 // size)
+        best = min(_copy_seconds(source, target, repeats) for _ in range(turns))
+        label = f"{size // 2**10} KB" if size < 2**20 else f"{size // 2**20} MB"
+        typer.echo(f"| copy of {label}, read and written | {2e-9 * size * repeats / best:.1f} GB/s |")
+    for precision in ("float32", "float64"):
+        typer.echo(f"| multiply-adds in lanes, {precision} | {multiply_add_rate(precision, turns) / 1e9:.1f} GFlop/s |")
+
+
+def _copy_seconds(source: np.ndarray, target: np.ndarray, repeats: int) -> float:
+    started = time.perf_counter()
+    for _ in range(repeats):
+        np.copyto(target, source)
+    return time.perf_counter() - started
+
+
+def _timed(work: Callable[[], object]) -> float:
+    started = time.perf_counter()
+    work()
+    return time.perf_counter() - started
+
+
+def multiply_add_rate(precision: str, turns: int) -> float:
+    """Operations per second (two per multiply-add) of eight independent chains of lanes on one core."""
+    import warp as wp
+
+    from weavesim.device import initialise, resolve_precision
+    from weavesim.kernels.lanes import CPU_LANE_COUNT, lane_types
+
+    initialise()
+    real = resolve_precision(precision).real
+    lanes = lane_types(real, CPU_LANE_COUNT).lanes
+    chain_count, repeat_count, thread_count = 8, 2000, 64
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def chains(values: wp.array2d(dtype=lanes)):
+        i = wp.tid()
+        factor = lanes(real(0.999))
+        one = lanes(real(0.001))
+        a0 = values[i, 0] + one
+        a1 = values[i, 1] + one
+        a2 = values[i, 2] + one
+        a3 = values[i, 3] + one
+        a4 = values[i, 4] + one
+        a5 = values[i, 5] + one
+        a6 = values[i, 6] + one
+        a7 = values[i, 7] + one
+        k = wp.int32(0)
+        while k < repeat_count:
+            a0 = wp.cw_mul(a0, factor) + one
+            a1 = wp.cw_mul(a1, factor) + one
+            a2 = wp.cw_mul(a2, factor) + one
+            a3 = wp.cw_mul(a3, factor) + one
+            a4 = wp.cw_mul(a4, factor) + one
+            a5 = wp.cw_mul(a5, factor) + one
+            a6 = wp.cw_mul(a6, factor) + one
+            a7 = wp.cw_mul(a7, factor) + one
+            k = k + 1
+        values[i, 0] = a0 + a1 + a2 + a3 + a4 + a5 + a6 + a7
+
+    values = wp.ones((thread_count, chain_count), dtype=lanes, device="cpu")
+    wp.launch(chains, dim=thread_count, inputs=[values], device="cpu")
+    best = min(_timed(lambda: wp.launch(chains, dim=thread_count, inputs=[values], device="cpu")) for _ in range(turns))
+    return 2.0 * CPU_LANE_COUNT * chain_count * repeat_count * thread_count / best
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    app()

@@ -105,6 +105,13 @@ class Fabric(Parameters):
         )
 
     @property
+    def largest_bending_stiffness(self) -> float:
+        """Bound of the bending stiffness of any curvature [N m], for the stable step."""
+        if isinstance(self.bending, IsotropicBending):
+            return self.bending.stiffness(self.thickness) * (1.0 + abs(self.bending.poisson_ratio))
+        return self.bending.largest
+
+    @property
     def transverse_shear_stiffness(self) -> float:
         """G_s = 5/6 G t [N/m]."""
         return 5.0 / 6.0 * self.transverse_shear_modulus * self.thickness

@@ -148,10 +148,7 @@ class Frequencies:
         gamma = geometry.squared_hourglass
         in_plane, warping, director = hourglass_coefficients(fabric)
         transverse = fabric.transverse_shear_stiffness
-        nu = abs(fabric.bending.poisson_ratio) if isinstance(fabric.bending, IsotropicBending) else 0.0
-        bending = 4.0 * fabric.bending_stiffness_scale * (1.0 + nu) * b
-        if not isinstance(fabric.bending, IsotropicBending):
-            bending = 4.0 * fabric.bending.largest * b
+        bending = 4.0 * fabric.largest_bending_stiffness * b
         shear = fabric.shear_stiffness_scale + fabric.unit_cell.shear_stiffness
         straight = 4.0 / areal_density * (np.maximum(c1 * b11, c2 * b22) + 2.0 * shear * b)
         yarns_in_plane = 2.0 * 4.0 * fabric.in_plane_bending_stiffness / geometry.area
@@ -270,11 +267,11 @@ class Model:
         self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
         self.contact_stiffness = contact_share * self.node_mass / self.reference_step**2
 
-        contact = 2.0 * contact_share / self.reference_step**2 if tool_count else 0.0
+        self.contact_frequency = 2.0 * contact_share / self.reference_step**2 if tool_count else 0.0
+        self.bending_bound = fabric.largest_bending_stiffness
         # padding elements keep an infinite areal density: they never decide the step
-        self.step_inertia = self._array(
-            self._padded(np.stack([1.0 / density, frequencies.constant + contact]), self.element_count), self.real
-        )
+        inertia = np.stack([1.0 / density, 1.0 / frequencies.rotary_radius_squared])
+        self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)
         self._element_arrays = self._fill_elements()
         self.elements = self._elements(self.lane_count)
         self.elements_single = self._elements(1)

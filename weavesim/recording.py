@@ -31,8 +31,8 @@ class Frame:
         tool_displacement: along each tool's axis, (tool_count,) [m].
         tool_reaction: force of the sheet on each tool, (tool_count, 3) [N].
         energies: every entry of the ledger [J], by name.
-        support_force: force of each support on the sheet, (support_count, 3) [N], from the last step: it holds against
-            all other forces on its nodes and accelerates their mass.
+        support_force: force of each support on the sheet, (support_count, 3) [N]: it holds against all other forces on
+            its nodes and accelerates their mass.
         drive_displacement: of every drive of every support, in order, (drive_count,) [m].
         drive_force: of the support on the sheet along each drive, (drive_count,) [N]: its work per unit of the drive's
             displacement.

@@ -134,7 +134,7 @@ class Stepper:
         self._tool_motion = tool_motion_kernel(real)
         self._support_motion = support_motion_kernel(real)
         self._partial_sums = partial_sum_kernel(real)
-        self._frequencies = element_frequency_kernel(real, model.cell_law)
+        self._frequencies = element_frequency_kernel(real, lane_count, model.cell_law)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._tool_set = tool_set_struct(real)()
@@ -230,11 +230,11 @@ class Stepper:
             self._frequencies,
             dim=count,
             inputs=[
-                first, model.elements_single, model.cell, model.laws, state.motion,
-                lanes_view(state.cell_unknowns, 1), lanes_view(model.step_inertia, 1),
-                state.clock, REFRESH_INTERVAL,
+                first, model.elements, model.cell, model.laws, model.bending_bound, model.contact_frequency,
+                state.motion, state.node_report, lanes_view(state.cell_unknowns, model.lane_count),
+                lanes_view(model.step_inertia, model.lane_count), state.clock, REFRESH_INTERVAL,
             ],
-            outputs=[lanes_view(self._squared_frequency, 1)],
+            outputs=[lanes_view(self._squared_frequency, model.lane_count)],
             device=model.device,
         )  # fmt: skip
 
@@ -261,7 +261,7 @@ class Stepper:
             wp.launch(barrier, dim=1, inputs=[self._counter, self.thread_count], device=self.model.device)
 
     def _refresh(self, thread: int) -> None:
-        self._refresh_frequencies(*chunks(self.model.element_count, self.thread_count)[thread])
+        self._refresh_frequencies(*chunks(self.model.element_count // self.model.lane_count, self.thread_count)[thread])
         self._wait()
         if thread == 0:
             self._refresh_step()

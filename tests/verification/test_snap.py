@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from weavesim.blank import Blank
-from weavesim.fabric import UnitCell, glass_polypropylene
+from weavesim.cells import FloatWeave, UnitCell
+from weavesim.fabric import glass_polypropylene
 
 
 def loss_and_booking(sheet, corners: list[tuple[float, float]], increment_count: int) -> tuple[float, float]:
@@ -25,15 +26,19 @@ def loss_and_booking(sheet, corners: list[tuple[float, float]], increment_count:
     return work - energies["internal"], energies["snap_loss"]
 
 
-@pytest.fixture
-def element(sheet, fabric):
-    """``element(share)``: one element whose yarns keep ``share`` of their stiffness in compression, or the default."""
+@pytest.fixture(params=["by hand", "from its energy"])
+def element(request, sheet, fabric):
+    """``element(share)``: one element whose yarns keep ``share`` of their stiffness in compression, or the default.
+
+    The plain weave, and once more from its energy, as any cell can be made.
+    """
+    kind, more = {"by hand": (UnitCell, {}), "from its energy": (FloatWeave, {"repeat": 2})}[request.param]
     given = glass_polypropylene().unit_cell
 
     def make(share: float | None):
         axial = share and share * given.axial_stiffness[0]
         stiff = {"warp_compressive_stiffness": axial, "weft_compressive_stiffness": axial}
-        cell = UnitCell(**(given.model_dump() | stiff))
+        cell = kind(**(given.model_dump() | stiff | more))
         return sheet(Blank.rectangle((0.0, 0.0), (0.005, 0.005), 0.005), fabric(unit_cell=cell))
 
     return make

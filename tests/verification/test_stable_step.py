@@ -6,7 +6,15 @@ import scipy.linalg
 
 from weavesim.blank import Blank
 from weavesim.errors import InputError
-from weavesim.fabric import IsotropicBending, LinearShear, Stabilisation, UnitCell, YarnBending, glass_polypropylene
+from weavesim.fabric import (
+    IsotropicBending,
+    LinearShear,
+    MomentCurve,
+    Stabilisation,
+    UnitCell,
+    YarnBending,
+    glass_polypropylene,
+)
 from weavesim.simulation import Simulation
 from weavesim.stepper import STEP_SAFETY
 
@@ -61,10 +69,93 @@ def test_estimate_is_a_sharp_bound_at_rest(patch, name, sheet, fabric):
     patch = sheet(blank, plate(fabric, **FABRICS[name]))
     limit = 2.0 / highest_frequency(patch, blank.node_position, blank.initial_director)
     patch.place(blank.node_position, blank.initial_director)
-    found = estimate(patch)
-    assert found <= limit
-    # where the membrane governs; elsewhere several bounds are added up
-    assert found >= (0.6 if name == "membrane governs" else 0.4) * limit
+    assert 0.6 * limit <= estimate(patch) <= limit
+
+
+LOCKING = MomentCurve(
+    angle=(0.0, 0.2, 0.5, 1.0), moment_values=(0.0, 30.0, 50.0, 200.0), locking_angle=0.6, locking_width=0.1,
+    locking_stiffness=1500.0,
+)  # fmt: skip
+# yarn strain up to, shear angle up to [rad], curvature up to [1/m], random shift of nodes and directors up to
+STATES = {
+    "taut": (0.02, 0.0, 0.0, 0.0),
+    "sheared": (0.02, 0.8, 0.0, 0.0),
+    "bent": (0.02, 0.0, 50.0, 0.0),
+    "sheared and bent": (0.02, 0.8, 50.0, 0.0),
+    "crumpled": (0.10, 0.9, 300.0, 0.3),
+}
+
+
+def random_state(blank, rng, strain, shear, curvature, noise):
+    """Positions and directors of a sheet that is stretched along its yarns, sheared, and bent to a cylinder."""
+    stretch, angle = 1.0 + rng.uniform(0.0, strain, 2), rng.uniform(-shear, shear)
+    yarn = np.column_stack([blank.warp_direction[0], blank.weft_direction[0]])[:2]
+    image = np.array([[stretch[0], stretch[1] * np.sin(angle)], [0.0, stretch[1] * np.cos(angle)]])
+    plan = blank.node_position[:, :2] @ (image @ np.linalg.inv(yarn)).T
+    k, turn = rng.uniform(-curvature, curvature) + 1e-9, rng.uniform(0.0, np.pi)
+    around, along = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
+    s, across = plan @ around, plan @ along
+    position = np.column_stack([np.outer(np.sin(k * s) / k, around) + np.outer(across, along), (np.cos(k * s) - 1) / k])
+    director = np.column_stack([np.outer(np.sin(k * s), around), np.cos(k * s)])
+    position += noise * 0.005 * rng.normal(size=position.shape)
+    director += noise * rng.normal(size=director.shape)
+    return position, director / np.linalg.norm(director, axis=1)[:, None]
+
+
+def share_of_limit(sheet, laws, blank, state) -> float:
+    """Estimate over the limit 2/omega_max of the tangent that differences of the forces give."""
+    patch = sheet(blank, laws)
+    limit = 2.0 / highest_frequency(patch, *state)
+    patch.place(*state)
+    patch.simulation.stepper.evaluate()
+    return estimate(patch) / limit
+
+
+def random_shares(sheet, fabric, state, count, seed) -> dict[str, list[float]]:
+    """Shares of the limit for ``count`` random states of a kind, for every fabric and the preset."""
+    laws = {name: plate(fabric, **given) for name, given in FABRICS.items()}
+    laws |= {"locking": plate(fabric, shear=LOCKING), "preset": glass_polypropylene()}
+    rng = np.random.default_rng(seed)
+    result = {}
+    for name, law in laws.items():
+        result[name] = []
+        for _ in range(count):
+            blank = Blank.rectangle(
+                (0.0, 0.0), (0.015, 0.015), 0.005, yarn_angle=rng.uniform(0.0, 45.0), distortion=rng.choice([0.0, 0.2])
+            )
+            result[name].append(share_of_limit(sheet, law, blank, random_state(blank, rng, *STATES[state])))
+    return result
+
+
+def check_shares(shares: dict[str, list[float]], state: str) -> None:
+    for name, values in shares.items():
+        # looser for a plate that bends twenty times harder than its membrane would let it; a crumpled ball is asked
+        # for stability alone
+        least = 0.0 if state == "crumpled" else 0.35 if name == "thick" and "bent" in state else 0.6
+        assert least <= min(values) <= max(values) <= 1.0, (name, values)
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_estimate_is_a_bound_for_deformed_sheets(state, sheet, fabric):
+    check_shares(random_shares(sheet, fabric, state, 1, 7), state)
+
+
+@pytest.mark.verification
+def test_estimate_over_many_states(sheet, fabric, manual):
+    case = manual(
+        "Energy and time step", "Estimate of the stable step over the true limit",
+        known="2/omega_max of the assembled tangent (differences of the forces, lumped masses): the estimate may never "
+        "be above it, and should not be below 0.6 of it for taut, sheared and bent sheets. 3 x 3 elements of 5 mm, "
+        "regular and distorted, yarns at any angle; curvature radii down to 20 mm at a thickness of 1 mm. *Thick* has "
+        "twenty times the bending stiffness that its membrane would give; *crumpled* is noise of 30 %.",
+    )  # fmt: skip
+    rows = {}
+    for state in STATES:
+        shares = random_shares(sheet, fabric, state, 12, 11)
+        check_shares(shares, state)
+        for name, values in shares.items():
+            rows.setdefault(name, [name]).append(f"{min(values):.2f} to {max(values):.2f}")
+    case.table(["fabric", *STATES], list(rows.values()))
 
 
 @pytest.mark.parametrize("stretch", [(1.004, 1.003), (1.02, 1.0), (1.01, 0.97)], ids=str)
@@ -81,8 +172,7 @@ def test_estimate_is_a_bound_for_crimped_yarns(stretch, shear, sheet):
     patch.place(position, blank.initial_director)
     patch.simulation.stepper.evaluate()
     found = estimate(patch)
-    assert found <= limit
-    assert found >= 0.5 * limit
+    assert 0.6 * limit <= found <= limit
 
 
 def swing(fabric, step: float | None, limit: float) -> np.ndarray:
@@ -103,14 +193,23 @@ def swing(fabric, step: float | None, limit: float) -> np.ndarray:
     return np.array(result)
 
 
-def test_limit_is_where_the_run_blows_up(sheet, fabric):
+def test_limit_is_where_the_run_blows_up(sheet, fabric, manual):
     laws = plate(fabric)
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005, yarn_angle=20.0, distortion=0.2)
     limit = 2.0 / highest_frequency(sheet(blank, laws), blank.node_position, blank.initial_director)
-    quiet = swing(laws, 0.99, limit)
+    case = manual(
+        "Energy and time step", "Beyond the limit",
+        known="Central differences are stable up to 2/omega_max. A plate of 4 x 4 distorted elements, linear in every "
+        "term, with a random velocity of 1 um/s; omega_max from the assembled tangent.",
+    )  # fmt: skip
+    quiet, loud = swing(laws, 0.99, limit), swing(laws, 1.1, limit)
     assert np.isfinite(quiet).all()
     assert quiet[-1] < 1e-6
-    assert not (swing(laws, 1.1, limit)[:5] < 1e-4).all()
+    assert not (loud[:5] < 1e-4).all()
+    case.table(
+        ["step over the limit", "largest displacement after 20 steps [m]", "after 100 steps [m]"],
+        [[0.99, quiet[0], quiet[4]], [1.1, loud[0], loud[4]]],
+    )
 
 
 def test_step_follows_the_fabric_through_a_run():

@@ -86,12 +86,12 @@ def test_force_of_supports_accelerates_the_sheet():
     )  # fmt: skip
     simulation.run()
     frame, mass = simulation.frame, 0.743 * 0.1 * 0.05
-    # the force is that of the step before; the speed rises as 3s^2 - 2s^3
-    share = (frame.time - simulation.state.step) / 1e-3
+    # the speed rises as 3s^2 - 2s^3
+    share = frame.time / 1e-3
     acceleration = 2.0 / 1e-3 * 6.0 * share * (1.0 - share)
     expected = mass * (acceleration * np.array([0.0, 0.6, 0.8]) + [0.0, 0.0, 9.81])
-    np.testing.assert_allclose(frame.support_force[0], expected, rtol=1e-3, atol=1e-9)
-    assert frame.drive_force[0] == pytest.approx(expected @ [0.0, 0.6, 0.8], rel=1e-3)
+    np.testing.assert_allclose(frame.support_force[0], expected, rtol=1e-4, atol=1e-9)
+    assert frame.drive_force[0] == pytest.approx(expected @ [0.0, 0.6, 0.8], rel=1e-4)
     energies = frame.energies
     assert energies["internal"] < 1e-12 * energies["kinetic"]
     assert energies["damping_loss"] == 0.0

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from weavesim.blank import Blank
+from weavesim.cells import LinearMembrane
 from weavesim.errors import RunError
-from weavesim.fabric import Fabric, LinearShear, MomentCurve, UnitCell, glass_polypropylene
+from weavesim.fabric import Fabric, LinearShear, MomentCurve, Stabilisation, UnitCell, glass_polypropylene
 from weavesim.model import MotionParameters
 from weavesim.motion import Stroke
 from weavesim.recording import Outcome
@@ -54,9 +55,11 @@ def test_free_sheet_keeps_its_momenta():
 @pytest.mark.parametrize("in_plane", [0.0, 5.0e-3])
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_free_vibration_keeps_its_energy(precision, in_plane):
-    """Velocities are half a step behind, so the balance swings by a few thousandths; it must not drift.
+    """The ledger takes everything at one instant: what is left is the error of the time integration.
 
-    With in-plane bending of the yarns the mean angles are a step behind too: what that costs is booked as damping.
+    That of a nonlinear sheet, of second order in the step: a quarter of the stable step leaves a tenth or less.
+
+    With in-plane bending of the yarns the mean angles are a step behind: what that costs is booked as damping.
     """
     straight = UnitCell.straight(stiffness_per_width=2.0e5)
     fabric = glass_polypropylene().model_copy(
@@ -64,17 +67,41 @@ def test_free_vibration_keeps_its_energy(precision, in_plane):
             "unit_cell": straight, "shear": LinearShear(modulus=2.0e7), "in_plane_bending_stiffness": in_plane,
         }
     )  # fmt: skip
-    simulation = thrown_sheet(fabric, 0.02, frame_count=100, precision=precision)
-    simulation.run()
-    assert simulation.stepper.step_count > 2000
-    supplied = simulation.frame.energies["initial_kinetic"]
-    error = np.array([entry["balance_error"] for entry in simulation.history]) / supplied
-    internal = np.array([entry["internal"] for entry in simulation.history]) / supplied
-    assert internal.max() > 0.1
-    assert np.abs(error).max() < 0.02
-    assert abs(error[-25:].mean() - error[1:26].mean()) < 0.005
-    lost = simulation.frame.energies["damping_loss"] / supplied
-    assert (lost > 0.05) if in_plane else (lost == 0.0)
+    for time_step, tolerance in ((None, 5e-3), (1.45e-6, 5e-4)):
+        simulation = thrown_sheet(fabric, 0.02, frame_count=100, precision=precision, time_step=time_step)
+        simulation.run()
+        assert simulation.stepper.step_count > 2000
+        supplied = simulation.frame.energies["initial_kinetic"]
+        error = np.array([entry["balance_error"] for entry in simulation.history]) / supplied
+        internal = np.array([entry["internal"] for entry in simulation.history]) / supplied
+        assert internal.max() > 0.1
+        assert np.abs(error).max() < tolerance
+        lost = simulation.frame.energies["damping_loss"] / supplied
+        assert (lost > 0.05) if in_plane else (lost == 0.0)
+
+
+def test_noise_keeps_its_energy(fabric):
+    """Random velocities excite the highest modes, for which the step is almost too large; it must not follow them."""
+    laws = fabric(
+        unit_cell=LinearMembrane(warp_stiffness=1e5, weft_stiffness=1e5), shear=LinearShear(modulus=1e6),
+        stabilisation=Stabilisation(),
+    )  # fmt: skip
+    blank = Blank.rectangle((0.0, 0.0), (0.04, 0.04), 0.01)
+    velocity = np.zeros((blank.node_count, 3))
+    velocity[:, :2] = np.random.default_rng(0).normal(scale=0.1, size=(blank.node_count, 2))
+    simulation = Simulation(
+        name="noise", blank=blank, fabric=laws, duration=1.0, initial_velocity=velocity, precision="float64",
+        lane_count=1, threads=1,
+    )  # fmt: skip
+    start = simulation.frame.energies
+    for _ in range(5):
+        simulation.stepper.advance(100)
+        energies = simulation.ledger.frame(1).energies
+        # the step is as large as it may be, but for the margins of a step that is kept
+        assert 0.9 < simulation.state.step / simulation.stepper.stable_step() <= 1.0
+        total, first = (e["kinetic"] + e["internal"] for e in (energies, start))
+        assert total == pytest.approx(first, rel=1e-3)
+    assert simulation.stepper.step_count == 10_000
 
 
 def test_momentum_is_kept_with_a_changing_step():
@@ -171,8 +198,7 @@ def test_gravity_alone_is_free_fall():
     simulation.run()
     time = simulation.frame.time
     moved = simulation.frame.position - blank.node_position
-    # velocity is right at every half step, so the fall lags by one step's worth at most
-    assert np.abs(moved - 0.5 * time**2 * np.array([0.0, 3.0, -9.81])).max() < 2e-3 * 0.5 * 9.81 * time**2
+    assert np.abs(moved - 0.5 * time**2 * np.array([0.0, 3.0, -9.81])).max() < 1e-4 * 0.5 * 9.81 * time**2
     assert simulation.frame.energies["internal"] < 1e-15
 
 

@@ -1,144 +1,26 @@
-"""What every unit cell must do: a new one is tested by being added to ``CELLS``.
+"""What every unit cell must do: a new one is tested by being added to ``registered_cells.CELLS``.
 
-A cell stands here beside its energy written once more, in NumPy, from the theory: that alone is what the kernels'
+A cell stands there beside its energy written once more, in NumPy, from the theory: that alone is what the kernels'
 forces, tangents, unknowns and equilibria are compared with.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg
 import scipy.optimize
-import warp as wp
 from scipy.spatial.transform import Rotation
-from warp import float64 as real
 
+from tests.verification.registered_cells import CELLS, Registered
 from weavesim.blank import Blank
-from weavesim.cells import Cell, EnergyCell, FloatWeave
+from weavesim.cells import Cell
 from weavesim.errors import InputError
-from weavesim.fabric import UNIT_CELLS, Positive, glass_polypropylene
+from weavesim.fabric import UNIT_CELLS, glass_polypropylene
 from weavesim.simulation import Simulation
 from weavesim.stepper import STEP_SAFETY
 from weavesim.unit_cell import respond
 
-# --- the cells and their energies -------------------------------------------------------------------------------------
-
-
-@wp.func
-def net_energy(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
-    """Threads along both yarns with a bound knot each, one knotted to the angle."""
-    warp = warp_stretch - real(1.0) - q[0]
-    weft = weft_stretch - real(1.0) - q[1]
-    return (
-        real(0.5) * p.thread * (warp * warp + weft * weft)
-        + real(0.5) * p.knot * (q[0] * q[0] + q[1] * q[1] + q[0] * q[1] + real(3.0) * q[0] * q[0] * q[0] * q[0])
-        + p.turning * (real(1.0) - wp.cos(shear_angle - q[1]))
-    )
-
-
-class KnottedNet(EnergyCell):
-    """A cell as a user would add it: everything depends on everything."""
-
-    unknown_count = 2
-    energy = net_energy
-
-    thread: Positive = 1.0e5
-    knot: Positive = 4.0e4
-    turning: Positive = 2.0e3
-
-    @property
-    def yarn_stiffness_per_width(self) -> tuple[float, float]:
-        return self.thread, self.thread
-
-    @property
-    def shear_stiffness(self) -> float:
-        return self.turning
-
-
-def net_reference(cell: KnottedNet, stretch, angle, q) -> float:
-    threads = 0.5 * cell.thread * ((stretch[0] - 1 - q[0]) ** 2 + (stretch[1] - 1 - q[1]) ** 2)
-    knots = 0.5 * cell.knot * (q[0] ** 2 + q[1] ** 2 + q[0] * q[1] + 3 * q[0] ** 4)
-    return threads + knots + cell.turning * (1 - math.cos(angle - q[1]))
-
-
-def crossed_yarns_reference(cell, stretch, angle, q) -> float:
-    """Plain weave (q is w_1, w_2 [m]) and weaves with floats (w over a scale, strains of the floats)."""
-    repeat = getattr(cell, "repeat", 2)
-    heights = np.array(q[:2]) * (cell.parameters()["height_scale"] if isinstance(cell, FloatWeave) else 1.0)
-    strains = q[2:] if isinstance(cell, FloatWeave) else (0.0, 0.0)
-    energy = 0.0
-    for k in range(2):
-        spacing, height = cell.half_spacing[k], cell.crimp_height[k]
-        float_length = (repeat / 2 - 1) * spacing
-        x = stretch[k] * repeat / 2 * spacing - (1 + strains[k]) * float_length
-        h = height + heights[k]
-        l0 = math.hypot(spacing, height)
-
-        def bar(elongation, length, k=k):
-            stiffness = cell.axial_stiffness[k] if elongation > 0 else cell.compressive_stiffness[k]
-            return 0.5 * stiffness / length * elongation**2 if length else 0.0
-
-        rotation = math.atan2(h, x) - math.atan2(height, spacing)
-        energy += bar(math.hypot(x, h) - l0, l0) + bar(strains[k] * float_length, float_length)
-        energy += 1.5 * cell.bending_stiffness[k] / l0 * rotation**2
-    opening = heights.sum()
-    if not (cell.contact == "unilateral" and opening > 0):
-        energy += 0.5 * cell.contact_stiffness * opening**2
-    return energy / (repeat * cell.warp_half_spacing * cell.weft_half_spacing)
-
-
-def tape_reference(cell, stretch, angle, q) -> float:
-    corner = np.array([cell.stitch_pitch, cell.tow_spacing])
-    # yarns of a sheared sheet: the weft leans by the angle
-    weft = np.array([math.sin(angle), math.cos(angle)])
-    energy = 0.0
-    for k, sign in enumerate((1.0, -1.0)):
-        leg = np.array([corner[0] * stretch[0], 0.0]) + sign * corner[1] * stretch[1] * weft
-        strain = np.linalg.norm(leg) / np.linalg.norm(corner) - 1 - cell.stitch_slack - (q[0] if k == 0 else -q[0])
-        energy += 0.5 * cell.stitch_stiffness * max(strain, 0.0) ** 2
-    energy += 0.5 * cell.slip_stiffness * q[0] ** 2
-    for strain, pull, push in (
-        (stretch[0] - 1, cell.tow_stiffness, cell.tow_compressive_stiffness),
-        (stretch[1] - 1, cell.transverse_stiffness, cell.transverse_compressive_stiffness),
-    ):
-        energy += 0.5 * (pull if strain > 0 else push) * strain**2
-    return energy
-
-
-def membrane_reference(cell, stretch, angle, q) -> float:
-    stiffness = np.array(
-        [[cell.warp_stiffness, cell.coupling_stiffness], [cell.coupling_stiffness, cell.weft_stiffness]]
-    )
-    strain = np.asarray(stretch) - 1
-    return 0.5 * strain @ stiffness @ strain
-
-
-@dataclass(frozen=True)
-class Registered:
-    """A cell, its energy in NumPy, and how large its unknowns are: one is large for all but the plain weave's."""
-
-    make: Callable[[], Cell]
-    reference: Callable[..., float]
-    unknown_scale: float = 1.0
-
-
-CELLS = {
-    "plain-weave": Registered(UNIT_CELLS["plain-weave"], crossed_yarns_reference, 6e-4),
-    "plain-weave-unilateral": Registered(UNIT_CELLS["plain-weave-unilateral"], crossed_yarns_reference, 6e-4),
-    "plain weave as floats of no length": Registered(
-        lambda: FloatWeave(**UNIT_CELLS["plain-weave"]().model_dump(), repeat=2), crossed_yarns_reference
-    ),
-    "twill": Registered(UNIT_CELLS["twill"], crossed_yarns_reference),
-    "satin-5": Registered(UNIT_CELLS["satin-5"], crossed_yarns_reference),
-    "satin-8": Registered(UNIT_CELLS["satin-8"], crossed_yarns_reference),
-    "stitched-tape": Registered(UNIT_CELLS["stitched-tape"], tape_reference),
-    "linear-membrane": Registered(UNIT_CELLS["linear-membrane"], membrane_reference),
-    "user's net": Registered(KnottedNet, net_reference),
-}
 # One of each law: the others share the kernels.
 SHELL_CELLS = ("plain-weave", "twill", "stitched-tape", "linear-membrane", "user's net")
 
@@ -346,46 +228,51 @@ def test_resultant_and_moment_vanish(shell_cell, sheet, fabric, curved_blank, de
     assert np.abs(moment.sum(axis=0)).max() < 1e-12 * np.abs(moment).sum()
 
 
-@pytest.mark.parametrize(
-    "state", [(1.0, 1.0, 0.0), (1.004, 1.003, 0.0), (1.006, 1.004, 0.5), (1.02, 0.98, 0.3)], ids=str
-)
-def test_time_step_is_below_the_limit(shell_cell, state, sheet, fabric):
+def test_time_step_is_below_the_limit(shell_cell, sheet, fabric, manual):
     """Against the highest frequency of the finite-difference tangent, for a sheet that is a membrane only."""
+    case = manual(
+        "Unit cell", f"Stable step of a membrane: {type(shell_cell).__name__}",
+        known=r"$2/\omega_{\max}$ of the sheet's tangent, by differences of the nodal forces, with the lumped masses",
+    )  # fmt: skip
     blank = Blank.rectangle((0.0, 0.0), (0.015, 0.015), 0.005, yarn_angle=10.0)
     patch = sheet(blank, fabric(unit_cell=shell_cell))
     yarn = np.column_stack([blank.warp_direction[0], blank.weft_direction[0]])[:2]
-    wanted = np.array([[state[0], state[1] * math.sin(state[2])], [0.0, state[1] * math.cos(state[2])]])
-    position = blank.node_position.copy()
-    position[:, :2] = position[:, :2] @ (wanted @ np.linalg.inv(yarn)).T
-    stiffness = patch.stiffness(position, blank.initial_director, 1e-7)
     model = patch.simulation.model
     mass = np.column_stack([np.tile(model.node_mass, (3, 1)).T, np.tile(model.node_inertia, (2, 1)).T]).ravel()
-    root = 1.0 / np.sqrt(mass)
-    squared = scipy.linalg.eigvalsh(0.5 * (stiffness + stiffness.T) * np.outer(root, root))[-1]
-    patch.place(position, blank.initial_director)
-    patch.simulation.stepper.evaluate()
-    patch.simulation.stepper._replay(patch.simulation.stepper._refresh_graphs)
-    found = patch.simulation.stepper.stable_step() / STEP_SAFETY
-    assert found <= 2.0 / math.sqrt(squared)
-    assert found >= 0.4 * 2.0 / math.sqrt(squared)
+    root, rows = 1.0 / np.sqrt(mass), []
+    for warp, weft, angle in ((1.0, 1.0, 0.0), (1.004, 1.003, 0.0), (1.006, 1.004, 0.5), (1.02, 0.98, 0.3)):
+        wanted = np.array([[warp, weft * math.sin(angle)], [0.0, weft * math.cos(angle)]])
+        position = blank.node_position.copy()
+        position[:, :2] = position[:, :2] @ (wanted @ np.linalg.inv(yarn)).T
+        stiffness = patch.stiffness(position, blank.initial_director, 1e-7)
+        squared = scipy.linalg.eigvalsh(0.5 * (stiffness + stiffness.T) * np.outer(root, root))[-1]
+        patch.place(position, blank.initial_director)
+        patch.simulation.stepper.evaluate()
+        patch.simulation.stepper._replay(patch.simulation.stepper._refresh_graphs)
+        ratio = patch.simulation.stepper.stable_step() / STEP_SAFETY / (2.0 / math.sqrt(squared))
+        assert ratio <= 1.0
+        # slack yarns are taken as pulled
+        assert ratio >= (0.6 if min(warp, weft) > 1.0 else 0.4)
+        rows.append([warp, weft, math.degrees(angle), ratio])
+    case.table(["warp stretch", "weft stretch", "shear angle [degrees]", "estimate over the limit"], rows)
 
 
 def test_thrown_sheet_keeps_momentum_and_energy(shell_cell):
-    """Free flight of a whole fabric with this cell."""
+    """Free flight of a whole fabric with this cell.
+
+    The kinetic energy is half a step older than the elastic one: a small step keeps the balance from swinging.
+    """
     blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005, yarn_angle=15.0, distortion=0.2)
     rng = np.random.default_rng(0)
     velocity = 0.3 * rng.normal(size=blank.node_position.shape)
     velocity[:, 0] += 20.0 * blank.node_position[:, 1]
-    fabric = glass_polypropylene().model_copy(
-        update={
-            "unit_cell": shell_cell,
-            "shear": glass_polypropylene().shear.model_copy(update={"locking_stiffness": 0.0}),
-        }
-    )
-    simulation = Simulation(
-        name="thrown", blank=blank, fabric=fabric, duration=5e-4, initial_velocity=velocity, precision="float64",
-        lane_count=1, threads=1, frame_count=5,
-    )  # fmt: skip
+    shear = glass_polypropylene().shear.model_copy(update={"locking_stiffness": 0.0})
+    # in-plane bending takes the angles from the step before, and books what that costs: not what is tested here
+    laws = {"unit_cell": shell_cell, "shear": shear, "in_plane_bending_stiffness": 0.0}
+    settings = {"name": "thrown", "blank": blank, "fabric": glass_polypropylene().model_copy(update=laws)}
+    settings |= {"duration": 5e-4, "precision": "float64", "lane_count": 1, "threads": 1}
+    step = 0.1 * Simulation(**settings).model.reference_step
+    simulation = Simulation(**settings, initial_velocity=velocity, frame_count=40, time_step=step)
     mass = simulation.model.node_mass[:, None]
     before = (mass * velocity).sum(axis=0)
     simulation.run()
@@ -393,7 +280,20 @@ def test_thrown_sheet_keeps_momentum_and_energy(shell_cell):
     assert np.abs(after - before).max() < 1e-12 * np.abs(mass * velocity).sum()
     energies = simulation.frame.energies
     assert energies["internal"] > 0.05 * energies["initial_kinetic"]
-    assert abs(energies["balance_error"]) < 0.02 * energies["initial_kinetic"]
+    assert energies["snap_loss"] == 0.0
+    errors = np.array([entry["balance_error"] for entry in simulation.history]) / energies["initial_kinetic"]
+    assert np.abs(errors).max() < 0.02
+    assert abs(errors[-10:].mean()) < 1e-3
+    assert simulation.summary()["unit_cell_max_residual"] < 1e-9
+
+
+@pytest.mark.parametrize("name", ["twill", "user's net"])
+def test_lanes_and_precisions_agree_in_the_shell(name, sheet, fabric, curved_blank, deformed):
+    """Sixteen lanes of single precision, as a run on a CPU has them, against one of double precision."""
+    laws = fabric(unit_cell=CELLS[name].make())
+    exact, _ = sheet(curved_blank, laws).forces(*deformed)
+    single, _ = sheet(curved_blank, laws, precision="float32", lane_count=16).forces(*deformed)
+    assert np.abs(single - exact).max() < 1e-4 * np.abs(exact).max()
 
 
 # --- what a user can get wrong ----------------------------------------------------------------------------------------

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..recording import Frame
+from ..recording import Frame, Outcome
+
+if TYPE_CHECKING:
+    from ..simulation import Simulation
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class Chart:
 
 
 class Curves:
-    """Takes the same numbers from every frame.
+    """Observer that takes the same numbers from every frame.
 
     Args:
         name: of the CSV, without ending.
@@ -46,13 +50,14 @@ class Curves:
         self._measure = measure
         self._rows: list[dict[str, float]] = []
 
-    def clear(self) -> None:
-        """Forget all frames."""
+    def start(self, simulation: Simulation) -> None:
         self._rows.clear()
 
-    def add(self, frame: Frame) -> None:
-        """Measure a frame."""
+    def frame(self, frame: Frame) -> None:
         self._rows.append({name: float(value) for name, value in self._measure(frame).items()})
+
+    def finish(self, outcome: Outcome) -> None:
+        """Nothing to close; the result folder writes the files."""
 
     @property
     def columns(self) -> dict[str, np.ndarray]:

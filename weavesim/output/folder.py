@@ -90,7 +90,7 @@ class ResultFolder:
         self.warnings.clear()
         self.history.start(simulation)
         if self._curves:
-            self._curves.clear()
+            self._curves.start(simulation)
         self._streams = {}
         if self._with_film:
             self._streams["film"] = Film(self.path / f"{simulation.name}.usdc")
@@ -101,7 +101,7 @@ class ResultFolder:
     def frame(self, frame: Frame) -> None:
         self.history.frame(frame)
         if self._curves:
-            self._curves.add(frame)
+            self._curves.frame(frame)
         self._tell_streams(lambda stream: stream.frame(frame))
 
     def finish(self, outcome: Outcome) -> None:

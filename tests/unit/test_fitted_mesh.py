@@ -9,7 +9,7 @@ from weavesim.blank import Blank
 from weavesim.errors import InputError
 from weavesim.fitted_mesh import LEAST_QUALITY, corner_sines, fitted_mesh
 
-cases = settings(max_examples=25, deadline=None)
+cases = settings(max_examples=15, deadline=None)
 STRIP = np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.1], [0.0, 0.1]])
 
 

@@ -91,6 +91,7 @@ def element_struct(real: type, lane_count: int):
         hourglass_offset: wp.array2d(dtype=types.lanes)  # c_p, c_q
         area: wp.array(dtype=types.lanes)  # reference area [m^2]; 0 for padding
         flat: wp.int32  # 1: all initial strains are zero and are not read
+        skewed: wp.int32  # 0: every element is a parallelogram, c_p and c_q are zero
         initial_curvature: wp.array2d(dtype=types.lanes)  # k11, k12, k22 [1/m]
         initial_transverse_shear: wp.array2d(dtype=types.lanes)  # g1, g2
         initial_hourglass: wp.array2d(dtype=types.lanes)  # warping [m], director along a1, a2
@@ -160,6 +161,45 @@ def surface_metric(a1: Any, a2: Any):
 
 
 @wp.func
+def skew_weights(elements: Any, e: int):
+    """Weights of k11, k12, k22 in the corrections of g1 and of g2, six in all [m].
+
+    1/4 [b_p (c_p k(p, p) + c_q k(p, q)) - b_q (c_p k(p, q) + c_q k(q, q))], p, q the flat diagonals. A constant
+    curvature with its own normals would have just minus this a.d in the middle of a quadrilateral that is no
+    parallelogram: both are means over the corners, but not at the same place.
+    """
+    bp1 = elements.shape_gradient[0, e]
+    bp2 = elements.shape_gradient[1, e]
+    bq1 = elements.shape_gradient[2, e]
+    bq2 = elements.shape_gradient[3, e]
+    offset_p = elements.hourglass_offset[0, e]
+    offset_q = elements.hourglass_offset[1, e]
+    inverse = fill(bp1, 1.0) / (bp1 * bq2 - bp2 * bq1)
+    p1 = bq2 * inverse
+    p2 = -(bq1 * inverse)
+    q1 = -(bp2 * inverse)
+    q2 = bp1 * inverse
+    quarter = bp1.dtype(0.25)
+    # k(p, o) and k(q, o) with the offset o = c_p p + c_q q
+    along1 = quarter * (offset_p * p1 + offset_q * q1)
+    along2 = quarter * (offset_p * p2 + offset_q * q2)
+    po11 = p1 * along1
+    po12 = p1 * along2 + p2 * along1
+    po22 = p2 * along2
+    qo11 = q1 * along1
+    qo12 = q1 * along2 + q2 * along1
+    qo22 = q2 * along2
+    return (
+        bp1 * po11 - bq1 * qo11,
+        bp1 * po12 - bq1 * qo12,
+        bp1 * po22 - bq1 * qo22,
+        bp2 * po11 - bq2 * qo11,
+        bp2 * po12 - bq2 * qo12,
+        bp2 * po22 - bq2 * qo22,
+    )
+
+
+@wp.func
 def element_strains(elements: Any, e: int, a1: Any, a2: Any, d1: Any, d2: Any, mean_director: Any):
     """Curvatures k11, k12, k22 and transverse shears g1, g2, minus their initial values."""
     k11 = dot(a1, d1)
@@ -173,6 +213,10 @@ def element_strains(elements: Any, e: int, a1: Any, a2: Any, d1: Any, d2: Any, m
         k22 = k22 - elements.initial_curvature[2, e]
         g1 = g1 - elements.initial_transverse_shear[0, e]
         g2 = g2 - elements.initial_transverse_shear[1, e]
+    if elements.skewed == 1:
+        skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(elements, e)
+        g1 = g1 + skew11 * k11 + skew12 * k12 + skew13 * k22
+        g2 = g2 + skew21 * k11 + skew22 * k12 + skew23 * k22
     return k11, k12, k22, g1, g2
 
 
@@ -206,18 +250,25 @@ def hourglass_stiffnesses(elements: Any, laws: Any, e: int):
 
 @wp.func
 def twist_weights(elements: Any, e: int):
-    """Weights of k11, k12, k22 in the natural twist k(xi, eta) = [k(p, p) - k(q, q)]/16, p, q the flat diagonals."""
+    """Weights of k11, k12, k22 in the natural twist [(1 - c_p^2) k(p, p) - (1 - c_q^2) k(q, q)]/16, p, q the diagonals.
+
+    On a parallelogram that is k(xi, eta); in general it is what a constant curvature takes out of x_h/4.
+    """
     bp1 = elements.shape_gradient[0, e]
     bp2 = elements.shape_gradient[1, e]
     bq1 = elements.shape_gradient[2, e]
     bq2 = elements.shape_gradient[3, e]
     inverse = fill(bp1, 1.0) / (bp1 * bq2 - bp2 * bq1)
     square = bp1.dtype(0.0625) * inverse * inverse
+    offset_p = elements.hourglass_offset[0, e]
+    offset_q = elements.hourglass_offset[1, e]
     # (p q) is the inverse of the gradients: p = (b_q2, -b_q1)/det, q = (-b_p2, b_p1)/det
+    weight_p = square - square * offset_p * offset_p
+    weight_q = square - square * offset_q * offset_q
     return (
-        square * (bq2 * bq2 - bp2 * bp2),
-        bp1.dtype(2.0) * square * (bp1 * bp2 - bq1 * bq2),
-        square * (bq1 * bq1 - bp1 * bp1),
+        weight_p * bq2 * bq2 - weight_q * bp2 * bp2,
+        bp1.dtype(2.0) * (weight_q * bp1 * bp2 - weight_p * bq1 * bq2),
+        weight_p * bq1 * bq1 - weight_q * bp1 * bp1,
     )
 
 
@@ -383,6 +434,11 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             bend11 = bend11 - real(2.0) * warp_moment * k11 / (m11 * m11)
             bend22 = bend22 - real(2.0) * weft_moment * k22 / (m22 * m22)
         q1, q2, slide11, slide12, slide22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
+        if elements.skewed == 1:
+            skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(elements, e)
+            moment11 = moment11 + skew11 * q1 + skew21 * q2
+            moment12 = moment12 + real(0.5) * (skew12 * q1 + skew22 * q2)
+            moment22 = moment22 + skew13 * q1 + skew23 * q2
         t11 = t11 + shear11 + bend11 + slide11
         t12 = shear12 + bend12 + slide12
         t22 = t22 + shear22 + bend22 + slide22

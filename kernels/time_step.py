@@ -15,6 +15,7 @@ from .element import (
     element_struct,
     element_vectors,
     hourglass_stiffnesses,
+    skew_weights,
     surface_metric,
     twist_weights,
     yarn_strains,
@@ -196,6 +197,7 @@ def largest_in_plane(
         power = square_root(power)
     return size * power
 
+
 # A step that shrinks goes to this share of the limit, so that it need not shrink again at once.
 STEP_MARGIN = wp.constant(0.98)
 # A step grows by one factor per refresh as soon as the limit is the other one above it.
@@ -348,7 +350,13 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
 
         # transverse shear couples slopes and mean directors, by the directors' full length in a flat element too
         slope_positions = slope * gradient
-        mean_directors = (real(0.25) * slope) * radius
+        half_directors = lanes(half)
+        if elements.skewed == 1:
+            skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(elements, e)
+            skew = skew11 * skew11 + skew13 * skew13 + skew21 * skew21 + skew23 * skew23
+            skew = skew + half * (skew12 * skew12 + skew22 * skew22)
+            half_directors = half_directors + square_root(skew * gradient * largest_metric)
+        mean_directors = slope * half_directors * half_directors * radius
         tilting = slope_positions * tilt * (lanes(real(4.4)) + real(8.5) * tilt)
         slope_coupling = square_root(slope_positions * mean_directors) * (one + real(5.4) * tilt)
 

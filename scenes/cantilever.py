@@ -142,7 +142,9 @@ def softened(fabric: Fabric, stiffness: float) -> Fabric:
     # in compression as stiff as in tension, which E I = E A l0^2 / 3 leaves with one equilibrium
     bending = stiffness * YARN_SPACING * (0.5 * YARN_SPACING) ** 2 / 3.0
     cell = UnitCell.straight(stiffness_per_width=stiffness, spacing=YARN_SPACING, bending=1.001 * bending)
-    changes: dict[str, Any] = {"unit_cell": cell, "compaction": Compaction(), "shear_friction": None}
+    # one stiffness either way: a jump where a yarn goes slack would feed the vibrations (theory, section 7)
+    changes: dict[str, Any] = {"unit_cell": cell, "compressive_stiffness": 0.0, "shear_friction": None}
+    changes["compaction"] = Compaction()
     if isinstance(fabric.shear, MomentCurve):
         # a locking branch may be a tenth as stiff as the yarns; the strip does not shear
         locking = min(fabric.shear.locking_stiffness, LARGEST_LOCKING_SHARE * stiffness)

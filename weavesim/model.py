@@ -334,6 +334,7 @@ class Model:
         for name, array in self._element_arrays.items():
             setattr(elements, name, lanes_view(array, lane_count))
         elements.flat = int(self.geometry.flat)
+        elements.skewed = int(np.abs(self.geometry.hourglass_offset).max() > 1.0e-9)
         return elements
 
     def _sheet_laws(self):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .errors import InputError, RunError
-from .kernels.element import MEAN_ANGLE_ROW, NODE_REPORT_ROWS
+from .kernels.element import NODE_REPORT_ROWS
 from .kernels.node import CLOCK_MEAN_STEP
 from .motion import Driven
 from .simulation import Simulation
@@ -92,7 +92,8 @@ class _Relaxation:
             raise RunError(
                 f"relax: after {self.step_count} steps the residual is {self.residual:.3g} of the applied forces, "
                 f"above {self.tolerance:g}: give more steps or a larger tolerance; a sheet that may move freely never "
-                "comes to rest"
+                "comes to rest, and the rounding of stiff sheets under small loads may keep the residual up (float64 "
+                "has more digits)"
             )
         self.simulation.stepper.advance(1)
 
@@ -111,7 +112,9 @@ class _Relaxation:
             self.stop()
             if self.residual <= self.tolerance:
                 break
-        self.frequency = 0.5 * math.pi / longest
+        # near rest only rounding moves, and fast: what was found in motion counts
+        found = 0.5 * math.pi / longest
+        self.frequency = min(self.frequency, found) if self.frequency else found
 
     def damp(self) -> None:
         """Critical damping of the lowest frequency, until the sheet is at rest or that frequency is in doubt."""
@@ -179,9 +182,8 @@ class _Relaxation:
         count, free = self.simulation.blank.node_count, self.simulation.free[:, :3]
         # works up to this instant, as the ledger takes them; the next step counts from rest
         report = state.node_report.numpy()
-        mean_angle = report[int(MEAN_ANGLE_ROW)].copy()
-        report = 0.5 * (report + ahead.node_report.numpy())
-        report[int(MEAN_ANGLE_ROW)] = mean_angle
+        works = [row for row, name in enumerate(NODE_REPORT_ROWS) if name not in ("mean_shear_angle", "half_thickness")]
+        report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
         damped = report[NODE_REPORT_ROWS.index("damping_loss"), :count]
         damped += 0.5 * (
             model.node_mass * ((velocity * (velocity + change) + 0.25 * change**2) * free).sum(axis=1)

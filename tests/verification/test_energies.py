@@ -94,9 +94,11 @@ def test_membrane_force_is_the_derivative_of_the_cells_energy(sheet, fabric, cur
     agree(forces, numerical_forces(membrane, *deformed, CELL), 1e-6)
 
 
-@pytest.mark.parametrize("name", TERMS)
-def test_force_is_the_derivative_of_the_energy(name, sheet, fabric, curved_blank, deformed):
-    """The force that a term adds, against differences of its own entry of the ledger."""
+def worst_error(name, sheet, fabric, curved_blank, deformed) -> float:
+    """Of the forces and director gradients that a term adds, against differences of its own entry of the ledger.
+
+    Each relative to the largest of its kind.
+    """
     added, entry = TERMS[name]
     with_term = fabric(**added)
     without = fabric() if entry != "hourglass" else fabric(**{k: v for k, v in added.items() if k != "stabilisation"})
@@ -106,7 +108,32 @@ def test_force_is_the_derivative_of_the_energy(name, sheet, fabric, curved_blank
     forces = np.array(with_term.forces(*deformed)) - np.array(without.forces(*deformed))
     numerical = numerical_forces(with_term, *deformed, (entry,))
     assert max(np.abs(numerical[0]).max(), np.abs(numerical[1]).max()) > 1e-5
-    agree(forces, numerical, 2e-6)
+    sizes = [np.abs(numerical[kind]).max() for kind in range(2)]
+    # a membrane term does not know the directors: then both must be nothing
+    return max(
+        float(np.abs(forces[kind] - numerical[kind]).max() / (size or max(sizes))) for kind, size in enumerate(sizes)
+    )
+
+
+@pytest.mark.parametrize("name", TERMS)
+def test_force_is_the_derivative_of_the_energy(name, sheet, fabric, curved_blank, deformed):
+    assert worst_error(name, sheet, fabric, curved_blank, deformed) < 2e-6
+
+
+@pytest.mark.verification
+def test_forces_of_all_terms(sheet, fabric, curved_blank, deformed, manual):
+    case = manual(
+        "Element", "Forces against differences of the energy",
+        known="Every force is minus the derivative of an entry of the ledger, by the positions and by the directors: "
+        "central differences on a warped, distorted mesh with yarns at 20 degrees, strained by 15 %, sheared, bent and "
+        "turned. The worst error of any node, relative to the largest force, is what differences leave. A term is "
+        "tested by being put on a list (`TERMS`); unit cells have their own chapter.",
+    )  # fmt: skip
+    errors = {name: worst_error(name, sheet, fabric, curved_blank, deformed) for name in TERMS}
+    case.table(
+        ["term", "entry of the ledger", "worst error"], [[n, TERMS[n][1], f"{e:.1e}"] for n, e in errors.items()]
+    )
+    assert max(errors.values()) < 2e-6
 
 
 def test_locking_is_met_in_the_test_of_locking(sheet, fabric, curved_blank, deformed):

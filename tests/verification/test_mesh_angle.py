@@ -221,7 +221,7 @@ def test_bias_extension_does_not_depend_on_the_mesh_angle(manual):
         [[count, f"{100 * g[0]:.2f} %", f"{100 * g[1]:.2f} %", g[2]] for count, g in gaps.items()],
     )
     case.text(
-        "All meshes come short of kinematics by an error of first order: a kink of the yarns takes an element to become "
+        "All meshes fall short of kinematics by a first-order error: a kink of the yarns takes an element to become "
         "even shear, as if the clamps were nearly an element further apart. What is left of the gap beyond 16 elements "
         "is how this differs with the mesh, about a fifth of an element."
     )

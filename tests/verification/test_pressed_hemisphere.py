@@ -155,7 +155,8 @@ def test_pressed_net_on_a_coarse_mesh(mesh):
     energies = net.simulation.frame.energies
     assert abs(energies["balance_error"]) < 1e-3 * energies["supplied"]
     assert energies["kinetic"] < 1e-3 * energies["internal"]
-    assert all(abs(net.on_meridian(latitude)) < 1.5 for latitude in COMPARED)
+    # at 75 degrees two elements to the free edge are too few
+    assert all(abs(net.on_meridian(latitude)) < 1.0 for latitude in (30.0, 45.0, 60.0))
     assert net.mean_error < 1.2
 
 

@@ -38,7 +38,7 @@ class CellLaw:
         stable_state_count: states whose tangents ``stable_tangent`` gives.
         solve: (..., start q) -> q, n_1, n_2, m [N/m], pressure between warp and weft per reference
             area [N/m^2], relative residual, iterations.
-        energies: (..., q, area) -> one row per part [J]; like the two below it is for kernels of one lane.
+        energies: (..., q, area) -> one row per part [J]; like ``tangent`` for kernels of one lane.
         tangent: (..., q) -> derivatives of (n_1, n_2, m) at equilibrium: C11, C12, C22, C13, C23, C33 [N/m].
         stable_tangent: (..., q, state) -> the same six, n_1, n_2, m and the pressure, with the yarns in tension: what
             becomes of the cell as soon as it is pulled. Where one state does not tell, several are looked at.
@@ -79,7 +79,7 @@ def parameter_struct(name: str, fields: tuple[tuple[str, int], ...]):
 # A step of differences: unknowns, stretches and angles are all of order one.
 LARGEST_FORWARD_STEP = wp.constant(wp.float64(1.0e-7))
 SMALLEST_FORWARD_STEP = wp.constant(wp.float64(1.0e-10))
-CENTRAL_STEP = wp.constant(wp.float64(1.0e-6))
+CENTRAL_STEP = wp.constant(wp.float64(1.0e-8))
 # Largest change of an unknown in one Newton step, and what is small enough to be taken unseen.
 STEP_LIMIT = wp.constant(wp.float64(0.25))
 SMALL_STEP = wp.constant(wp.float64(1.0e-3))

@@ -107,7 +107,7 @@ def element_ledger_kernel(real: type, cell: CellLaw):
             half * area * (squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0)))
         )
         shear = shear_energy(laws, m12, angle)
-        moment = shear_moment(laws, m12, area_ratio, angle)
+        moment = shear_moment(laws, m12, area_ratio, angle) + cell_moment
         bending = bending_energy(laws, m11, m22, k11, k12, k22, moment11, moment12, moment22)
         if laws.shear.friction_stiffness > real(0.0):
             turned = slip[SHEAR_SLIP_ROW, e]

@@ -142,7 +142,7 @@ def softened(fabric: Fabric, stiffness: float) -> Fabric:
     # in compression as stiff as in tension, which E I = E A l0^2 / 3 leaves with one equilibrium
     bending = stiffness * YARN_SPACING * (0.5 * YARN_SPACING) ** 2 / 3.0
     cell = UnitCell.straight(stiffness_per_width=stiffness, spacing=YARN_SPACING, bending=1.001 * bending)
-    # the same stiffness either way: one that jumps where a yarn goes slack would feed the vibrations (theory, section 7)
+    # one stiffness either way: a jump where a yarn goes slack would feed the vibrations (theory, section 7)
     changes: dict[str, Any] = {"unit_cell": cell, "compressive_stiffness": 0.0, "shear_friction": None}
     changes["compaction"] = Compaction()
     if isinstance(fabric.shear, MomentCurve):

@@ -25,8 +25,7 @@ mesh, on which meshes and with which observed order (the exponent with which the
 asserts what it shows. What the equations are: [theory](theory.md); whether they describe a fabric:
 [validation](validation.md).
 
-Written by `make verify` (`scripts/verification.py`) on {date}; {case_count} cases.
-"""
+Written by `make verify` (`scripts/verification.py`) on {date}; {case_count} cases."""
 
 
 def run_studies(records: Path, workers: int) -> int:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from .errors import InputError
 from .parameters import NotNegative, Parameters, Positive, Share
 
 if TYPE_CHECKING:
@@ -107,20 +108,45 @@ class EnergyCell(Cell):
         return {name: value for name, value in values.items() if isinstance(value, (int, float))}
 
     def law(self) -> CellLaw:
-        from .kernels.cell import energy_cell
+        """The cell's functions, compiled once for all cells of the class.
 
+        Raises:
+            InputError: an energy that is missing or not a Warp function, too many unknowns, parts without names.
+        """
+        import warp as wp
+
+        from .kernels.cell import LARGEST_UNKNOWN_COUNT, energy_cell
+
+        name = type(self).__name__
+        functions = {label: function for label, function in self.functions().items() if function is not None}
+        if not {"energy", "parts"} & set(functions):
+            raise InputError(f"{name}: no energy is given: set energy, or parts, to a Warp function")
+        for label, function in functions.items():
+            if not isinstance(function, wp.Function):
+                raise InputError(f"{name}: {label} = {function!r} is not a Warp function: decorate it with @wp.func")
+        if not 0 <= self.unknown_count <= LARGEST_UNKNOWN_COUNT:
+            raise InputError(
+                f"{name}: unknown_count = {self.unknown_count}: 0 to {LARGEST_UNKNOWN_COUNT} unknowns are possible"
+            )
+        if "parts" not in functions and len(self.part_names) != 1:
+            raise InputError(f"{name}: {len(self.part_names)} part_names but no parts: an energy alone has one name")
         return energy_cell(
-            self.law_name or type(self).__name__,
+            self.law_name or name,
             tuple((name, np.size(value)) for name, value in self.parameters().items()),
             self.unknown_count,
             part_names=self.part_names,
             depends_on_shear=self.depends_on_shear,
-            **self.functions(),
+            **functions,
         )
 
     def device_parameters(self, precision: Precision) -> Any:
         import warp as wp
 
+        if len(self.initial_unknowns) != self.unknown_count:
+            raise InputError(
+                f"{type(self).__name__}: {len(self.initial_unknowns)} initial_unknowns, but unknown_count is "
+                f"{self.unknown_count}"
+            )
         tolerance = ENERGY_CELL_TOLERANCE[precision.value]
         settings = {
             "tolerance": tolerance,

@@ -222,8 +222,8 @@ def _join(node: np.ndarray, quads: np.ndarray, border: Outline) -> tuple[np.ndar
     entry_arc, entry_held = np.repeat(arc, times), np.zeros(len(owner), dtype=bool)
     entry_held[place] = held
     for i in place[filled]:
-        entry_arc[i - 1] -= 0.5
-        entry_arc[(i + 1) % len(owner)] += 0.5
+        entry_arc[i - 1] -= 1.0
+        entry_arc[(i + 1) % len(owner)] += 1.0
     # starting at a corner, if there is one
     first = int(entry_held.argmax())
     entry_arc[:first] += border.length

@@ -32,6 +32,8 @@ logger = logging.getLogger(__name__)
 LEAST_WORK = 1.0e-4
 # Hourglass and kinetic over internal energy are judged from this share of the largest internal energy on.
 LEAST_INTERNAL = 0.05
+# Forces of the undeformed sheet above this share of the unit cell's stiffness are no rounding.
+LARGEST_REST_FORCE = 1.0e-4
 # At most this many blocks are replayed before the host looks whether the state is still finite.
 LARGEST_REPLAY = 50
 
@@ -152,6 +154,7 @@ class Simulation:
             )
         self.ledger = Ledger(self.stepper, self.tools, leading_tool, self.supports)
         self.frame: Frame = self.ledger.frame(0)
+        self._check_cell_at_rest()
         self.penetration: Penetration = self.ledger.penetration(self.frame)
         if self.penetration.at_nodes > 0.5 * fabric.thickness:
             raise InputError(
@@ -182,6 +185,17 @@ class Simulation:
                     f"{name}: its mesh is sampled up to a distance of {reach:.4g} m, but the sheet is "
                     f"{self.fabric.thickness:.4g} m thick: give the mesh a reach of at least the thickness"
                 )
+
+    def _check_cell_at_rest(self) -> None:
+        """The undeformed sheet carries no force; a unit cell of the user's own may be written otherwise."""
+        cell, fields = self.fabric.unit_cell, self.frame.fields
+        largest = LARGEST_REST_FORCE * max(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
+        found = max(float(np.abs(fields[name]).max()) for name in ("warp_force", "weft_force", "shear_moment"))
+        if not found <= largest:
+            raise InputError(
+                f"unit cell {type(cell).__name__}: the undeformed sheet carries {found:.4g} N/m, but at stretches of "
+                "1, a shear angle of 0 and its initial_unknowns a cell must be free of force: mend its energy or those"
+            )
 
     def _tool_warnings(self) -> list[str]:
         size = float(np.sqrt(self.model.geometry.area.max()))

@@ -69,16 +69,18 @@ def curve_energy(curve: Any, x: Any):
 
 
 @wp.func
-def slide(strain: Any, slip: Any, stiffness: Any, limit: Any, resolution: Any):
+def slide(strain: Any, slip: Any, spring_before: Any, stiffness: Any, limit: Any, resolution: Any):
     """Spring and slider in series: the force k (strain - slip) keeps within its limit, because the slip follows.
 
     Rounding of the difference (``resolution``, relative) is no slip: the same strain twice gives the same bits.
-    Returns the force, the new slip, and the work lost in slipping.
+    Returns the new slip, the new spring = strain - slip, and the work lost: the mean force of the step times the slip,
+    so that stored and lost together are the work of the mean forces, whatever the limit does meanwhile.
     """
     spring = strain - slip
     free = limit / spread(strain, stiffness)
     excess = magnitude(spring) - free - resolution * (magnitude(strain) + magnitude(slip) + free)
     held = where_positive(spring, free, -free)
     new_slip = where_positive(excess, strain - held, slip)
-    force = stiffness * (strain - new_slip)
-    return force, new_slip, force * (new_slip - slip)
+    new_spring = strain - new_slip
+    mean_force = (strain.dtype(0.5) * stiffness) * (spring_before + new_spring)
+    return new_slip, new_spring, mean_force * (new_slip - slip)

@@ -30,8 +30,10 @@ from .lanes import (
 from .sheet import (
     BENDING_LOSS_ROW,
     BENDING_SLIP_ROW,
+    BENDING_SPRING_ROW,
     SHEAR_LOSS_ROW,
     SHEAR_SLIP_ROW,
+    SHEAR_SPRING_ROW,
     bending_friction,
     bending_moments,
     compressive_force,
@@ -60,7 +62,8 @@ SPIN_ROW = wp.constant(3)
 REMAINDER_ROW = wp.constant(4)
 # Rows of the node report: work done against friction so far, lost or held in the friction springs [J]; energy lost in
 # damping so far [J]; mean shear angle of the elements around the node [rad]; work of what holds the node, and of the
-# loads on it, so far [J]; half the current thickness of the sheet [m]; work of its change on the tools so far [J].
+# loads on it, so far [J]; half the current thickness of the sheet and its last change [m]; work of its change on the
+# tools so far [J].
 NODE_REPORT_ROWS = (
     "friction_work",
     "damping_loss",
@@ -68,6 +71,7 @@ NODE_REPORT_ROWS = (
     "support_work",
     "load_work",
     "half_thickness",
+    "half_thickness_growth",
     "thickness_work",
 )
 FRICTION_ROW = wp.constant(0)
@@ -76,7 +80,8 @@ MEAN_ANGLE_ROW = wp.constant(2)
 SUPPORT_ROW = wp.constant(3)
 LOAD_ROW = wp.constant(4)
 HALF_THICKNESS_ROW = wp.constant(5)
-THICKNESS_WORK_ROW = wp.constant(6)
+GROWTH_ROW = wp.constant(6)
+THICKNESS_WORK_ROW = wp.constant(7)
 
 
 @cache
@@ -403,9 +408,13 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             shear12 = shear12 + bundle12
             shear22 = shear22 + bundle22
         if laws.shear.friction_stiffness > real(0.0):
-            moment, turned, lost = shear_friction(laws, angle, slip[SHEAR_SLIP_ROW, e], pressure)
+            turned, spring, lost = shear_friction(
+                laws, angle, slip[SHEAR_SLIP_ROW, e], slip[SHEAR_SPRING_ROW, e], pressure
+            )
             slip[SHEAR_SLIP_ROW, e] = turned
+            slip[SHEAR_SPRING_ROW, e] = spring
             slip[SHEAR_LOSS_ROW, e] = slip[SHEAR_LOSS_ROW, e] + lost
+            moment = laws.shear.friction_stiffness * spring
             rubbing11, rubbing12, rubbing22 = moment_resultants(moment, m11, m12, m22, area_ratio)
             shear11 = shear11 + rubbing11
             shear12 = shear12 + rubbing12
@@ -424,10 +433,18 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             laws, m11, m12, m22, area_ratio, k11, k12, k22
         )
         if laws.bending.friction == 1:
-            warp_moment, warp_slip, warp_loss = bending_friction(laws, 0, k11 / m11, slip[BENDING_SLIP_ROW, e])
-            weft_moment, weft_slip, weft_loss = bending_friction(laws, 1, k22 / m22, slip[BENDING_SLIP_ROW + 1, e])
+            warp_slip, warp_spring, warp_loss = bending_friction(
+                laws, 0, k11 / m11, slip[BENDING_SLIP_ROW, e], slip[BENDING_SPRING_ROW, e]
+            )
+            weft_slip, weft_spring, weft_loss = bending_friction(
+                laws, 1, k22 / m22, slip[BENDING_SLIP_ROW + 1, e], slip[BENDING_SPRING_ROW + 1, e]
+            )
             slip[BENDING_SLIP_ROW, e] = warp_slip
             slip[BENDING_SLIP_ROW + 1, e] = weft_slip
+            slip[BENDING_SPRING_ROW, e] = warp_spring
+            slip[BENDING_SPRING_ROW + 1, e] = weft_spring
+            warp_moment = laws.bending.friction_stiffness[0] * warp_spring
+            weft_moment = laws.bending.friction_stiffness[1] * weft_spring
             slip[BENDING_LOSS_ROW, e] = slip[BENDING_LOSS_ROW, e] + warp_loss + weft_loss
             moment11 = moment11 + warp_moment / m11
             moment22 = moment22 + weft_moment / m22

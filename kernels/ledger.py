@@ -20,16 +20,16 @@ from .element import (
 from .lanes import angle_of, cross, div, dot, fill, lane_types, larger, mul, scale, spread, square_root, where_positive
 from .sheet import (
     BENDING_LOSS_ROW,
-    BENDING_SLIP_ROW,
+    BENDING_SPRING_ROW,
     SHEAR_LOSS_ROW,
-    SHEAR_SLIP_ROW,
+    SHEAR_SPRING_ROW,
     bending_energy,
     bending_moments,
     compressive_force,
     shear_energy,
     shear_moment,
     sheet_struct,
-    slip_energy,
+    spring_energy,
     transverse_shear_forces,
 )
 
@@ -45,7 +45,7 @@ ELEMENT_FIELDS = (
     "weft_stretch",
     "warp_force",
     "weft_force",
-    "crossover_force",
+    "crossover_pressure",
     "area_ratio",
     "shear_moment",
 )
@@ -110,15 +110,15 @@ def element_ledger_kernel(real: type, cell: CellLaw):
         moment = shear_moment(laws, m12, area_ratio, angle) + cell_moment
         bending = bending_energy(laws, m11, m22, k11, k12, k22, moment11, moment12, moment22)
         if laws.shear.friction_stiffness > real(0.0):
-            turned = slip[SHEAR_SLIP_ROW, e]
-            shear = shear + slip_energy(laws.shear.friction_stiffness, angle, turned)
-            moment = moment + laws.shear.friction_stiffness * (angle - turned)
+            spring = slip[SHEAR_SPRING_ROW, e]
+            shear = shear + spring_energy(laws.shear.friction_stiffness, spring)
+            moment = moment + laws.shear.friction_stiffness * spring
             energies[part_count + 7, e] = area * slip[SHEAR_LOSS_ROW, e]
         if laws.bending.friction == 1:
             bending = (
                 bending
-                + slip_energy(laws.bending.friction_stiffness[0], k11 / m11, slip[BENDING_SLIP_ROW, e])
-                + slip_energy(laws.bending.friction_stiffness[1], k22 / m22, slip[BENDING_SLIP_ROW + 1, e])
+                + spring_energy(laws.bending.friction_stiffness[0], slip[BENDING_SPRING_ROW, e])
+                + spring_energy(laws.bending.friction_stiffness[1], slip[BENDING_SPRING_ROW + 1, e])
             )
             energies[part_count + 8, e] = area * slip[BENDING_LOSS_ROW, e]
         energies[part_count + 1, e] = area * shear

@@ -12,6 +12,7 @@ from .element import (
     DAMPING_ROW,
     DIRECTOR_ROW,
     FRICTION_ROW,
+    GROWTH_ROW,
     HALF_THICKNESS_ROW,
     LOAD_ROW,
     MEAN_ANGLE_ROW,
@@ -220,8 +221,11 @@ def node_motion_kernel(real: type, lane_count: int):
         growth = lanes()
         if nodes.thickness_weight.shape[0] > 0:
             half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
-            growth = half_thickness - report[HALF_THICKNESS_ROW, block]
+            # work of the present springs from half a step ago to half a step ahead, whose part is extrapolated
+            last = half_thickness - report[HALF_THICKNESS_ROW, block]
+            growth = real(1.5) * last - real(0.5) * report[GROWTH_ROW, block]
             report[HALF_THICKNESS_ROW, block] = half_thickness
+            report[GROWTH_ROW, block] = last
 
         # prescribed loads; a moment M turns the director as the conjugate M x d does, without its part along d
         director = load(motion[DIRECTOR_ROW], first, lanes3())

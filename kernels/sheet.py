@@ -18,12 +18,23 @@ SHEAR_CURVE = wp.constant(1)
 BENDING_ISOTROPIC = wp.constant(0)
 BENDING_YARNS = wp.constant(1)
 BENDING_CURVES = wp.constant(2)
-# Rows of what friction inside the sheet remembers: slip of the spring-sliders, and the work lost in them [J/m^2].
-SLIP_ROWS = ("shear_slip", "warp_bending_slip", "weft_bending_slip", "shear_friction_loss", "bending_friction_loss")
+# Rows of what friction inside the sheet remembers: slip and spring of the sliders, and the work lost in them [J/m^2].
+SLIP_ROWS = (
+    "shear_slip",
+    "warp_bending_slip",
+    "weft_bending_slip",
+    "shear_spring",
+    "warp_bending_spring",
+    "weft_bending_spring",
+    "shear_friction_loss",
+    "bending_friction_loss",
+)
 SHEAR_SLIP_ROW = wp.constant(0)
 BENDING_SLIP_ROW = wp.constant(1)
-SHEAR_LOSS_ROW = wp.constant(3)
-BENDING_LOSS_ROW = wp.constant(4)
+SHEAR_SPRING_ROW = wp.constant(3)
+BENDING_SPRING_ROW = wp.constant(4)
+SHEAR_LOSS_ROW = wp.constant(6)
+BENDING_LOSS_ROW = wp.constant(7)
 
 
 @cache
@@ -136,10 +147,10 @@ def shear_friction_limit(laws: Any, angle: Any, crossover_pressure: Any):
 
 
 @wp.func
-def shear_friction(laws: Any, angle: Any, slip: Any, crossover_pressure: Any):
-    """Moment of the friction between the yarns [N/m], new slip [rad], work lost [J/m^2]."""
+def shear_friction(laws: Any, angle: Any, slip: Any, spring: Any, crossover_pressure: Any):
+    """Slip and spring of the friction between the yarns [rad], work lost [J/m^2]; its moment is stiffness times spring."""
     limit = shear_friction_limit(laws, angle, crossover_pressure)
-    return slide(angle, slip, laws.shear.friction_stiffness, limit, laws.slip_resolution)
+    return slide(angle, slip, spring, laws.shear.friction_stiffness, limit, laws.slip_resolution)
 
 
 # --- compression ------------------------------------------------------------------------------------------------------
@@ -234,16 +245,16 @@ def bending_energy(laws: Any, m11: Any, m22: Any, k11: Any, k12: Any, k22: Any, 
 
 
 @wp.func
-def bending_friction(laws: Any, family: int, curvature: Any, slip: Any):
-    """Moment of the friction in a bent family of yarns (0 warp, 1 weft) [N], new slip [1/m], work lost [J/m^2]."""
+def bending_friction(laws: Any, family: int, curvature: Any, slip: Any, spring: Any):
+    """Slip and spring of the friction in a bent family of yarns (0 warp, 1 weft) [1/m], work lost [J/m^2]."""
     limit = spread(curvature, laws.bending.friction_limit[family])
-    return slide(curvature, slip, laws.bending.friction_stiffness[family], limit, laws.slip_resolution)
+    return slide(curvature, slip, spring, laws.bending.friction_stiffness[family], limit, laws.slip_resolution)
 
 
 @wp.func
-def slip_energy(stiffness: Any, strain: Any, slip: Any):
+def spring_energy(stiffness: Any, spring: Any):
     """psi of the spring before a slider [J/m^2]."""
-    return (strain.dtype(0.5) * stiffness) * ((strain - slip) * (strain - slip))
+    return (spring.dtype(0.5) * stiffness) * (spring * spring)
 
 
 @wp.func

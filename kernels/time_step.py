@@ -227,6 +227,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         elements: Elements,
         cell: UnitCell,
         laws: SheetLaws,
+        cell_bound: wp.types.vector(3, real),  # largest stiffness of the cell along warp and weft, and in shear [N/m]
         bending_bound: real,  # largest bending stiffness of any curvature [N m]
         contact_frequency: real,  # squared, of the contact springs [1/s^2]
         motion: wp.array2d(dtype=vec3),
@@ -288,6 +289,16 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
             c11, c12, c22, c13, c23, c33, n1, n2, turning, pressure = stable_tangent(
                 cell, strain1, strain2, angle_ahead, start, state
             )
+            # a tangent that no state of the cell can have comes from differences across a kink, where a yarn goes slack
+            beyond = larger(c11 - lanes(cell_bound[0]), c22 - lanes(cell_bound[1]))
+            if wp.static(cell_shears):
+                beyond = larger(beyond, c33 - lanes(cell_bound[2]))
+                c13 = where_positive(beyond, zero, c13)
+                c23 = where_positive(beyond, zero, c23)
+                c33 = where_positive(beyond, lanes(cell_bound[2]), c33)
+            c11 = where_positive(beyond, lanes(cell_bound[0]), c11)
+            c12 = where_positive(beyond, zero, c12)
+            c22 = where_positive(beyond, lanes(cell_bound[1]), c22)
             s11, s12, s22, s13, s23, s33, pull1, pull2, moment = shear_tangent(
                 laws, stretch1, stretch2, sine, cosine, angle, pressure
             )

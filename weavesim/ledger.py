@@ -77,23 +77,23 @@ class Ledger:
             dim=model.element_count,
             inputs=[
                 model.elements_single, model.cell, model.laws, state.motion, ahead.node_report,
-                lanes_view(state.cell_unknowns, 1), lanes_view(state.cell_report, 1), lanes_view(state.slip, 1),
+                lanes_view(ahead.cell_unknowns, 1), lanes_view(ahead.cell_report, 1), lanes_view(ahead.slip, 1),
             ],
             outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
             device=model.device,
         )  # fmt: skip
         count = model.blank.element_count
         fields = dict(zip(ELEMENT_FIELDS, self._fields.numpy()[:, :count].astype(np.float64), strict=True))
-        report = dict(zip(CELL_REPORT_ROWS, state.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
+        report = dict(zip(CELL_REPORT_ROWS, ahead.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
         compaction, cell = model.fabric.compaction, model.fabric.unit_cell
         fields["thickness"] = model.fabric.thickness * compaction.thickness_ratio(
-            cell, fields["area_ratio"], fields["crossover_force"]
+            cell, fields["area_ratio"], fields["crossover_pressure"]
         )
         fraction = compaction.fibre_volume_fraction(fields["thickness"], fields["area_ratio"])
         if fraction is not None:
             fields["fibre_volume_fraction"] = fraction
-        # the kernel gives the force per reference area
-        fields["crossover_force"] *= model.fabric.unit_cell.crossover_area
+        if cell.crossover_area > 0.0:
+            fields["crossover_force"] = fields["crossover_pressure"] * cell.crossover_area
         fields["unit_cell_residual"] = report["worst_residual"]
         fields["unit_cell_iterations"] = report["iterations"]
         fields["unit_cell_failed"] = (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)

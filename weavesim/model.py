@@ -269,6 +269,8 @@ class Model:
 
         self.contact_frequency = 2.0 * contact_share / self.reference_step**2 if tool_count else 0.0
         self.bending_bound = fabric.largest_bending_stiffness
+        cell = fabric.unit_cell
+        self.cell_bound = self.types.vec3(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
         # padding elements keep an infinite areal density: they never decide the step
         inertia = np.stack([1.0 / density, 1.0 / frequencies.rotary_radius_squared])
         self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)

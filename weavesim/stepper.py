@@ -90,6 +90,9 @@ class Ahead:
 
     motion: wp.array
     node_report: wp.array
+    cell_unknowns: wp.array
+    cell_report: wp.array
+    slip: wp.array
     friction: wp.array
     tool_velocity: wp.array
     tool_work: wp.array
@@ -162,9 +165,9 @@ class Stepper:
 
     # --- the launches of one thread ----------------------------------------------------------------------------------
 
-    def evaluate(self, first: int = 0, count: int | None = None) -> None:
-        """Element forces of the current state, in the blocks of lanes from ``first``."""
-        model, state = self.model, self.state
+    def evaluate(self, first: int = 0, count: int | None = None, state: State | None = None) -> None:
+        """Element forces of the current state (or of a copy), in the blocks of lanes from ``first``."""
+        model, state = self.model, state or self.state
         count = model.element_count // model.lane_count if count is None else count
         arrays = (state.cell_unknowns, state.cell_report, state.slip, state.corner_force)
         wp.launch(
@@ -233,8 +236,8 @@ class Stepper:
             self._frequencies,
             dim=count,
             inputs=[
-                first, elements, model.cell, model.laws, model.bending_bound, model.contact_frequency,
-                state.motion, state.node_report, lanes_view(state.cell_unknowns, lane_count),
+                first, elements, model.cell, model.laws, model.cell_bound, model.bending_bound,
+                model.contact_frequency, state.motion, state.node_report, lanes_view(state.cell_unknowns, lane_count),
                 lanes_view(model.step_inertia, lane_count), state.clock, REFRESH_INTERVAL,
             ],
             outputs=[lanes_view(self._squared_frequency, lane_count)],
@@ -333,7 +336,7 @@ class Stepper:
     def look_ahead(self) -> Ahead:
         """The next step, done on a copy: the state stays as it is. Support forces become those of the present."""
         if self._ahead is None:
-            names = ("motion", "node_report", "friction", "reaction", "clock")
+            names = ("motion", "node_report", "cell_unknowns", "cell_report", "slip", "friction", "reaction", "clock")
             state = replace(self.state, **{name: wp.clone(getattr(self.state, name)) for name in names})
             names = ("displacement", "velocity", "total_reaction", "work")
             self._ahead = state, replace(self.tools, **{name: wp.clone(getattr(self.tools, name)) for name in names})
@@ -343,11 +346,14 @@ class Stepper:
                 here, there = getattr(source, field.name), getattr(target, field.name)
                 if here is not there:
                     wp.copy(there, here)
-        self.evaluate()
+        self.evaluate(state=state)
         self._advance_supports(state.clock, wp.clone(self.supports.displacement))
         self._advance_nodes(0, self.model.node_count // self.model.lane_count, state)
         self._advance_tools(state, tools)
-        return Ahead(state.motion, state.node_report, state.friction, tools.velocity, tools.work)
+        return Ahead(
+            state.motion, state.node_report, state.cell_unknowns, state.cell_report, state.slip, state.friction,
+            tools.velocity, tools.work,
+        )  # fmt: skip
 
     def set_damping(self, damping: float, director_damping: float) -> None:
         """Change the rates of ``MotionParameters`` from the next step on [1/s]."""

@@ -8,6 +8,7 @@ import pytest
 from weavesim.bending import BendingCurve
 from weavesim.blank import Blank
 from weavesim.fabric import MomentCurve, UnitCell, YarnBending, glass_polypropylene
+from weavesim.kernels.sheet import SLIP_ROWS
 from weavesim.ledger import LOST
 from weavesim.shear import ShearFriction
 
@@ -72,6 +73,7 @@ def test_shear_loop_is_the_laws_own_path_and_books_what_it_loses(sheet, fabric, 
     loop = area * np.trapezoid(expected, path)
     assert lost + stored == pytest.approx(loop, rel=2e-3)
     assert lost + stored == pytest.approx(entries[-1]["work"], rel=2e-3)
+    assert shell.simulation.state.slip.numpy()[SLIP_ROWS.index("shear_spring"), 0] != 0.0
     assert lost > 0.5 * entries[150]["shear"]
     case = manual(
         "Shear", "Unloading hysteresis of a homogeneous sheet",
@@ -141,6 +143,21 @@ def test_yarn_tension_raises_the_resistance_to_shear(sheet, fabric, manual):
     ).table(
         ["yarn stretch", "yarn force [N/m]", "crossover force [N]", "known moment at 28.6° [N/m]", "weavesim"], rows
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("step_count", [1, 10])
+def test_yarns_that_slacken_lose_what_their_friction_held(step_count, sheet, fabric):
+    """The limit falls with the tension, at one angle: all that leaves the spring is lost, however fast."""
+    friction = ShearFriction(stiffness=3000.0, limit=(0.2,), crossover_friction_length=1.7e-4)
+    shell = sheet(SQUARE, fabric(unit_cell=glass_polypropylene().unit_cell, shear=CURVE, shear_friction=friction))
+    loading = [sheared(angle, 1.002) for angle in np.linspace(0.0, 0.3, 60)]
+    release = [sheared(0.3, stretch) for stretch in np.linspace(1.002, 1.0, step_count + 1)[1:]]
+    entries = walk(shell, [(position, UP) for position in [*loading, *release]])
+    held, freed = entries[59], entries[-1]
+    given_up = held["shear"] - freed["shear"]
+    assert given_up > 1e-7
+    lost = freed["shear_friction_loss"] - held["shear_friction_loss"]
+    assert lost == pytest.approx(given_up, rel=1e-6)
 
 
 def test_bending_loop_follows_the_curve_and_books_what_it_loses(sheet, fabric, manual):

@@ -36,6 +36,8 @@ from .fabric_test import (
 
 RAMP_SHARE = 0.2
 DIRECTOR_DAMPING = 1.0e4
+# Across the width: the edges of the zones take one element.
+SMALLEST_ELEMENT_COUNT = 8
 
 
 class BiasExtensionParameters(FabricTestParameters):
@@ -57,6 +59,12 @@ class BiasExtensionParameters(FabricTestParameters):
             raise ValueError(
                 f"length = {self.length} m and width = {self.width} m: the length must be at least twice the width, so "
                 "that the central zone reaches from edge to edge"
+            )
+        if round(self.width / self.mesh_size) < SMALLEST_ELEMENT_COUNT:
+            raise ValueError(
+                f"mesh_size = {self.mesh_size} m: at least {SMALLEST_ELEMENT_COUNT} elements across the width of "
+                f"{self.width} m are needed to tell the zones apart; at most "
+                f"{self.width / SMALLEST_ELEMENT_COUNT:.4g} m is allowed"
             )
         return self
 
@@ -88,7 +96,10 @@ def kinematic_angle(parameters: BiasExtensionParameters, displacement: float) ->
 
 
 def closed_form_force(parameters: BiasExtensionParameters, fabric: Fabric, displacement: float) -> float:
-    """Force on the clamp [N] from F d' = A_C m(gamma) gamma' + A_B m(gamma/2) gamma'/2, yarns that do not stretch."""
+    """Force on the clamp [N] from F d' = A_C m(gamma) gamma' + A_B m(gamma/2) gamma'/2, yarns that do not stretch.
+
+    It knows no tension of the yarns: of a friction that tension raises it has the part without tension only.
+    """
     angle, rate = kinematic_angle(parameters, displacement)
     _, half_zone, central_zone = zone_areas(parameters)
     path = np.linspace(0.0, angle, 101)
@@ -194,6 +205,6 @@ def run(parameters: BiasExtensionParameters) -> dict[str, Any]:
     simulation = bias_extension(parameters)
     curves = record(parameters, simulation.fabric, simulation.blank)
     return run_into_folder(
-        lambda: simulation, ResultFolder(parameters.out, curves=curves),
+        lambda: simulation, ResultFolder(parameters.out, curves=curves, draw_in=False),
         setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
     )  # fmt: skip

@@ -12,6 +12,7 @@ from weavesim.fabric import Fabric
 from weavesim.fabric_file import FABRIC_HELP, resolve_fabric
 from weavesim.parameters import NotNegative, Positive
 from weavesim.run_options import RunOptions
+from weavesim.unit_cell import respond
 
 # Nothing but the fabric damps a test. A yarn that rattles between slack and taut gains energy near the largest stable
 # step, because its stiffness jumps there; at this share of it the little damping that a test has is enough.
@@ -51,9 +52,21 @@ def trellis_angle_rate(diagonal: np.ndarray, side: float) -> np.ndarray:
     return 1.0 / (side * np.sqrt(1.0 - share**2))
 
 
-def moment_along(fabric: Fabric, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0) -> np.ndarray:
-    """Shear moment at unit stretch [N/m] along a path of angles (n,) [rad] from rest, friction included."""
-    moment = np.asarray(fabric.shear.moment(np.asarray(angle, dtype=float), fabric.thickness))
+def moment_along(
+    fabric: Fabric, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0, *, stretch: float = 1.0
+) -> np.ndarray:
+    """Shear moment [N/m] along a path of angles (n,) [rad] from rest: shear law, unit cell, and friction.
+
+    Args:
+        fabric: whose unit cell counts where its energy depends on the shear angle.
+        angle: the path.
+        crossover_pressure: of the crossovers along the path [N/m^2].
+        stretch: of both yarn families, for the unit cell.
+    """
+    angle = np.asarray(angle, dtype=float)
+    moment = np.asarray(fabric.shear.moment(angle, fabric.thickness))
+    if fabric.unit_cell.law().depends_on_shear:
+        moment = moment + respond(fabric.unit_cell, np.full((len(angle), 2), stretch), angle).moment
     if fabric.shear_friction is not None:
         moment = moment + fabric.shear_friction.moment_along(angle, crossover_pressure)
     return moment

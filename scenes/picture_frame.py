@@ -184,8 +184,8 @@ def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
         angle = trellis_angle(diagonal, frame.side)
         if state.index == 0:
             path.clear()
-        path.append((float(angle), state.fields["crossover_force"][inner].mean() / fabric.unit_cell.crossover_area))
-        moment = float(moment_along(fabric, *np.array(path).T)[-1])
+        path.append((float(angle), state.fields["crossover_pressure"][inner].mean()))
+        moment = float(moment_along(fabric, *np.array(path).T, stretch=frame.stretch)[-1])
         rate = trellis_angle_rate(diagonal, frame.side)
         force = frame.force(state)
         found = np.degrees(state.fields["shear_angle"][inner])
@@ -249,6 +249,6 @@ def run(parameters: PictureFrameParameters) -> dict[str, Any]:
     """Run the test and leave its results in ``parameters.out``; returns the summary."""
     curves = record(parameters, chosen_fabric(parameters))
     return run_into_folder(
-        lambda: picture_frame(parameters), ResultFolder(parameters.out, curves=curves),
+        lambda: picture_frame(parameters), ResultFolder(parameters.out, curves=curves, draw_in=False),
         setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
     )  # fmt: skip

@@ -8,9 +8,8 @@ from typing import Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from .curve import check_curve, interpolate
-from .errors import InputError
-from .parameters import NotNegative, Parameters
+from .curve import check_curve, interpolate, measured_columns
+from .parameters import NotNegative, Parameters, positive_number
 
 
 class IsotropicBending(Parameters):
@@ -74,10 +73,11 @@ class BendingCurve(Parameters):
             curvature: from 0 [1/m].
             loading, unloading: moments per width at these curvatures on the way up and down [N].
             friction_stiffness: initial slope of the test minus that of the middle [N m].
+
+        Raises:
+            InputError: columns of unequal lengths or no numbers, or an unloading above the loading.
         """
-        up, down = np.asarray(loading, dtype=float), np.asarray(unloading, dtype=float)
-        if up.shape != down.shape:
-            raise InputError(f"{up.size} moments of loading and {down.size} of unloading: as many are needed")
+        curvature, up, down = measured_columns(curvature=curvature, loading=loading, unloading=unloading)
         middle = 0.5 * (up + down)
         middle = np.maximum(middle - middle[0], 0.0)
         return cls(
@@ -93,7 +93,11 @@ class BendingCurve(Parameters):
             rigidity: B, the slope [N m] (moment per width over curvature).
             hysteresis: 2HB, the height of the loop [N].
             slip_curvature: curvature after which the friction slips [1/m].
+
+        Raises:
+            InputError: a slip curvature that is not above 0, or numbers that are negative.
         """
+        slip_curvature = positive_number("slip_curvature", slip_curvature)
         return cls(
             curvature=(0.0, 1.0), moment_values=(0.0, rigidity),
             friction_limit=0.5 * hysteresis, friction_stiffness=0.5 * hysteresis / slip_curvature,
@@ -102,6 +106,12 @@ class BendingCurve(Parameters):
     def moment(self, curvature: np.ndarray) -> np.ndarray:
         """Elastic moment per width [N]."""
         return np.sign(curvature) * interpolate(self.curvature, self.moment_values, np.abs(curvature))
+
+    @property
+    def is_constant(self) -> bool:
+        """True for one slope without friction: moment and curvature are proportional."""
+        slope = np.array(self.moment_values[1:]) / np.array(self.curvature[1:])
+        return self.friction_limit == 0.0 and bool(np.ptp(slope) <= 1.0e-9 * slope.max())
 
     @property
     def initial_stiffness(self) -> float:

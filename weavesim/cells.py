@@ -57,6 +57,11 @@ class Cell(Parameters):
         return 0.0
 
     @property
+    def has_crossovers(self) -> bool:
+        """True if the cell tells the pressure between warp and weft, which friction in shear and compaction use."""
+        return self.crossover_area > 0.0
+
+    @property
     def crossover_modulus(self) -> float:
         """Pressure of the crossovers over their relative flattening [Pa]; infinite if they do not flatten."""
         return math.inf
@@ -101,6 +106,10 @@ class EnergyCell(Cell):
     def functions(self) -> dict[str, Any]:
         """The Warp functions by name; the same for all cells of a class."""
         return {name: getattr(self, name) for name in ("energy", "parts", "gradient", "crossover_pressure")}
+
+    @property
+    def has_crossovers(self) -> bool:
+        return self.functions().get("crossover_pressure") is not None
 
     def parameters(self) -> dict[str, float | tuple[float, ...]]:
         """What the functions get, by name: numbers, and tuples of numbers."""

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from .errors import InputError
+
 
 def check_curve(abscissa: Sequence[float], values: Sequence[float], names: tuple[str, str], *, from_zero: bool) -> None:
     """ValueError if this is no curve over increasing, finite numbers from 0 (``from_zero``: with the value 0 there)."""
@@ -19,6 +21,29 @@ def check_curve(abscissa: Sequence[float], values: Sequence[float], names: tuple
         raise ValueError(f"{names[0]} must start at 0 and increase")
     if from_zero and y[0] != 0.0:
         raise ValueError(f"{names[1]} must start at 0, where {names[0]} do")
+
+
+def measured_columns(**columns: Sequence[float]) -> tuple[np.ndarray, ...]:
+    """Columns of one test, by name, as arrays (n,).
+
+    Raises:
+        InputError: values that are no finite numbers, or columns of unequal lengths.
+    """
+    result = []
+    for name, values in columns.items():
+        try:
+            array = np.asarray(values)
+        except ValueError:
+            array = np.empty((), dtype=object)
+        if array.ndim != 1 or array.dtype.kind not in "iuf" or not np.all(np.isfinite(array)):
+            raise InputError(f"{name}: a list of finite numbers is needed")
+        result.append(array.astype(float))
+    if len({len(array) for array in result}) > 1:
+        lengths = ", ".join(f"{len(array)} of {name}" for name, array in zip(columns, result, strict=True))
+        raise InputError(f"{lengths}: as many values of each are needed")
+    if len(result[0]) < 2:
+        raise InputError(f"{next(iter(columns))}: two points or more are needed")
+    return tuple(result)
 
 
 def interpolate(knots: Sequence[float], values: Sequence[float], x: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, SerializeAsAny, model_validator
@@ -13,7 +13,7 @@ from pydantic import Field, SerializeAsAny, model_validator
 from .bending import BendingCurve, IsotropicBending, YarnBending
 from .cells import Cell, LinearMembrane, SatinWeave, TwillWeave, UnidirectionalTape, UnitCell
 from .compaction import Compaction, check_compaction
-from .parameters import NotNegative, Parameters, Positive
+from .parameters import NotNegative, Parameters, Positive, at_most
 from .shear import LinearShear, MomentCurve, ShearFriction
 
 # No law may resist locking or slip harder than this share of a yarn's stiffness per width: it enters the stable step.
@@ -40,8 +40,10 @@ class Fabric(Parameters):
     """
 
     name: str
-    areal_density: Positive = Field(description="[kg/m^2]")
-    thickness: Positive = Field(description="[m]")
+    areal_density: Annotated[Positive, at_most(50.0, "it is in kg/m^2, write 0.6 for 600 g/m^2")] = Field(
+        description="[kg/m^2]"
+    )
+    thickness: Annotated[Positive, at_most(0.05, "it is in metres, write 0.0012 for 1.2 mm")] = Field(description="[m]")
     unit_cell: SerializeAsAny[Cell]
     shear: LinearShear | MomentCurve
     shear_friction: ShearFriction | None = None
@@ -74,6 +76,17 @@ class Fabric(Parameters):
             raise ValueError(
                 f"shear_friction.stiffness = {self.shear_friction.stiffness:.4g} N/m: at most {largest:.4g} N/m, a "
                 "tenth of the yarn stiffness per width, is allowed (it enters the stable time step)"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _crossovers_can_rub(self) -> Self:
+        friction = self.shear_friction
+        if friction is not None and friction.crossover_friction_length > 0.0 and not self.unit_cell.has_crossovers:
+            raise ValueError(
+                f"shear_friction.crossover_friction_length = {friction.crossover_friction_length:.4g} m: the unit cell "
+                f"{type(self.unit_cell).__name__} tells no pressure between warp and weft, so it would do nothing; "
+                "leave it out, or take a cell with crossovers (a cell of your own: crossover_pressure)"
             )
         return self
 

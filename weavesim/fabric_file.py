@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -28,6 +29,9 @@ KINDS: dict[str, type[Parameters]] = {
 }  # fmt: skip
 # A table of these names needs no ``kind``.
 IMPLIED = {"shear_friction": "ShearFriction", "compaction": "Compaction", "stabilisation": "Stabilisation"}
+
+# What a constructor may raise on values that it cannot take.
+_MISTAKES = (TypeError, ValueError, ArithmeticError)
 
 
 def resolve_fabric(name_or_path: str) -> Fabric:
@@ -77,7 +81,7 @@ def load_fabric(path: str | Path) -> Fabric:
             return Fabric(**values)
         values.setdefault("source", f"{path.name}, based on the preset {based_on}")
         return PRESETS[based_on]().model_copy(update=values)
-    except InputError as error:
+    except (InputError, *_MISTAKES) as error:
         raise InputError(f"fabric file {path}: {error}") from None
 
 
@@ -93,11 +97,13 @@ def _converted(value: Any, name: str, folder: Path) -> Any:
     kind = value.get("kind", IMPLIED.get(name))
     if kind is None:
         raise InputError(f"[{name}] says no kind; one of {', '.join(KINDS)} is needed")
-    make = _maker(str(kind), name)
+    kind = str(kind)
+    make = _maker(kind, name)
     try:
         return make(**values)
-    except TypeError as error:
-        raise InputError(f"[{name}] {kind}: {error}") from None
+    except (InputError, *_MISTAKES) as error:
+        text = str(error).removeprefix(f"{kind.partition('.')[0]}: ")
+        raise InputError(f"[{name}] {kind}: {text}") from None
 
 
 def _maker(kind: str, name: str) -> Callable[..., Parameters]:
@@ -126,10 +132,13 @@ def _column(value: dict[str, Any], name: str, folder: Path) -> tuple[float, ...]
         raise InputError(f"{name}: {path} cannot be read ({error})") from None
     if not rows or value["column"] not in rows[0]:
         raise InputError(f"{name}: {path} has the columns {sorted(rows[0]) if rows else []}, not {value['column']!r}")
+    scale = value.get("scale", 1.0)
+    if isinstance(scale, bool) or not isinstance(scale, int | float) or not math.isfinite(scale):
+        raise InputError(f"{name}: scale = {scale!r}: a finite number is needed")
     result = []
     for line, row in enumerate(rows, start=2):
         try:
-            result.append(float(value.get("scale", 1.0)) * float(row[value["column"]]))
+            result.append(scale * float(row[value["column"]]))
         except (TypeError, ValueError):
             raise InputError(
                 f"{name}: {path}, line {line}: {row[value['column']]!r} is no number (use a point, not a comma)"

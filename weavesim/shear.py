@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from .curve import check_curve, interpolate
+from .curve import check_curve, interpolate, measured_columns
 from .errors import InputError
-from .parameters import NotNegative, Parameters, Positive
+from .parameters import NotNegative, Parameters, Positive, at_most, positive_number
 
 # Curves are tabulated up to here [rad].
 LARGEST_SHEAR_ANGLE = 0.5 * math.pi
+# Larger ones are in a wrong unit [m].
+LARGEST_FRAME_SIDE = 5.0
+LARGEST_FRICTION_LENGTH = 0.02
 
 
 class LinearShear(Parameters):
@@ -54,8 +57,12 @@ class MomentCurve(Parameters):
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.angle, self.moment_values, ("angles", "moments"), from_zero=True)
-        if self.angle[-1] > LARGEST_SHEAR_ANGLE:
-            raise ValueError(f"the last angle is {self.angle[-1]:.4g} rad: angles must stay below pi/2 rad")
+        _check_radians(self.angle)
+        if min(self.moment_values) < 0.0:
+            raise ValueError(
+                f"moments must not be negative (the smallest is {min(self.moment_values):.4g} N/m): shear may not "
+                "release energy; take the machine's own force and noise off a test"
+            )
         return self
 
     @classmethod
@@ -90,6 +97,8 @@ class MomentCurve(Parameters):
         """
         angle = np.linspace(0.0, trusted_angle, 221)
         stress = np.polynomial.Polynomial(tangent_coefficients).integ()(angle)
+        if convention not in ("yarn frame", "moment"):
+            raise InputError(f'convention = {convention!r}: "yarn frame" or "moment" is needed')
         factor = np.cos(angle) if convention == "yarn frame" else 1.0
         return cls(angle=tuple(angle), moment_values=tuple(thickness * stress * factor), **locking)
 
@@ -110,10 +119,13 @@ class MomentCurve(Parameters):
             machine_force: force along the diagonal at these angles, that of the empty frame taken off [N].
             frame_side: distance of the hinges L [m]; the diagonal is d = 2 L cos(pi/4 - gamma/2).
             fabric_side: side of the sheared square of fabric [m]; the frame's if None.
+
+        Raises:
+            InputError: columns of unequal lengths or no numbers, sides that are not possible.
         """
-        angle = np.asarray(angle, dtype=float)
-        area = (frame_side if fabric_side is None else fabric_side) ** 2
-        moment = np.asarray(machine_force, dtype=float) * frame_side * np.sin(0.25 * math.pi - 0.5 * angle) / area
+        angle, force = measured_columns(angle=angle, machine_force=machine_force)
+        frame_side, fabric_side = _checked_sides(frame_side, frame_side if fabric_side is None else fabric_side)
+        moment = force * frame_side * np.sin(0.25 * math.pi - 0.5 * angle) / fabric_side**2
         return cls(angle=tuple(angle), moment_values=tuple(moment), **locking)
 
     @classmethod
@@ -135,17 +147,36 @@ class MomentCurve(Parameters):
             convention: "frame side": F_s / L_frame, so m = N cos(gamma) (L_frame/L_fabric)^2, both sides needed;
                 "fabric area": F_s L_frame / L_fabric^2, so m = N cos(gamma). Equal where the fabric fills the frame.
             frame_side, fabric_side: L_frame and L_fabric [m].
+
+        Raises:
+            InputError: another convention, columns of unequal lengths or no numbers, sides that are not possible.
         """
         ratio = 1.0
         if convention == "frame side":
             if frame_side is None or fabric_side is None:
                 raise InputError('convention "frame side" needs frame_side and fabric_side [m]')
+            frame_side, fabric_side = _checked_sides(frame_side, fabric_side)
             ratio = (frame_side / fabric_side) ** 2
         elif convention != "fabric area":
             raise InputError(f'convention = {convention!r}: "frame side" or "fabric area" is needed')
-        angle = np.asarray(angle, dtype=float)
-        moment = np.asarray(force_per_length, dtype=float) * np.cos(angle) * ratio
-        return cls(angle=tuple(angle), moment_values=tuple(moment), **locking)
+        angle, force = measured_columns(angle=angle, force_per_length=force_per_length)
+        return cls(angle=tuple(angle), moment_values=tuple(force * np.cos(angle) * ratio), **locking)
+
+    @classmethod
+    def from_loading_and_unloading(
+        cls, angle: Sequence[float], loading: Sequence[float], unloading: Sequence[float], **locking: float
+    ) -> MomentCurve:
+        """The elastic curve of a measured loop: its middle. ``ShearFriction`` has the other half.
+
+        Args:
+            angle: from 0 [rad].
+            loading, unloading: moments per reference area on the way up and down [N/m].
+
+        Raises:
+            InputError: columns of unequal lengths or no numbers, or a middle below zero.
+        """
+        angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
+        return cls(angle=tuple(angle), moment_values=(0.0, *(0.5 * (up + down))[1:]), **locking)
 
     def moment(self, angle: np.ndarray, thickness: float = 0.0) -> np.ndarray:
         """m(gamma) [N/m], locking included."""
@@ -176,14 +207,46 @@ class ShearFriction(Parameters):
     stiffness: Positive
     limit: tuple[NotNegative, ...] = (0.0,)
     angle: tuple[float, ...] = (0.0,)
-    crossover_friction_length: NotNegative = 0.0
+    crossover_friction_length: Annotated[
+        NotNegative, at_most(LARGEST_FRICTION_LENGTH, "it is in metres, write 2e-4 for 0.2 mm")
+    ] = 0.0
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.angle, self.limit, ("angles", "limits"), from_zero=False)
+        _check_radians(self.angle)
         if max(self.limit) == 0.0 and self.crossover_friction_length == 0.0:
             raise ValueError("limit = 0 and crossover_friction_length = 0: such a friction does nothing, leave it out")
         return self
+
+    @classmethod
+    def from_loading_and_unloading(
+        cls,
+        angle: Sequence[float],
+        loading: Sequence[float],
+        unloading: Sequence[float],
+        *,
+        stiffness: float,
+        crossover_friction_length: float = 0.0,
+    ) -> ShearFriction:
+        """The friction of a measured loop: half its height at each angle. ``MomentCurve`` has its middle.
+
+        Args:
+            angle: from 0 [rad].
+            loading, unloading: moments per reference area on the way up and down [N/m].
+            stiffness: slope at which unloading starts minus that of the middle [N/m].
+            crossover_friction_length: as in the class [m].
+
+        Raises:
+            InputError: columns of unequal lengths or no numbers, or a loop without height.
+        """
+        angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
+        half = np.maximum(0.5 * (up - down), 0.0)
+        # at zero angle the loop is closed or not measured: the friction does not vanish there
+        return cls(
+            stiffness=stiffness, angle=tuple(angle), limit=(half[1], *half[1:]),
+            crossover_friction_length=crossover_friction_length,
+        )  # fmt: skip
 
     def limit_at(self, angle: np.ndarray) -> np.ndarray:
         """Moment at which the yarns slip without tension [N/m]."""
@@ -201,20 +264,19 @@ class ShearFriction(Parameters):
         return moment
 
 
-def loading_and_unloading(
-    angle: Sequence[float], loading: Sequence[float], unloading: Sequence[float], *, stiffness: float, **locking: float
-) -> tuple[MomentCurve, ShearFriction]:
-    """The elastic curve and the friction of a measured loop: its middle, and half its height at each angle.
+def _check_radians(angle: Sequence[float]) -> None:
+    if angle[-1] > LARGEST_SHEAR_ANGLE:
+        raise ValueError(
+            f"the last angle is {angle[-1]:.4g} rad: angles must stay below pi/2 rad (1 degree is 0.01745 rad)"
+        )
 
-    Args:
-        angle: from 0 [rad].
-        loading, unloading: moments per reference area on the way up and down [N/m].
-        stiffness: slope at which unloading starts minus that of the middle [N/m].
-    """
-    up, down = np.asarray(loading, dtype=float), np.asarray(unloading, dtype=float)
-    middle = 0.5 * (up + down)
-    half = np.maximum(0.5 * (up - down), 0.0)
-    return (
-        MomentCurve(angle=tuple(angle), moment_values=(0.0, *middle[1:]), **locking),
-        ShearFriction(stiffness=stiffness, angle=tuple(angle), limit=(half[1], *half[1:])),
+
+def _checked_sides(frame_side: float, fabric_side: float) -> tuple[float, float]:
+    """Sides of frame and fabric [m]; InputError if they are not possible."""
+    frame_side, fabric_side = (
+        positive_number(name, side, largest=LARGEST_FRAME_SIDE, hint="it is in metres, write 0.25 for 250 mm")
+        for name, side in (("frame_side", frame_side), ("fabric_side", fabric_side))
     )
+    if fabric_side > frame_side:
+        raise InputError(f"fabric_side = {fabric_side:.4g} m: at most that of the frame, {frame_side:.4g} m")
+    return frame_side, fabric_side

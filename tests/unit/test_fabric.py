@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from weavesim.bending import BendingCurve
 from weavesim.errors import InputError
 from weavesim.fabric import (
     LARGEST_LOCKING_SHARE,
@@ -13,6 +14,7 @@ from weavesim.fabric import (
     IsotropicBending,
     LinearShear,
     MomentCurve,
+    ShearFriction,
     Stabilisation,
     UnitCell,
     YarnBending,
@@ -95,6 +97,23 @@ def test_bad_fabrics_are_refused_by_name(changes, message):
         (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(1.0, 2.0)), "moments must start at 0"),
         (lambda: MomentCurve(angle=(0.0, 0.5, 0.4), moment_values=(0.0, 1.0, 2.0)), "increase"),
         (lambda: MomentCurve(angle=(0.0, 1.7), moment_values=(0.0, 1.0)), "below pi/2"),
+        (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(0.0, -1.0)), "moments must not be negative"),
+        (lambda: MomentCurve(angle=(0.0, True), moment_values=(0.0, 1.0)), "not true or false"),
+        (lambda: LinearShear(modulus=True), "modulus = True: a number is needed"),
+        (lambda: ShearFriction(stiffness=1.0, limit=(1.0, 2.0), angle=(0.0, 30.0)), "the last angle is 30 rad"),
+        (lambda: BendingCurve.from_kawabata(1e-3, 1e-2, slip_curvature=0.0), "slip_curvature = 0"),
+        (lambda: BendingCurve.from_kawabata(1e-3, 1e-2, slip_curvature="x"), "slip_curvature = 'x'"),
+        (
+            lambda: BendingCurve.from_loading_and_unloading(
+                (0.0, 1.0), (0.0, 1.0, 2.0), (0.0, 1.0), friction_stiffness=1.0
+            ),
+            "2 of curvature, 3 of loading, 2 of unloading",
+        ),
+        (lambda: MomentCurve.from_loading_and_unloading((0.0, 0.5), (0.0, 1.0), ("a", "b")), "unloading: a list"),
+        (
+            lambda: ShearFriction.from_loading_and_unloading((0.0, 0.5), (0.0, 1.0), (0.0, 1.0), stiffness=1.0),
+            "does nothing",
+        ),
         (lambda: MomentCurve(angle=(0.0, math.nan), moment_values=(0.0, 1.0)), "finite"),
         (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(0.0, 1.0), locking_stiffness=-1.0), "locking_stiffness"),
     ],

@@ -2,14 +2,16 @@
 
 import csv
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
+from weavesim.bending import BendingCurve, YarnBending
 from weavesim.cells import UnitCell
 from weavesim.errors import InputError
-from weavesim.fabric import glass_polypropylene
+from weavesim.fabric import assumed_fabric, glass_polypropylene
 from weavesim.scenes import bias_extension, cantilever, picture_frame
 from weavesim.scenes.bias_extension import BiasExtensionParameters
 from weavesim.scenes.cantilever import CantileverParameters
@@ -58,6 +60,7 @@ def test_picture_frame_leaves_its_files(frame_test):
     np.testing.assert_allclose(1e3 * history["stroke_m"], table["displacement_mm"], rtol=1e-6, atol=1e-9)
     names = {path.name for path in (out / "pictures").iterdir()}
     assert {"force.png", "angle.png", "tension.png", "formed_sheet.png", "drive_forces.png"} <= names
+    assert "draw_in.png" not in names and not [name for name in summary if "draw_in" in name]
     assert json.loads((out / "summary.json").read_text())["peak_force_n"] == summary["peak_force_n"]
     report = (out / "report.html").read_text()
     assert "Supports" in report and "16 nodes with 3 drives" in report
@@ -82,6 +85,19 @@ def test_picture_frame_shows_a_friction_loop_that_yarn_tension_widens():
         assert energies["shear_friction_loss"] > 0.9 * found["work_of_a_cycle_j"] > 0.1
         works.append(found["work_of_a_cycle_j"])
     assert works[1] > 1.1 * works[0]
+
+
+def test_closed_form_counts_a_cell_that_resists_shear_and_has_no_crossovers():
+    """Stitches of a tape resist shear by themselves, with nearly nothing from the sheet's own law beside them."""
+    fabric = assumed_fabric("stitched-tape").with_linear_shear(100.0)
+    parameters = PictureFrameParameters(mesh_size=0.1, speed=0.5, frames=30, threads=1, largest_angle=20.0)
+    curves = picture_frame.record(parameters, fabric)
+    picture_frame.picture_frame(parameters, fabric).run([curves])
+    found = picture_frame.findings(curves)
+    without_cell = 0.04 * fabric.shear.moment(np.radians(20.0), fabric.thickness)
+    assert found["closed_form_peak_force_n"] > 100.0 * without_cell
+    assert found["peak_force_n"] == pytest.approx(found["closed_form_peak_force_n"], rel=0.02)
+    assert found["largest_force_error_ratio"] < 0.05
 
 
 def test_picture_frame_with_arms_pulls_for_all_its_fabric():
@@ -171,6 +187,29 @@ def test_cantilever_gives_the_bending_stiffness_back(tmp_path, yarn):
     assert summary["outcome"] == "finished" and (tmp_path / "pictures" / "chord_angle.png").exists()
 
 
+def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_friction():
+    """Along the weft, whose stiffness is one number, it still does."""
+    rubbing = BendingCurve.from_kawabata(1.0e-3, 2.0e-2)
+    softening = BendingCurve(curvature=(0.0, 5.0, 20.0), moment_values=(0.0, 5.0e-3, 1.0e-2))
+    for along, across, yarn, comparable in (
+        (rubbing, 1.0e-3, "warp", False), (softening, 1.0e-3, "warp", False), (softening, 1.0e-3, "weft", True),
+        (BendingCurve.straight(1.0e-3), softening, "warp", True), (1.0e-3, rubbing, "weft", False),
+    ):  # fmt: skip
+        fabric = glass_polypropylene().model_copy(
+            update={"bending": YarnBending(warp=along, weft=across, twist=1.0e-3)}
+        )
+        parameters = CantileverParameters(mesh_size=0.02, width=0.02, yarn=yarn, threads=1, length=0.06)
+        simulation = cantilever.cantilever(parameters, fabric)
+        x = simulation.blank.node_position
+        hanging = SimpleNamespace(
+            blank=simulation.blank, frame=SimpleNamespace(position=x - np.outer(x[:, 0], [0, 0, 0.5]))
+        )
+        found = cantilever.findings(parameters, fabric, hanging)
+        for name in ("peirce_over_input", "elastica_over_input"):
+            assert (found[name] is not None) == comparable
+        assert found["elastica_bending_stiffness_nm"] > 0.0
+
+
 @pytest.mark.parametrize("load", [1.0, 8.0, 50.0])
 def test_heavy_elastica_against_a_boundary_value_problem(load):
     """theta'' = -load (1 - s) cos(theta), clamped at s = 0, no moment at s = 1."""
@@ -194,6 +233,7 @@ def test_heavy_elastica_against_a_boundary_value_problem(load):
     ("make", "message"),
     [
         (lambda: BiasExtensionParameters(length=0.15, width=0.1), "at least twice the width"),
+        (lambda: BiasExtensionParameters(mesh_size=0.02), "at least 8 elements across .* at most 0.0125 m"),
         (lambda: picture_frame.picture_frame(PictureFrameParameters(fabric="cotton")), "cotton.*choose one of"),
         (lambda: picture_frame.picture_frame(PictureFrameParameters(yarn_tension=1e9)), "a stretch of 5 % gives only"),
         (lambda: PictureFrameParameters(largest_angle=85.0), "largest_angle"),

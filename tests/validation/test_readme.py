@@ -1,9 +1,20 @@
-"""The README says what is true: its Python example runs."""
+"""The README says what is true: its Python example runs, and its commands have the options that they name."""
 
+import importlib
 import re
+import shlex
 from pathlib import Path
 
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from weavesim.command_line import SCENES, scene_command
+
 README = Path(__file__).resolve().parents[2] / "README.md"
+COMMANDS = re.findall(
+    r"(?:python scripts/(\w+)\.py|weavesim ([a-z]+-[a-z-]+))([^#`\n]*)", README.read_text(encoding="utf-8")
+)
 
 
 def test_the_python_example_runs(capsys):
@@ -20,3 +31,37 @@ def test_every_file_it_names_is_there():
     text = README.read_text(encoding="utf-8")
     for name in re.findall(r"\]\(((?:docs/)?[\w./]+)\)", text):
         assert (README.parent / name).exists(), name
+
+
+def parsed(scene_name: str, arguments: str) -> tuple[int, dict]:
+    """Exit code of the scene's own command line, and the parameters that a run would get; nothing runs."""
+    scene = SCENES[scene_name]
+    module = importlib.import_module(f"weavesim.scenes.{scene.module}")
+    application = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    given: dict = {}
+    scene_command(
+        application, getattr(module, scene.parameters), lambda parameters: given.update(parameters) or {}, scene.help
+    )
+    return CliRunner().invoke(application, shlex.split(arguments)).exit_code, given
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: f"{command[0] or command[1]} {command[2].strip()}")
+def test_every_command_has_its_options(command):
+    script, scene_name, arguments = command
+    if script:
+        assert (README.parent / "scripts" / f"{script}.py").exists()
+        scene_name = next((name for name, scene in SCENES.items() if scene.module == script), "")
+    if not scene_name:
+        # no scene: a script of the project's own, named without options
+        assert arguments.strip(" ,;.:") == "" or not arguments.lstrip().startswith("-")
+    else:
+        exit_code, given = parsed(scene_name, arguments)
+        assert exit_code == 0
+        assert given or "--help" in arguments
+
+
+@pytest.mark.parametrize("arguments", ["--cycle true", "--cycles", "--mesh-size fine"])
+def test_wrong_options_would_be_noticed(arguments):
+    assert len(COMMANDS) > 8
+    assert parsed("picture-frame", arguments) == (2, {})
+    assert parsed("picture-frame", "--cycle")[1]["cycle"] is True

@@ -28,6 +28,8 @@ _FRAMES_PER_FLUSH = 40
 # Tools above the sheet would hide it from the camera, so they are drawn like glass.
 _OPACITY_ABOVE, _OPACITY_BELOW = 0.22, 1.0
 _LARGEST_SMOOTH_ANGLE = 35.0
+# Per element; those that the frames have are written.
+_FIELDS = ("shear_angle", "warp_stretch", "weft_stretch", "thickness", "fibre_volume_fraction")
 
 
 class Film:
@@ -36,7 +38,8 @@ class Film:
     Frame i is at time code i. Positions are in metres, Z up. The sheet is the mesh ``/World/sheet``; with symmetry,
     mirrored copies refer to it, so that the whole part is seen and stored once. It carries ``displayColor`` by the
     absolute shear angle (nodal means, 0 to 60 degrees) and, per element and frame, ``shear_angle`` (absolute,
-    degrees), ``warp_stretch`` and ``weft_stretch``. Tools are drawn as their ``display_mesh`` is and not mirrored.
+    degrees), ``warp_stretch``, ``weft_stretch``, ``thickness`` (metres) and, where the fabric tells its fibres,
+    ``fibre_volume_fraction``. Tools are drawn as their ``display_mesh`` is and not mirrored.
 
     Raises:
         InputError: the path does not end in .usdc, .usda or .usd.
@@ -74,10 +77,7 @@ class Film:
         ).GetAttr()
         self._normals = mesh.CreateNormalsAttr()
         mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
-        self._fields = {
-            name: primvars.CreatePrimvar(name, Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.uniform).GetAttr()
-            for name in ("shear_angle", "warp_stretch", "weft_stretch")
-        }
+        self._fields: dict[str, Any] = {}
         _bind(mesh, _sheet_material(stage))
         for sign in mirror_signs(self._symmetry)[1:]:
             names = "".join(f"_{axis}" for axis, factor in zip("xy", sign, strict=True) if factor < 0)
@@ -106,6 +106,8 @@ class Film:
         self._sheet.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent), time)
         self._normals.Set(Vt.Vec3fArray.FromNumpy(_node_normals(frame.position, blank.quads)), time)
         self._colour.Set(Vt.Vec3fArray.FromNumpy(shear_colours(nodal).astype(np.float32)), time)
+        if not self._fields:
+            self._fields = _define_fields(self._sheet, [name for name in _FIELDS if name in frame.fields])
         for name, attribute in self._fields.items():
             values = frame.fields[name]
             values = np.abs(np.rad2deg(values)) if name == "shear_angle" else values
@@ -172,6 +174,17 @@ def _define_mesh(stage: Any, path: str, faces: np.ndarray) -> Any:
     mesh.CreatePointsAttr()
     mesh.CreateExtentAttr()
     return mesh
+
+
+def _define_fields(sheet: Any, names: list[str]) -> dict[str, Any]:
+    """Attributes of one value per element, by name."""
+    from pxr import Sdf, UsdGeom
+
+    primvars = UsdGeom.PrimvarsAPI(sheet)
+    return {
+        name: primvars.CreatePrimvar(name, Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.uniform).GetAttr()
+        for name in names
+    }
 
 
 def _define_tool(stage: Any, tool: Tool, shape: trimesh.Trimesh, opacity: float) -> Any:

@@ -50,6 +50,7 @@ class ResultFolder:
         measured_angles: measured point numbers and angles [degrees] to draw beside the computed ones.
         measured_outline: a measured outline in plan (k, 2) [m] to draw beside the computed one.
         curves: the scene's own numbers of every frame, for a CSV and charts of their own.
+        draw_in: whether the border's way inwards means something: its table, its picture, its entries of the summary.
         film, paraview: whether to write them.
 
     Raises:
@@ -64,6 +65,7 @@ class ResultFolder:
         measured_angles: tuple[np.ndarray, np.ndarray] | None = None,
         measured_outline: np.ndarray | None = None,
         curves: Curves | None = None,
+        draw_in: bool = True,
         film: bool = True,
         paraview: bool = True,
     ) -> None:
@@ -78,6 +80,7 @@ class ResultFolder:
                     f"measured angles: point {max(measured_angles[0])} is given, but the run has {point_count} points"
                 )
         self._curves = curves
+        self._with_draw_in = draw_in
         self._with_film, self._with_paraview = film, paraview
         self._streams: dict[str, Observer] = {}
         self._outcome: Outcome | None = None
@@ -149,7 +152,9 @@ class ResultFolder:
         summary = {**self._measures(frame), **summary}
         angle, symmetry = frame.fields["shear_angle"], simulation.symmetry
         self._attempt("history.csv", lambda: self.history.write(self.path / "history.csv"))
-        self._attempt("draw_in.csv", lambda: write_draw_in(self.path / "draw_in.csv", blank, frame.position, symmetry))
+        if self._with_draw_in:
+            path = self.path / "draw_in.csv"
+            self._attempt("draw_in.csv", lambda: write_draw_in(path, blank, frame.position, symmetry))
         if (points := self._points) is not None:
             path = self.path / "shear_angle.csv"
             self._attempt("shear_angle.csv", lambda: write_shear_angles(path, blank, angle, points, symmetry))
@@ -183,7 +188,14 @@ class ResultFolder:
         }
         if self._points is not None:
             found["shear_angle_points_deg"] = shear_angle_at(blank, angle, self._points, symmetry).tolist()
-        for along, name in _AXIS_NAMES.items():
+        thickness, fraction = (frame.fields.get(name) for name in ("thickness", "fibre_volume_fraction"))
+        if thickness is not None:
+            found["min_thickness_mm"] = 1.0e3 * float(thickness.min())
+            found["max_thickness_mm"] = 1.0e3 * float(thickness.max())
+        if fraction is not None:
+            found["min_fibre_volume_fraction"] = float(fraction.min())
+            found["max_fibre_volume_fraction"] = float(fraction.max())
+        for along, name in _AXIS_NAMES.items() if self._with_draw_in else ():
             with contextlib.suppress(InputError):  # the blank need not lie over the origin
                 found[f"draw_in_{name}_mm"] = 1.0e3 * draw_in(blank, frame.position, along)
                 for direction, stretch in zip(
@@ -223,14 +235,15 @@ class ResultFolder:
                 )
             )
         if self._meets_both_axes():
-            wanted.append(
-                (
-                    "draw_in.png",
-                    "Draw-in: the outline before and after, and the plan movement of the border against its flat "
-                    "normal.",
-                    lambda: pictures.draw_in_picture(blank, frame, symmetry, self._measured_outline),
+            if self._with_draw_in:
+                wanted.append(
+                    (
+                        "draw_in.png",
+                        "Draw-in: the outline before and after, and the plan movement of the border against its flat "
+                        "normal.",
+                        lambda: pictures.draw_in_picture(blank, frame, symmetry, self._measured_outline),
+                    )
                 )
-            )
             wanted.append(
                 (
                     "sections.png",

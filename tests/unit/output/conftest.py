@@ -67,6 +67,8 @@ def made_frame(blank: Blank, index: int, progress: float, tool_count: int = 3) -
             "warp_stretch": 1.0 + 0.004 * progress * np.cos(angle),
             "weft_stretch": ones + 0.002 * progress,
             "unit_cell_iterations": 2.0 * ones,
+            "thickness": THICKNESS / np.cos(angle),
+            "fibre_volume_fraction": 0.25 + 0.1 * progress * np.abs(angle),
         },
         tool_displacement=displacement,
         tool_reaction=reaction[:tool_count],

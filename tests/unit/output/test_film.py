@@ -1,5 +1,7 @@
 """The USD film: what it holds, that USD's own validators accept it, and that it survives a run cut short."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
@@ -74,6 +76,8 @@ def test_fields_are_element_values(stage, coarse_run):
         ("shear_angle", np.abs(np.rad2deg(frame.fields["shear_angle"]))),
         ("warp_stretch", frame.fields["warp_stretch"]),
         ("weft_stretch", frame.fields["weft_stretch"]),
+        ("thickness", frame.fields["thickness"]),
+        ("fibre_volume_fraction", frame.fields["fibre_volume_fraction"]),
     ):
         primvar = primvars.GetPrimvar(name)
         assert primvar.GetInterpolation() == "uniform"
@@ -180,6 +184,17 @@ def test_a_full_blank_has_no_copies(tmp_path, coarse_run):
     whole = type(simulation)(**{**vars(simulation), "symmetry": ()})
     stage = Usd.Stage.Open(str(write_film(tmp_path / "full.usdc", (whole, frames))))
     assert not [prim for prim in stage.Traverse() if "mirrored" in prim.GetName()]
+
+
+def test_a_fabric_without_known_fibres_has_no_fibre_volume_fraction(tmp_path, coarse_run):
+    simulation, frames = coarse_run
+    bare = [
+        dataclasses.replace(frame, fields={k: v for k, v in frame.fields.items() if k != "fibre_volume_fraction"})
+        for frame in frames[:2]
+    ]
+    stage = Usd.Stage.Open(str(write_film(tmp_path / "bare.usdc", (simulation, bare))))
+    primvars = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheet"))
+    assert primvars.HasPrimvar("thickness") and not primvars.HasPrimvar("fibre_volume_fraction")
 
 
 def test_unknown_endings_are_refused():

@@ -90,6 +90,25 @@ def test_summary_agrees_with_the_tables(finished):
     assert summary["outcome"] == "finished"
 
 
+def test_summary_tells_thickness_and_fibres_of_the_last_frame(finished, coarse_run):
+    _, summary = finished
+    fields = coarse_run[1][-1].fields
+    assert summary["min_thickness_mm"] == pytest.approx(1e3 * fields["thickness"].min())
+    assert 1.2 < summary["max_thickness_mm"] == pytest.approx(1e3 * fields["thickness"].max())
+    assert summary["max_fibre_volume_fraction"] == pytest.approx(fields["fibre_volume_fraction"].max())
+    assert summary["min_fibre_volume_fraction"] < summary["max_fibre_volume_fraction"]
+
+
+def test_a_scene_may_leave_the_draw_in_out(tmp_path, coarse_run):
+    folder = ResultFolder(tmp_path, draw_in=False, film=False, paraview=False)
+    run_into(folder, coarse_run)
+    summary = folder.write({})
+    assert not [name for name in summary if "draw_in" in name or "integrated_yarn_stretch" in name]
+    names = {file.name for file in tmp_path.rglob("*")}
+    assert "sections.png" in names and not [name for name in names if "draw_in" in name]
+    assert "draw-in" not in (tmp_path / "report.html").read_text().lower()
+
+
 def test_report_is_whole_by_itself(finished):
     path, summary = finished
     page = Page((path / "report.html").read_text(encoding="utf-8"))

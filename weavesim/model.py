@@ -17,7 +17,7 @@ from .device import Precision
 from .errors import InputError
 from .fabric import Fabric
 from .kernels.curve import curve_struct
-from .kernels.element import MOTION_ROWS, element_struct
+from .kernels.element import CORNER_ROW_COUNT, MOTION_ROWS, element_struct
 from .kernels.lanes import lane_types
 from .kernels.node import motion_struct, node_struct
 from .kernels.sheet import (
@@ -288,6 +288,29 @@ class Model:
 
     # --- layout ------------------------------------------------------------------------------------------------------
 
+    def corner_entry(self, row: np.ndarray | int, element: np.ndarray | int) -> np.ndarray | int:
+        """Where the flat corner array has one row of one element.
+
+        In lanes a block keeps its rows one behind the other: with rows of the whole sheet everything that a block
+        writes, and a node gathers, would be on a page of its own. Single lanes (a GPU) keep whole rows, which
+        neighbouring threads write together.
+        """
+        if self.lane_count == 1:
+            return row * self.element_count + element
+        block, lane = element // self.lane_count, element % self.lane_count
+        return (block * CORNER_ROW_COUNT + row) * self.lane_count + lane
+
+    def corner_view(self, entries: wp.array) -> wp.array:
+        """The flat corner array as [row, block] of lanes."""
+        size, lane_count = self.precision.numpy.itemsize, self.lane_count
+        strides = tuple(size * self.corner_entry(*one) for one in ((1, 0), (0, lane_count)))
+        view = wp.array(
+            ptr=entries.ptr, dtype=self.types.lanes, shape=(CORNER_ROW_COUNT, self.element_count // lane_count),
+            strides=strides, device=self.device, capacity=entries.capacity,
+        )  # fmt: skip
+        view._owner = entries
+        return view
+
     def _to_nodes(self, per_corner: np.ndarray) -> np.ndarray:
         total = np.zeros(self.blank.node_count)
         for corner in range(4):
@@ -389,17 +412,17 @@ class Model:
             raise InputError(f"blank mesh: node {int(np.argmin(self.node_mass))} belongs to no element; remove it")
         nodes = node_struct(self.real, self.lane_count)()
         lane_indices = self.types.indices
-        stride = self.element_count
         corner = np.tile(np.arange(4), self.blank.element_count)
         element = np.repeat(np.arange(self.blank.element_count), 4)
         node = self.blank.quads.ravel()
         order = np.argsort(node, kind="stable")
         slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
         # entries of a padding element are always zero: nodes with fewer neighbours read them
-        table = np.full((slot.max() + 1, self.node_count), self.blank.element_count, dtype=np.int32)
-        table[slot, node[order]] = (3 * stride * corner + element)[order]
+        spare = self.corner_entry(0, self.blank.element_count)
+        table = np.full((slot.max() + 1, self.node_count), spare, dtype=np.int32)
+        table[slot, node[order]] = self.corner_entry(3 * corner, element)[order]
         nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
-        nodes.corner_stride = stride
+        nodes.corner_stride = self.corner_entry(1, 0)
         count_around = np.bincount(node, minlength=count)
         angle_weight = np.where(self._mirrored_angle(free), 0.0, 1.0 / count_around)
         bits = (free @ (1 << np.arange(6))).astype(np.int32)

@@ -46,7 +46,7 @@ class State:
     cell_unknowns: wp.array  # (unknowns of the unit cell, one at least; elements)
     cell_report: wp.array  # (4, elements)
     slip: wp.array  # (5, elements), rows SLIP_ROWS; (5, BLOCK) for a fabric without friction inside
-    corner_force: wp.array  # (36, elements)
+    corner_force: wp.array  # flat, see ``Model.corner_entry``
     node_report: wp.array  # (7, nodes), rows NODE_REPORT_ROWS
     friction: wp.array  # (tools, nodes) vec3 [m]
     reaction: wp.array  # (tools, node blocks) vec3 [N]
@@ -66,7 +66,7 @@ class State:
             cell_unknowns=wp.array(model.initial_unknowns(), dtype=real, device=device),
             cell_report=wp.zeros((len(CELL_REPORT_ROWS), model.element_count), dtype=real, device=device),
             slip=wp.zeros((len(SLIP_ROWS), slip_count), dtype=real, device=device),
-            corner_force=wp.zeros((CORNER_ROW_COUNT, model.element_count), dtype=real, device=device),
+            corner_force=wp.zeros(CORNER_ROW_COUNT * model.element_count, dtype=real, device=device),
             node_report=wp.array(node_report, dtype=real, device=device),
             friction=wp.zeros((tool_rows, model.node_count), dtype=vec3, device=device),
             reaction=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=vec3, device=device),
@@ -164,12 +164,12 @@ class Stepper:
         """Element forces of the current state, in the blocks of lanes from ``first``."""
         model, state = self.model, self.state
         count = model.element_count // model.lane_count if count is None else count
-        arrays = (state.cell_unknowns, state.cell_report, state.slip, state.corner_force)
+        arrays = (state.cell_unknowns, state.cell_report, state.slip)
         wp.launch(
             self._element_forces,
             dim=count,
             inputs=[first, model.elements, model.cell, model.laws, state.motion, state.node_report],
-            outputs=[lanes_view(array, model.lane_count) for array in arrays],
+            outputs=[*(lanes_view(array, model.lane_count) for array in arrays), model.corner_view(state.corner_force)],
             device=model.device,
         )
 
@@ -180,7 +180,7 @@ class Stepper:
             dim=count,
             inputs=[
                 first, model.nodes, model.motion_laws, self._tool_set, self.supports.struct, state.clock,
-                state.corner_force.flatten(),
+                state.corner_force,
             ],
             outputs=[
                 state.motion, state.friction, state.reaction, self.supports.holding,
@@ -350,10 +350,15 @@ class Stepper:
         self.model.motion_laws.director_damping = director_damping
         self._block_graphs = self._record(self._block)
 
+    def corner_rows(self) -> np.ndarray:
+        """What the elements wrote at the last evaluation, (36, element_count); waits for the device."""
+        row, element = np.arange(CORNER_ROW_COUNT)[:, None], np.arange(self.model.blank.element_count)
+        return self.state.corner_force.numpy()[self.model.corner_entry(row, element)]
+
     def nodal_forces(self) -> np.ndarray:
         """Forces of the elements on the nodes at the last evaluation, (node_count, 3) [N]; waits for the device."""
         blank = self.model.blank
-        corners = self.state.corner_force.numpy()[:12, : blank.element_count].astype(np.float64).reshape(4, 3, -1)
+        corners = self.corner_rows()[:12].astype(np.float64).reshape(4, 3, -1)
         result = np.zeros((blank.node_count, 3))
         for corner in range(4):
             np.add.at(result, blank.quads[:, corner], corners[corner].T)

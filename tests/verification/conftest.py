@@ -65,7 +65,7 @@ class Sheet:
 
     def _corners(self) -> np.ndarray:
         """Forces, director gradients and angles, (3, corner, component, element)."""
-        rows = self.simulation.state.corner_force.numpy()[:, : len(self._quads)].astype(np.float64)
+        rows = self.simulation.stepper.corner_rows().astype(np.float64)
         return rows.reshape(3, 4, 3, -1)
 
     def forces(

@@ -392,7 +392,9 @@ def ratio_table(names: list[str], times: np.ndarray) -> str:
     lines = [head, "|---|---|---|---|---|"]
     for name, column in zip(names, times.T, strict=True):
         low, middle, high = np.quantile(column / times[:, 0], [0.25, 0.5, 0.75])
-        lines.append(f"| {name} | {np.median(column):.0f} | {column.min():.0f} | {middle:.3f} | {low:.3f} to {high:.3f} |")
+        lines.append(
+            f"| {name} | {np.median(column):.0f} | {column.min():.0f} | {middle:.3f} | {low:.3f} to {high:.3f} |"
+        )
     return "\n".join(lines)
 
 

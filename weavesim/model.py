@@ -224,6 +224,7 @@ class Model:
 
     Attributes:
         reference_step: stable step with straight yarns [s]; contact stiffness and the first step come from it.
+        element_nodes: (4, padded elements) corner nodes.
         added_mass_ratio: mass added by scaling over the mass of the blank.
     """
 
@@ -337,6 +338,7 @@ class Model:
         quads[:, element_count:] = (self.blank.node_count + np.arange(4, dtype=np.int32))[:, None]
         gradient = self._padded(geometry.gradient, self.element_count)
         gradient[:, element_count:] = np.array([-0.5, -0.5, 0.5, -0.5])[:, None]
+        self.element_nodes = quads
         values = {
             "shape_gradient": gradient,
             "hourglass_offset": self._padded(geometry.hourglass_offset, self.element_count),

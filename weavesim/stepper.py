@@ -1,8 +1,8 @@
 """One time step as a sequence of launches, recorded once and replayed: per thread on a CPU, as a graph on a GPU.
 
-A step is: elements write the forces of their corners, and supports look up how far they go; nodes gather the forces,
-meet the tools and move; tools move and the clock advances. Every ``REFRESH_INTERVAL`` steps the stable step is taken
-anew from the current tangents.
+A step is: supports look up how far they go; elements write the forces of their corners; nodes gather the forces, meet
+the tools and move, on a CPU tile by tile behind the elements; tools move and the clock advances. Every
+``REFRESH_INTERVAL`` steps the stable step is taken anew from the current tangents.
 """
 
 from __future__ import annotations
@@ -36,6 +36,8 @@ STEP_SAFETY = 0.9
 # Reductions over more entries than this take two launches.
 LARGEST_SINGLE_SUM = 4096
 GROUP_SIZE = 256
+# Elements whose forces stay in a core's second-level cache until their nodes have moved.
+TILE_SIZE = 1024
 
 
 @dataclass
@@ -101,6 +103,70 @@ def chunks(count: int, part_count: int) -> list[tuple[int, int]]:
     return [(int(a), int(b - a)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
 
 
+@dataclass(frozen=True)
+class Part:
+    """What one thread does in a step; ranges of blocks of lanes as (first, count).
+
+    Attributes:
+        tiles: elements, then the nodes that may move after them.
+        shared: nodes that may move when the elements of all threads are done.
+    """
+
+    tiles: tuple[tuple[tuple[int, int], tuple[int, int]], ...]
+    shared: tuple[tuple[int, int], ...]
+
+
+def divide_step(element_nodes: np.ndarray, lane_count: int, thread_count: int, tile_size: int) -> list[Part]:
+    """Share the elements out to threads and cut them into tiles.
+
+    A node may move as soon as all of its elements are done, and is then best moved while their forces are in the cache.
+    Numbers that run through the mesh row by row let nearly all nodes move so; without any order all of them wait.
+
+    Args:
+        element_nodes: (4, padded element count) corner nodes.
+        lane_count: elements or nodes per block.
+        thread_count: number of parts.
+        tile_size: elements of a tile.
+    """
+    block_of_element = np.arange(element_nodes.shape[1]) // lane_count
+    block_count, node_block_count = block_of_element[-1] + 1, element_nodes.max() // lane_count + 1
+    first = np.full(node_block_count, block_count)
+    last = np.zeros(node_block_count, dtype=first.dtype)
+    for nodes in element_nodes:
+        np.minimum.at(first, nodes // lane_count, block_of_element)
+        np.maximum.at(last, nodes // lane_count, block_of_element)
+    # node blocks stay in order: each waits for those before it too
+    last = np.maximum.accumulate(last)
+    first = np.minimum.accumulate(first[::-1])[::-1]
+    tile_block_count = max(tile_size // lane_count, 1)
+    tiles: list[list[tuple[tuple[int, int], tuple[int, int]]]] = []
+    shared: list[np.ndarray] = []
+    moved = 0
+    for start, count in chunks(block_count, thread_count):
+        own = max(moved, int(np.searchsorted(first, start)))
+        end = max(own, int(np.searchsorted(last, start + count)))
+        own = min(own, end)
+        shared.append(np.arange(moved, own))
+        moved, done, part = own, start, []
+        while done < start + count:
+            tile = min(tile_block_count, start + count - done)
+            ready = max(moved, int(np.searchsorted(last, done + tile)))
+            part.append(((done, tile), (moved, ready - moved)))
+            moved, done = ready, done + tile
+        tiles.append(part)
+    waiting = np.concatenate(shared)
+    return [
+        Part(tuple(part), tuple(_runs(waiting[a : a + n])))
+        for part, (a, n) in zip(tiles, chunks(len(waiting), thread_count), strict=True)
+    ]
+
+
+def _runs(numbers: np.ndarray) -> list[tuple[int, int]]:
+    """Ascending numbers as (first, count) of what follows without a gap."""
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
+    return [(int(run[0]), len(run)) for run in runs if len(run)]
+
+
 class Stepper:
     """Advances a state in blocks of ``REFRESH_INTERVAL`` steps.
 
@@ -147,6 +213,9 @@ class Stepper:
         if state.reaction.shape[1] > LARGEST_SINGLE_SUM:
             group_count = -(-state.reaction.shape[1] // GROUP_SIZE)
             self._sums = wp.zeros((state.reaction.shape[0], group_count), dtype=model.types.vec3, device=device)
+        # a GPU runs whole launches, not tiles
+        tile_size = TILE_SIZE if model.device.is_cpu else model.element_count
+        self._parts = divide_step(model.element_nodes, lane_count, self.thread_count, tile_size)
         self._load_modules()
         self._refresh_graphs = self._record(self._refresh)
         self._block_graphs = self._record(self._block)
@@ -268,15 +337,19 @@ class Stepper:
         self._wait()
 
     def _block(self, thread: int) -> None:
-        model = self.model
-        element_chunk = chunks(model.element_count // model.lane_count, self.thread_count)[thread]
-        node_chunk = chunks(model.node_count // model.lane_count, self.thread_count)[thread]
+        part = self._parts[thread]
         for _ in range(REFRESH_INTERVAL):
-            self.evaluate(*element_chunk)
-            if thread == 0:
-                self._advance_supports()
+            if self.supports.drive_count:
+                if thread == 0:
+                    self._advance_supports()
+                self._wait()
+            for elements, nodes in part.tiles:
+                self.evaluate(*elements)
+                if nodes[1]:
+                    self._advance_nodes(*nodes)
             self._wait()
-            self._advance_nodes(*node_chunk)
+            for nodes in part.shared:
+                self._advance_nodes(*nodes)
             self._wait()
             if thread == 0:
                 self._advance_tools()

@@ -197,15 +197,27 @@ def cross(a: Any, b: Any):
 
 
 @wp.func
-def gather(source: Any, index: Any, like: Any):
-    """3-vectors ``source[index]`` (an array of vec3), one per lane; ``like`` is any lanes3."""
+def gather(source: Any, index: Any, first: int, stride: int, like: Any):
+    """3-vectors of the scalars ``source[index + first + (0, 1, 2) stride]``, one per lane; ``like`` is any lanes3."""
     result = type(like)()
     for i in range(len(index)):
-        value = source[index[i]]
-        result[0, i] = value[0]
-        result[1, i] = value[1]
-        result[2, i] = value[2]
+        result[0, i] = source[index[i] + first]
+        result[1, i] = source[index[i] + (first + stride)]
+        result[2, i] = source[index[i] + (first + 2 * stride)]
     return result
+
+
+@wp.func
+def rows3(source: Any, row: int, block: int):
+    """Three neighbouring rows of lanes as 3-vectors."""
+    return wp.matrix_from_rows(source[row, block], source[row + 1, block], source[row + 2, block])
+
+
+@wp.func
+def store_rows3(target: Any, row: int, block: int, value: Any):
+    """Write 3-vectors to three neighbouring rows of lanes."""
+    for c in range(3):
+        target[row + c, block] = value[c]
 
 
 @wp.func

@@ -19,6 +19,7 @@ from .kernels.distance import tool_set_struct
 from .kernels.element import (
     CELL_REPORT_ROWS,
     CORNER_ROW_COUNT,
+    MOTION_ROW_COUNT,
     NODE_REPORT_ROWS,
     element_force_kernel,
 )
@@ -44,13 +45,13 @@ TILE_SIZE = 1024
 class State:
     """All that the kernels write. Scalars are [row, element or node], padded; see the kernels for the rows."""
 
-    motion: wp.array  # (5, nodes) vec3, rows MOTION_ROWS
+    motion: wp.array  # flat, ``Model.motion_layout``: rows MOTION_ROWS, mean shear angle
     cell_unknowns: wp.array  # (unknowns of the unit cell, one at least; elements)
     cell_report: wp.array  # (4, elements)
     slip: wp.array  # (5, elements), rows SLIP_ROWS; (5, BLOCK) for a fabric without friction inside
-    corner_force: wp.array  # flat, see ``Model.corner_entry``
-    node_report: wp.array  # (7, nodes), rows NODE_REPORT_ROWS
-    friction: wp.array  # (tools, nodes) vec3 [m]
+    corner_force: wp.array  # flat, ``Model.corners``
+    node_report: wp.array  # (6, nodes), rows NODE_REPORT_ROWS
+    friction: wp.array  # flat, ``Model.friction_layout`` [m]
     reaction: wp.array  # (tools, node blocks) vec3 [N]
     clock: wp.array  # time, step, mean step [s]
 
@@ -63,14 +64,16 @@ class State:
         node_report[NODE_REPORT_ROWS.index("half_thickness")] = 0.5 * model.fabric.thickness
         clock = np.zeros(CLOCK_LENGTH)
         clock[[CLOCK_STEP, CLOCK_MEAN_STEP]] = model.reference_step
+        motion = wp.zeros(MOTION_ROW_COUNT * model.node_count, dtype=real, device=device)
+        model.write_motion(motion, model.initial_motion(velocity))
         return cls(
-            motion=wp.array(model.initial_motion(velocity), dtype=vec3, device=device),
+            motion=motion,
             cell_unknowns=wp.array(model.initial_unknowns(), dtype=real, device=device),
             cell_report=wp.zeros((len(CELL_REPORT_ROWS), model.element_count), dtype=real, device=device),
             slip=wp.zeros((len(SLIP_ROWS), slip_count), dtype=real, device=device),
             corner_force=wp.zeros(CORNER_ROW_COUNT * model.element_count, dtype=real, device=device),
             node_report=wp.array(node_report, dtype=real, device=device),
-            friction=wp.zeros((tool_rows, model.node_count), dtype=vec3, device=device),
+            friction=wp.zeros(3 * tool_rows * model.node_count, dtype=real, device=device),
             reaction=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=vec3, device=device),
             clock=wp.array(clock, dtype=wp.float64, device=device),
         )
@@ -233,12 +236,15 @@ class Stepper:
         """Element forces of the current state, in the blocks of lanes from ``first``."""
         model, state = self.model, self.state
         count = model.element_count // model.lane_count if count is None else count
-        arrays = (state.cell_unknowns, state.cell_report, state.slip)
+        own = (state.cell_unknowns, state.cell_report, state.slip)
         wp.launch(
             self._element_forces,
             dim=count,
-            inputs=[first, model.elements, model.cell, model.laws, state.motion, state.node_report],
-            outputs=[*(lanes_view(array, model.lane_count) for array in arrays), model.corner_view(state.corner_force)],
+            inputs=[first, model.elements, model.cell, model.laws, state.motion, state.motion],
+            outputs=[
+                *(lanes_view(array, model.lane_count) for array in own),
+                model.corners.view(state.corner_force),
+            ],
             device=model.device,
         )
 
@@ -252,7 +258,8 @@ class Stepper:
                 state.corner_force,
             ],
             outputs=[
-                state.motion, state.friction, state.reaction, self.supports.holding,
+                model.motion_layout.view(state.motion), model.friction_layout.view(state.friction), state.reaction,
+                self.supports.holding,
                 lanes_view(state.node_report, model.lane_count),
             ],
             device=model.device,
@@ -300,7 +307,7 @@ class Stepper:
             dim=count,
             inputs=[
                 first, model.elements, model.cell, model.laws, model.bending_bound, model.contact_frequency,
-                state.motion, state.node_report, lanes_view(state.cell_unknowns, model.lane_count),
+                state.motion, state.motion, lanes_view(state.cell_unknowns, model.lane_count),
                 lanes_view(model.step_inertia, model.lane_count), state.clock, REFRESH_INTERVAL,
             ],
             outputs=[lanes_view(self._squared_frequency, model.lane_count)],
@@ -425,8 +432,7 @@ class Stepper:
 
     def corner_rows(self) -> np.ndarray:
         """What the elements wrote at the last evaluation, (36, element_count); waits for the device."""
-        row, element = np.arange(CORNER_ROW_COUNT)[:, None], np.arange(self.model.blank.element_count)
-        return self.state.corner_force.numpy()[self.model.corner_entry(row, element)]
+        return self.model.corners.read(self.state.corner_force)[:, : self.model.blank.element_count]
 
     def nodal_forces(self) -> np.ndarray:
         """Forces of the elements on the nodes at the last evaluation, (node_count, 3) [N]; waits for the device."""

@@ -394,28 +394,19 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             elements.shape_gradient[0, e] * elements.shape_gradient[3, e]
             - elements.shape_gradient[1, e] * elements.shape_gradient[2, e]
         )
-        shear11, shear12, shear22 = shear_resultants(laws, m11, m12, m22, area_ratio, angle)
+        moment, linear12 = shear_resultants(laws, m12, angle)
         if wp.static(cell_shears):
-            cell11, cell12, cell22 = moment_resultants(cell_moment, m11, m12, m22, area_ratio)
-            shear11 = shear11 + cell11
-            shear12 = shear12 + cell12
-            shear22 = shear22 + cell22
+            moment = moment + cell_moment
         if laws.in_plane_bending_stiffness > real(0.0):
             difference, square = corner_angles(elements, e, mean_angles, angle)
-            bundle11, bundle12, bundle22 = moment_resultants(
-                (laws.in_plane_bending_stiffness * inverse_area) * difference, m11, m12, m22, area_ratio
-            )
-            shear11 = shear11 + bundle11
-            shear12 = shear12 + bundle12
-            shear22 = shear22 + bundle22
+            moment = moment + (laws.in_plane_bending_stiffness * inverse_area) * difference
         if laws.shear.friction_stiffness > real(0.0):
-            moment, turned, lost = shear_friction(laws, angle, slip[SHEAR_SLIP_ROW, e], pressure)
+            rubbing, turned, lost = shear_friction(laws, angle, slip[SHEAR_SLIP_ROW, e], pressure)
             slip[SHEAR_SLIP_ROW, e] = turned
             slip[SHEAR_LOSS_ROW, e] = slip[SHEAR_LOSS_ROW, e] + lost
-            rubbing11, rubbing12, rubbing22 = moment_resultants(moment, m11, m12, m22, area_ratio)
-            shear11 = shear11 + rubbing11
-            shear12 = shear12 + rubbing12
-            shear22 = shear22 + rubbing22
+            moment = moment + rubbing
+        shear11, shear12, shear22 = moment_resultants(moment, m11, m12, m22, area_ratio)
+        shear12 = shear12 + linear12
         for corner in range(4):
             corner_force[ANGLE_ROW + 3 * corner, e] = angle
         if laws.thickness > real(0.0):

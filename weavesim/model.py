@@ -385,6 +385,7 @@ class Model:
         """Device table of a function from 0 to ``end``."""
         curve = curve_struct(self.real)()
         curve.knot_spacing = end / CURVE_PIECE_COUNT
+        curve.knots_per_unit = CURVE_PIECE_COUNT / end
         coefficients, integral = tabulate(function, end / CURVE_PIECE_COUNT, CURVE_PIECE_COUNT)
         curve.coefficient = self._array(coefficients, self.types.vec4)
         curve.integral = self._array(integral, self.real)

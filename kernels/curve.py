@@ -15,6 +15,7 @@ def curve_struct(real: type):
     @wp.struct
     class Curve:
         knot_spacing: real
+        knots_per_unit: real  # its reciprocal
         coefficient: wp.array(dtype=wp.types.vector(4, real))  # c0 + c1 x + c2 x^2 + c3 x^3 from each knot on
         integral: wp.array(dtype=real)  # of the function, up to each knot
 
@@ -26,7 +27,7 @@ def curve_piece(curve: Any, value: Any):
     """Piece of the curve that holds one size, and how far into it that lies."""
     size = wp.abs(value)
     # clamped from below too: a NaN becomes the most negative integer
-    piece = wp.clamp(int(size / curve.knot_spacing), 0, curve.coefficient.shape[0] - 1)
+    piece = wp.clamp(int(size * curve.knots_per_unit), 0, curve.coefficient.shape[0] - 1)
     return piece, size - type(value)(piece) * curve.knot_spacing
 
 

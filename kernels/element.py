@@ -53,21 +53,22 @@ CORNER_ROW_COUNT = 36
 COUPLE_ROW = wp.constant(12)
 ANGLE_ROW = wp.constant(24)
 THICKNESS_ROW = wp.constant(25)
-# Rows of the motion array of the nodes; the remainder is what rounding cut off the position.
+# Vectors of the motion array of the nodes, three rows each; the remainder is what rounding cut off the position. Then
+# one row for the mean shear angle of the elements around the node [rad].
 MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
 POSITION_ROW = wp.constant(0)
-VELOCITY_ROW = wp.constant(1)
-DIRECTOR_ROW = wp.constant(2)
-SPIN_ROW = wp.constant(3)
-REMAINDER_ROW = wp.constant(4)
+VELOCITY_ROW = wp.constant(3)
+DIRECTOR_ROW = wp.constant(6)
+SPIN_ROW = wp.constant(9)
+REMAINDER_ROW = wp.constant(12)
+MEAN_ANGLE_ROW = wp.constant(15)
+MOTION_ROW_COUNT = 16
 # Rows of the node report: work done against friction so far, lost or held in the friction springs [J]; energy lost in
-# damping so far [J]; mean shear angle of the elements around the node [rad]; work of what holds the node, and of the
-# loads on it, so far [J]; half the current thickness of the sheet and its last change [m]; work of its change on the
-# tools so far [J].
+# damping so far [J]; work of what holds the node, and of the loads on it, so far [J]; half the current thickness of the
+# sheet and its last change [m]; work of its change on the tools so far [J].
 NODE_REPORT_ROWS = (
     "friction_work",
     "damping_loss",
-    "mean_shear_angle",
     "support_work",
     "load_work",
     "half_thickness",
@@ -76,12 +77,11 @@ NODE_REPORT_ROWS = (
 )
 FRICTION_ROW = wp.constant(0)
 DAMPING_ROW = wp.constant(1)
-MEAN_ANGLE_ROW = wp.constant(2)
-SUPPORT_ROW = wp.constant(3)
-LOAD_ROW = wp.constant(4)
-HALF_THICKNESS_ROW = wp.constant(5)
-GROWTH_ROW = wp.constant(6)
-THICKNESS_WORK_ROW = wp.constant(7)
+SUPPORT_ROW = wp.constant(2)
+LOAD_ROW = wp.constant(3)
+HALF_THICKNESS_ROW = wp.constant(4)
+GROWTH_ROW = wp.constant(5)
+THICKNESS_WORK_ROW = wp.constant(6)
 
 
 @cache
@@ -91,7 +91,8 @@ def element_struct(real: type, lane_count: int):
 
     @wp.struct
     class Elements:
-        corner_node: wp.array2d(dtype=types.indices)  # 4 rows
+        corner_node: wp.array2d(dtype=types.indices)  # 4 rows: first entry of the node in the flat motion array
+        node_stride: wp.int32  # entries between two of its rows
         shape_gradient: wp.array2d(dtype=types.lanes)  # b_p1, b_p2, b_q1, b_q2 [1/m]
         hourglass_offset: wp.array2d(dtype=types.lanes)  # c_p, c_q
         area: wp.array(dtype=types.lanes)  # reference area [m^2]; 0 for padding
@@ -123,15 +124,21 @@ def corner_vectors(elements: Any, e: int, v1: Any, v2: Any, v3: Any, v4: Any):
 
 
 @wp.func
-def element_vectors(elements: Any, e: int, field: Any, like: Any):
-    """``corner_vectors`` of a nodal field."""
+def corner_vector(elements: Any, e: int, corner: int, motion: Any, row: int, like: Any):
+    """The vector in ``row`` of the motion array at one corner."""
+    return gather(motion, elements.corner_node[corner, e], row * elements.node_stride, elements.node_stride, like)
+
+
+@wp.func
+def element_vectors(elements: Any, e: int, motion: Any, row: int, like: Any):
+    """``corner_vectors`` of the vectors in ``row`` of the motion array."""
     return corner_vectors(
         elements,
         e,
-        gather(field, elements.corner_node[0, e], like),
-        gather(field, elements.corner_node[1, e], like),
-        gather(field, elements.corner_node[2, e], like),
-        gather(field, elements.corner_node[3, e], like),
+        corner_vector(elements, e, 0, motion, row, like),
+        corner_vector(elements, e, 1, motion, row, like),
+        corner_vector(elements, e, 2, motion, row, like),
+        corner_vector(elements, e, 3, motion, row, like),
     )
 
 
@@ -142,18 +149,16 @@ def element_positions(elements: Any, e: int, motion: Any, like: Any):
     In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an element
     of 5 mm: the remainder that the time integration keeps makes differences exact to their own rounding.
     """
-    position = motion[POSITION_ROW]
-    remainder = motion[REMAINDER_ROW]
-    x1 = gather(position, elements.corner_node[0, e], like)
-    r1 = gather(remainder, elements.corner_node[0, e], like)
-    v2 = (gather(position, elements.corner_node[1, e], like) - x1) + (
-        gather(remainder, elements.corner_node[1, e], like) - r1
+    x1 = corner_vector(elements, e, 0, motion, POSITION_ROW, like)
+    r1 = corner_vector(elements, e, 0, motion, REMAINDER_ROW, like)
+    v2 = (corner_vector(elements, e, 1, motion, POSITION_ROW, like) - x1) + (
+        corner_vector(elements, e, 1, motion, REMAINDER_ROW, like) - r1
     )
-    v3 = (gather(position, elements.corner_node[2, e], like) - x1) + (
-        gather(remainder, elements.corner_node[2, e], like) - r1
+    v3 = (corner_vector(elements, e, 2, motion, POSITION_ROW, like) - x1) + (
+        corner_vector(elements, e, 2, motion, REMAINDER_ROW, like) - r1
     )
-    v4 = (gather(position, elements.corner_node[3, e], like) - x1) + (
-        gather(remainder, elements.corner_node[3, e], like) - r1
+    v4 = (corner_vector(elements, e, 3, motion, POSITION_ROW, like) - x1) + (
+        corner_vector(elements, e, 3, motion, REMAINDER_ROW, like) - r1
     )
     return corner_vectors(elements, e, type(like)(), v2, v3, v4)
 
@@ -226,14 +231,14 @@ def element_strains(elements: Any, e: int, a1: Any, a2: Any, d1: Any, d2: Any, m
 
 
 @wp.func
-def corner_angles(elements: Any, e: int, node_report: Any, angle: Any):
+def corner_angles(elements: Any, e: int, motion: Any, angle: Any):
     """Sum over the corners of angle - mean and of its square, where mean is that of the elements around the corner."""
     difference = type(angle)()
     square = type(angle)()
     for corner in range(4):
         index = elements.corner_node[corner, e]
         for i in range(len(index)):
-            d = angle[i] - node_report[MEAN_ANGLE_ROW, index[i]]
+            d = angle[i] - motion[index[i] + MEAN_ANGLE_ROW * elements.node_stride]
             difference[i] += d
             square[i] += d * d
     return difference, square
@@ -339,7 +344,7 @@ def yarn_strains(m11: Any, m22: Any):
 def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
     """Kernel of one launch per step: nodal forces and director gradients of every element."""
     types = lane_types(real, lane_count)
-    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    lanes, lanes3 = types.lanes, types.lanes3
     Elements, UnitCell, SheetLaws = element_struct(real, lane_count), cell.parameters(real), sheet_struct(real)
     row_count, unknown_count = cell.row_count, cell.unknown_count
     Unknowns = wp.types.matrix((row_count, lane_count), real)
@@ -352,8 +357,8 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
         elements: Elements,
         cell: UnitCell,
         laws: SheetLaws,
-        motion: wp.array2d(dtype=vec3),
-        node_report: wp.array2d(dtype=real),
+        motion: wp.array(dtype=real),
+        mean_angles: wp.array(dtype=real),  # the motion array that has those of the nodes
         # Out
         cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),  # rows: see CELL_REPORT_ROWS
@@ -362,7 +367,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
     ):
         e = first_block + wp.tid()
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW, lanes3())
 
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
 
@@ -393,20 +398,12 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             elements.shape_gradient[0, e] * elements.shape_gradient[3, e]
             - elements.shape_gradient[1, e] * elements.shape_gradient[2, e]
         )
-        shear11, shear12, shear22 = shear_resultants(laws, m11, m12, m22, area_ratio, angle)
+        moment, linear12 = shear_resultants(laws, m12, angle)
         if wp.static(cell_shears):
-            cell11, cell12, cell22 = moment_resultants(cell_moment, m11, m12, m22, area_ratio)
-            shear11 = shear11 + cell11
-            shear12 = shear12 + cell12
-            shear22 = shear22 + cell22
+            moment = moment + cell_moment
         if laws.in_plane_bending_stiffness > real(0.0):
-            difference, square = corner_angles(elements, e, node_report, angle)
-            bundle11, bundle12, bundle22 = moment_resultants(
-                (laws.in_plane_bending_stiffness * inverse_area) * difference, m11, m12, m22, area_ratio
-            )
-            shear11 = shear11 + bundle11
-            shear12 = shear12 + bundle12
-            shear22 = shear22 + bundle22
+            difference, square = corner_angles(elements, e, mean_angles, angle)
+            moment = moment + (laws.in_plane_bending_stiffness * inverse_area) * difference
         if laws.shear.friction_stiffness > real(0.0):
             turned, spring, lost = shear_friction(
                 laws, angle, slip[SHEAR_SLIP_ROW, e], slip[SHEAR_SPRING_ROW, e], pressure
@@ -414,11 +411,9 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             slip[SHEAR_SLIP_ROW, e] = turned
             slip[SHEAR_SPRING_ROW, e] = spring
             slip[SHEAR_LOSS_ROW, e] = slip[SHEAR_LOSS_ROW, e] + lost
-            moment = laws.shear.friction_stiffness * spring
-            rubbing11, rubbing12, rubbing22 = moment_resultants(moment, m11, m12, m22, area_ratio)
-            shear11 = shear11 + rubbing11
-            shear12 = shear12 + rubbing12
-            shear22 = shear22 + rubbing22
+            moment = moment + laws.shear.friction_stiffness * spring
+        shear11, shear12, shear22 = moment_resultants(moment, m11, m12, m22, area_ratio)
+        shear12 = shear12 + linear12
         for corner in range(4):
             corner_force[ANGLE_ROW + 3 * corner, e] = angle
         if laws.thickness > real(0.0):

@@ -167,10 +167,14 @@ def lane_sum(a: Any):
 
 @wp.func
 def lane_maximum(a: Any):
-    result = a[0]
-    for i in range(len(a)):
-        result = wp.where(a[i] > result, a[i], result)
-    return result
+    """Largest lane, by halves: one after the other each comparison would wait for the last."""
+    result = a
+    for k in range(4):
+        other = result
+        for i in range(len(a)):
+            j = (i + (8 >> k)) % len(a)
+            result[i] = wp.where(other[j] > other[i], other[j], other[i])
+    return result[0]
 
 
 # --- 3-vectors in lanes -----------------------------------------------------------------------------------------------
@@ -197,15 +201,27 @@ def cross(a: Any, b: Any):
 
 
 @wp.func
-def gather(source: Any, index: Any, like: Any):
-    """3-vectors ``source[index]`` (an array of vec3), one per lane; ``like`` is any lanes3."""
+def gather(source: Any, index: Any, first: int, stride: int, like: Any):
+    """3-vectors of the scalars ``source[index + first + (0, 1, 2) stride]``, one per lane; ``like`` is any lanes3."""
     result = type(like)()
     for i in range(len(index)):
-        value = source[index[i]]
-        result[0, i] = value[0]
-        result[1, i] = value[1]
-        result[2, i] = value[2]
+        result[0, i] = source[index[i] + first]
+        result[1, i] = source[index[i] + (first + stride)]
+        result[2, i] = source[index[i] + (first + 2 * stride)]
     return result
+
+
+@wp.func
+def rows3(source: Any, row: int, block: int):
+    """Three neighbouring rows of lanes as 3-vectors."""
+    return wp.matrix_from_rows(source[row, block], source[row + 1, block], source[row + 2, block])
+
+
+@wp.func
+def store_rows3(target: Any, row: int, block: int, value: Any):
+    """Write 3-vectors to three neighbouring rows of lanes."""
+    for c in range(3):
+        target[row + c, block] = value[c]
 
 
 @wp.func
@@ -246,11 +262,39 @@ def _arctangent_coefficients(term_count: int, largest_square: float) -> list[flo
     return chebyshev.convert(kind=np.polynomial.Polynomial).coef.tolist()
 
 
-# tan(120 deg / 4)^2 = 1/3; sixteen terms leave 1e-15.
-_ARCTANGENT_TERM_COUNT = 16
-_ARCTANGENT = wp.types.vector(_ARCTANGENT_TERM_COUNT, wp.float64)(
-    *_arctangent_coefficients(_ARCTANGENT_TERM_COUNT, 1.0 / 3.0)
-)
+# tan(120 deg / 4)^2 = 1/3; eight terms leave 1e-10, sixteen 1e-15. The highest comes first.
+_SINGLE_ARCTANGENT = wp.types.vector(8, wp.float32)(*reversed(_arctangent_coefficients(8, 1.0 / 3.0)))
+_DOUBLE_ARCTANGENT = wp.types.vector(16, wp.float64)(*reversed(_arctangent_coefficients(16, 1.0 / 3.0)))
+
+
+@wp.func
+def polynomial(x: Any, coefficients: Any):
+    """Polynomial in ``x``; ``coefficients`` from the highest power to the constant."""
+    result = type(x)()
+    for k in range(len(coefficients)):
+        result = wp.cw_mul(result, x) + spread(x, coefficients[k])
+    return result
+
+
+@wp.func
+def arctangent_ratio(square: _Single1):
+    """atan(x)/x of ``square`` = x^2 up to 1/3, to the precision of the lanes."""
+    return polynomial(square, _SINGLE_ARCTANGENT)
+
+
+@wp.func
+def arctangent_ratio(square: _Single16):  # noqa: F811
+    return polynomial(square, _SINGLE_ARCTANGENT)
+
+
+@wp.func
+def arctangent_ratio(square: _Double1):  # noqa: F811
+    return polynomial(square, _DOUBLE_ARCTANGENT)
+
+
+@wp.func
+def arctangent_ratio(square: _Double16):  # noqa: F811
+    return polynomial(square, _DOUBLE_ARCTANGENT)
 
 
 @wp.func
@@ -261,8 +305,4 @@ def angle_of(sine: Any, cosine: Any, radius: Any):
     """
     half = wp.cw_div(sine, cosine + radius)
     quarter = wp.cw_div(half, fill(half, 1.0) + square_root(fill(half, 1.0) + wp.cw_mul(half, half)))
-    square = wp.cw_mul(quarter, quarter)
-    series = spread(half, half.dtype(_ARCTANGENT[_ARCTANGENT_TERM_COUNT - 1]))
-    for k in range(_ARCTANGENT_TERM_COUNT - 1):
-        series = wp.cw_mul(series, square) + spread(half, half.dtype(_ARCTANGENT[_ARCTANGENT_TERM_COUNT - 2 - k]))
-    return half.dtype(4.0) * wp.cw_mul(quarter, series)
+    return half.dtype(4.0) * wp.cw_mul(quarter, arctangent_ratio(wp.cw_mul(quarter, quarter)))

@@ -55,7 +55,7 @@ ELEMENT_FIELDS = (
 def element_ledger_kernel(real: type, cell: CellLaw):
     """Energies [J] and fields of every element; changes nothing of the state."""
     types = lane_types(real, 1)
-    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    lanes, lanes3 = types.lanes, types.lanes3
     Elements, UnitCell, SheetLaws = element_struct(real, 1), cell.parameters(real), sheet_struct(real)
     unknown_count, part_count = cell.unknown_count, len(cell.energy_names)
     Unknowns = wp.types.matrix((cell.row_count, 1), real)
@@ -67,8 +67,8 @@ def element_ledger_kernel(real: type, cell: CellLaw):
         elements: Elements,
         cell: UnitCell,
         laws: SheetLaws,
-        motion: wp.array2d(dtype=vec3),
-        node_report: wp.array2d(dtype=real),
+        motion: wp.array(dtype=real),
+        mean_angles: wp.array(dtype=real),  # the motion array that has those of the nodes
         cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),
         slip: wp.array2d(dtype=lanes),
@@ -78,7 +78,7 @@ def element_ledger_kernel(real: type, cell: CellLaw):
     ):
         e = wp.tid()
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW, lanes3())
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
@@ -122,7 +122,7 @@ def element_ledger_kernel(real: type, cell: CellLaw):
             )
             energies[part_count + 8, e] = area * slip[BENDING_LOSS_ROW, e]
         energies[part_count + 1, e] = area * shear
-        difference, square = corner_angles(elements, e, node_report, angle)
+        difference, square = corner_angles(elements, e, mean_angles, angle)
         real_element = where_positive(area, fill(area, 1.0), lanes())
         energies[part_count + 2, e] = (half * laws.in_plane_bending_stiffness) * real_element * square
         energies[part_count + 3, e] = area * bending

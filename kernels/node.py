@@ -29,15 +29,18 @@ from .lanes import (
     div,
     dot,
     fill,
+    gather,
     lane_sum,
     lane_types,
     larger,
     load,
     mul,
+    rows3,
     scale,
     spread,
     square_root,
     store,
+    store_rows3,
     where_positive,
 )
 
@@ -109,13 +112,7 @@ def motion_struct(real: type):
 @wp.func
 def gather_corners(corners: Any, offset: Any, stride: int, row: int, total: Any):
     """Add the three components of one adjacent corner to ``total``."""
-    result = total
-    for i in range(len(offset)):
-        first = offset[i] + row * stride
-        result[0, i] += corners[first]
-        result[1, i] += corners[first + stride]
-        result[2, i] += corners[first + 2 * stride]
-    return result
+    return total + gather(corners, offset, row * stride, stride, total)
 
 
 @wp.func
@@ -186,8 +183,8 @@ def node_motion_kernel(real: type, lane_count: int):
         clock: wp.array(dtype=wp.float64),
         corners: wp.array(dtype=real),
         # Out
-        motion: wp.array2d(dtype=vec3),  # rows: see MOTION_ROWS
-        friction: wp.array2d(dtype=vec3),  # tangential spring of each tool [m]
+        motion: wp.array2d(dtype=lanes),  # three rows for each of MOTION_ROWS, mean shear angle
+        friction: wp.array2d(dtype=lanes),  # tangential spring of each tool [m], three rows each
         reaction: wp.array2d(dtype=vec3),  # [tool, block]: force of the sheet on the tool [N]
         holding: wp.array(dtype=vec3),  # force of a support on its node [N]
         report: wp.array2d(dtype=lanes),  # NODE_REPORT_ROWS
@@ -196,8 +193,8 @@ def node_motion_kernel(real: type, lane_count: int):
         first = block * lane_count
         step = real(clock[CLOCK_STEP])
         mean_step = real(clock[CLOCK_MEAN_STEP])
-        x = load(motion[POSITION_ROW], first, lanes3())
-        velocity = load(motion[VELOCITY_ROW], first, lanes3())
+        x = rows3(motion, POSITION_ROW, block)
+        velocity = rows3(motion, VELOCITY_ROW, block)
 
         force = lanes3()
         couple = lanes3()
@@ -212,10 +209,10 @@ def node_motion_kernel(real: type, lane_count: int):
                 thickness = add_scalar(corners, offset, THICKNESS_ROW * nodes.corner_stride, thickness)
         # the elements met the mean of one step before: that resists its change, which is booked as damping
         mean_angle = nodes.angle_weight[block] * angle
-        late = mean_angle - report[MEAN_ANGLE_ROW, block]
+        late = mean_angle - motion[MEAN_ANGLE_ROW, block]
         weight = nodes.angle_weight[block]
         damping_loss = where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
-        report[MEAN_ANGLE_ROW, block] = mean_angle
+        motion[MEAN_ANGLE_ROW, block] = mean_angle
 
         half_thickness = lanes(laws.half_thickness)
         growth = lanes()
@@ -228,7 +225,7 @@ def node_motion_kernel(real: type, lane_count: int):
             report[GROWTH_ROW, block] = last
 
         # prescribed loads; a moment M turns the director as the conjugate M x d does, without its part along d
-        director = load(motion[DIRECTOR_ROW], first, lanes3())
+        director = rows3(motion, DIRECTOR_ROW, block)
         applied_force = lanes3()
         applied_couple = lanes3()
         if nodes.load_time.shape[0] > 0:
@@ -258,11 +255,11 @@ def node_motion_kernel(real: type, lane_count: int):
                 report[THICKNESS_WORK_ROW, block] = report[THICKNESS_WORK_ROW, block] + spring * growth
             dashpot = scale(pressure - spring, normal)
             # friction: the spring follows the tangent plane and the sliding since the last step
-            stretched = load(friction[k], first, lanes3()) + mean_step * relative
+            stretched = rows3(friction, 3 * k, block) + mean_step * relative
             trial = stretched - scale(dot(stretched, normal), normal)
             tangential = laws.tangential_ratio * stiffness
             held = friction_spring(trial, tangential, tool.friction * pressure)
-            store(friction[k], first, held)
+            store_rows3(friction, 3 * k, block, held)
             drag = -scale(tangential, held)
             contact_force = scale(pressure, normal) + drag
             force = force + contact_force
@@ -308,15 +305,15 @@ def node_motion_kernel(real: type, lane_count: int):
         damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )
-        store(motion[VELOCITY_ROW], first, new_velocity)
+        store_rows3(motion, VELOCITY_ROW, block, new_velocity)
         # compensated sum: nothing of a small step is lost beside a large coordinate
-        way = way + load(motion[REMAINDER_ROW], first, lanes3())
+        way = way + rows3(motion, REMAINDER_ROW, block)
         new_x = x + way
-        store(motion[REMAINDER_ROW], first, way - (new_x - x))
-        store(motion[POSITION_ROW], first, new_x)
+        store_rows3(motion, REMAINDER_ROW, block, way - (new_x - x))
+        store_rows3(motion, POSITION_ROW, block, new_x)
 
         # rotation of the director: I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps its length
-        spin = load(motion[SPIN_ROW], first, lanes3())
+        spin = rows3(motion, SPIN_ROW, block)
         turning = wp.cw_mul(
             freedom_mask(freedom, 3, lanes3()), scale(nodes.inverse_inertia[block], cross(director, couple))
         )
@@ -330,8 +327,8 @@ def node_motion_kernel(real: type, lane_count: int):
         quarter = real(0.25) * dot(turn, turn)
         one = fill(quarter, 1.0)
         new_director = scale(one / (one + quarter), scale(one - quarter, director) + cross(turn, director))
-        store(motion[SPIN_ROW], first, new_spin)
-        store(motion[DIRECTOR_ROW], first, new_director)
+        store_rows3(motion, SPIN_ROW, block, new_spin)
+        store_rows3(motion, DIRECTOR_ROW, block, new_director)
 
         report[FRICTION_ROW, block] = report[FRICTION_ROW, block] + friction_work
         if nodes.load_time.shape[0] > 0:

@@ -105,20 +105,18 @@ def moment_resultants(moment: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any
 
 
 @wp.func
-def shear_resultants(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, angle: Any):
-    """T11, T12, T22 of in-plane shear.
+def shear_resultants(laws: Any, m12: Any, angle: Any):
+    """In-plane shear without friction: its moment, and T12 beside what follows from the moment.
 
     Curve: dpsi/da_1 = m dgamma/da_1. Linear: S_12 = G_12 E_12 with E_12 = 1/2 a_1.a_2, equation (4) of the paper.
     """
-    t11 = fill(m11, 0.0)
-    t22 = fill(m11, 0.0)
-    t12 = fill(m11, 0.0)
+    moment = fill(angle, 0.0)
+    t12 = fill(angle, 0.0)
     if laws.shear.kind == SHEAR_LINEAR:
-        t12 = m11.dtype(0.5) * laws.shear.stiffness * m12
+        t12 = m12.dtype(0.5) * laws.shear.stiffness * m12
     else:
         moment, tangent = odd_curve(laws.shear.curve, angle)
-        t11, t12, t22 = moment_resultants(moment, m11, m12, m22, area_ratio)
-    return t11, t12, t22
+    return moment, t12
 
 
 @wp.func

@@ -215,7 +215,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
     motions in the plane, across it, and hourglass modes, of which the largest counts.
     """
     types = lane_types(real, lane_count)
-    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    lanes, lanes3 = types.lanes, types.lanes3
     Elements, UnitCell, SheetLaws = element_struct(real, lane_count), cell.parameters(real), sheet_struct(real)
     unknown_count, state_count, cell_shears = cell.unknown_count, cell.stable_state_count, cell.depends_on_shear
     Unknowns = wp.types.matrix((cell.row_count, lane_count), real)
@@ -231,8 +231,8 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         cell_bound: wp.types.vector(3, real),  # largest stiffness of the cell along warp and weft, and in shear [N/m]
         bending_bound: real,  # largest bending stiffness of any curvature [N m]
         contact_frequency: real,  # squared, of the contact springs [1/s^2]
-        motion: wp.array2d(dtype=vec3),
-        node_report: wp.array2d(dtype=real),
+        motion: wp.array(dtype=real),
+        mean_angles: wp.array(dtype=real),  # the motion array that has those of the nodes
         cell_unknowns: wp.array2d(dtype=lanes),
         inertia: wp.array2d(dtype=lanes),  # rows: inverse areal density with any added mass; inverse squared radius
         clock: wp.array(dtype=wp.float64),
@@ -242,7 +242,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
     ):
         e = first + wp.tid()
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion[DIRECTOR_ROW], lanes3())
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW, lanes3())
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
         bp1 = elements.shape_gradient[0, e]
@@ -262,7 +262,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
 
         # in the plane; where the present rate takes the yarns before the next look, twice as far for safety
-        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion[VELOCITY_ROW], lanes3())
+        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion, VELOCITY_ROW, lanes3())
         horizon = two * real(clock[CLOCK_STEP]) * real(steps_ahead)
         strain1 = strain1 + horizon * (larger(dot(a1, v1), zero) / stretch1)
         strain2 = strain2 + horizon * (larger(dot(a2, v2), zero) / stretch2)
@@ -278,7 +278,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         bundled = zero
         if laws.in_plane_bending_stiffness > real(0.0):
             bundling = (two * laws.in_plane_bending_stiffness) * (bp1 * bq2 - bp2 * bq1)
-            difference, square = corner_angles(elements, e, node_report, angle)
+            difference, square = corner_angles(elements, e, mean_angles, angle)
             bundled = bundling * difference
         metric11 = m22 / (area_ratio * area_ratio)
         metric12 = -(m12 / (area_ratio * area_ratio))

@@ -388,37 +388,45 @@ def laws(
 
 def ratio_table(names: list[str], times: np.ndarray) -> str:
     """Medians, and ratios to the first of paired turns with their quartiles; times (turns, contestants) [ns]."""
-    lines = [f"| | ns per element and step | ratio to {names[0].split(':')[0]} | quartiles |", "|---|---|---|---|"]
+    head = f"| | ns per element and step | least | ratio to {names[0].split(':')[0]} | quartiles |"
+    lines = [head, "|---|---|---|---|---|"]
     for name, column in zip(names, times.T, strict=True):
         low, middle, high = np.quantile(column / times[:, 0], [0.25, 0.5, 0.75])
-        lines.append(f"| {name} | {np.median(column):.0f} | {middle:.3f} | {low:.3f} to {high:.3f} |")
+        lines.append(
+            f"| {name} | {np.median(column):.0f} | {column.min():.0f} | {middle:.3f} | {low:.3f} to {high:.3f} |"
+        )
     return "\n".join(lines)
 
 
 # --- this checkout beside another -------------------------------------------------------------------------------------
 
-# Steps on demand in a process of its own: reads a number of blocks, answers with nanoseconds per element and step.
+# Steps on demand in a process of its own: reads a number of blocks, answers with nanoseconds per element and step. On
+# one thread they are of the processor's time, which leaves out what other programs take.
 CONTESTANT = """
-import sys, time
-from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
-mesh_size, precision = sys.argv[1:]
-simulation = double_dome(DoubleDomeParameters(mesh_size=float(mesh_size), precision=precision, threads=1))
+import importlib.util, sys, time
+import weavesim
+location, case, precision, threads = sys.argv[1:]
+specification = importlib.util.spec_from_file_location("benchmark", location)
+benchmark = importlib.util.module_from_spec(specification)
+specification.loader.exec_module(benchmark)
+clock = time.process_time if threads == "1" else time.perf_counter
+simulation = benchmark.CASES[case](precision=precision, threads=int(threads))
 stepper, count = simulation.stepper, simulation.blank.element_count
-stepper.advance(100)
+stepper.advance(benchmark.WARM_UP_BLOCKS)
 print(count, flush=True)
 for line in sys.stdin:
-    first, started = stepper.step_count, time.perf_counter()
+    first, started = stepper.step_count, clock()
     stepper.advance(int(line))
-    print(1e9 * (time.perf_counter() - started) / (stepper.step_count - first) / count, flush=True)
+    print(1e9 * (clock() - started) / (stepper.step_count - first) / count, flush=True)
 """
 
 
 class Contestant:
-    """A double dome of one checkout that steps in a process of its own."""
+    """A case that steps in a process of its own, in one checkout."""
 
-    def __init__(self, checkout: Path, mesh_size: float, precision: str) -> None:
+    def __init__(self, checkout: Path, case: str, precision: str, threads: int) -> None:
         self._process = subprocess.Popen(
-            [sys.executable, "-c", CONTESTANT, str(mesh_size), precision],
+            [sys.executable, "-c", CONTESTANT, str(Path(__file__).resolve()), case, precision, str(threads)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=checkout,
             env=os.environ | {"PYTHONPATH": str(checkout)},
         )  # fmt: skip
@@ -445,18 +453,22 @@ class Contestant:
 @app.command()
 def against(
     checkout: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="folder of another version")],
+    case: Annotated[str, typer.Option(help=f"one of {', '.join(CASES)}")] = "double_dome_10mm",
     turns: Annotated[int, typer.Option(help="turns of each")] = 20,
     blocks: Annotated[int, typer.Option(help="blocks of 20 steps in a turn")] = 50,
-    mesh_size: Annotated[float, typer.Option(help="of the double dome [m]")] = 0.01,
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
+    threads: Annotated[int, typer.Option(help="CPU threads; processor time is measured on one, else wall time")] = 1,
 ) -> None:
-    """The default double dome of another checkout (git worktree add) and of this one, in alternating turns."""
-    contestants = [Contestant(folder.resolve(), mesh_size, precision) for folder in (checkout, ROOT)]
+    """A case in another checkout (git worktree add) and in this one, in alternating turns."""
+    if case not in CASES:
+        raise typer.BadParameter(f"{case}: choose from {', '.join(CASES)}", param_hint="--case")
+    contestants = [Contestant(folder.resolve(), case, precision, threads) for folder in (checkout, ROOT)]
     times = np.array([[contestant.turn(blocks) for contestant in contestants] for _ in range(turns)])
     for contestant in contestants:
         contestant.close()
     typer.echo(
-        f"{contestants[0].element_count} elements, {precision}, one thread, {turns} turns of {20 * blocks} steps"
+        f"{case}, {contestants[0].element_count} elements, {precision}, {threads} threads, {turns} turns of "
+        f"{20 * blocks} steps"
     )
     typer.echo(ratio_table(["the other checkout", "this checkout"], times))
 

@@ -76,7 +76,7 @@ class Ledger:
             self._kernel,
             dim=model.element_count,
             inputs=[
-                model.elements_single, model.cell, model.laws, state.motion, ahead.node_report,
+                model.elements_single, model.cell, model.laws, state.motion, ahead.motion,
                 lanes_view(ahead.cell_unknowns, 1), lanes_view(ahead.cell_report, 1), lanes_view(ahead.slip, 1),
             ],
             outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
@@ -119,7 +119,7 @@ class Ledger:
 
     def _motion(self, motion: wp.array) -> np.ndarray:
         """Rows MOTION_ROWS without the padding, in double precision, (5, node_count, 3)."""
-        return motion.numpy()[:, : self._stepper.model.blank.node_count].astype(np.float64)
+        return self._stepper.model.read_motion(motion)[:, : self._stepper.model.blank.node_count].astype(np.float64)
 
     def _kinetic(self, before: np.ndarray, after: np.ndarray, spin_before: np.ndarray, spin_after: np.ndarray) -> float:
         """1/2 sum m v.v from the velocities of half a step before and after, whose product central differences keep.
@@ -159,9 +159,9 @@ class Ledger:
         half_thickness = ahead.node_report.numpy()[NODE_REPORT_ROWS.index("half_thickness"), : len(position)]
         penetration = np.maximum(self._penetration(position, half_thickness), 0.0)
         entries["contact"] = 0.5 * float((model.contact_stiffness * np.square(penetration)).sum())
-        friction = ahead.friction.numpy()[: len(self._tools), : model.blank.node_count].astype(np.float64)
+        friction = model.friction_layout.read(ahead.friction)[: 3 * len(self._tools), : model.blank.node_count]
         entries["friction_spring"] = (
-            0.5 * TANGENTIAL_RATIO * float((model.contact_stiffness * np.square(friction).sum(axis=2)).sum())
+            0.5 * TANGENTIAL_RATIO * float((model.contact_stiffness * np.square(friction, dtype=np.float64)).sum())
         )
         report = dict(zip(NODE_REPORT_ROWS, centred(state.node_report, ahead.node_report).sum(axis=1), strict=True))
         entries["friction_loss"] = float(report["friction_work"]) - entries["friction_spring"]

@@ -17,7 +17,7 @@ from .device import Precision
 from .errors import InputError
 from .fabric import Fabric
 from .kernels.curve import curve_struct
-from .kernels.element import MOTION_ROWS, element_struct
+from .kernels.element import CORNER_ROW_COUNT, MEAN_ANGLE_ROW, MOTION_ROW_COUNT, MOTION_ROWS, element_struct
 from .kernels.lanes import lane_types
 from .kernels.node import motion_struct, node_struct
 from .kernels.sheet import (
@@ -28,6 +28,7 @@ from .kernels.sheet import (
     SHEAR_LINEAR,
     sheet_struct,
 )
+from .layout import RowLayout
 from .loads import NodalLoads
 from .shear import LARGEST_SHEAR_ANGLE, LinearShear
 
@@ -224,6 +225,9 @@ class Model:
 
     Attributes:
         reference_step: stable step with straight yarns [s]; contact stiffness and the first step come from it.
+        element_nodes: (4, padded elements) corner nodes.
+        corners, motion_layout, friction_layout: of what the elements write at their corners (CORNER_ROW_COUNT), of the
+            nodes' motion, and of their friction springs (three components per tool).
         added_mass_ratio: mass added by scaling over the mass of the blank.
     """
 
@@ -248,6 +252,9 @@ class Model:
         self.types = lane_types(self.real, lane_count)
         self.element_count = padded(blank.element_count, 1)
         self.node_count = padded(blank.node_count, 4)
+        self.corners = RowLayout(CORNER_ROW_COUNT, self.element_count, lane_count)
+        self.motion_layout = RowLayout(MOTION_ROW_COUNT, self.node_count, lane_count)
+        self.friction_layout = RowLayout(3 * max(tool_count, 1), self.node_count, lane_count)
         self.geometry = ElementGeometry.of(blank)
 
         density = np.full(blank.element_count, fabric.areal_density)
@@ -316,6 +323,7 @@ class Model:
         quads[:, element_count:] = (self.blank.node_count + np.arange(4, dtype=np.int32))[:, None]
         gradient = self._padded(geometry.gradient, self.element_count)
         gradient[:, element_count:] = np.array([-0.5, -0.5, 0.5, -0.5])[:, None]
+        self.element_nodes = quads
         values = {
             "shape_gradient": gradient,
             "hourglass_offset": self._padded(geometry.hourglass_offset, self.element_count),
@@ -329,12 +337,13 @@ class Model:
             # a flat blank never reads them
             values[name] = np.zeros((len(strain), BLOCK)) if geometry.flat else self._padded(strain, self.element_count)
         arrays = {name: self._array(value, self.real) for name, value in values.items()}
-        return {"corner_node": self._array(quads, wp.int32), **arrays}
+        return {"corner_node": self._array(self.motion_layout.entry(0, quads), wp.int32), **arrays}
 
     def _elements(self, lane_count: int):
         elements = element_struct(self.real, lane_count)()
         for name, array in self._element_arrays.items():
             setattr(elements, name, lanes_view(array, lane_count))
+        elements.node_stride = self.motion_layout.stride
         elements.flat = int(self.geometry.flat)
         elements.skewed = int(np.abs(self.geometry.hourglass_offset).max() > 1.0e-9)
         return elements
@@ -378,6 +387,7 @@ class Model:
         """Device table of a function from 0 to ``end``."""
         curve = curve_struct(self.real)()
         curve.knot_spacing = end / CURVE_PIECE_COUNT
+        curve.knots_per_unit = CURVE_PIECE_COUNT / end
         coefficients, integral = tabulate(function, end / CURVE_PIECE_COUNT, CURVE_PIECE_COUNT)
         curve.coefficient = self._array(coefficients, self.types.vec4)
         curve.integral = self._array(integral, self.real)
@@ -391,17 +401,17 @@ class Model:
             raise InputError(f"blank mesh: node {int(np.argmin(self.node_mass))} belongs to no element; remove it")
         nodes = node_struct(self.real, self.lane_count)()
         lane_indices = self.types.indices
-        stride = self.element_count
         corner = np.tile(np.arange(4), self.blank.element_count)
         element = np.repeat(np.arange(self.blank.element_count), 4)
         node = self.blank.quads.ravel()
         order = np.argsort(node, kind="stable")
         slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
         # entries of a padding element are always zero: nodes with fewer neighbours read them
-        table = np.full((slot.max() + 1, self.node_count), self.blank.element_count, dtype=np.int32)
-        table[slot, node[order]] = (3 * stride * corner + element)[order]
+        spare = self.corners.entry(0, self.blank.element_count)
+        table = np.full((slot.max() + 1, self.node_count), spare, dtype=np.int32)
+        table[slot, node[order]] = self.corners.entry(3 * corner, element)[order]
         nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
-        nodes.corner_stride = stride
+        nodes.corner_stride = self.corners.stride
         count_around = np.bincount(node, minlength=count)
         angle_weight = np.where(self._mirrored_angle(free), 0.0, 1.0 / count_around)
         bits = (free @ (1 << np.arange(6))).astype(np.int32)
@@ -465,6 +475,19 @@ class Model:
         rows = np.zeros((self.cell_law.row_count, self.element_count))
         rows[: self.cell_law.unknown_count] = np.array(self.fabric.unit_cell.initial_unknowns)[:, None]
         return rows
+
+    def read_motion(self, motion: wp.array) -> np.ndarray:
+        """Rows MOTION_ROWS of a motion array, (5, padded nodes, 3); waits for the device."""
+        rows = self.motion_layout.read(motion)[: 3 * len(MOTION_ROWS)]
+        return rows.reshape(len(MOTION_ROWS), 3, -1).transpose(0, 2, 1)
+
+    def write_motion(self, motion: wp.array, rows: np.ndarray, mean_angle: np.ndarray | None = None) -> None:
+        """Set a motion array to rows MOTION_ROWS, and the mean shear angles of the nodes [rad] if given."""
+        values = self.motion_layout.read(motion)
+        values[: 3 * len(MOTION_ROWS)] = rows.transpose(0, 2, 1).reshape(3 * len(MOTION_ROWS), -1)
+        if mean_angle is not None:
+            values[int(MEAN_ANGLE_ROW), : len(mean_angle)] = mean_angle
+        motion.assign(self.motion_layout.flat(values))
 
     def initial_motion(self, velocity: np.ndarray | None = None) -> np.ndarray:
         """Rows MOTION_ROWS, (5, padded nodes, 3); the remainder is what the precision cannot hold of the positions."""

@@ -140,7 +140,7 @@ class _Relaxation:
         )
 
     def rows(self, motion) -> np.ndarray:
-        return motion.numpy()[:, : self.simulation.blank.node_count].astype(np.float64)
+        return self.simulation.model.read_motion(motion)[:, : self.simulation.blank.node_count].astype(np.float64)
 
     def look(self):
         """Find the residual. Returns velocities and spins of half a step ago, and their changes in the next step."""
@@ -182,14 +182,14 @@ class _Relaxation:
         count, free = self.simulation.blank.node_count, self.simulation.free[:, :3]
         # works up to this instant, as the ledger takes them; the next step counts from rest
         report = state.node_report.numpy()
-        works = [row for row, name in enumerate(NODE_REPORT_ROWS) if name not in ("mean_shear_angle", "half_thickness")]
+        works = [row for row, name in enumerate(NODE_REPORT_ROWS) if name != "half_thickness"]
         report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
         damped = report[NODE_REPORT_ROWS.index("damping_loss"), :count]
         damped += 0.5 * (
             model.node_mass * ((velocity * (velocity + change) + 0.25 * change**2) * free).sum(axis=1)
             + model.node_inertia * (spin * (spin + turn) + 0.25 * turn**2).sum(axis=1)
         )
-        motion = state.motion.numpy()
+        motion = model.read_motion(state.motion)
         motion[1, :count][free] = -0.5 * change[free]
         motion[3, :count] = -0.5 * turn
         if self.driven.any():
@@ -200,4 +200,4 @@ class _Relaxation:
             damped[0] += 0.125 * float(mass @ np.square(speed + next_speed))
             tools.velocity.assign(np.where(self.driven, 0.5 * (speed - next_speed), speed))
         state.node_report.assign(report)
-        state.motion.assign(motion)
+        model.write_motion(state.motion, motion)

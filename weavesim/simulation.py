@@ -278,7 +278,7 @@ class Simulation:
         return True
 
     def _find_failure(self) -> str | None:
-        motion = self.state.motion.numpy()[:, : self.blank.node_count]
+        motion = self.model.read_motion(self.state.motion)[:, : self.blank.node_count]
         if math.isfinite(self.state.step) and self.state.step > 0.0 and np.isfinite(motion).all():
             return None
         bad_node = ~np.isfinite(motion).all(axis=(0, 2))

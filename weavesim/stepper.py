@@ -1,8 +1,8 @@
 """One time step as a sequence of launches, recorded once and replayed: per thread on a CPU, as a graph on a GPU.
 
-A step is: elements write the forces of their corners, and supports look up how far they go; nodes gather the forces,
-meet the tools and move; tools move and the clock advances. Every ``REFRESH_INTERVAL`` steps the stable step is taken
-anew from the current tangents.
+A step is: supports look up how far they go; elements write the forces of their corners; nodes gather the forces, meet
+the tools and move, on a CPU tile by tile behind the elements; tools move and the clock advances. Every
+``REFRESH_INTERVAL`` steps the stable step is taken anew from the current tangents.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from .kernels.distance import tool_set_struct
 from .kernels.element import (
     CELL_REPORT_ROWS,
     CORNER_ROW_COUNT,
+    MOTION_ROW_COUNT,
     NODE_REPORT_ROWS,
     element_force_kernel,
 )
@@ -36,19 +37,21 @@ STEP_SAFETY = 0.9
 # Reductions over more entries than this take two launches.
 LARGEST_SINGLE_SUM = 4096
 GROUP_SIZE = 256
+# Elements whose forces stay in a core's second-level cache until their nodes have moved.
+TILE_SIZE = 1024
 
 
 @dataclass
 class State:
     """All that the kernels write. Scalars are [row, element or node], padded; see the kernels for the rows."""
 
-    motion: wp.array  # (5, nodes) vec3, rows MOTION_ROWS
+    motion: wp.array  # flat, ``Model.motion_layout``: rows MOTION_ROWS, mean shear angle
     cell_unknowns: wp.array  # (unknowns of the unit cell, one at least; elements)
     cell_report: wp.array  # (4, elements)
     slip: wp.array  # (5, elements), rows SLIP_ROWS; (5, BLOCK) for a fabric without friction inside
-    corner_force: wp.array  # (36, elements)
-    node_report: wp.array  # (7, nodes), rows NODE_REPORT_ROWS
-    friction: wp.array  # (tools, nodes) vec3 [m]
+    corner_force: wp.array  # flat, ``Model.corners``
+    node_report: wp.array  # (6, nodes), rows NODE_REPORT_ROWS
+    friction: wp.array  # flat, ``Model.friction_layout`` [m]
     reaction: wp.array  # (tools, node blocks) vec3 [N]
     clock: wp.array  # time, step, mean step [s]
 
@@ -61,14 +64,16 @@ class State:
         node_report[NODE_REPORT_ROWS.index("half_thickness")] = 0.5 * model.fabric.thickness
         clock = np.zeros(CLOCK_LENGTH)
         clock[[CLOCK_STEP, CLOCK_MEAN_STEP]] = model.reference_step
+        motion = wp.zeros(MOTION_ROW_COUNT * model.node_count, dtype=real, device=device)
+        model.write_motion(motion, model.initial_motion(velocity))
         return cls(
-            motion=wp.array(model.initial_motion(velocity), dtype=vec3, device=device),
+            motion=motion,
             cell_unknowns=wp.array(model.initial_unknowns(), dtype=real, device=device),
             cell_report=wp.zeros((len(CELL_REPORT_ROWS), model.element_count), dtype=real, device=device),
             slip=wp.zeros((len(SLIP_ROWS), slip_count), dtype=real, device=device),
-            corner_force=wp.zeros((CORNER_ROW_COUNT, model.element_count), dtype=real, device=device),
+            corner_force=wp.zeros(CORNER_ROW_COUNT * model.element_count, dtype=real, device=device),
             node_report=wp.array(node_report, dtype=real, device=device),
-            friction=wp.zeros((tool_rows, model.node_count), dtype=vec3, device=device),
+            friction=wp.zeros(3 * tool_rows * model.node_count, dtype=real, device=device),
             reaction=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=vec3, device=device),
             clock=wp.array(clock, dtype=wp.float64, device=device),
         )
@@ -102,6 +107,70 @@ def chunks(count: int, part_count: int) -> list[tuple[int, int]]:
     """(first, length) of ``part_count`` nearly equal parts of range(count)."""
     edges = np.linspace(0, count, part_count + 1).astype(int)
     return [(int(a), int(b - a)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one thread does in a step; ranges of blocks of lanes as (first, count).
+
+    Attributes:
+        tiles: elements, then the nodes that may move after them.
+        shared: nodes that may move when the elements of all threads are done.
+    """
+
+    tiles: tuple[tuple[tuple[int, int], tuple[int, int]], ...]
+    shared: tuple[tuple[int, int], ...]
+
+
+def divide_step(element_nodes: np.ndarray, lane_count: int, thread_count: int, tile_size: int) -> list[Part]:
+    """Share the elements out to threads and cut them into tiles.
+
+    A node may move as soon as all of its elements are done, and is then best moved while their forces are in the cache.
+    Numbers that run through the mesh row by row let nearly all nodes move so; without any order all of them wait.
+
+    Args:
+        element_nodes: (4, padded element count) corner nodes.
+        lane_count: elements or nodes per block.
+        thread_count: number of parts.
+        tile_size: elements of a tile.
+    """
+    block_of_element = np.arange(element_nodes.shape[1]) // lane_count
+    block_count, node_block_count = block_of_element[-1] + 1, element_nodes.max() // lane_count + 1
+    first = np.full(node_block_count, block_count)
+    last = np.zeros(node_block_count, dtype=first.dtype)
+    for nodes in element_nodes:
+        np.minimum.at(first, nodes // lane_count, block_of_element)
+        np.maximum.at(last, nodes // lane_count, block_of_element)
+    # node blocks stay in order: each waits for those before it too
+    last = np.maximum.accumulate(last)
+    first = np.minimum.accumulate(first[::-1])[::-1]
+    tile_block_count = max(tile_size // lane_count, 1)
+    tiles: list[list[tuple[tuple[int, int], tuple[int, int]]]] = []
+    shared: list[np.ndarray] = []
+    moved = 0
+    for start, count in chunks(block_count, thread_count):
+        own = max(moved, int(np.searchsorted(first, start)))
+        end = max(own, int(np.searchsorted(last, start + count)))
+        own = min(own, end)
+        shared.append(np.arange(moved, own))
+        moved, done, part = own, start, []
+        while done < start + count:
+            tile = min(tile_block_count, start + count - done)
+            ready = max(moved, int(np.searchsorted(last, done + tile)))
+            part.append(((done, tile), (moved, ready - moved)))
+            moved, done = ready, done + tile
+        tiles.append(part)
+    waiting = np.concatenate(shared)
+    return [
+        Part(tuple(part), tuple(_runs(waiting[a : a + n])))
+        for part, (a, n) in zip(tiles, chunks(len(waiting), thread_count), strict=True)
+    ]
+
+
+def _runs(numbers: np.ndarray) -> list[tuple[int, int]]:
+    """Ascending numbers as (first, count) of what follows without a gap."""
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
+    return [(int(run[0]), len(run)) for run in runs if len(run)]
 
 
 class Stepper:
@@ -152,6 +221,9 @@ class Stepper:
         if state.reaction.shape[1] > LARGEST_SINGLE_SUM:
             group_count = -(-state.reaction.shape[1] // GROUP_SIZE)
             self._sums = wp.zeros((state.reaction.shape[0], group_count), dtype=model.types.vec3, device=device)
+        # a GPU runs whole launches, not tiles
+        tile_size = TILE_SIZE if model.device.is_cpu else model.element_count
+        self._parts = divide_step(model.element_nodes, lane_count, self.thread_count, tile_size)
         self._load_modules()
         self._refresh_graphs = self._record(self._refresh)
         self._block_graphs = self._record(self._block)
@@ -169,12 +241,15 @@ class Stepper:
         """Element forces of the current state (or of a copy), in the blocks of lanes from ``first``."""
         model, state = self.model, state or self.state
         count = model.element_count // model.lane_count if count is None else count
-        arrays = (state.cell_unknowns, state.cell_report, state.slip, state.corner_force)
+        own = (state.cell_unknowns, state.cell_report, state.slip)
         wp.launch(
             self._element_forces,
             dim=count,
-            inputs=[first, model.elements, model.cell, model.laws, state.motion, state.node_report],
-            outputs=[lanes_view(array, model.lane_count) for array in arrays],
+            inputs=[first, model.elements, model.cell, model.laws, state.motion, state.motion],
+            outputs=[
+                *(lanes_view(array, model.lane_count) for array in own),
+                model.corners.view(state.corner_force),
+            ],
             device=model.device,
         )
 
@@ -185,10 +260,11 @@ class Stepper:
             dim=count,
             inputs=[
                 first, model.nodes, model.motion_laws, self._tool_set, self.supports.struct, state.clock,
-                state.corner_force.flatten(),
+                state.corner_force,
             ],
             outputs=[
-                state.motion, state.friction, state.reaction, self.supports.holding,
+                model.motion_layout.view(state.motion), model.friction_layout.view(state.friction), state.reaction,
+                self.supports.holding,
                 lanes_view(state.node_report, model.lane_count),
             ],
             device=model.device,
@@ -237,7 +313,7 @@ class Stepper:
             dim=count,
             inputs=[
                 first, elements, model.cell, model.laws, model.cell_bound, model.bending_bound,
-                model.contact_frequency, state.motion, state.node_report, lanes_view(state.cell_unknowns, lane_count),
+                model.contact_frequency, state.motion, state.motion, lanes_view(state.cell_unknowns, lane_count),
                 lanes_view(model.step_inertia, lane_count), state.clock, REFRESH_INTERVAL,
             ],
             outputs=[lanes_view(self._squared_frequency, lane_count)],
@@ -276,15 +352,19 @@ class Stepper:
         self._wait()
 
     def _block(self, thread: int) -> None:
-        model = self.model
-        element_chunk = chunks(model.element_count // model.lane_count, self.thread_count)[thread]
-        node_chunk = chunks(model.node_count // model.lane_count, self.thread_count)[thread]
+        part = self._parts[thread]
         for _ in range(REFRESH_INTERVAL):
-            self.evaluate(*element_chunk)
-            if thread == 0:
-                self._advance_supports()
+            if self.supports.drive_count:
+                if thread == 0:
+                    self._advance_supports()
+                self._wait()
+            for elements, nodes in part.tiles:
+                self.evaluate(*elements)
+                if nodes[1]:
+                    self._advance_nodes(*nodes)
             self._wait()
-            self._advance_nodes(*node_chunk)
+            for nodes in part.shared:
+                self._advance_nodes(*nodes)
             self._wait()
             if thread == 0:
                 self._advance_tools()
@@ -361,10 +441,14 @@ class Stepper:
         self.model.motion_laws.director_damping = director_damping
         self._block_graphs = self._record(self._block)
 
+    def corner_rows(self) -> np.ndarray:
+        """What the elements wrote at the last evaluation, (36, element_count); waits for the device."""
+        return self.model.corners.read(self.state.corner_force)[:, : self.model.blank.element_count]
+
     def nodal_forces(self) -> np.ndarray:
         """Forces of the elements on the nodes at the last evaluation, (node_count, 3) [N]; waits for the device."""
         blank = self.model.blank
-        corners = self.state.corner_force.numpy()[:12, : blank.element_count].astype(np.float64).reshape(4, 3, -1)
+        corners = self.corner_rows()[:12].astype(np.float64).reshape(4, 3, -1)
         result = np.zeros((blank.node_count, 3))
         for corner in range(4):
             np.add.at(result, blank.quads[:, corner], corners[corner].T)

@@ -122,6 +122,7 @@ def test_vectors_load_gather_and_store(types):
     @wp.kernel(module="unique", enable_backward=False)
     def combine(
         source: wp.array(dtype=vec3),
+        rows: wp.array(dtype=types.real),
         index: wp.array(dtype=indices),
         lane_count: int,
         result: wp.array(dtype=vec3),
@@ -129,7 +130,7 @@ def test_vectors_load_gather_and_store(types):
     ):
         block = wp.tid()
         own = load(source, block * lane_count, lanes3())
-        other = gather(source, index[block], lanes3())
+        other = gather(rows, index[block], 2, 40, lanes3())
         product = dot(own, other)
         products[block] = product
         store(result, block * lane_count, cross(own, other) + scale(product, own))
@@ -144,6 +145,7 @@ def test_vectors_load_gather_and_store(types):
         dim=32 // types.lane_count,
         inputs=[
             wp.array(values, dtype=vec3, device="cpu"),
+            wp.array(np.pad(values.T, ((0, 0), (2, 6))).ravel(), dtype=types.real, device="cpu"),
             wp.array(order.reshape(-1, types.lane_count), dtype=indices, device="cpu"),
             types.lane_count,
         ],

@@ -39,6 +39,7 @@ def on_device(function, end: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarr
     coefficient, integral = tabulate(function, spacing, CURVE_PIECE_COUNT)
     curve = curve_struct(wp.float64)()
     curve.knot_spacing = spacing
+    curve.knots_per_unit = 1.0 / spacing
     curve.coefficient = wp.array(coefficient, dtype=TYPES.vec4, device="cpu")
     curve.integral = wp.array(integral, dtype=wp.float64, device="cpu")
     rows = [wp.zeros(len(x), dtype=TYPES.lanes, device="cpu") for _ in range(3)]

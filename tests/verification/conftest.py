@@ -9,7 +9,6 @@ import pytest
 from tests.verification.manual import Case
 from weavesim.blank import Blank
 from weavesim.fabric import Fabric, IsotropicBending, LinearShear, Stabilisation, UnitCell
-from weavesim.kernels.element import NODE_REPORT_ROWS
 from weavesim.recording import Frame, Outcome
 from weavesim.simulation import Simulation
 
@@ -49,7 +48,8 @@ class Sheet:
         motion[0, : self.node_count], motion[2, : self.node_count] = position, director
         held = motion.astype(self.simulation.precision.numpy)
         motion[4] += motion[0] - held[0]
-        self.simulation.state.motion.assign(motion.astype(self.simulation.precision.numpy))
+        model, state = self.simulation.model, self.simulation.state
+        model.write_motion(state.motion, motion)
         if fresh:
             self.simulation.state.cell_unknowns.zero_()
             self.simulation.state.slip.zero_()
@@ -57,15 +57,12 @@ class Sheet:
         self.simulation.stepper.evaluate()
         angle = self._corners()[2, 0, 0]
         sharing = np.bincount(self._quads.ravel())
-        report = self.simulation.state.node_report.numpy()
-        report[NODE_REPORT_ROWS.index("mean_shear_angle"), : self.node_count] = (
-            np.bincount(self._quads.ravel(), weights=np.repeat(angle, 4)) / sharing
-        )
-        self.simulation.state.node_report.assign(report)
+        mean_angle = np.bincount(self._quads.ravel(), weights=np.repeat(angle, 4)) / sharing
+        model.write_motion(state.motion, model.read_motion(state.motion), mean_angle)
 
     def _corners(self) -> np.ndarray:
         """Forces, director gradients and angles, (3, corner, component, element)."""
-        rows = self.simulation.state.corner_force.numpy()[:, : len(self._quads)].astype(np.float64)
+        rows = self.simulation.stepper.corner_rows().astype(np.float64)
         return rows.reshape(3, 4, 3, -1)
 
     def forces(

@@ -188,7 +188,7 @@ def swing(fabric, step: float | None, limit: float) -> np.ndarray:
         # the step is taken anew after each block: put ours back
         simulation.state.clock.assign(np.array([0.0, step * limit, step * limit]))
         simulation.stepper.advance(1)
-        position = simulation.state.motion.numpy()[0, : blank.node_count]
+        position = simulation.model.read_motion(simulation.state.motion)[0, : blank.node_count]
         result.append(np.abs(position - blank.node_position).max())
     return np.array(result)
 

@@ -97,14 +97,17 @@ def test_picture_frame(law, manual):
         assert excess == pytest.approx(expected, rel=0.1), speed
 
 
-def rubbing_frame_test(tension: float, mesh_size: float) -> tuple[dict, dict[str, np.ndarray], dict[str, float]]:
+def rubbing_frame_test(
+    tension: float, mesh_size: float, *, precision: str = "float64", damping: float = 10.0
+) -> tuple[dict, dict[str, np.ndarray], dict[str, float]]:
     """Findings, columns, and what the ledger booked over the cycle, of the glass fabric with rubbing crossovers."""
     # friction 0.3 on a round patch of radius 1.3 mm, and 2 N/m that no tension needs
     friction = ShearFriction(stiffness=500.0, limit=(2.0,), crossover_friction_length=2.6e-4)
     fabric = glass_polypropylene().model_copy(update={"shear_friction": friction})
     parameters = PictureFrameParameters(
-        yarn_tension=tension, mesh_size=mesh_size, speed=0.5, cycle=True, frames=200, threads=1, precision="float64"
-    )
+        yarn_tension=tension, mesh_size=mesh_size, speed=0.5, cycle=True, frames=200, threads=1, precision=precision,
+        damping=damping,
+    )  # fmt: skip
     simulation = picture_frame.picture_frame(parameters, fabric)
     curves = picture_frame.record(parameters, fabric)
     simulation.run([curves])
@@ -158,6 +161,21 @@ def test_picture_frame_under_yarn_tension(manual):
     case.table(["element size [mm]", "force at 40° [N]", "loop of the force [J]", "rubbed away [J]"], rows)
     spread = np.ptp(np.array(rows)[:, 1:], axis=0) / np.array(rows)[0, 1:]
     assert spread.max() < 0.01
+    rows = []
+    for precision, damping in (("double", 10.0), ("single", 10.0), ("single", 50.0)):
+        _, c, booked = rubbing_frame_test(400.0, 0.05, precision={"double": "float64"}.get(precision, "float32"),
+                                          damping=damping)  # fmt: skip
+        excess = c["force_n"] - c["closed_form_force_n"]
+        rows.append([precision, damping, excess[101:].std(), booked["shear_friction_loss"]])
+    case.text(
+        "A limit that grows with the pressure derives from no potential, so vibrations of the tension within the plane "
+        "can feed on the slip: they grow on the way back, once something has started them, in either precision. "
+        "Rounding in single precision is enough at 10/s; the tension then flutters and the loop is too small, with a "
+        "balance that stays closed. A damping of 50/s calms it:"
+    )
+    case.table(["precision", "damping rate [1/s]", "scatter of the force on the way back [N]", "rubbed away [J]"], rows)
+    assert rows[2][2] < 0.01 * peaks[1]
+    assert rows[2][3] == pytest.approx(rows[0][3], rel=0.01)
 
 
 def _loops(loops: dict[float, dict[str, np.ndarray]]) -> Figure:

@@ -148,7 +148,7 @@ def shear_friction_limit(laws: Any, angle: Any, crossover_pressure: Any):
 
 @wp.func
 def shear_friction(laws: Any, angle: Any, slip: Any, spring: Any, crossover_pressure: Any):
-    """Slip and spring of the friction between the yarns [rad], work lost [J/m^2]; its moment is stiffness times spring."""
+    """Slip and spring of the friction between the yarns [rad], work lost [J/m^2]; the moment is stiffness x spring."""
     limit = shear_friction_limit(laws, angle, crossover_pressure)
     return slide(angle, slip, spring, laws.shear.friction_stiffness, limit, laws.slip_resolution)
 

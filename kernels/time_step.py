@@ -27,6 +27,7 @@ from .lanes import (
     fill,
     lane_types,
     larger,
+    magnitude,
     mul,
     spread,
     square_root,
@@ -290,9 +291,12 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
                 cell, strain1, strain2, angle_ahead, start, state
             )
             # a tangent that no state of the cell can have comes from differences across a kink, where a yarn goes slack
-            beyond = larger(c11 - lanes(cell_bound[0]), c22 - lanes(cell_bound[1]))
+            beyond = larger(magnitude(c11) - lanes(cell_bound[0]), magnitude(c22) - lanes(cell_bound[1]))
+            beyond = larger(beyond, magnitude(c12) - lanes(wp.sqrt(cell_bound[0] * cell_bound[1])))
             if wp.static(cell_shears):
-                beyond = larger(beyond, c33 - lanes(cell_bound[2]))
+                beyond = larger(beyond, magnitude(c33) - lanes(cell_bound[2]))
+                beyond = larger(beyond, magnitude(c13) - lanes(wp.sqrt(cell_bound[0] * cell_bound[2])))
+                beyond = larger(beyond, magnitude(c23) - lanes(wp.sqrt(cell_bound[1] * cell_bound[2])))
                 c13 = where_positive(beyond, zero, c13)
                 c23 = where_positive(beyond, zero, c23)
                 c33 = where_positive(beyond, lanes(cell_bound[2]), c33)

@@ -181,9 +181,8 @@ def test_slider_follows_its_path_and_never_creates_energy(turns, stiffness, limi
     scale = max(np.abs(expected).max(), stiffness * 1e-6)
     assert np.abs(moments - expected[:, None]).max() < 1e-9 * scale
     # to the last digit: what is lost and stored is the work of the mean forces, whatever the limit does meanwhile
-    work = np.concatenate(
-        [[0.0], np.cumsum(0.5 * (moments[1:] + moments[:-1]) * np.diff(strain, axis=0), axis=0)[:, 0]]
-    )
+    steps = 0.5 * (moments[1:, 0] + moments[:-1, 0]) * np.diff(path)
+    work = np.concatenate([[0.0], np.cumsum(steps)])
     balance = lost[:, 0].cumsum() + 0.5 * moments[:, 0] ** 2 / stiffness - work
     assert np.abs(balance).max() <= 1e-11 * max(np.abs(work).max(), lost[:, 0].sum(), 1e-12)
     assert lost.sum() >= -1e-12 * scale
@@ -195,7 +194,9 @@ def test_loop_loses_twice_the_limit_times_the_slip():
     stiffness, limit = 40.0, 2.0
     free = limit / stiffness
     _, lost = device_path(np.tile(path[:, None], 16), stiffness, np.full((1000, 16), limit))
-    assert lost.sum(axis=0) == pytest.approx(limit * ((0.5 - free) + (0.5 - 2.0 * free)), rel=1e-6)
+    assert lost.sum(axis=0) == pytest.approx(
+        limit * ((0.5 - free) + (0.5 - 2.0 * free)), rel=1e-5
+    )  # a step is a thousandth
 
 
 def test_same_strain_twice_is_no_slip():

@@ -188,8 +188,10 @@ def test_same_bits_for_any_number_of_threads_and_any_run(name):
 @pytest.mark.parametrize("name", FRAMED)
 def test_taking_frames_changes_nothing(name):
     make, contact_thickness = FRAMED[name]
-    given = {"fabric": make(), "motion": MotionParameters(contact_thickness=contact_thickness), "threads": 1}
-    one, many = falling_sheet(frame_count=1, **given), falling_sheet(frame_count=12, **given)
+    motion = MotionParameters(contact_thickness=contact_thickness)
+    one, many = (
+        falling_sheet(frame_count=count, fabric=make(), motion=motion, threads=1, lane_count=1) for count in (1, 12)
+    )
     step_counts = set()
     for simulation in (one, many):
         while simulation.stepper.step_count < 240:

@@ -43,7 +43,7 @@ def test_draw_in_follows_the_taut_path(summary):
     assert abs(summary["taut_path_draw_in_mm"] - 30.8) < 0.05
 
 
-# Version 0.1.0, before unit cells were plugs and laws had a history (docs/validation.md); the default laws are the same.
+# Version 0.1.0 (docs/validation.md), before unit cells were plugs and laws had a history: the default is the same.
 RECORDED_ANGLES = (0.0, 9.16, 20.50, 42.36, 40.36, 20.57, 1.00, 0.63, 0.02, 0.0)
 RECORDED = {"draw_in_long_axis_mm": 30.36, "draw_in_short_axis_mm": 30.72, "max_shear_angle_deg": 47.70}
 

@@ -52,6 +52,7 @@ class State:
     corner_force: wp.array  # flat, ``Model.corners``
     node_report: wp.array  # (6, nodes), rows NODE_REPORT_ROWS
     friction: wp.array  # flat, ``Model.friction_layout`` [m]
+    gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     reaction: wp.array  # (tools, node blocks) vec3 [N]
     clock: wp.array  # time, step, mean step [s]
 
@@ -74,6 +75,7 @@ class State:
             corner_force=wp.zeros(CORNER_ROW_COUNT * model.element_count, dtype=real, device=device),
             node_report=wp.array(node_report, dtype=real, device=device),
             friction=wp.zeros(3 * tool_rows * model.node_count, dtype=real, device=device),
+            gap=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=real, device=device),
             reaction=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=vec3, device=device),
             clock=wp.array(clock, dtype=wp.float64, device=device),
         )
@@ -258,8 +260,8 @@ class Stepper:
                 state.corner_force,
             ],
             outputs=[
-                model.motion_layout.view(state.motion), model.friction_layout.view(state.friction), state.reaction,
-                self.supports.holding,
+                model.motion_layout.view(state.motion), model.friction_layout.view(state.friction), state.gap,
+                state.reaction, self.supports.holding,
                 lanes_view(state.node_report, model.lane_count),
             ],
             device=model.device,
@@ -408,7 +410,7 @@ class Stepper:
     def look_ahead(self) -> Ahead:
         """The next step, done on a copy: the state stays as it is. Support forces become those of the present."""
         if self._ahead is None:
-            names = ("motion", "node_report", "friction", "reaction", "clock")
+            names = ("motion", "node_report", "friction", "gap", "reaction", "clock")
             state = replace(self.state, **{name: wp.clone(getattr(self.state, name)) for name in names})
             names = ("displacement", "velocity", "total_reaction", "work")
             self._ahead = state, replace(self.tools, **{name: wp.clone(getattr(self.tools, name)) for name in names})

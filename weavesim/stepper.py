@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import warp as wp
 
+from .device import load_kernel
 from .kernels.barrier import barrier
 from .kernels.distance import tool_set_struct
 from .kernels.element import (
@@ -365,8 +366,9 @@ class Stepper:
             self._wait()
         self._refresh(thread)
 
-    def _load_modules(self) -> None:
-        """Compile what is not cached, before anything is recorded."""
+    @property
+    def kernels(self) -> list[wp.Kernel]:
+        """All that is launched."""
         kernels = [
             self._element_forces, self._node_motion, self._tool_motion, self._partial_sums, self._frequencies,
             self._partial_maximum, self._set_step,
@@ -375,8 +377,12 @@ class Stepper:
             kernels.append(self._support_motion)
         if self.thread_count > 1:
             kernels.append(barrier)
-        for kernel in kernels:
-            kernel.module.load(self.model.device)
+        return kernels
+
+    def _load_modules(self) -> None:
+        """Compile what is not cached, before anything is recorded."""
+        for kernel in self.kernels:
+            load_kernel(kernel, self.model.device)
 
     def _record(self, launches: Callable[[int], None]) -> list[wp.Graph]:
         graphs = []

@@ -44,6 +44,7 @@ def tool_struct(real: type):
         part_count: wp.int32
         axis: vec3  # unit direction of the motion
         friction: real  # Coulomb coefficient
+        blind_distance: real  # up to it the distance may jump as points move; beyond, it changes no more than they move
 
     return Tool
 

@@ -30,6 +30,7 @@ from .lanes import (
     dot,
     fill,
     gather,
+    lane_maximum,
     lane_sum,
     lane_types,
     larger,
@@ -104,6 +105,7 @@ def motion_struct(real: type):
         contact_damping_time: real  # normal dashpot = contact stiffness times this [s]
         tangential_ratio: real  # friction spring over normal spring
         in_plane_bending_stiffness: real  # of the sheet [N m]
+        spare_way: real  # kept of the way before a contact, for the rounding of positions and distances [m]
         tool_count: wp.int32
 
     return MotionLaws
@@ -185,6 +187,7 @@ def node_motion_kernel(real: type, lane_count: int):
         # Out
         motion: wp.array2d(dtype=lanes),  # three rows for each of MOTION_ROWS, mean shear angle
         friction: wp.array2d(dtype=lanes),  # tangential spring of each tool [m], three rows each
+        gap: wp.array2d(dtype=real),  # [tool, block]: way before any node can touch [m]; none if not positive
         reaction: wp.array2d(dtype=vec3),  # [tool, block]: force of the sheet on the tool [N]
         holding: wp.array(dtype=vec3),  # force of a support on its node [N]
         report: wp.array2d(dtype=lanes),  # NODE_REPORT_ROWS
@@ -216,6 +219,7 @@ def node_motion_kernel(real: type, lane_count: int):
 
         half_thickness = lanes(laws.half_thickness)
         growth = lanes()
+        thickened = real(0.0)
         if nodes.thickness_weight.shape[0] > 0:
             half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
             # work of the present springs from half a step ago to half a step ahead, whose part is extrapolated
@@ -223,6 +227,7 @@ def node_motion_kernel(real: type, lane_count: int):
             growth = real(1.5) * last - real(0.5) * report[GROWTH_ROW, block]
             report[HALF_THICKNESS_ROW, block] = half_thickness
             report[GROWTH_ROW, block] = last
+            thickened = wp.max(lane_maximum(last), real(0.0))
 
         # prescribed loads; a moment M turns the director as the conjugate M x d does, without its part along d
         director = rows3(motion, DIRECTOR_ROW, block)
@@ -243,34 +248,43 @@ def node_motion_kernel(real: type, lane_count: int):
         stiffness = nodes.contact_stiffness[block]
         for k in range(laws.tool_count):
             tool = tools.tool[k]
-            distance, normal = tool_distance(tools.part, tool, real(tools.displacement[k]), x)
-            penetration = half_thickness - distance
-            relative = velocity
-            tool_velocity = real(tools.velocity[k]) * tool.axis
-            for c in range(3):
-                relative[c] = relative[c] - lanes(tool_velocity[c])
-            leaving = dot(relative, normal)
-            spring, pressure = normal_force(penetration, -leaving, stiffness, laws.contact_damping_time)
-            if nodes.thickness_weight.shape[0] > 0:
-                report[THICKNESS_WORK_ROW, block] = report[THICKNESS_WORK_ROW, block] + spring * growth
-            dashpot = scale(pressure - spring, normal)
-            # friction: the spring follows the tangent plane and the sliding since the last step
-            stretched = rows3(friction, 3 * k, block) + mean_step * relative
-            trial = stretched - scale(dot(stretched, normal), normal)
-            tangential = laws.tangential_ratio * stiffness
-            held = friction_spring(trial, tangential, tool.friction * pressure)
-            store_rows3(friction, 3 * k, block, held)
-            drag = -scale(tangential, held)
-            contact_force = scale(pressure, normal) + drag
-            force = force + contact_force
-            friction_force = friction_force + drag
-            dashpot_force = dashpot_force + dashpot
-            for c in range(3):
-                friction_power = friction_power + tool_velocity[c] * drag[c]
-                dashpot_power = dashpot_power + tool_velocity[c] * dashpot[c]
-            reaction[k, block] = vec3(
-                -lane_sum(contact_force[0]), -lane_sum(contact_force[1]), -lane_sum(contact_force[2])
-            )
+            # the tool has moved for the last step, which is at most twice the mean one
+            way_left = gap[k, block] - real(2.0) * mean_step * wp.abs(real(tools.velocity[k])) - thickened
+            if not way_left > real(0.0):
+                distance, normal = tool_distance(tools.part, tool, real(tools.displacement[k]), x)
+                penetration = half_thickness - distance
+                deepest = lane_maximum(penetration)
+                way_left = -deepest - laws.spare_way - tool.blind_distance
+                held = lanes3()
+                contact_force = lanes3()
+                if not deepest <= real(0.0):
+                    relative = velocity
+                    tool_velocity = real(tools.velocity[k]) * tool.axis
+                    for c in range(3):
+                        relative[c] = relative[c] - lanes(tool_velocity[c])
+                    leaving = dot(relative, normal)
+                    spring, pressure = normal_force(penetration, -leaving, stiffness, laws.contact_damping_time)
+                    if nodes.thickness_weight.shape[0] > 0:
+                        report[THICKNESS_WORK_ROW, block] = report[THICKNESS_WORK_ROW, block] + spring * growth
+                    dashpot = scale(pressure - spring, normal)
+                    # friction: the spring follows the tangent plane and the sliding since the last step
+                    stretched = rows3(friction, 3 * k, block) + mean_step * relative
+                    trial = stretched - scale(dot(stretched, normal), normal)
+                    tangential = laws.tangential_ratio * stiffness
+                    held = friction_spring(trial, tangential, tool.friction * pressure)
+                    drag = -scale(tangential, held)
+                    contact_force = scale(pressure, normal) + drag
+                    force = force + contact_force
+                    friction_force = friction_force + drag
+                    dashpot_force = dashpot_force + dashpot
+                    for c in range(3):
+                        friction_power = friction_power + tool_velocity[c] * drag[c]
+                        dashpot_power = dashpot_power + tool_velocity[c] * dashpot[c]
+                store_rows3(friction, 3 * k, block, held)
+                reaction[k, block] = vec3(
+                    -lane_sum(contact_force[0]), -lane_sum(contact_force[1]), -lane_sum(contact_force[2])
+                )
+            gap[k, block] = way_left
 
         # translation
         acceleration = scale(nodes.inverse_mass[block], force)
@@ -305,6 +319,11 @@ def node_motion_kernel(real: type, lane_count: int):
         damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )
+        if laws.tool_count > 0:
+            # a share for the rounding of this sum
+            moved = wp.sqrt(lane_maximum(dot(way, way)))
+            for k in range(laws.tool_count):
+                gap[k, block] = real(0.999999) * gap[k, block] - moved
         store_rows3(motion, VELOCITY_ROW, block, new_velocity)
         # compensated sum: nothing of a small step is lost beside a large coordinate
         way = way + rows3(motion, REMAINDER_ROW, block)

@@ -46,7 +46,7 @@ def _double_dome(mesh_size: float) -> Callable[..., Any]:
 def _hemisphere(**options: Any):
     from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
 
-    return hemisphere(HemisphereParameters(**options))
+    return hemisphere(HemisphereParameters(**options), "low-bending")
 
 
 def _patch(side: int) -> Callable[..., Any]:

@@ -18,6 +18,7 @@ from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 import typer
 
 from . import __version__
+from .device import Precision
 from .errors import InputError, RunError
 from .recording import Outcome
 
@@ -95,6 +96,24 @@ def devices() -> None:
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
 
 
+@application.command("compile")
+def compile_command(
+    precision: Annotated[list[Precision] | None, typer.Option(help="of the runs; may be repeated")] = None,
+    device: Annotated[str, typer.Option(help='where they compute: "cpu" or "cuda:0", "cuda:1", ...')] = "cpu",
+    unit_cell: Annotated[str, typer.Option(help="of the fabrics, as in a fabric file")] = "plain-weave",
+    processes: Annotated[int | None, typer.Option(min=1, help="that compile side by side [default: cores]")] = None,
+) -> None:
+    """Compile all kernels that a scene takes, so that the first run starts at once."""
+    import warp as wp
+
+    from .compilation import KernelSet, compile_kernels
+
+    for wanted in precision or [Precision.SINGLE]:
+        seconds = compile_kernels(KernelSet(wanted, device, unit_cell), processes)
+        print(f"{wanted}, {device}, {unit_cell}: compiled within {seconds:.1f} s")
+    print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
+
+
 def _add_scene(name: str, scene: Scene) -> None:
     # The options are not known before the scene is imported: everything behind its name goes to a command of its own.
     @application.command(
@@ -135,6 +154,7 @@ def scene_command(
         checked = parameters(**given)
         if not kernels_are_compiled():
             print("The first run compiles its kernels, which takes about a minute.", file=sys.stderr, flush=True)
+            _compile_ahead(checked)
         try:
             outcome = run(checked).get("outcome", Outcome.FINISHED.value)
         except KeyboardInterrupt:
@@ -152,6 +172,13 @@ def scene_command(
     command.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
     command.__annotations__ = {name: option.annotation for name, option in options.items()}
     scene_application.command(help=text)(command)
+
+
+def _compile_ahead(options: Any) -> None:
+    """Compile side by side what the run would compile one after the other."""
+    from .compilation import KernelSet, compile_kernels
+
+    compile_kernels(KernelSet(options.precision, options.device))
 
 
 def _option(name: str, field: Any, panel: str) -> inspect.Parameter:

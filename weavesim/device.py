@@ -169,6 +169,14 @@ def resolve_device(name: str) -> wp.Device:
     return wp.get_device(wanted)
 
 
+def load_kernel(kernel: wp.Kernel, device: wp.Device) -> None:
+    """Compile a kernel if it is not in the cache, as launches on this device will want it.
+
+    Warp compiles for a block size; its launches on a CPU take 1, whatever the module's own is, and would compile again.
+    """
+    kernel.module.load(device, block_dim=1 if device.is_cpu else None)
+
+
 def available_threads() -> int:
     """Number of CPU cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):

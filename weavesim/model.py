@@ -39,6 +39,8 @@ ROTARY_SHARE = 0.05
 # Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
+# Nodes are looked at again when this share of half the thickness is left between them and a tool.
+SPARE_WAY = 0.5
 # Cubic pieces of a measured curve on the device.
 CURVE_PIECE_COUNT = 512
 
@@ -465,6 +467,7 @@ class Model:
         )
         laws.tangential_ratio = TANGENTIAL_RATIO
         laws.in_plane_bending_stiffness = self.fabric.in_plane_bending_stiffness
+        laws.spare_way = SPARE_WAY * 0.5 * self.fabric.thickness
         laws.tool_count = self.tool_count
         return laws
 

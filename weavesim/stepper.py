@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import warp as wp
 
+from .device import load_kernel
 from .kernels.barrier import barrier
 from .kernels.distance import tool_set_struct
 from .kernels.element import (
@@ -52,6 +53,7 @@ class State:
     corner_force: wp.array  # flat, ``Model.corners``
     node_report: wp.array  # (6, nodes), rows NODE_REPORT_ROWS
     friction: wp.array  # flat, ``Model.friction_layout`` [m]
+    gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     reaction: wp.array  # (tools, node blocks) vec3 [N]
     clock: wp.array  # time, step, mean step [s]
 
@@ -74,6 +76,7 @@ class State:
             corner_force=wp.zeros(CORNER_ROW_COUNT * model.element_count, dtype=real, device=device),
             node_report=wp.array(node_report, dtype=real, device=device),
             friction=wp.zeros(3 * tool_rows * model.node_count, dtype=real, device=device),
+            gap=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=real, device=device),
             reaction=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=vec3, device=device),
             clock=wp.array(clock, dtype=wp.float64, device=device),
         )
@@ -263,8 +266,8 @@ class Stepper:
                 state.corner_force,
             ],
             outputs=[
-                model.motion_layout.view(state.motion), model.friction_layout.view(state.friction), state.reaction,
-                self.supports.holding,
+                model.motion_layout.view(state.motion), model.friction_layout.view(state.friction), state.gap,
+                state.reaction, self.supports.holding,
                 lanes_view(state.node_report, model.lane_count),
             ],
             device=model.device,
@@ -371,8 +374,9 @@ class Stepper:
             self._wait()
         self._refresh(thread)
 
-    def _load_modules(self) -> None:
-        """Compile what is not cached, before anything is recorded."""
+    @property
+    def kernels(self) -> list[wp.Kernel]:
+        """All that is launched."""
         kernels = [
             self._element_forces, self._node_motion, self._tool_motion, self._partial_sums, self._frequencies,
             self._partial_maximum, self._set_step,
@@ -381,8 +385,12 @@ class Stepper:
             kernels.append(self._support_motion)
         if self.thread_count > 1:
             kernels.append(barrier)
-        for kernel in kernels:
-            kernel.module.load(self.model.device)
+        return kernels
+
+    def _load_modules(self) -> None:
+        """Compile what is not cached, before anything is recorded."""
+        for kernel in self.kernels:
+            load_kernel(kernel, self.model.device)
 
     def _record(self, launches: Callable[[int], None]) -> list[wp.Graph]:
         graphs = []
@@ -416,7 +424,8 @@ class Stepper:
     def look_ahead(self) -> Ahead:
         """The next step, done on a copy: the state stays as it is. Support forces become those of the present."""
         if self._ahead is None:
-            names = ("motion", "node_report", "cell_unknowns", "cell_report", "slip", "friction", "reaction", "clock")
+            names = ("motion", "node_report", "cell_unknowns", "cell_report", "slip")
+            names += ("friction", "gap", "reaction", "clock")
             state = replace(self.state, **{name: wp.clone(getattr(self.state, name)) for name in names})
             names = ("displacement", "velocity", "total_reaction", "work")
             self._ahead = state, replace(self.tools, **{name: wp.clone(getattr(self.tools, name)) for name in names})

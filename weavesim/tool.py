@@ -149,12 +149,14 @@ def build_device_tools(tools: Sequence[Tool], real: type, device: str) -> Device
         tool_data.part_count = len(parts)
         tool_data.axis = tool.axis
         tool_data.friction = tool.friction
-        tool_structs.append(tool_data)
         for part in parts:
             part_data = PartStruct()
             part.fill(part_data, device)
             part_structs.append(part_data)
             shapes.append(part)
+            # samples are cut to their reach, and have a side of which the box's outside knows nothing
+            tool_data.blind_distance = max(tool_data.blind_distance, part_data.reach)
+        tool_structs.append(tool_data)
 
         curve_times, curve_values = tool.motion.curve()
         driven = isinstance(tool.motion, Driven)

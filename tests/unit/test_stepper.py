@@ -2,9 +2,15 @@
 
 import numpy as np
 import pytest
+import warp as wp
 
+from weavesim import stepper as stepper_module
 from weavesim.blank import Blank
-from weavesim.stepper import divide_step
+from weavesim.fabric import glass_polypropylene
+from weavesim.motion import Stroke
+from weavesim.simulation import Simulation
+from weavesim.stepper import REFRESH_INTERVAL, divide_step
+from weavesim.support import Drive, Support
 
 LANES = 16
 
@@ -50,3 +56,35 @@ def test_no_node_moves_before_its_elements_are_done(thread_count, shuffled):
     elif thread_count < 4:
         # one row of nodes between two threads; without an order all have to wait
         assert waiting == len(moved) if shuffled else waiting <= 4 * (thread_count - 1)
+
+
+def free_sheet(monkeypatch, **given) -> Simulation:
+    """On a CPU, but launched as on a GPU: one lane, and tiles of the whole sheet."""
+    monkeypatch.setattr(stepper_module, "TILE_SIZE", 10**9)
+    blank = Blank.rectangle((0.0, 0.0), (0.05, 0.05), 0.005)
+    settings = {"lane_count": 1, "threads": 1, "duration": 1.0}
+    return Simulation(name="free", blank=blank, fabric=glass_polypropylene(), **(settings | given))
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_a_step_is_three_launches(monkeypatch, driven):
+    """Elements, nodes, tools and clock; one more where supports are driven, three every ``REFRESH_INTERVAL`` steps."""
+    drive = Drive(Stroke((0.0, 1.0), (0.0, 0.01)), (1.0, 0.0, 0.0))
+    supports = (Support("edge", np.arange(11), drives=(drive,)),) if driven else ()
+    simulation = free_sheet(monkeypatch, supports=supports)
+    launched = []
+    monkeypatch.setattr(wp, "launch", lambda kernel, **given: launched.append(kernel.key))
+    simulation.stepper._block(0)
+    assert len(launched) == (4 if driven else 3) * REFRESH_INTERVAL + 3
+    assert len(set(launched)) == (7 if driven else 6)
+
+
+def test_stepping_does_not_wait_for_the_device(monkeypatch):
+    simulation = free_sheet(monkeypatch)
+    replayed = []
+    for name in ("launch", "copy", "synchronize", "synchronize_device", "synchronize_stream"):
+        monkeypatch.setattr(wp, name, lambda *given, name=name, **more: pytest.fail(f"wp.{name} between two frames"))
+    monkeypatch.setattr(wp.array, "numpy", lambda self: pytest.fail("an array was read between two frames"))
+    monkeypatch.setattr(wp, "capture_launch", lambda graph: replayed.append(graph))
+    simulation.stepper.advance(7)
+    assert len(replayed) == 7 and simulation.stepper.step_count == 7 * REFRESH_INTERVAL

@@ -1,0 +1,116 @@
+"""Compile the kernels of a run ahead of it, side by side in processes."""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import warp as wp
+
+from .device import Precision, available_threads, initialise, load_kernel, resolve_device
+from .errors import InputError
+from .fabric import UNIT_CELLS
+from .kernels.barrier import barrier
+from .kernels.distance import sample_distance_kernel
+from .kernels.element import element_force_kernel
+from .kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
+from .kernels.ledger import element_ledger_kernel
+from .kernels.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
+from .kernels.node import node_motion_kernel
+from .kernels.support_motion import support_motion_kernel
+from .kernels.time_step import element_frequency_kernel, partial_maximum_kernel, set_step_kernel
+from .kernels.tool_motion import partial_sum_kernel, tool_motion_kernel
+
+
+@dataclass(frozen=True)
+class KernelSet:
+    """What decides which kernels a run takes.
+
+    Attributes:
+        precision: of the run.
+        device: where it computes.
+        unit_cell: a name of ``weavesim.fabric.UNIT_CELLS``.
+    """
+
+    precision: Precision = Precision.SINGLE
+    device: str = "cpu"
+    unit_cell: str = "plain-weave"
+
+    def kernels(self) -> list[wp.Kernel]:
+        """All kernels that any scene takes, roughly those first that take long to compile.
+
+        Raises:
+            InputError: no such unit cell or device.
+        """
+        if self.unit_cell not in UNIT_CELLS:
+            raise InputError(f"unit cell {self.unit_cell!r} is unknown: choose one of {', '.join(UNIT_CELLS)}")
+        is_cpu = resolve_device(self.device).is_cpu
+        real, law = self.precision.real, UNIT_CELLS[self.unit_cell]().law()
+        lane_count = CPU_LANE_COUNT if is_cpu else GPU_LANE_COUNT
+        return [
+            element_force_kernel(real, lane_count, law),
+            node_motion_kernel(real, lane_count),
+            element_frequency_kernel(real, lane_count, law),
+            element_ledger_kernel(real, law),
+            sample_distance_kernel(real, 1),
+            mesh_distance_kernel,
+            volume_distance_kernel,
+            fill_tiles_kernel,
+            tool_motion_kernel(real),
+            support_motion_kernel(real),
+            partial_sum_kernel(real),
+            partial_maximum_kernel(real),
+            set_step_kernel(real),
+            *([barrier] if is_cpu else []),
+        ]
+
+
+def compile_kernels(kernel_set: KernelSet, process_count: int | None = None) -> float:
+    """Compile what is not in the cache yet.
+
+    Args:
+        kernel_set: what for.
+        process_count: that compile side by side; None takes one per core.
+
+    Returns:
+        Seconds that it took.
+
+    Raises:
+        InputError: no such unit cell or device.
+    """
+    started = time.perf_counter()
+    initialise()
+    count = len(kernel_set.kernels())
+    process_count = min(process_count or available_threads(), count)
+    if process_count == 1:
+        for index in range(count):
+            _load(kernel_set, index)
+    else:
+        # a fresh interpreter each: a forked Warp would share its compiler with the others
+        with ProcessPoolExecutor(
+            process_count,
+            mp_context=multiprocessing.get_context("spawn"),
+            initializer=_keep_cache_in,
+            initargs=(_cache_folder(),),
+        ) as processes:
+            for done in [processes.submit(_load, kernel_set, index) for index in range(count)]:
+                done.result()
+    return time.perf_counter() - started
+
+
+def _cache_folder() -> str:
+    """The folder that Warp was given for its cache: it has added its version."""
+    folder = Path(wp.config.kernel_cache_dir)
+    return str(folder.parent if folder.name == wp.config.version else folder)
+
+
+def _keep_cache_in(folder: str) -> None:
+    wp.config.kernel_cache_dir = folder
+
+
+def _load(kernel_set: KernelSet, index: int) -> None:
+    initialise()
+    load_kernel(kernel_set.kernels()[index], resolve_device(kernel_set.device))

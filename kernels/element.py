@@ -47,12 +47,12 @@ from .sheet import (
 
 # Rows of the cell report: residual and iterations of this step, energy lost in snaps so far [J/m^2], worst residual.
 CELL_REPORT_ROWS = ("residual", "iterations", "snap_loss", "worst_residual")
-# Rows of the corner array, three per corner: forces; director gradients; shear angle, thickness if tools meet it, and
-# one to spare.
-CORNER_ROW_COUNT = 36
-COUPLE_ROW = wp.constant(12)
-ANGLE_ROW = wp.constant(24)
-THICKNESS_ROW = wp.constant(25)
+# Rows of the corner array, eight per corner: force; director gradient; shear angle; thickness if tools meet it.
+CORNER_ROW_COUNT = 32
+ROWS_PER_CORNER = wp.constant(8)
+COUPLE_ROW = wp.constant(3)
+ANGLE_ROW = wp.constant(6)
+THICKNESS_ROW = wp.constant(7)
 # Vectors of the motion array of the nodes, three rows each; the remainder is what rounding cut off the position. Then
 # one row for the mean shear angle of the elements around the node [rad].
 MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
@@ -326,9 +326,9 @@ def store_corners(
     one = fill(offset_p, 1.0)
     for i in range(3):
         target[row + i, e] = -(diagonal_p[i] + (one - offset_p) * hourglass[i] + mean[i])
-        target[row + 3 + i, e] = -(diagonal_q[i] - (one + offset_q) * hourglass[i] + mean[i])
-        target[row + 6 + i, e] = diagonal_p[i] - (one + offset_p) * hourglass[i] - mean[i]
-        target[row + 9 + i, e] = diagonal_q[i] + (one - offset_q) * hourglass[i] - mean[i]
+        target[row + 1 * ROWS_PER_CORNER + i, e] = -(diagonal_q[i] - (one + offset_q) * hourglass[i] + mean[i])
+        target[row + 2 * ROWS_PER_CORNER + i, e] = diagonal_p[i] - (one + offset_p) * hourglass[i] - mean[i]
+        target[row + 3 * ROWS_PER_CORNER + i, e] = diagonal_q[i] + (one - offset_q) * hourglass[i] - mean[i]
 
 
 @wp.func
@@ -415,12 +415,12 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
         shear11, shear12, shear22 = moment_resultants(moment, m11, m12, m22, area_ratio)
         shear12 = shear12 + linear12
         for corner in range(4):
-            corner_force[ANGLE_ROW + 3 * corner, e] = angle
+            corner_force[ANGLE_ROW + ROWS_PER_CORNER * corner, e] = angle
         if laws.thickness > real(0.0):
             # nodes with fewer neighbours read a padding element, which must add nothing
             thickness = where_positive(elements.area[e], current_thickness(laws, area_ratio, pressure), lanes())
             for corner in range(4):
-                corner_force[THICKNESS_ROW + 3 * corner, e] = thickness
+                corner_force[THICKNESS_ROW + ROWS_PER_CORNER * corner, e] = thickness
 
         # bending and transverse shear
         k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)

@@ -167,7 +167,7 @@ def state_bytes(simulation: Any) -> float:
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
-    from weavesim.kernels.element import CELL_REPORT_ROWS, MOTION_ROWS, NODE_REPORT_ROWS
+    from weavesim.kernels.element import CELL_REPORT_ROWS, MOTION_ROW_COUNT, NODE_REPORT_ROWS
 
     model = simulation.stepper.model
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
@@ -179,7 +179,7 @@ def moved_bytes(simulation: Any) -> float:
     corners = size * (24 + 4)
     slots = model.nodes.corner_offset.shape[0]
     node_constants = 4 * slots + 4 + size * 5
-    node_motion = 2 * size * (3 * len(MOTION_ROWS) + len(NODE_REPORT_ROWS) + 3 * model.tool_count)
+    node_motion = 2 * size * (MOTION_ROW_COUNT + len(NODE_REPORT_ROWS) + 3 * model.tool_count)
     return element_reads + element_own + 2 * corners + per_node * (node_constants + node_motion)
 
 

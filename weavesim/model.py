@@ -17,7 +17,14 @@ from .device import Precision
 from .errors import InputError
 from .fabric import Fabric
 from .kernels.curve import curve_struct
-from .kernels.element import CORNER_ROW_COUNT, MEAN_ANGLE_ROW, MOTION_ROW_COUNT, MOTION_ROWS, element_struct
+from .kernels.element import (
+    CORNER_ROW_COUNT,
+    MEAN_ANGLE_ROW,
+    MOTION_ROW_COUNT,
+    MOTION_ROWS,
+    ROWS_PER_CORNER,
+    element_struct,
+)
 from .kernels.lanes import lane_types
 from .kernels.node import motion_struct, node_struct
 from .kernels.sheet import (
@@ -411,7 +418,7 @@ class Model:
         # entries of a padding element are always zero: nodes with fewer neighbours read them
         spare = self.corners.entry(0, self.blank.element_count)
         table = np.full((slot.max() + 1, self.node_count), spare, dtype=np.int32)
-        table[slot, node[order]] = self.corners.entry(3 * corner, element)[order]
+        table[slot, node[order]] = self.corners.entry(int(ROWS_PER_CORNER) * corner, element)[order]
         nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
         nodes.corner_stride = self.corners.stride
         count_around = np.bincount(node, minlength=count)

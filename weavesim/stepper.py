@@ -22,6 +22,7 @@ from .kernels.element import (
     CORNER_ROW_COUNT,
     MOTION_ROW_COUNT,
     NODE_REPORT_ROWS,
+    ROWS_PER_CORNER,
     element_force_kernel,
 )
 from .kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, node_motion_kernel
@@ -451,13 +452,14 @@ class Stepper:
         self._block_graphs = self._record(self._block)
 
     def corner_rows(self) -> np.ndarray:
-        """What the elements wrote at the last evaluation, (36, element_count); waits for the device."""
-        return self.model.corners.read(self.state.corner_force)[:, : self.model.blank.element_count]
+        """What the elements wrote at the last evaluation, (4 corners, 8 rows, element_count); waits for the device."""
+        rows = self.model.corners.read(self.state.corner_force)[:, : self.model.blank.element_count]
+        return rows.reshape(4, int(ROWS_PER_CORNER), -1)
 
     def nodal_forces(self) -> np.ndarray:
         """Forces of the elements on the nodes at the last evaluation, (node_count, 3) [N]; waits for the device."""
         blank = self.model.blank
-        corners = self.corner_rows()[:12].astype(np.float64).reshape(4, 3, -1)
+        corners = self.corner_rows()[:, :3].astype(np.float64)
         result = np.zeros((blank.node_count, 3))
         for corner in range(4):
             np.add.at(result, blank.quads[:, corner], corners[corner].T)

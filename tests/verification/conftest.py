@@ -63,7 +63,8 @@ class Sheet:
     def _corners(self) -> np.ndarray:
         """Forces, director gradients and angles, (3, corner, component, element)."""
         rows = self.simulation.stepper.corner_rows().astype(np.float64)
-        return rows.reshape(3, 4, 3, -1)
+        # the angle is in all corners
+        return np.stack([rows[:, :3], rows[:, 3:6], np.broadcast_to(rows[:, 6:7], rows[:, :3].shape)])
 
     def forces(
         self, position: np.ndarray, director: np.ndarray, *, fresh: bool = True

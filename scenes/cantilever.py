@@ -19,6 +19,7 @@ from weavesim.bending import BendingCurve, IsotropicBending
 from weavesim.blank import Blank
 from weavesim.cells import UnitCell
 from weavesim.compaction import Compaction
+from weavesim.device import Precision
 from weavesim.errors import InputError
 from weavesim.fabric import LARGEST_LOCKING_SHARE, Fabric
 from weavesim.model import MotionParameters
@@ -52,6 +53,8 @@ class CantileverParameters(FabricTestParameters):
 
     mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
     out: Path = Field(default=Path("out/cantilever"), description="folder for the results")
+    # the clamp bears some hundredths of a newton, of which rounding in single precision is nearly a per cent
+    precision: Precision = Field(default=Precision.DOUBLE, description="scalar type of state and kernels")
     yarn: Literal["warp", "weft"] = Field(default="warp", description="yarn family along the strip")
     length: Positive | None = Field(
         default=None, description="of the overhang [m]; the default is where the tip reaches about 41.5 degrees"

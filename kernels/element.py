@@ -358,7 +358,6 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
         cell: UnitCell,
         laws: SheetLaws,
         motion: wp.array(dtype=real),
-        mean_angles: wp.array(dtype=real),  # the motion array that has those of the nodes
         # Out
         cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),  # rows: see CELL_REPORT_ROWS
@@ -402,7 +401,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
         if wp.static(cell_shears):
             moment = moment + cell_moment
         if laws.in_plane_bending_stiffness > real(0.0):
-            difference, square = corner_angles(elements, e, mean_angles, angle)
+            difference, square = corner_angles(elements, e, motion, angle)
             moment = moment + (laws.in_plane_bending_stiffness * inverse_area) * difference
         if laws.shear.friction_stiffness > real(0.0):
             turned, spring, lost = shear_friction(

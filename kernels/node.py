@@ -79,7 +79,7 @@ def node_struct(real: type, lane_count: int):
 
 @cache
 def support_struct(real: type, lane_count: int):
-    """Nodes that are held and perhaps driven; what does not change but ``increment``."""
+    """Nodes that are held and perhaps driven; what does not change but ``increment`` and ``holding``."""
     types = lane_types(real, lane_count)
 
     @wp.struct
@@ -88,8 +88,23 @@ def support_struct(real: type, lane_count: int):
         held: wp.array(dtype=types.indices)  # bits 0-2: x, y, z of the node follow the drives
         direction: wp.array2d(dtype=types.vec3)  # [drive, node]: displacement of the node over that of the drive
         increment: wp.array(dtype=real)  # of each drive in this step [m]
+        holding: wp.array(dtype=types.vec3)  # written: force of a support on its node [N]
 
     return Supports
+
+
+@cache
+def touch_struct(real: type, lane_count: int):
+    """What the nodes keep of the tools from step to step, and what they do to them; all is written."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Touch:
+        friction: wp.array2d(dtype=types.lanes)  # tangential spring of each tool [m], three rows each
+        gap: wp.array2d(dtype=real)  # [tool, block]: way before any node can touch [m]; none if not positive
+        reaction: wp.array2d(dtype=types.vec3)  # [tool, block]: force of the sheet on the tool [N]
+
+    return Touch
 
 
 @cache
@@ -171,7 +186,7 @@ def node_motion_kernel(real: type, lane_count: int):
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Nodes, MotionLaws, Tools = node_struct(real, lane_count), motion_struct(real), tool_set_struct(real)
-    Supports = support_struct(real, lane_count)
+    Supports, Touch = support_struct(real, lane_count), touch_struct(real, lane_count)
     tool_distance = tool_distance_function(real, lane_count)
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -186,10 +201,7 @@ def node_motion_kernel(real: type, lane_count: int):
         corners: wp.array(dtype=real),
         # Out
         motion: wp.array2d(dtype=lanes),  # three rows for each of MOTION_ROWS, mean shear angle
-        friction: wp.array2d(dtype=lanes),  # tangential spring of each tool [m], three rows each
-        gap: wp.array2d(dtype=real),  # [tool, block]: way before any node can touch [m]; none if not positive
-        reaction: wp.array2d(dtype=vec3),  # [tool, block]: force of the sheet on the tool [N]
-        holding: wp.array(dtype=vec3),  # force of a support on its node [N]
+        touch: Touch,
         report: wp.array2d(dtype=lanes),  # NODE_REPORT_ROWS
     ):
         block = first_block + wp.tid()
@@ -249,7 +261,7 @@ def node_motion_kernel(real: type, lane_count: int):
         for k in range(laws.tool_count):
             tool = tools.tool[k]
             # the tool has moved for the last step, which is at most twice the mean one
-            way_left = gap[k, block] - real(2.0) * mean_step * wp.abs(real(tools.velocity[k])) - thickened
+            way_left = touch.gap[k, block] - real(2.0) * mean_step * wp.abs(real(tools.velocity[k])) - thickened
             if not way_left > real(0.0):
                 distance, normal = tool_distance(tools.part, tool, real(tools.displacement[k]), x)
                 penetration = half_thickness - distance
@@ -268,7 +280,7 @@ def node_motion_kernel(real: type, lane_count: int):
                         report[THICKNESS_WORK_ROW, block] = report[THICKNESS_WORK_ROW, block] + spring * growth
                     dashpot = scale(pressure - spring, normal)
                     # friction: the spring follows the tangent plane and the sliding since the last step
-                    stretched = rows3(friction, 3 * k, block) + mean_step * relative
+                    stretched = rows3(touch.friction, 3 * k, block) + mean_step * relative
                     trial = stretched - scale(dot(stretched, normal), normal)
                     tangential = laws.tangential_ratio * stiffness
                     held = friction_spring(trial, tangential, tool.friction * pressure)
@@ -280,11 +292,11 @@ def node_motion_kernel(real: type, lane_count: int):
                     for c in range(3):
                         friction_power = friction_power + tool_velocity[c] * drag[c]
                         dashpot_power = dashpot_power + tool_velocity[c] * dashpot[c]
-                store_rows3(friction, 3 * k, block, held)
-                reaction[k, block] = vec3(
+                store_rows3(touch.friction, 3 * k, block, held)
+                touch.reaction[k, block] = vec3(
                     -lane_sum(contact_force[0]), -lane_sum(contact_force[1]), -lane_sum(contact_force[2])
                 )
-            gap[k, block] = way_left
+            touch.gap[k, block] = way_left
 
         # translation
         acceleration = scale(nodes.inverse_mass[block], force)
@@ -314,7 +326,7 @@ def node_motion_kernel(real: type, lane_count: int):
             gained = new_velocity - velocity
             support_work = support_work + nodes.mass[block] * dot(gained, held)
             needed = scale(nodes.mass[block], gained / mean_step - acceleration)
-            store(holding, first, wp.cw_mul(freedom_mask(supports.held[block], 0, lanes3()), needed))
+            store(supports.holding, first, wp.cw_mul(freedom_mask(supports.held[block], 0, lanes3()), needed))
         report[SUPPORT_ROW, block] = report[SUPPORT_ROW, block] + support_work
         damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
@@ -323,7 +335,7 @@ def node_motion_kernel(real: type, lane_count: int):
             # a share for the rounding of this sum
             moved = wp.sqrt(lane_maximum(dot(way, way)))
             for k in range(laws.tool_count):
-                gap[k, block] = real(0.999999) * gap[k, block] - moved
+                touch.gap[k, block] = real(0.999999) * touch.gap[k, block] - moved
         store_rows3(motion, VELOCITY_ROW, block, new_velocity)
         # compensated sum: nothing of a small step is lost beside a large coordinate
         way = way + rows3(motion, REMAINDER_ROW, block)

@@ -207,6 +207,25 @@ STEP_SLACK = wp.constant(1.05)
 
 
 @cache
+def step_bounds_struct(real: type):
+    """What bounds a stable step beside the state, as a Warp struct."""
+
+    @wp.struct
+    class StepBounds:
+        cell: wp.types.vector(3, real)  # largest stiffness of the cell along warp and weft, and in shear [N/m]
+        bending: real  # largest bending stiffness of any curvature [N m]
+        contact_frequency: real  # squared, of the contact springs [1/s^2]
+        steps_ahead: wp.int32  # steps until the next look
+
+    return StepBounds
+
+
+def frequency_lane_count(lane_count: int, cell: CellLaw) -> int:
+    """Lanes of ``element_frequency_kernel`` in a run with ``lane_count``: a cell that takes lane by lane gains none."""
+    return 1 if cell.lane_by_lane else lane_count
+
+
+@cache
 def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
     """Square of each element's highest frequency, bounded from above [1/s^2].
 
@@ -218,7 +237,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
     lanes, lanes3 = types.lanes, types.lanes3
     Elements, UnitCell, SheetLaws = element_struct(real, lane_count), cell.parameters(real), sheet_struct(real)
     unknown_count, state_count, cell_shears = cell.unknown_count, cell.stable_state_count, cell.depends_on_shear
-    Unknowns = wp.types.matrix((cell.row_count, lane_count), real)
+    Unknowns, StepBounds = wp.types.matrix((cell.row_count, lane_count), real), step_bounds_struct(real)
     stable_tangent = cell.stable_tangent
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -228,15 +247,11 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         elements: Elements,
         cell: UnitCell,
         laws: SheetLaws,
-        cell_bound: wp.types.vector(3, real),  # largest stiffness of the cell along warp and weft, and in shear [N/m]
-        bending_bound: real,  # largest bending stiffness of any curvature [N m]
-        contact_frequency: real,  # squared, of the contact springs [1/s^2]
+        bounds: StepBounds,
         motion: wp.array(dtype=real),
-        mean_angles: wp.array(dtype=real),  # the motion array that has those of the nodes
         cell_unknowns: wp.array2d(dtype=lanes),
         inertia: wp.array2d(dtype=lanes),  # rows: inverse areal density with any added mass; inverse squared radius
         clock: wp.array(dtype=wp.float64),
-        steps_ahead: wp.int32,
         # Out
         squared_frequency: wp.array(dtype=lanes),
     ):
@@ -263,7 +278,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
 
         # in the plane; where the present rate takes the yarns before the next look, twice as far for safety
         v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion, VELOCITY_ROW, lanes3())
-        horizon = two * real(clock[CLOCK_STEP]) * real(steps_ahead)
+        horizon = two * real(clock[CLOCK_STEP]) * real(bounds.steps_ahead)
         strain1 = strain1 + horizon * (larger(dot(a1, v1), zero) / stretch1)
         strain2 = strain2 + horizon * (larger(dot(a2, v2), zero) / stretch2)
         angle_ahead = angle
@@ -278,7 +293,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         bundled = zero
         if laws.in_plane_bending_stiffness > real(0.0):
             bundling = (two * laws.in_plane_bending_stiffness) * (bp1 * bq2 - bp2 * bq1)
-            difference, square = corner_angles(elements, e, mean_angles, angle)
+            difference, square = corner_angles(elements, e, motion, angle)
             bundled = bundling * difference
         metric11 = m22 / (area_ratio * area_ratio)
         metric12 = -(m12 / (area_ratio * area_ratio))
@@ -291,18 +306,18 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
                 cell, strain1, strain2, angle_ahead, start, state
             )
             # a tangent that no state of the cell can have comes from differences across a kink, where a yarn goes slack
-            beyond = larger(magnitude(c11) - lanes(cell_bound[0]), magnitude(c22) - lanes(cell_bound[1]))
-            beyond = larger(beyond, magnitude(c12) - lanes(wp.sqrt(cell_bound[0] * cell_bound[1])))
+            beyond = larger(magnitude(c11) - lanes(bounds.cell[0]), magnitude(c22) - lanes(bounds.cell[1]))
+            beyond = larger(beyond, magnitude(c12) - lanes(wp.sqrt(bounds.cell[0] * bounds.cell[1])))
             if wp.static(cell_shears):
-                beyond = larger(beyond, magnitude(c33) - lanes(cell_bound[2]))
-                beyond = larger(beyond, magnitude(c13) - lanes(wp.sqrt(cell_bound[0] * cell_bound[2])))
-                beyond = larger(beyond, magnitude(c23) - lanes(wp.sqrt(cell_bound[1] * cell_bound[2])))
+                beyond = larger(beyond, magnitude(c33) - lanes(bounds.cell[2]))
+                beyond = larger(beyond, magnitude(c13) - lanes(wp.sqrt(bounds.cell[0] * bounds.cell[2])))
+                beyond = larger(beyond, magnitude(c23) - lanes(wp.sqrt(bounds.cell[1] * bounds.cell[2])))
                 c13 = where_positive(beyond, zero, c13)
                 c23 = where_positive(beyond, zero, c23)
-                c33 = where_positive(beyond, lanes(cell_bound[2]), c33)
-            c11 = where_positive(beyond, lanes(cell_bound[0]), c11)
+                c33 = where_positive(beyond, lanes(bounds.cell[2]), c33)
+            c11 = where_positive(beyond, lanes(bounds.cell[0]), c11)
             c12 = where_positive(beyond, zero, c12)
-            c22 = where_positive(beyond, lanes(cell_bound[1]), c22)
+            c22 = where_positive(beyond, lanes(bounds.cell[1]), c22)
             s11, s12, s22, s13, s23, s33, pull1, pull2, moment = shear_tangent(
                 laws, stretch1, stretch2, sine, cosine, angle, pressure
             )
@@ -376,7 +391,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         slope_coupling = square_root(slope_positions * mean_directors) * (one + real(5.4) * tilt)
 
         # bending couples positions and director gradients
-        bending = (bending_bound * area_ratio) * gradient
+        bending = (bounds.bending * area_ratio) * gradient
         bending_positions = (real(24.0) * bending) * (curvature * curvature)
         bending_coupling = (real(7.4) * bending) * (inverse_radius * curvature)
         bending_directors = bending * radius
@@ -426,7 +441,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         mean = half * (positions + directors)
         difference = half * (positions - directors)
         largest = mean + square_root(difference * difference + coupling * coupling)
-        squared_frequency[e] = real(4.0) * inertia[0, e] * largest + lanes(contact_frequency)
+        squared_frequency[e] = real(4.0) * inertia[0, e] * largest + lanes(bounds.contact_frequency)
 
     return element_frequencies
 

@@ -116,7 +116,9 @@ def phases(simulation: Any, seconds: float) -> dict[str, float]:
         "elements": lambda: stepper.evaluate(),
         "nodes and contact": lambda: stepper._advance_nodes(0, model.node_count // model.lane_count, copied_state),
         "tools": lambda: stepper._advance_tools(copied_state, copied_tools),
-        "stable step (every 20th)": lambda: stepper._refresh_frequencies(0, model.element_count // model.lane_count),
+        "stable step (every 20th)": lambda: stepper._refresh_frequencies(
+            0, model.element_count // stepper._frequency_lane_count
+        ),
     }
     repeats = 10
 

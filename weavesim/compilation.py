@@ -21,7 +21,12 @@ from .kernels.ledger import element_ledger_kernel
 from .kernels.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
 from .kernels.node import node_motion_kernel
 from .kernels.support_motion import support_motion_kernel
-from .kernels.time_step import element_frequency_kernel, partial_maximum_kernel, set_step_kernel
+from .kernels.time_step import (
+    element_frequency_kernel,
+    frequency_lane_count,
+    partial_maximum_kernel,
+    set_step_kernel,
+)
 from .kernels.tool_motion import partial_sum_kernel, tool_motion_kernel
 
 
@@ -53,7 +58,7 @@ class KernelSet:
         return [
             element_force_kernel(real, lane_count, law),
             node_motion_kernel(real, lane_count),
-            element_frequency_kernel(real, lane_count, law),
+            element_frequency_kernel(real, frequency_lane_count(lane_count, law), law),
             element_ledger_kernel(real, law),
             sample_distance_kernel(real, 1),
             mesh_distance_kernel,

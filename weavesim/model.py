@@ -35,6 +35,7 @@ from .kernels.sheet import (
     SHEAR_LINEAR,
     sheet_struct,
 )
+from .kernels.time_step import step_bounds_struct
 from .layout import RowLayout
 from .loads import NodalLoads
 from .shear import LARGEST_SHEAR_ANGLE, LinearShear
@@ -283,10 +284,11 @@ class Model:
         self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
         self.contact_stiffness = contact_share * self.node_mass / self.reference_step**2
 
-        self.contact_frequency = 2.0 * contact_share / self.reference_step**2 if tool_count else 0.0
-        self.bending_bound = fabric.largest_bending_stiffness
+        self.step_bounds = step_bounds_struct(self.real)()
+        self.step_bounds.contact_frequency = 2.0 * contact_share / self.reference_step**2 if tool_count else 0.0
+        self.step_bounds.bending = fabric.largest_bending_stiffness
         cell = fabric.unit_cell
-        self.cell_bound = self.types.vec3(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
+        self.step_bounds.cell = self.types.vec3(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
         # padding elements keep an infinite areal density: they never decide the step
         inertia = np.stack([1.0 / density, 1.0 / frequencies.rotary_radius_squared])
         self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)

@@ -25,10 +25,15 @@ from .kernels.element import (
     ROWS_PER_CORNER,
     element_force_kernel,
 )
-from .kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, node_motion_kernel
+from .kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, node_motion_kernel, touch_struct
 from .kernels.sheet import SLIP_ROWS
 from .kernels.support_motion import support_motion_kernel
-from .kernels.time_step import element_frequency_kernel, partial_maximum_kernel, set_step_kernel
+from .kernels.time_step import (
+    element_frequency_kernel,
+    frequency_lane_count,
+    partial_maximum_kernel,
+    set_step_kernel,
+)
 from .kernels.tool_motion import partial_sum_kernel, tool_motion_kernel
 from .model import BLOCK, Model, lanes_view
 from .support import DeviceSupports
@@ -211,7 +216,8 @@ class Stepper:
         self._support_motion = support_motion_kernel(real)
         self._partial_sums = partial_sum_kernel(real)
         # the wide kernel takes long to compile: only for cells that run faster in it
-        self._frequency_lane_count = 1 if model.cell_law.lane_by_lane else lane_count
+        self._frequency_lane_count = frequency_lane_count(lane_count, model.cell_law)
+        model.step_bounds.steps_ahead = REFRESH_INTERVAL
         self._frequencies = element_frequency_kernel(real, self._frequency_lane_count, model.cell_law)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
@@ -249,7 +255,7 @@ class Stepper:
         wp.launch(
             self._element_forces,
             dim=count,
-            inputs=[first, model.elements, model.cell, model.laws, state.motion, state.motion],
+            inputs=[first, model.elements, model.cell, model.laws, state.motion],
             outputs=[
                 *(lanes_view(array, model.lane_count) for array in own),
                 model.corners.view(state.corner_force),
@@ -267,12 +273,18 @@ class Stepper:
                 state.corner_force,
             ],
             outputs=[
-                model.motion_layout.view(state.motion), model.friction_layout.view(state.friction), state.gap,
-                state.reaction, self.supports.holding,
+                model.motion_layout.view(state.motion), self._touching(state),
                 lanes_view(state.node_report, model.lane_count),
             ],
             device=model.device,
         )  # fmt: skip
+
+    def _touching(self, state: State):
+        """What the nodes keep of the tools, as their kernel takes it."""
+        touch = touch_struct(self.model.real, self.model.lane_count)()
+        touch.friction = self.model.friction_layout.view(state.friction)
+        touch.gap, touch.reaction = state.gap, state.reaction
+        return touch
 
     def _advance_supports(self, clock: wp.array | None = None, displacement: wp.array | None = None) -> None:
         supports = self.supports
@@ -316,9 +328,8 @@ class Stepper:
             self._frequencies,
             dim=count,
             inputs=[
-                first, elements, model.cell, model.laws, model.cell_bound, model.bending_bound,
-                model.contact_frequency, state.motion, state.motion, lanes_view(state.cell_unknowns, lane_count),
-                lanes_view(model.step_inertia, lane_count), state.clock, REFRESH_INTERVAL,
+                first, elements, model.cell, model.laws, model.step_bounds, state.motion,
+                lanes_view(state.cell_unknowns, lane_count), lanes_view(model.step_inertia, lane_count), state.clock,
             ],
             outputs=[lanes_view(self._squared_frequency, lane_count)],
             device=model.device,

@@ -185,7 +185,6 @@ class DeviceSupports:
         struct: ``kernels.node.support_struct``.
         first_piece, start, piece: curves of all drives, see ``kernels.support_motion``.
         displacement: of each drive, (drive_count,) of float64 [m].
-        holding: force of a support on each node, (padded node_count,) of vec3 [N]; empty without supports.
     """
 
     struct: object
@@ -193,7 +192,6 @@ class DeviceSupports:
     start: wp.array
     piece: wp.array
     displacement: wp.array
-    holding: wp.array
 
     @property
     def drive_count(self) -> int:
@@ -225,13 +223,13 @@ def build_device_supports(
     struct.held = array(held.reshape(-1, lane_count), indices)
     struct.direction = array(direction, vec3)
     struct.increment = increment
+    struct.holding = wp.zeros(node_count if supports else 0, dtype=vec3, device=device)
     return DeviceSupports(
         struct=struct,
         first_piece=array(np.cumsum([0, *(len(start) for start, _ in curves)]), wp.int32),
         start=array(np.concatenate([np.empty(0), *(start for start, _ in curves)]), wp.float64),
         piece=array(np.concatenate([np.empty((0, 4)), *(piece for _, piece in curves)]), wp.vec4d),
         displacement=wp.zeros(len(drives), dtype=wp.float64, device=device),
-        holding=wp.zeros(node_count if supports else 0, dtype=vec3, device=device),
     )
 
 
@@ -252,7 +250,7 @@ def support_outputs(supports: Sequence[Support], device: DeviceSupports) -> tupl
 
     Sums run over the nodes in the order of the support, in double precision.
     """
-    holding = device.holding.numpy().astype(np.float64)
+    holding = device.struct.holding.numpy().astype(np.float64)
     force = [[math.fsum(component) for component in holding[s.nodes].T] for s in supports]
     drive_force = [
         math.fsum((holding[s.nodes] * s.directions(k)).ravel()) for s in supports for k in range(len(s.drives))

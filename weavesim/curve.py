@@ -49,7 +49,13 @@ def measured_columns(**columns: Sequence[float]) -> tuple[np.ndarray, ...]:
 def interpolate(knots: Sequence[float], values: Sequence[float], x: np.ndarray) -> np.ndarray:
     """Cubic curve through points at ``x`` >= 0; beyond the last point its end slope goes on, never a negative one.
 
-    Slopes at the points are three-point differences, of second order also at the ends.
+    Args:
+        knots, values: the points, (n,) each, two at least; knots increase.
+        x: where, any shape.
+
+    Returns:
+        Values in the unit of ``values``, in the shape of ``x``. Slopes at the points are three-point differences, of
+        second order also at the ends.
     """
     knots, values = np.asarray(knots, dtype=float), np.asarray(values, dtype=float)
     slope = np.gradient(values, knots, edge_order=2 if len(knots) > 2 else 1)

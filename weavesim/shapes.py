@@ -237,19 +237,13 @@ class Torus(Shape):
 
 
 @dataclass(frozen=True)
-class DomePunch(Shape):
-    """Two half-balls joined by a half-cylinder along x, facing -z, with vertical walls that go up without end.
-
-    Attributes:
-        radius: of balls and cylinder [m].
-        half_length: half the distance of the balls' centres [m]; zero gives a hemispherical punch.
-        display_height: of the drawn walls above the centres [m]; None draws one radius.
-    """
+class _Dome(Shape):
+    """What ``DomePunch`` and ``DomeCavity`` share: balls of ``radius`` with centres 2 ``half_length`` apart along x."""
 
     radius: float
     half_length: float
-    display_height: float | None = None
     _lengths = ("radius",)
+    _kind: ClassVar[int]
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -260,9 +254,23 @@ class DomePunch(Shape):
         return self.radius
 
     def _fill_dimensions(self, part: Any, device: Any) -> None:
-        part.kind = int(kinds.DOME_PUNCH)
+        part.kind = self._kind
         part.radius = self.radius
         part.half_length = self.half_length
+
+
+@dataclass(frozen=True)
+class DomePunch(_Dome):
+    """Two half-balls joined by a half-cylinder along x, facing -z, with vertical walls that go up without end.
+
+    Attributes:
+        radius: of balls and cylinder [m].
+        half_length: half the distance of the balls' centres [m]; zero gives a hemispherical punch.
+        display_height: of the drawn walls above the centres [m]; None draws one radius.
+    """
+
+    display_height: float | None = None
+    _kind = int(kinds.DOME_PUNCH)
 
     def _local_display_mesh(self) -> trimesh.Trimesh:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
@@ -335,33 +343,18 @@ class DomeOpening(Shape):
 
 
 @dataclass(frozen=True)
-class DomeCavity(Shape):
+class DomeCavity(_Dome):
     """A block, solid z < 0, with a hollow: two quarter-balls joined by a half-cylinder along x, open to +z.
 
-    It is the closed end of a ``DomeOpening`` of the same radius, and the counterpart of a ``DomePunch``.
+    It is the closed end of a ``DomeOpening`` of the same radius, and the counterpart of a ``DomePunch``. A sheet lies
+    in the hollow and is not bent over its rim, which an opening above it hides: the smallest radius is the hollow's.
 
     Attributes:
         radius: of balls and cylinder [m].
         half_length: half the distance of the balls' centres [m]; zero gives a hemispherical hollow.
     """
 
-    radius: float
-    half_length: float
-    _lengths = ("radius",)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _non_negative(self, "half_length")
-
-    @property
-    def smallest_radius(self) -> float:
-        # a sheet lies in the hollow; it is not bent over its rim, which an opening above it hides
-        return self.radius
-
-    def _fill_dimensions(self, part: Any, device: Any) -> None:
-        part.kind = int(kinds.DOME_CAVITY)
-        part.radius = self.radius
-        part.half_length = self.half_length
+    _kind = int(kinds.DOME_CAVITY)
 
     def _local_display_mesh(self) -> trimesh.Trimesh:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi

@@ -143,7 +143,6 @@ def yarn_remainder(
     return stiffness * bend * bend * magnitude(step) + jump * passed * magnitude(sine)
 
 
-
 @wp.func
 def contact_active(cell: Any, closing: Any):
     """1 where the contact element carries force: everywhere if bilateral, where yarns are pressed if unilateral."""
@@ -261,7 +260,6 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         step1 = where_positive(overshoot, (one - back) * step1, newton1)
         step2 = where_positive(overshoot, (one - back) * step2, newton2)
     return w1, w2, force1, force2, -(stiffness * (w1 + w2)), residual, iterations
-
 
 
 @wp.func

@@ -18,6 +18,7 @@ from .lanes import (
     dot,
     fill,
     gather,
+    inverses,
     lane_maximum,
     lane_types,
     larger,
@@ -339,7 +340,8 @@ def yarn_strains(m11: Any, m22: Any):
     one = fill(m11, 1.0)
     stretch1 = square_root(m11)
     stretch2 = square_root(m22)
-    return (m11 - one) / (stretch1 + one), (m22 - one) / (stretch2 + one), stretch1, stretch2
+    inverse1, inverse2 = inverses(stretch1 + one, stretch2 + one)
+    return (m11 - one) * inverse1, (m22 - one) * inverse2, stretch1, stretch2
 
 
 @cache
@@ -393,8 +395,10 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
             freed = snap_loss(cell, strain1, strain2, angle, start, unknowns)
             if lane_maximum(freed) > real(0.0):
                 cell_report[2, e] = cell_report[2, e] + freed
-        t11 = (warp_force + compressive_force(laws, stretch1)) / stretch1
-        t22 = (weft_force + compressive_force(laws, stretch2)) / stretch2
+        inverse1, inverse2 = inverses(stretch1, stretch2)
+        inverse_ratio = lanes(real(1.0)) / area_ratio
+        t11 = (warp_force + compressive_force(laws, stretch1)) * inverse1
+        t22 = (weft_force + compressive_force(laws, stretch2)) * inverse2
 
         # in-plane shear, and the in-plane bending of the yarns, which resists a shear angle that varies
         # (b_p x b_q) is 1/(2 area); the area itself is zero in padding elements
@@ -415,7 +419,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
             slip[SHEAR_SPRING_ROW, e] = spring
             slip[SHEAR_LOSS_ROW, e] = slip[SHEAR_LOSS_ROW, e] + lost
             moment = moment + laws.shear.friction_stiffness * spring
-        shear11, shear12, shear22 = moment_resultants(moment, m11, m12, m22, area_ratio)
+        shear11, shear12, shear22 = moment_resultants(moment, m12, inverse1, inverse2, inverse_ratio)
         shear12 = shear12 + linear12
         for corner in range(4):
             corner_force[ANGLE_ROW + ROWS_PER_CORNER * corner, e] = angle
@@ -428,7 +432,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         # bending and transverse shear
         k11, k12, k22, g1, g2 = element_strains(elements, e, flat, skewed, a1, a2, d1, d2, mean_director)
         moment11, moment12, moment22, bend11, bend12, bend22 = bending_moments(
-            laws, bending_kind, m11, m12, m22, area_ratio, k11, k12, k22
+            laws, bending_kind, m11, m12, m22, inverse_ratio, k11, k12, k22
         )
         if wp.static(bending_slides):
             warp_slip, warp_spring, warp_loss = bending_friction(
@@ -448,7 +452,9 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
             moment22 = moment22 + weft_moment / m22
             bend11 = bend11 - real(2.0) * warp_moment * k11 / (m11 * m11)
             bend22 = bend22 - real(2.0) * weft_moment * k22 / (m22 * m22)
-        q1, q2, slide11, slide12, slide22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
+        q1, q2, slide11, slide12, slide22 = transverse_shear_forces(
+            laws, m11, m12, m22, area_ratio, inverse_ratio, g1, g2
+        )
         if wp.static(skewed):
             skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(elements, e)
             moment11 = moment11 + skew11 * q1 + skew21 * q2
@@ -470,12 +476,12 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         moment22 = moment22 + weight22 * warping_force
         twist1 = director_stiffness * twist1
         twist2 = director_stiffness * twist2
-        unit_normal = scale(fill(area_ratio, 1.0) / area_ratio, normal)
+        unit_normal = scale(inverse_ratio, normal)
         height = dot(x_hourglass, unit_normal)
         # the in-plane part |x_h|^2 - (x_h.n)^2 turns with the normal: height * (x_h . a^alpha) n
         height1 = dot(x_hourglass, a1)
         height2 = dot(x_hourglass, a2)
-        tilt = in_plane * height / (area_ratio * area_ratio)
+        tilt = in_plane * height * inverse_ratio * inverse_ratio
         normal1 = tilt * (m22 * height1 - m12 * height2)
         normal2 = tilt * (m11 * height2 - m12 * height1)
 

@@ -157,17 +157,28 @@ def where_positive(condition: Any, if_positive: Any, otherwise: Any):
 
 
 @wp.func
+def inverses(a: Any, b: Any):
+    """1/a and 1/b by one division; neither may be zero."""
+    inverse = fill(a, 1.0) / wp.cw_mul(a, b)
+    return wp.cw_mul(b, inverse), wp.cw_mul(a, inverse)
+
+
+@wp.func
 def lane_sum(a: Any):
-    """Sum over the lanes, in the order of the lanes."""
-    total = a.dtype(0.0)
-    for i in range(len(a)):
-        total += a[i]
-    return total
+    """Sum over the lanes, by halves: one after the other each addition would wait for the last."""
+    result = a
+    for k in range(4):
+        other = result
+        for i in range(len(a)):
+            # with fewer lanes the later halves are the whole
+            if (8 >> k) < len(a):
+                result[i] = other[i] + other[(i + (8 >> k)) % len(a)]
+    return result[0]
 
 
 @wp.func
 def lane_maximum(a: Any):
-    """Largest lane, by halves: one after the other each comparison would wait for the last."""
+    """Largest lane, by halves too."""
     result = a
     for k in range(4):
         other = result

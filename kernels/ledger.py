@@ -96,11 +96,12 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         for k in range(part_count):
             energies[k, e] = parts[k]
         half = real(0.5)
+        inverse_ratio = fill(area_ratio, 1.0) / area_ratio
         k11, k12, k22, g1, g2 = element_strains(elements, e, flat, skewed, a1, a2, d1, d2, mean_director)
         moment11, moment12, moment22, b11, b12, b22 = bending_moments(
-            laws, bending_kind, m11, m12, m22, area_ratio, k11, k12, k22
+            laws, bending_kind, m11, m12, m22, inverse_ratio, k11, k12, k22
         )
-        q1, q2, s11, s12, s22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
+        q1, q2, s11, s12, s22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, inverse_ratio, g1, g2)
         in_plane, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
         warping, twist1, twist2 = hourglass_strains(
             elements, e, flat, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22

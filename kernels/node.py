@@ -326,7 +326,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         freedom = nodes.freedom[block]
         free = freedom_mask(freedom, 0, lanes3())
         decay = real(0.5) * laws.damping * mean_step
-        change = (mean_step * acceleration - (real(2.0) * decay) * velocity) / (real(1.0) + decay)
+        change = (real(1.0) / (real(1.0) + decay)) * (mean_step * acceleration - (real(2.0) * decay) * velocity)
         new_velocity = velocity + wp.cw_mul(free, change)
         way = step * new_velocity
         if wp.static(supported):
@@ -370,7 +370,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
             freedom_mask(freedom, 3, lanes3()), scale(nodes.inverse_inertia[block], cross(director, couple))
         )
         spin_decay = real(0.5) * laws.director_damping * mean_step
-        new_spin = (mean_step * turning + (real(1.0) - spin_decay) * spin) / (real(1.0) + spin_decay)
+        new_spin = (real(1.0) / (real(1.0) + spin_decay)) * (mean_step * turning + (real(1.0) - spin_decay) * spin)
         spin_middle = spin + new_spin
         inverse_inertia = nodes.inverse_inertia[block]
         inertia = where_positive(inverse_inertia, fill(inverse_inertia, 1.0) / inverse_inertia, lanes())

@@ -19,6 +19,7 @@ from .lanes import (
     angle_of,
     div,
     fill,
+    inverses,
     lane_maximum,
     larger,
     magnitude,
@@ -71,11 +72,11 @@ def yarn_strain(cell: Any, k: int, u: Any, w: Any):
     length = square_root(x * x + h * h)
     along = u * (u.dtype(2.0) * spread(u, half_spacing) + u)
     across = w * (u.dtype(2.0) * spread(u, crimp_height) + w)
-    inverse_sum = fill(u, 1.0) / (length + spread(u, chord_length))
+    inverse_length, inverse_sum = inverses(length, length + spread(u, chord_length))
     elongation = (along + across) * inverse_sum
     parts = (magnitude(along) + magnitude(across)) * inverse_sum
     rotation = angle_of(half_spacing * w - crimp_height * u, half_spacing * x + crimp_height * h, chord_length * length)
-    return elongation, rotation, x, h, fill(u, 1.0) / length, parts
+    return elongation, rotation, x, h, inverse_length, parts
 
 
 @wp.func
@@ -194,8 +195,6 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         gradient2 = by_w2 - crossover
         size = larger(size1, size2) + magnitude(crossover) + spread(u1, cell.force_floor)
         size = size + cell.resolution * stiffness * (magnitude(w1) + magnitude(w2))
-        inverse_size = one / size
-        residual = larger(magnitude(gradient1), magnitude(gradient2)) * inverse_size
         # Newton step with a positive definite matrix
         # (h1 + k)(h2 + k) - k^2, written so that a stiff contact does not cancel it
         determinant = hessian1 * hessian2 + stiffness * (hessian1 + hessian2)
@@ -205,7 +204,8 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         own2 = where_positive(definite, hessian2, elastic2 + spread(u1, cell.stiffness_floor))
         diagonal1 = own1 + stiffness
         diagonal2 = own2 + stiffness
-        inverse = one / (own1 * own2 + stiffness * (own1 + own2))
+        inverse, inverse_size = inverses(own1 * own2 + stiffness * (own1 + own2), size)
+        residual = larger(magnitude(gradient1), magnitude(gradient2)) * inverse_size
         newton1 = (stiffness * gradient2 - diagonal2 * gradient1) * inverse
         newton2 = (stiffness * gradient1 - diagonal1 * gradient2) * inverse
         # what the third derivatives add to it
@@ -332,13 +332,13 @@ def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any):
     u1 = cell.half_spacing[0] * strain1
     u2 = cell.half_spacing[1] * strain2
     w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start[0], start[1])
-    two = u1.dtype(2.0)
+    half = u1.dtype(0.5)
     return (
         wp.matrix_from_rows(w1, w2),
-        force1 / spread(u1, two * cell.half_spacing[1]),
-        force2 / spread(u1, two * cell.half_spacing[0]),
+        (half / cell.half_spacing[1]) * force1,
+        (half / cell.half_spacing[0]) * force2,
         fill(u1, 0.0),
-        crossover / spread(u1, two * cell.half_spacing[0] * cell.half_spacing[1]),
+        (half / (cell.half_spacing[0] * cell.half_spacing[1])) * crossover,
         residual,
         iterations,
     )

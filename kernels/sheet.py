@@ -119,10 +119,14 @@ def sheet_struct(real: type):
 
 
 @wp.func
-def moment_resultants(moment: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any):
-    """T11, T12, T22 of a moment m = dpsi/dgamma: dgamma/da_1 = (a_2 - a_1 m12/m11)/J, likewise for a_2."""
-    t12 = moment / area_ratio
-    return -(t12 * m12 / m11), t12, -(t12 * m12 / m22)
+def moment_resultants(moment: Any, m12: Any, inverse1: Any, inverse2: Any, inverse_ratio: Any):
+    """T11, T12, T22 of a moment m = dpsi/dgamma: dgamma/da_1 = (a_2 - a_1 m12/m11)/J, likewise for a_2.
+
+    Given are the reciprocals of the stretches, whose squares are m11 and m22, and of J.
+    """
+    t12 = moment * inverse_ratio
+    across = -(t12 * m12)
+    return across * inverse1 * inverse1, t12, across * inverse2 * inverse2
 
 
 @wp.func
@@ -197,8 +201,10 @@ def current_thickness(laws: Any, area_ratio: Any, crossover_pressure: Any):
 
 
 @wp.func
-def bending_moments(laws: Any, kind: int, m11: Any, m12: Any, m22: Any, area_ratio: Any, k11: Any, k12: Any, k22: Any):
-    """M11, M12, M22 and T11, T12, T22 of bending.
+def bending_moments(
+    laws: Any, kind: int, m11: Any, m12: Any, m22: Any, inverse_ratio: Any, k11: Any, k12: Any, k22: Any
+):
+    """M11, M12, M22 and T11, T12, T22 of bending; ``inverse_ratio`` is 1/J.
 
     Isotropic: M = J D [(1-nu) k + nu a tr k] in the current metric, equation (6) of the paper, with k raised by the
     inverse metric; T = a (psi + 2 J D (1-nu) det k) - 2 J D tr(k) k is the derivative by the metric.
@@ -207,7 +213,6 @@ def bending_moments(laws: Any, kind: int, m11: Any, m12: Any, m22: Any, area_rat
     """
     two = m11.dtype(2.0)
     half = m11.dtype(0.5)
-    one = fill(m11, 1.0)
     moment11 = fill(m11, 0.0)
     moment12 = fill(m11, 0.0)
     moment22 = fill(m11, 0.0)
@@ -215,7 +220,6 @@ def bending_moments(laws: Any, kind: int, m11: Any, m12: Any, m22: Any, area_rat
     t12 = fill(m11, 0.0)
     t22 = fill(m11, 0.0)
     if kind == BENDING_ISOTROPIC:
-        inverse_ratio = one / area_ratio
         inverse_square = inverse_ratio * inverse_ratio
         twisting = m11.dtype(1.0) - laws.bending.poisson_ratio
         trace = (m22 * k11 - two * m12 * k12 + m11 * k22) * inverse_square
@@ -279,9 +283,11 @@ def spring_energy(stiffness: Any, spring: Any):
 
 
 @wp.func
-def transverse_shear_forces(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, g1: Any, g2: Any):
+def transverse_shear_forces(
+    laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, inverse_ratio: Any, g1: Any, g2: Any
+):
     """Q1, Q2 and T11, T12, T22 of transverse shear, Q = J G_s g raised by the inverse metric; the energy is 1/2 Q.g."""
-    inverse_square = fill(m11, 1.0) / (area_ratio * area_ratio)
+    inverse_square = inverse_ratio * inverse_ratio
     raised1 = (m22 * g1 - m12 * g2) * inverse_square
     raised2 = (m11 * g2 - m12 * g1) * inverse_square
     stiffness = laws.transverse_shear_stiffness * area_ratio

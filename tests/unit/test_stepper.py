@@ -74,7 +74,8 @@ def test_a_step_is_three_launches(monkeypatch, driven):
     simulation = free_sheet(monkeypatch, supports=supports)
     launched = []
     monkeypatch.setattr(wp, "launch", lambda kernel, **given: launched.append(kernel.key))
-    simulation.stepper._block(0)
+    stepper = simulation.stepper
+    stepper._block(stepper._parts(1), 0)
     assert len(launched) == (4 if driven else 3) * REFRESH_INTERVAL + 3
     assert len(set(launched)) == (7 if driven else 6)
 

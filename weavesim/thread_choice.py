@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
+from typing import NamedTuple
 
 # Length of a turn on the number of threads that is fastest [s]: long beside the start of a thread.
 STAY = 0.05
@@ -15,12 +16,20 @@ REST = 1.0
 LOOK_SHARE = 0.01
 
 
+class Turn(NamedTuple):
+    """What was done on one number of threads in a row."""
+
+    blocks: int
+    seconds: float
+    looking: bool
+
+
 class ThreadChoice:
     """Picks the fastest of a few numbers of threads while the work goes on.
 
     Work is done in turns. The next turn takes the number that was fastest of late, or looks at a neighbour of it: at
     once if that has never been tried, else when the time since the last look pays for what that look cost. So a number
-    that other programs slow down is left after two slow turns, tried now and then, and taken again when it pays.
+    that other programs slow down is left after a slow turn or two, tried now and then, and taken again when it pays.
 
     Args:
         counts: numbers of threads, ascending; the first turn takes the first.
@@ -29,7 +38,7 @@ class ThreadChoice:
     def __init__(self, counts: Sequence[int]) -> None:
         self.counts = tuple(counts)
         self.count = self.counts[0]
-        self._costs: dict[int, tuple[float, ...]] = {}  # seconds per block in the last two turns
+        self._turns: dict[int, tuple[Turn, ...]] = {}  # the last two, or the last look
         self._due = dict.fromkeys(self.counts, 0.0)  # time of the next look
         self._now = 0.0
         self._looking = True
@@ -43,7 +52,7 @@ class ThreadChoice:
 
     def block_count(self) -> int:
         """Blocks after which the present turn should be over, one at least."""
-        known = self.count if self.count in self._costs else self._fastest()
+        known = self.count if self.count in self._turns else self._fastest()
         if known is None:
             return 1
         left = (LOOK if self._looking else STAY) - self._turn_seconds
@@ -60,11 +69,13 @@ class ThreadChoice:
             self._end_turn()
 
     def _end_turn(self) -> None:
-        blocks, seconds = self._turn_blocks, max(self._turn_seconds, 1e-9)
+        turn = Turn(self._turn_blocks, max(self._turn_seconds, 1e-9), self._looking)
         self._turn_blocks, self._turn_seconds = 0, 0.0
-        self._costs[self.count] = (*self._costs.get(self.count, ())[-1:], seconds / blocks)
+        # a look is short and may have been lucky: it counts until there is more to go by
+        before = () if turn.looking else tuple(t for t in self._turns.get(self.count, ())[-1:] if not t.looking)
+        self._turns[self.count] = (*before, turn)
         fastest = self._fastest()
-        lost = seconds - blocks * self._cost(fastest) if self._looking else 0.0
+        lost = 0.0 if before else turn.seconds - turn.blocks * self._cost(fastest)
         self._due[self.count] = self._now + max(REST, lost / LOOK_SHARE)
         place = self.counts.index(fastest)
         neighbours = self.counts[max(place - 1, 0) : place] + self.counts[place + 1 : place + 2]
@@ -73,8 +84,9 @@ class ThreadChoice:
         self.count = min(due, key=self._due.get) if due else fastest
 
     def _cost(self, count: int) -> float:
-        """Seconds per block; one slow turn of two is what other programs did."""
-        return min(self._costs[count])
+        """Seconds per block of late."""
+        turns = self._turns[count]
+        return sum(turn.seconds for turn in turns) / sum(turn.blocks for turn in turns)
 
     def _fastest(self) -> int | None:
-        return min(self._costs, key=self._cost, default=None)
+        return min(self._turns, key=self._cost, default=None)

@@ -75,9 +75,20 @@ def test_load_of_others_is_left_alone_and_forgotten_when_it_ends(cost, slowdown)
 
 
 def test_one_slow_turn_changes_nothing():
-    machine = Machine((1, 2), lambda count, time: 0.001 * (2.0 / count) * (10.0 if 5.0 <= time < 5.04 else 1.0))
+    machine = Machine((1, 2), lambda count, time: 0.001 * (2.0 / count) * (2.5 if 5.0 <= time < 5.04 else 1.0))
     machine.run(30.0)
     assert machine.share(2, 0.5) > 0.97
+
+
+def test_a_lucky_look_is_forgotten():
+    """Two threads are slow here, but for looks that happen to find both cores free."""
+
+    def bursts(count: int, time: float) -> float:
+        lucky = count == 2 and time % 2.0 < 0.2
+        return 1e-3 * (1.0 if count == 1 else 0.5 if lucky else 6.0)
+
+    machine = Machine((1, 2), bursts).run(200.0)
+    assert sum(blocks * bursts(count, time) for time, count, blocks in machine.used if count == 2) < 0.1 * 200.0
 
 
 def test_short_replays_count_together():

@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 # Length of a turn on the number of threads that is fastest [s]: long beside the start of a thread.
 STAY = 0.05
-# Length of a turn that only looks at another number [s], and the shortest time between two looks at the same one.
-LOOK = 0.01
-REST = 1.0
+# Length of a turn that only looks at another number [s], several time slices of a busy core, and the shortest time
+# between two looks at the same one.
+LOOK = 0.03
+REST = 0.2
 # Share of a run that looks at one number of threads may cost.
 LOOK_SHARE = 0.01
 

@@ -99,13 +99,13 @@ def test_short_replays_count_together():
 
 def test_a_sheet_too_small_for_threads_stays_on_one():
     machine = Machine((1, 2, 4, 8, 16), lambda count, time: 1e-4 * (1.0 + 0.5 * count)).run(10.0)
-    assert machine.share(1) > 0.98 and {count for _, count, _ in machine.used} == {1, 2}
+    assert machine.share(1) > 0.96 and {count for _, count, _ in machine.used} == {1, 2}
 
 
 def test_more_threads_are_tried_as_long_as_they_pay():
     machine = Machine((1, 2, 4, 6), lambda count, time: 1e-2 / count).run(10.0)
     assert list(dict.fromkeys(count for _, count, _ in machine.used)) == [1, 2, 4, 6]
-    assert machine.share(6, 0.1) > 0.98
+    assert machine.share(6, 0.2) > 0.96
     assert machine.share(6) > 0.97
 
 

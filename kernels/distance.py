@@ -31,6 +31,7 @@ DOME_PUNCH = wp.constant(4)  # lower half of a capsule along x, extruded to z = 
 DOME_OPENING = wp.constant(5)  # solid z < 0 with an opening: radius, half_length, edge_radius
 VOLUME = wp.constant(6)  # sampled distance
 DOME_CAVITY = wp.constant(7)  # solid z < 0 with a hollow, the lower half of a capsule along x: radius, half_length
+ALL_KINDS = tuple(range(8))
 
 
 @cache
@@ -58,7 +59,6 @@ def part_struct(real: type):
     class ToolPart:
         kind: wp.int32
         origin: vec3
-        rotated: wp.int32  # 0: the rotation is the identity and is skipped
         rotation: wp.types.matrix((3, 3), real)  # columns: the part's axes in the world
         radius: real
         half_length: real
@@ -151,8 +151,13 @@ def dome_cavity_distance(x: Any, y: Any, z: Any, radius: Any, half_length: Any):
 
 
 @cache
-def tool_distance_function(real: type, lane_count: int):
-    """wp.func (parts, tool, displacement, x) -> (signed distance, outward normal), for lanes of points."""
+def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[int, ...], rotated: bool):
+    """wp.func (parts, tool, displacement, x) -> (signed distance, outward normal), for lanes of points.
+
+    It knows no other kinds of parts than ``shape_kinds``, and rotated ones only if ``rotated``.
+    """
+    volumes, openings, cavities, tori = (int(k) in shape_kinds for k in (VOLUME, DOME_OPENING, DOME_CAVITY, TORUS))
+    segments = any(int(kind) in shape_kinds for kind in (SPHERE, CAPSULE, DOME_PUNCH))
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Tool, ToolPart = tool_struct(real), part_struct(real)
@@ -189,43 +194,48 @@ def tool_distance_function(real: type, lane_count: int):
         y = p[1]
         z = p[2]
         zero = fill(x, 0.0)
-        one = fill(x, 1.0)
+        # a plane, unless it is something else
         distance = z
         n0 = zero
         n1 = zero
-        n2 = one
-        if part.kind == VOLUME:
-            distance, normal = volume_distance(part, p)
-            n0 = normal[0]
-            n1 = normal[1]
-            n2 = normal[2]
-        elif part.kind == DOME_OPENING:
-            distance, n0, n1, n2 = dome_opening_distance(x, y, z, part.radius, part.half_length, part.edge_radius)
-        elif part.kind == DOME_CAVITY:
-            distance, n0, n1, n2 = dome_cavity_distance(x, y, z, part.radius, part.half_length)
-        elif part.kind == TORUS:
-            out = square_root(x * x + y * y)
-            a = out - spread(x, part.half_length)
-            length = square_root(a * a + z * z)
-            inverse = _safe_inverse(length)
-            inverse_out = _safe_inverse(out)
-            distance = length - spread(x, part.radius)
-            n0 = a * inverse * x * inverse_out
-            n1 = a * inverse * y * inverse_out
-            n2 = z * inverse
-        elif part.kind != PLANE:
-            half_length = part.half_length
-            if part.kind == SPHERE:
-                half_length = real(0.0)
-            if part.kind == DOME_PUNCH:
-                z = smaller(z, zero)
-            out, along, across = _profile(x, y, half_length)
-            length = square_root(out * out + z * z)
-            inverse = _safe_inverse(length)
-            distance = length - spread(x, part.radius)
-            n0 = along * inverse
-            n1 = across * inverse
-            n2 = z * inverse
+        n2 = fill(x, 1.0)
+        if wp.static(volumes):
+            if part.kind == VOLUME:
+                distance, normal = volume_distance(part, p)
+                n0 = normal[0]
+                n1 = normal[1]
+                n2 = normal[2]
+        if wp.static(openings):
+            if part.kind == DOME_OPENING:
+                distance, n0, n1, n2 = dome_opening_distance(x, y, z, part.radius, part.half_length, part.edge_radius)
+        if wp.static(cavities):
+            if part.kind == DOME_CAVITY:
+                distance, n0, n1, n2 = dome_cavity_distance(x, y, z, part.radius, part.half_length)
+        if wp.static(tori):
+            if part.kind == TORUS:
+                out = square_root(x * x + y * y)
+                a = out - spread(x, part.half_length)
+                length = square_root(a * a + z * z)
+                inverse = _safe_inverse(length)
+                inverse_out = _safe_inverse(out)
+                distance = length - spread(x, part.radius)
+                n0 = a * inverse * x * inverse_out
+                n1 = a * inverse * y * inverse_out
+                n2 = z * inverse
+        if wp.static(segments):
+            if part.kind == SPHERE or part.kind == CAPSULE or part.kind == DOME_PUNCH:
+                half_length = part.half_length
+                if part.kind == SPHERE:
+                    half_length = real(0.0)
+                if part.kind == DOME_PUNCH:
+                    z = smaller(z, zero)
+                out, along, across = _profile(x, y, half_length)
+                length = square_root(out * out + z * z)
+                inverse = _safe_inverse(length)
+                distance = length - spread(x, part.radius)
+                n0 = along * inverse
+                n1 = across * inverse
+                n2 = z * inverse
         return distance, wp.matrix_from_rows(n0, n1, n2)
 
     @wp.func
@@ -236,10 +246,10 @@ def tool_distance_function(real: type, lane_count: int):
             part = parts[tool.first_part + k]
             centre = part.origin + displacement * tool.axis
             p = wp.matrix_from_rows(x[0] - lanes(centre[0]), x[1] - lanes(centre[1]), x[2] - lanes(centre[2]))
-            if part.rotated == 1:
+            if wp.static(rotated):
                 p = wp.transpose(part.rotation) * p
             part_d, part_n = part_distance(part, p)
-            if part.rotated == 1:
+            if wp.static(rotated):
                 part_n = part.rotation * part_n
             if k == 0:
                 distance = part_d
@@ -260,7 +270,7 @@ def sample_distance_kernel(real: type, lane_count: int):
     types = lane_types(real, lane_count)
     lanes3, vec3 = types.lanes3, types.vec3
     Tool, ToolPart = tool_struct(real), part_struct(real)
-    tool_distance = tool_distance_function(real, lane_count)
+    tool_distance = tool_distance_function(real, lane_count, ALL_KINDS, True)
 
     @wp.kernel(module="unique", enable_backward=False)
     def sample_distance(

@@ -34,6 +34,7 @@ from .sheet import (
     SHEAR_LOSS_ROW,
     SHEAR_SLIP_ROW,
     SHEAR_SPRING_ROW,
+    SheetTraits,
     bending_friction,
     bending_moments,
     compressive_force,
@@ -96,9 +97,7 @@ def element_struct(real: type, lane_count: int):
         shape_gradient: wp.array2d(dtype=types.lanes)  # b_p1, b_p2, b_q1, b_q2 [1/m]
         hourglass_offset: wp.array2d(dtype=types.lanes)  # c_p, c_q
         area: wp.array(dtype=types.lanes)  # reference area [m^2]; 0 for padding
-        flat: wp.int32  # 1: all initial strains are zero and are not read
-        skewed: wp.int32  # 0: every element is a parallelogram, c_p and c_q are zero
-        initial_curvature: wp.array2d(dtype=types.lanes)  # k11, k12, k22 [1/m]
+        initial_curvature: wp.array2d(dtype=types.lanes)  # k11, k12, k22 [1/m]; of a flat sheet none is read
         initial_transverse_shear: wp.array2d(dtype=types.lanes)  # g1, g2
         initial_hourglass: wp.array2d(dtype=types.lanes)  # warping [m], director along a1, a2
 
@@ -210,20 +209,22 @@ def skew_weights(elements: Any, e: int):
 
 
 @wp.func
-def element_strains(elements: Any, e: int, a1: Any, a2: Any, d1: Any, d2: Any, mean_director: Any):
+def element_strains(
+    elements: Any, e: int, flat: bool, skewed: bool, a1: Any, a2: Any, d1: Any, d2: Any, mean_director: Any
+):
     """Curvatures k11, k12, k22 and transverse shears g1, g2, minus their initial values."""
     k11 = dot(a1, d1)
     k22 = dot(a2, d2)
     k12 = k11.dtype(0.5) * (dot(a1, d2) + dot(a2, d1))
     g1 = dot(a1, mean_director)
     g2 = dot(a2, mean_director)
-    if elements.flat == 0:
+    if not flat:
         k11 = k11 - elements.initial_curvature[0, e]
         k12 = k12 - elements.initial_curvature[1, e]
         k22 = k22 - elements.initial_curvature[2, e]
         g1 = g1 - elements.initial_transverse_shear[0, e]
         g2 = g2 - elements.initial_transverse_shear[1, e]
-    if elements.skewed == 1:
+    if skewed:
         skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(elements, e)
         g1 = g1 + skew11 * k11 + skew12 * k12 + skew13 * k22
         g2 = g2 + skew21 * k11 + skew22 * k12 + skew23 * k22
@@ -286,6 +287,7 @@ def twist_weights(elements: Any, e: int):
 def hourglass_strains(
     elements: Any,
     e: int,
+    flat: bool,
     a1: Any,
     a2: Any,
     mean_director: Any,
@@ -303,7 +305,7 @@ def hourglass_strains(
     warping = k11.dtype(0.25) * dot(x_hourglass, mean_director) + weight11 * k11 + weight12 * k12 + weight22 * k22
     along1 = dot(d_hourglass, a1)
     along2 = dot(d_hourglass, a2)
-    if elements.flat == 0:
+    if not flat:
         warping = warping - elements.initial_hourglass[0, e]
         along1 = along1 - elements.initial_hourglass[1, e]
         along2 = along2 - elements.initial_hourglass[2, e]
@@ -341,7 +343,7 @@ def yarn_strains(m11: Any, m22: Any):
 
 
 @cache
-def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
+def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Kernel of one launch per step: nodal forces and director gradients of every element."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
@@ -349,6 +351,9 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
     row_count, unknown_count = cell.row_count, cell.unknown_count
     Unknowns = wp.types.matrix((row_count, lane_count), real)
     solve, snap_loss, cell_shears = cell.solve, cell.snap_loss, cell.depends_on_shear
+    flat, skewed, curved_shear, bending_kind = traits.flat, traits.skewed, traits.curved_shear, traits.bending
+    shear_slides, bending_slides = traits.shear_friction, traits.bending_friction
+    follows_thickness = traits.follows_thickness
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_forces(
@@ -397,13 +402,12 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             elements.shape_gradient[0, e] * elements.shape_gradient[3, e]
             - elements.shape_gradient[1, e] * elements.shape_gradient[2, e]
         )
-        moment, linear12 = shear_resultants(laws, m12, angle)
+        moment, linear12 = shear_resultants(laws, curved_shear, m12, angle)
         if wp.static(cell_shears):
             moment = moment + cell_moment
-        if laws.in_plane_bending_stiffness > real(0.0):
-            difference, square = corner_angles(elements, e, motion, angle)
-            moment = moment + (laws.in_plane_bending_stiffness * inverse_area) * difference
-        if laws.shear.friction_stiffness > real(0.0):
+        difference, square = corner_angles(elements, e, motion, angle)
+        moment = moment + (laws.in_plane_bending_stiffness * inverse_area) * difference
+        if wp.static(shear_slides):
             turned, spring, lost = shear_friction(
                 laws, angle, slip[SHEAR_SLIP_ROW, e], slip[SHEAR_SPRING_ROW, e], pressure
             )
@@ -415,18 +419,18 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
         shear12 = shear12 + linear12
         for corner in range(4):
             corner_force[ANGLE_ROW + ROWS_PER_CORNER * corner, e] = angle
-        if laws.thickness > real(0.0):
+        if wp.static(follows_thickness):
             # nodes with fewer neighbours read a padding element, which must add nothing
             thickness = where_positive(elements.area[e], current_thickness(laws, area_ratio, pressure), lanes())
             for corner in range(4):
                 corner_force[THICKNESS_ROW + ROWS_PER_CORNER * corner, e] = thickness
 
         # bending and transverse shear
-        k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
+        k11, k12, k22, g1, g2 = element_strains(elements, e, flat, skewed, a1, a2, d1, d2, mean_director)
         moment11, moment12, moment22, bend11, bend12, bend22 = bending_moments(
-            laws, m11, m12, m22, area_ratio, k11, k12, k22
+            laws, bending_kind, m11, m12, m22, area_ratio, k11, k12, k22
         )
-        if laws.bending.friction == 1:
+        if wp.static(bending_slides):
             warp_slip, warp_spring, warp_loss = bending_friction(
                 laws, 0, k11 / m11, slip[BENDING_SLIP_ROW, e], slip[BENDING_SPRING_ROW, e]
             )
@@ -445,7 +449,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
             bend11 = bend11 - real(2.0) * warp_moment * k11 / (m11 * m11)
             bend22 = bend22 - real(2.0) * weft_moment * k22 / (m22 * m22)
         q1, q2, slide11, slide12, slide22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
-        if elements.skewed == 1:
+        if wp.static(skewed):
             skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(elements, e)
             moment11 = moment11 + skew11 * q1 + skew21 * q2
             moment12 = moment12 + real(0.5) * (skew12 * q1 + skew22 * q2)
@@ -457,7 +461,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw):
         # stabilisation
         in_plane, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
         warping, twist1, twist2 = hourglass_strains(
-            elements, e, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
+            elements, e, flat, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
         )
         warping_force = warping_stiffness * warping
         weight11, weight12, weight22 = twist_weights(elements, e)

@@ -23,6 +23,7 @@ from .sheet import (
     BENDING_SPRING_ROW,
     SHEAR_LOSS_ROW,
     SHEAR_SPRING_ROW,
+    SheetTraits,
     bending_energy,
     bending_moments,
     compressive_force,
@@ -52,7 +53,7 @@ ELEMENT_FIELDS = (
 
 
 @cache
-def element_ledger_kernel(real: type, cell: CellLaw):
+def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
     """Energies [J] and fields of every element; changes nothing of the state."""
     types = lane_types(real, 1)
     lanes, lanes3 = types.lanes, types.lanes3
@@ -60,6 +61,8 @@ def element_ledger_kernel(real: type, cell: CellLaw):
     unknown_count, part_count = cell.unknown_count, len(cell.energy_names)
     Unknowns = wp.types.matrix((cell.row_count, 1), real)
     solve, cell_energies = cell.solve, cell.energies
+    flat, skewed, curved_shear, bending_kind = traits.flat, traits.skewed, traits.curved_shear, traits.bending
+    shear_slides, bending_slides = traits.shear_friction, traits.bending_friction
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_ledger(
@@ -93,12 +96,14 @@ def element_ledger_kernel(real: type, cell: CellLaw):
         for k in range(part_count):
             energies[k, e] = parts[k]
         half = real(0.5)
-        k11, k12, k22, g1, g2 = element_strains(elements, e, a1, a2, d1, d2, mean_director)
-        moment11, moment12, moment22, b11, b12, b22 = bending_moments(laws, m11, m12, m22, area_ratio, k11, k12, k22)
+        k11, k12, k22, g1, g2 = element_strains(elements, e, flat, skewed, a1, a2, d1, d2, mean_director)
+        moment11, moment12, moment22, b11, b12, b22 = bending_moments(
+            laws, bending_kind, m11, m12, m22, area_ratio, k11, k12, k22
+        )
         q1, q2, s11, s12, s22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, g1, g2)
         in_plane, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
         warping, twist1, twist2 = hourglass_strains(
-            elements, e, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
+            elements, e, flat, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
         )
         height = dot(x_hourglass, normal) / area_ratio
         squeeze1 = compressive_force(laws, stretch1)
@@ -106,15 +111,15 @@ def element_ledger_kernel(real: type, cell: CellLaw):
         energies[part_count + 0, e] = (
             half * area * (squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0)))
         )
-        shear = shear_energy(laws, m12, angle)
-        moment = shear_moment(laws, m12, area_ratio, angle) + cell_moment
-        bending = bending_energy(laws, m11, m22, k11, k12, k22, moment11, moment12, moment22)
-        if laws.shear.friction_stiffness > real(0.0):
+        shear = shear_energy(laws, curved_shear, m12, angle)
+        moment = shear_moment(laws, curved_shear, m12, area_ratio, angle) + cell_moment
+        bending = bending_energy(laws, bending_kind, m11, m22, k11, k12, k22, moment11, moment12, moment22)
+        if wp.static(shear_slides):
             spring = slip[SHEAR_SPRING_ROW, e]
             shear = shear + spring_energy(laws.shear.friction_stiffness, spring)
             moment = moment + laws.shear.friction_stiffness * spring
             energies[part_count + 7, e] = area * slip[SHEAR_LOSS_ROW, e]
-        if laws.bending.friction == 1:
+        if wp.static(bending_slides):
             bending = (
                 bending
                 + spring_energy(laws.bending.friction_stiffness[0], slip[BENDING_SPRING_ROW, e])

@@ -1,5 +1,6 @@
 """Nodes: gather the forces of the elements, meet the tools, advance in time (docs/theory.md, 6 and 7)."""
 
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -52,6 +53,25 @@ CLOCK_MEAN_STEP = wp.constant(2)
 CLOCK_LENGTH = 3
 
 
+@dataclass(frozen=True)
+class NodeTraits:
+    """What acts on the nodes of a run: their kernel is made for it, as those of the sheet are for ``SheetTraits``.
+
+    Attributes:
+        follows_thickness: tools meet the current thickness.
+        loaded: forces or couples are prescribed.
+        supported: nodes are held by supports.
+        shape_kinds: of the parts of all tools, see kernels/distance.py; none without tools.
+        rotated: some part is.
+    """
+
+    follows_thickness: bool = False
+    loaded: bool = False
+    supported: bool = False
+    shape_kinds: tuple[int, ...] = ()
+    rotated: bool = False
+
+
 @cache
 def node_struct(real: type, lane_count: int):
     """Constant node data; arrays are [block of lanes] or [row, block]."""
@@ -68,9 +88,9 @@ def node_struct(real: type, lane_count: int):
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
         contact_stiffness: wp.array(dtype=types.lanes)  # [N/m]
         angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
-        thickness_weight: wp.array(dtype=types.lanes)  # of each in its mean thickness; empty if tools do not meet that
+        thickness_weight: wp.array(dtype=types.lanes)  # of each in its mean thickness, if tools meet that
         load: wp.array2d(dtype=types.vec3)  # rows: force [N], couple [N m] at a share of one
-        load_time: wp.array(dtype=wp.float64)  # knots of the loads' share [s]; none without loads
+        load_time: wp.array(dtype=wp.float64)  # knots of the loads' share [s]
         load_share: wp.array(dtype=wp.float64)
         freedom: wp.array(dtype=types.indices)  # bits 0-2: x, y, z may move; bits 3-5: director may turn about x, y, z
 
@@ -84,7 +104,6 @@ def support_struct(real: type, lane_count: int):
 
     @wp.struct
     class Supports:
-        count: wp.int32  # 0: nothing else is read
         held: wp.array(dtype=types.indices)  # bits 0-2: x, y, z of the node follow the drives
         direction: wp.array2d(dtype=types.vec3)  # [drive, node]: displacement of the node over that of the drive
         increment: wp.array(dtype=real)  # of each drive in this step [m]
@@ -181,13 +200,15 @@ def friction_spring(trial: Any, stiffness: Any, limit: Any):
 
 
 @cache
-def node_motion_kernel(real: type, lane_count: int):
+def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
     """Kernel of one launch per step: forces, contact, new velocities, positions and directors."""
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Nodes, MotionLaws, Tools = node_struct(real, lane_count), motion_struct(real), tool_set_struct(real)
     Supports, Touch = support_struct(real, lane_count), touch_struct(real, lane_count)
-    tool_distance = tool_distance_function(real, lane_count)
+    tool_distance = tool_distance_function(real, lane_count, traits.shape_kinds, traits.rotated)
+    follows_thickness, loaded, supported = traits.follows_thickness, traits.loaded, traits.supported
+    has_tools = len(traits.shape_kinds) > 0
 
     @wp.kernel(module="unique", enable_backward=False)
     def node_motion(
@@ -220,7 +241,7 @@ def node_motion_kernel(real: type, lane_count: int):
             force = gather_corners(corners, offset, nodes.corner_stride, 0, force)
             couple = gather_corners(corners, offset, nodes.corner_stride, COUPLE_ROW, couple)
             angle = add_scalar(corners, offset, ANGLE_ROW * nodes.corner_stride, angle)
-            if nodes.thickness_weight.shape[0] > 0:
+            if wp.static(follows_thickness):
                 thickness = add_scalar(corners, offset, THICKNESS_ROW * nodes.corner_stride, thickness)
         # the elements met the mean of one step before: that resists its change, which is booked as damping
         mean_angle = nodes.angle_weight[block] * angle
@@ -232,7 +253,7 @@ def node_motion_kernel(real: type, lane_count: int):
         half_thickness = lanes(laws.half_thickness)
         growth = lanes()
         thickened = real(0.0)
-        if nodes.thickness_weight.shape[0] > 0:
+        if wp.static(follows_thickness):
             half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
             # work of the present springs from half a step ago to half a step ahead, whose part is extrapolated
             last = half_thickness - report[HALF_THICKNESS_ROW, block]
@@ -245,7 +266,7 @@ def node_motion_kernel(real: type, lane_count: int):
         director = rows3(motion, DIRECTOR_ROW, block)
         applied_force = lanes3()
         applied_couple = lanes3()
-        if nodes.load_time.shape[0] > 0:
+        if wp.static(loaded):
             share = real(load_share(nodes.load_time, nodes.load_share, clock[CLOCK_TIME]))
             applied_force = share * load(nodes.load[0], first, lanes3())
             applied_couple = share * load(nodes.load[1], first, lanes3())
@@ -276,7 +297,7 @@ def node_motion_kernel(real: type, lane_count: int):
                         relative[c] = relative[c] - lanes(tool_velocity[c])
                     leaving = dot(relative, normal)
                     spring, pressure = normal_force(penetration, -leaving, stiffness, laws.contact_damping_time)
-                    if nodes.thickness_weight.shape[0] > 0:
+                    if wp.static(follows_thickness):
                         report[THICKNESS_WORK_ROW, block] = report[THICKNESS_WORK_ROW, block] + spring * growth
                     dashpot = scale(pressure - spring, normal)
                     # friction: the spring follows the tangent plane and the sliding since the last step
@@ -308,7 +329,7 @@ def node_motion_kernel(real: type, lane_count: int):
         change = (mean_step * acceleration - (real(2.0) * decay) * velocity) / (real(1.0) + decay)
         new_velocity = velocity + wp.cw_mul(free, change)
         way = step * new_velocity
-        if supports.count > 0:
+        if wp.static(supported):
             follows = freedom_mask(supports.held[block], 0, lanes3())
             driven = lanes3()
             for k in range(supports.increment.shape[0]):
@@ -322,7 +343,7 @@ def node_motion_kernel(real: type, lane_count: int):
         # what holds a node takes up all the force on it, and accelerates its mass
         held = middle - moving
         support_work = -mean_step * nodes.mass[block] * dot(acceleration, held)
-        if supports.count > 0:
+        if wp.static(supported):
             gained = new_velocity - velocity
             support_work = support_work + nodes.mass[block] * dot(gained, held)
             needed = scale(nodes.mass[block], gained / mean_step - acceleration)
@@ -331,7 +352,7 @@ def node_motion_kernel(real: type, lane_count: int):
         damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )
-        if laws.tool_count > 0:
+        if wp.static(has_tools):
             # a share for the rounding of this sum
             moved = wp.sqrt(lane_maximum(dot(way, way)))
             for k in range(laws.tool_count):
@@ -362,7 +383,7 @@ def node_motion_kernel(real: type, lane_count: int):
         store_rows3(motion, DIRECTOR_ROW, block, new_director)
 
         report[FRICTION_ROW, block] = report[FRICTION_ROW, block] + friction_work
-        if nodes.load_time.shape[0] > 0:
+        if wp.static(loaded):
             report[LOAD_ROW, block] = report[LOAD_ROW, block] + mean_step * (
                 dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_middle)
             )

@@ -87,7 +87,11 @@ def yarn_axial_stiffness(cell: Any, k: int, elongation: Any):
 
 @wp.func
 def yarn_forces(cell: Any, k: int, u: Any, w: Any):
-    """(dPi/du, dPi/dw, d2Pi/dw2, its positive part, size of the terms of dPi/dw) of yarn k alone."""
+    """Forces of yarn k alone, and what its higher derivatives are made of.
+
+    Returns dPi/du, dPi/dw, d2Pi/dw2, its positive part, the size of the terms of dPi/dw; elongation, axial stiffness,
+    moment, cosine and sine of the chord, 1/l.
+    """
     elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
     stiffness = yarn_axial_stiffness(cell, k, elongation)
     axial = stiffness * elongation
@@ -98,13 +102,45 @@ def yarn_forces(cell: Any, k: int, u: Any, w: Any):
     by_u = axial * cosine - shear * sine
     by_w = axial * sine + shear * cosine
     # d2Pi/dw2: elastic part K_E, geometric part K_G
-    elastic = stiffness * sine * sine + cell.rotation_stiffness[k] * (cosine * inverse_length) * (
-        cosine * inverse_length
-    )
-    geometric = (axial * cosine - u.dtype(2.0) * shear * sine) * cosine * inverse_length
+    turning = cosine * inverse_length
+    elastic = stiffness * sine * sine + cell.rotation_stiffness[k] * turning * turning
+    geometric = (axial * cosine - u.dtype(2.0) * shear * sine) * turning
     # what the residual is compared with: the terms themselves, and what rounding leaves of the elongation
     size = magnitude(axial * sine) + magnitude(shear * cosine) + cell.resolution * stiffness * parts * magnitude(sine)
-    return by_u, by_w, elastic + geometric, elastic, size
+    return by_u, by_w, elastic + geometric, elastic, size, elongation, stiffness, moment, cosine, sine, inverse_length
+
+
+@wp.func
+def yarn_expansion(
+    cell: Any, k: int, elongation: Any, stiffness: Any, moment: Any, cosine: Any, sine: Any, inverse_length: Any
+):
+    """Further derivatives of yarn k's energy, from what ``yarn_forces`` tells: uw, uww, www."""
+    one = fill(moment, 1.0)
+    two = moment.dtype(2.0)
+    four = moment.dtype(4.0)
+    bending = cell.rotation_stiffness[k] * inverse_length * inverse_length
+    shear = moment * inverse_length * inverse_length
+    along = stiffness - stiffness * elongation * inverse_length - two * bending
+    c2 = cosine * cosine
+    s2 = sine * sine
+    turning = cosine * inverse_length
+    twice_shear = two * shear * inverse_length
+    uw = cosine * sine * (along + bending) - shear * (c2 - s2)
+    uww = turning * (c2 - two * s2) * along + twice_shear * sine * (four * c2 - one)
+    www = moment.dtype(3.0) * turning * cosine * sine * along + twice_shear * cosine * (four * s2 - one)
+    return uw, uww, www
+
+
+@wp.func
+def yarn_remainder(
+    cell: Any, k: int, elongation: Any, stiffness: Any, cosine: Any, sine: Any, inverse_length: Any, step: Any
+):
+    """Size of what a step in w adds to dPi/dw of yarn k beyond the third derivative: d4Pi/dw4, another stiffness."""
+    bend = cosine * step * inverse_length
+    stretched = elongation + sine * step + step.dtype(0.5) * cosine * bend * step
+    passed = larger(where_positive(elongation, -stretched, stretched), fill(step, 0.0))
+    jump = wp.abs(cell.tensile_stiffness[k] - cell.compressive_stiffness[k])
+    return stiffness * bend * bend * magnitude(step) + jump * passed * magnitude(sine)
 
 
 @wp.func
@@ -120,6 +156,10 @@ def contact_active(cell: Any, closing: Any):
 def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
     """Height changes (w1, w2) that make Pi stationary, by Newton's method from (start1, start2).
 
+    The last step is one of third order (Chebyshev's: Newton's step d, minus H^-1 Pi_www d d/2), and no evaluation
+    follows it: the forces are taken along to second order. It is the last as soon as the estimate of what it leaves is
+    within the tolerance; from one time step to the next that mostly is the first.
+
     Safeguards, all per lane: where the Hessian is not positive definite its geometric part is left out; a step is at
     most a quarter of the chord; a step that overshoots (the directional derivative changes sign and keeps more than
     half its size) is taken back in part, by a Newton step along it, so that the point stays between two known slopes.
@@ -130,34 +170,32 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
     w2 = start2
     zero = fill(u1, 0.0)
     one = fill(u1, 1.0)
+    half = u1.dtype(0.5)
+    two = u1.dtype(2.0)
     step1 = zero
     step2 = zero
     slope = zero  # directional derivative at the start of the step, <= 0
     force1 = zero
     force2 = zero
-    crossover = zero
+    stiffness = zero
     residual = one
     iterations = zero
-    limit1 = spread(u1, u1.dtype(0.25) * cell.chord_length[0])
-    limit2 = spread(u1, u1.dtype(0.25) * cell.chord_length[1])
     tolerance = spread(u1, cell.tolerance)
     for iteration in range(MAXIMUM_ITERATIONS + 1):
-        by_u1, by_w1, hessian1, elastic1, size1 = yarn_forces(cell, 0, u1, w1)
-        by_u2, by_w2, hessian2, elastic2, size2 = yarn_forces(cell, 1, u2, w2)
+        by_u1, by_w1, hessian1, elastic1, size1, elongation1, axial1, moment1, cosine1, sine1, inverse1 = yarn_forces(
+            cell, 0, u1, w1
+        )
+        by_u2, by_w2, hessian2, elastic2, size2, elongation2, axial2, moment2, cosine2, sine2, inverse2 = yarn_forces(
+            cell, 1, u2, w2
+        )
         stiffness = cell.contact_stiffness * contact_active(cell, -(w1 + w2))
         crossover = -(stiffness * (w1 + w2))
         gradient1 = by_w1 - crossover
         gradient2 = by_w2 - crossover
         size = larger(size1, size2) + magnitude(crossover) + spread(u1, cell.force_floor)
         size = size + cell.resolution * stiffness * (magnitude(w1) + magnitude(w2))
-        residual = larger(magnitude(gradient1), magnitude(gradient2)) / size
-        force1 = by_u1
-        force2 = by_u2
-        unfinished = where_positive(residual - tolerance, one, zero)
-        # a NaN residual compares false above, and is caught by the caller; it must not stall the other lanes
-        if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
-            break
-        iterations = iterations + unfinished
+        inverse_size = one / size
+        residual = larger(magnitude(gradient1), magnitude(gradient2)) * inverse_size
         # Newton step with a positive definite matrix
         # (h1 + k)(h2 + k) - k^2, written so that a stiff contact does not cancel it
         determinant = hessian1 * hessian2 + stiffness * (hessian1 + hessian2)
@@ -167,9 +205,41 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         own2 = where_positive(definite, hessian2, elastic2 + spread(u1, cell.stiffness_floor))
         diagonal1 = own1 + stiffness
         diagonal2 = own2 + stiffness
-        determinant = own1 * own2 + stiffness * (own1 + own2)
-        newton1 = (stiffness * gradient2 - diagonal2 * gradient1) / determinant
-        newton2 = (stiffness * gradient1 - diagonal1 * gradient2) / determinant
+        inverse = one / (own1 * own2 + stiffness * (own1 + own2))
+        newton1 = (stiffness * gradient2 - diagonal2 * gradient1) * inverse
+        newton2 = (stiffness * gradient1 - diagonal1 * gradient2) * inverse
+        # what the third derivatives add to it
+        uw1, uww1, www1 = yarn_expansion(cell, 0, elongation1, axial1, moment1, cosine1, sine1, inverse1)
+        uw2, uww2, www2 = yarn_expansion(cell, 1, elongation2, axial2, moment2, cosine2, sine2, inverse2)
+        bent1 = half * www1 * newton1 * newton1
+        bent2 = half * www2 * newton2 * newton2
+        extra1 = (stiffness * bent2 - diagonal2 * bent1) * inverse
+        extra2 = (stiffness * bent1 - diagonal1 * bent2) * inverse
+        # what both leave: the ratio of the two parts once more, and what no third derivative knows
+        ratio = (magnitude(extra1) + magnitude(extra2)) / (magnitude(newton1) + magnitude(newton2) + fill(u1, 1.0e-37))
+        beyond = yarn_remainder(cell, 0, elongation1, axial1, cosine1, sine1, inverse1, newton1)
+        beyond = beyond + yarn_remainder(cell, 1, elongation2, axial2, cosine2, sine2, inverse2, newton2)
+        if cell.unilateral == 1:
+            closing = w1 + w2
+            closed = closing + newton1 + newton2
+            beyond = beyond + cell.contact_stiffness * larger(where_positive(closing, -closed, closed), zero)
+        remainder = two * residual * ratio * ratio + beyond * inverse_size
+        better = where_positive(definite, residual - remainder, zero)
+        remainder = where_positive(better, remainder, residual)
+        # a NaN compares false, and is caught by the caller; it must not stall the other lanes
+        unfinished = where_positive(remainder - tolerance, one, zero)
+        if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
+            last1 = where_positive(better, newton1 + extra1, zero)
+            last2 = where_positive(better, newton2 + extra2, zero)
+            w1 = w1 + last1
+            w2 = w2 + last2
+            force1 = by_u1 + (uw1 + half * uww1 * last1) * last1
+            force2 = by_u2 + (uw2 + half * uww2 * last2) * last2
+            residual = remainder
+            break
+        iterations = iterations + unfinished
+        limit1 = spread(u1, u1.dtype(0.25) * cell.chord_length[0])
+        limit2 = spread(u1, u1.dtype(0.25) * cell.chord_length[1])
         shrink = smaller(
             one,
             smaller(
@@ -181,15 +251,15 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         newton2 = shrink * newton2
         # overshoot of the previous step: a Newton step back along it, with the stiffness met here
         rise = gradient1 * step1 + gradient2 * step2
-        overshoot = rise + u1.dtype(0.5) * slope
-        curvature = diagonal1 * step1 * step1 + diagonal2 * step2 * step2 + u1.dtype(2.0) * stiffness * step1 * step2
+        overshoot = rise + half * slope
+        curvature = diagonal1 * step1 * step1 + diagonal2 * step2 * step2 + two * stiffness * step1 * step2
         back = smaller(larger(rise / larger(curvature, fill(u1, 1.0e-37)), fill(u1, 0.0625)), fill(u1, 0.9375))
         slope = where_positive(overshoot, (one - back) * slope, gradient1 * newton1 + gradient2 * newton2)
         w1 = where_positive(unfinished, w1 + where_positive(overshoot, -(back * step1), newton1), w1)
         w2 = where_positive(unfinished, w2 + where_positive(overshoot, -(back * step2), newton2), w2)
         step1 = where_positive(overshoot, (one - back) * step1, newton1)
         step2 = where_positive(overshoot, (one - back) * step2, newton2)
-    return w1, w2, force1, force2, crossover, residual, iterations
+    return w1, w2, force1, force2, -(stiffness * (w1 + w2)), residual, iterations
 
 
 @wp.func
@@ -210,8 +280,8 @@ def unit_cell_energies(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any):
 @wp.func
 def unit_cell_descent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, change1: Any, change2: Any):
     """-dPi/dw . change at (u, w) [J]."""
-    by_u1, by_w1, hessian1, elastic1, size1 = yarn_forces(cell, 0, u1, w1)
-    by_u2, by_w2, hessian2, elastic2, size2 = yarn_forces(cell, 1, u2, w2)
+    by_u1, by_w1, hessian1, elastic1, size1, el1, k1, m1, c1, s1, i1 = yarn_forces(cell, 0, u1, w1)
+    by_u2, by_w2, hessian2, elastic2, size2, el2, k2, m2, c2, s2, i2 = yarn_forces(cell, 1, u2, w2)
     closing = cell.contact_stiffness * contact_active(cell, -(w1 + w2)) * (w1 + w2)
     return -((by_w1 + closing) * change1 + (by_w2 + closing) * change2)
 

@@ -5,6 +5,7 @@ area_ratio J = |a1 x a2|; k11, k12, k22 the curvatures; g1, g2 the transverse sh
 T the part of dpsi/da_alpha along a_beta, M the moments, Q the transverse shear forces.
 """
 
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -13,8 +14,6 @@ import warp as wp
 from .curve import curve_energy, curve_size, curve_struct, odd_curve, slide
 from .lanes import div, fill, larger, mul, power, spread, where_positive
 
-SHEAR_LINEAR = wp.constant(0)
-SHEAR_CURVE = wp.constant(1)
 BENDING_ISOTROPIC = wp.constant(0)
 BENDING_YARNS = wp.constant(1)
 BENDING_CURVES = wp.constant(2)
@@ -37,16 +36,40 @@ SHEAR_LOSS_ROW = wp.constant(6)
 BENDING_LOSS_ROW = wp.constant(7)
 
 
+@dataclass(frozen=True)
+class SheetTraits:
+    """What a sheet has and what not: kernels are made for it and hold no branch, and no code, of the rest.
+
+    A branch costs more than its test: the lanes of all that lives on behind it are taken apart and put together again.
+
+    Attributes:
+        curved_shear: the shear moment is a curve over the angle; False: the linear law.
+        bending: BENDING_ISOTROPIC, BENDING_YARNS or BENDING_CURVES.
+        shear_friction: between the yarns that turn on each other.
+        bending_friction: inside the bent yarns of one family at least.
+        follows_thickness: tools meet the current thickness.
+        flat: all initial strains are zero.
+        skewed: some element is no parallelogram.
+    """
+
+    curved_shear: bool = True
+    bending: int = int(BENDING_ISOTROPIC)
+    shear_friction: bool = False
+    bending_friction: bool = False
+    follows_thickness: bool = False
+    flat: bool = True
+    skewed: bool = False
+
+
 @cache
 def shear_struct(real: type):
     """Constants of in-plane shear in one precision, as a Warp struct."""
 
     @wp.struct
     class ShearLaw:
-        kind: wp.int32
         stiffness: real  # t G_12 of the linear law [N/m]
         curve: curve_struct(real)  # moment per reference area over the angle [N/m]
-        friction_stiffness: real  # of the spring before the slider [N/m]; 0: no friction
+        friction_stiffness: real  # of the spring before the slider [N/m]
         friction_limit: curve_struct(real)  # moment that makes it slip, over the angle [N/m]
         crossover_friction_length: real  # times the pressure of the crossovers, is added to that limit [m]
 
@@ -59,13 +82,11 @@ def bending_struct(real: type):
 
     @wp.struct
     class BendingLaw:
-        kind: wp.int32
         stiffness: real  # D [N m]
         poisson_ratio: real
         yarn_stiffness: wp.types.vector(4, real)  # D_1, D_2, D_12, coupling D_nu [N m]
         warp_curve: curve_struct(real)  # moment over curvature [N]
         weft_curve: curve_struct(real)
-        friction: wp.int32  # 1: at least one family has a slider
         friction_stiffness: wp.types.vector(2, real)  # of the springs before the sliders [N m], not zero
         friction_limit: wp.types.vector(2, real)  # moment that makes them slip [N]
 
@@ -87,7 +108,7 @@ def sheet_struct(real: type):
         hourglass_warping: real
         hourglass_director: real  # [N m]
         slip_resolution: real  # relative rounding of a slip
-        thickness: real  # t_0 [m] if tools meet the current thickness, else 0
+        thickness: real  # t_0 [m]
         thickening: real  # n of t = t_0 J^-n / (1 + p/E_c)
         inverse_crossover_modulus: real  # 1/E_c [1/Pa]
 
@@ -105,34 +126,34 @@ def moment_resultants(moment: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any
 
 
 @wp.func
-def shear_resultants(laws: Any, m12: Any, angle: Any):
+def shear_resultants(laws: Any, curved: bool, m12: Any, angle: Any):
     """In-plane shear without friction: its moment, and T12 beside what follows from the moment.
 
     Curve: dpsi/da_1 = m dgamma/da_1. Linear: S_12 = G_12 E_12 with E_12 = 1/2 a_1.a_2, equation (4) of the paper.
     """
     moment = fill(angle, 0.0)
     t12 = fill(angle, 0.0)
-    if laws.shear.kind == SHEAR_LINEAR:
-        t12 = m12.dtype(0.5) * laws.shear.stiffness * m12
-    else:
+    if curved:
         moment, tangent = odd_curve(laws.shear.curve, angle)
+    else:
+        t12 = m12.dtype(0.5) * laws.shear.stiffness * m12
     return moment, t12
 
 
 @wp.func
-def shear_energy(laws: Any, m12: Any, angle: Any):
+def shear_energy(laws: Any, curved: bool, m12: Any, angle: Any):
     """psi of in-plane shear [J/m^2]; linear law: t G_12 E_12^2."""
     energy = m12.dtype(0.25) * laws.shear.stiffness * m12 * m12
-    if laws.shear.kind == SHEAR_CURVE:
+    if curved:
         energy = curve_energy(laws.shear.curve, angle)
     return energy
 
 
 @wp.func
-def shear_moment(laws: Any, m12: Any, area_ratio: Any, angle: Any):
+def shear_moment(laws: Any, curved: bool, m12: Any, area_ratio: Any, angle: Any):
     """dpsi/dgamma at constant stretches, without friction [N/m]; linear law: T12 dm12/dgamma = T12 J."""
     moment = m12.dtype(0.5) * laws.shear.stiffness * m12 * area_ratio
-    if laws.shear.kind == SHEAR_CURVE:
+    if curved:
         moment, tangent = odd_curve(laws.shear.curve, angle)
     return moment
 
@@ -176,7 +197,7 @@ def current_thickness(laws: Any, area_ratio: Any, crossover_pressure: Any):
 
 
 @wp.func
-def bending_moments(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, k11: Any, k12: Any, k22: Any):
+def bending_moments(laws: Any, kind: int, m11: Any, m12: Any, m22: Any, area_ratio: Any, k11: Any, k12: Any, k22: Any):
     """M11, M12, M22 and T11, T12, T22 of bending.
 
     Isotropic: M = J D [(1-nu) k + nu a tr k] in the current metric, equation (6) of the paper, with k raised by the
@@ -193,7 +214,7 @@ def bending_moments(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, k1
     t11 = fill(m11, 0.0)
     t12 = fill(m11, 0.0)
     t22 = fill(m11, 0.0)
-    if laws.bending.kind == BENDING_ISOTROPIC:
+    if kind == BENDING_ISOTROPIC:
         inverse_ratio = one / area_ratio
         inverse_square = inverse_ratio * inverse_ratio
         twisting = m11.dtype(1.0) - laws.bending.poisson_ratio
@@ -215,7 +236,7 @@ def bending_moments(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, k1
         stiffness12 = laws.bending.yarn_stiffness[2]
         coupling = spread(m11, laws.bending.yarn_stiffness[3]) / (m11 * m22)
         moment12 = two * stiffness12 * k12 / (m11 * m22)
-        if laws.bending.kind == BENDING_YARNS:
+        if kind == BENDING_YARNS:
             moment11 = stiffness1 * k11 / (m11 * m11) + coupling * k22
             moment22 = stiffness2 * k22 / (m22 * m22) + coupling * k11
         else:
@@ -229,11 +250,13 @@ def bending_moments(laws: Any, m11: Any, m12: Any, m22: Any, area_ratio: Any, k1
 
 
 @wp.func
-def bending_energy(laws: Any, m11: Any, m22: Any, k11: Any, k12: Any, k22: Any, m_11: Any, m_12: Any, m_22: Any):
+def bending_energy(
+    laws: Any, kind: int, m11: Any, m22: Any, k11: Any, k12: Any, k22: Any, m_11: Any, m_12: Any, m_22: Any
+):
     """psi of bending [J/m^2], from curvatures and the moments ``m_11``, ``m_12``, ``m_22`` of ``bending_moments``."""
     half = m11.dtype(0.5)
     energy = half * (m_11 * k11 + m_22 * k22) + m_12 * k12
-    if laws.bending.kind == BENDING_CURVES:
+    if kind == BENDING_CURVES:
         energy = (
             curve_energy(laws.bending.warp_curve, k11 / m11)
             + curve_energy(laws.bending.weft_curve, k22 / m22)

@@ -34,14 +34,24 @@ from .lanes import (
     where_positive,
 )
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
-from .sheet import SHEAR_LINEAR, shear_friction_limit, sheet_struct
+from .sheet import SheetTraits, shear_friction_limit, sheet_struct
 
 
 @wp.func
-def shear_tangent(laws: Any, stretch1: Any, stretch2: Any, sine: Any, cosine: Any, angle: Any, crossover_pressure: Any):
+def shear_tangent(
+    laws: Any,
+    curved: bool,
+    sticking: bool,
+    stretch1: Any,
+    stretch2: Any,
+    sine: Any,
+    cosine: Any,
+    angle: Any,
+    crossover_pressure: Any,
+):
     """Second derivatives of the shear energy by (stretch 1, stretch 2, angle): C11, C12, C22, C13, C23, C33 [N/m].
 
-    Then its first derivatives n_1, n_2, m. Friction counts as long as it sticks, with all the moment that it can bear.
+    Then its first derivatives n_1, n_2, m. Friction (``sticking``) counts with all the moment that it can bear.
     """
     zero = fill(angle, 0.0)
     c11 = zero
@@ -53,7 +63,10 @@ def shear_tangent(laws: Any, stretch1: Any, stretch2: Any, sine: Any, cosine: An
     n1 = zero
     n2 = zero
     moment = zero
-    if laws.shear.kind == SHEAR_LINEAR:
+    if curved:
+        moment, c33 = odd_curve(laws.shear.curve, angle)
+        c33 = larger(c33, zero)
+    else:
         # psi = 1/4 t G_12 (stretch1 stretch2 sin)^2
         half = angle.dtype(0.5) * laws.shear.stiffness
         product = stretch1 * stretch2
@@ -67,10 +80,7 @@ def shear_tangent(laws: Any, stretch1: Any, stretch2: Any, sine: Any, cosine: An
         n1 = stretch1 * c11
         n2 = stretch2 * c22
         moment = half * (product * product) * (sine * cosine)
-    else:
-        moment, c33 = odd_curve(laws.shear.curve, angle)
-        c33 = larger(c33, zero)
-    if laws.shear.friction_stiffness > angle.dtype(0.0):
+    if sticking:
         limit = shear_friction_limit(laws, angle, crossover_pressure)
         c33 = c33 + spread(angle, laws.shear.friction_stiffness)
         moment = moment + where_positive(moment, limit, -limit)
@@ -226,7 +236,7 @@ def frequency_lane_count(lane_count: int, cell: CellLaw) -> int:
 
 
 @cache
-def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
+def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Square of each element's highest frequency, bounded from above [1/s^2].
 
     The bound is the largest eigenvalue of a 2 x 2 matrix of norms: of the second derivatives by the positions, by the
@@ -239,6 +249,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
     unknown_count, state_count, cell_shears = cell.unknown_count, cell.stable_state_count, cell.depends_on_shear
     Unknowns, StepBounds = wp.types.matrix((cell.row_count, lane_count), real), step_bounds_struct(real)
     stable_tangent = cell.stable_tangent
+    flat, skewed, curved_shear, shear_slides = traits.flat, traits.skewed, traits.curved_shear, traits.shear_friction
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_frequencies(
@@ -289,12 +300,9 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         start = Unknowns()
         for k in range(unknown_count):
             start[k] = cell_unknowns[k, e]
-        bundling = zero
-        bundled = zero
-        if laws.in_plane_bending_stiffness > real(0.0):
-            bundling = (two * laws.in_plane_bending_stiffness) * (bp1 * bq2 - bp2 * bq1)
-            difference, square = corner_angles(elements, e, motion, angle)
-            bundled = bundling * difference
+        bundling = (two * laws.in_plane_bending_stiffness) * (bp1 * bq2 - bp2 * bq1)
+        difference, square = corner_angles(elements, e, motion, angle)
+        bundled = bundling * difference
         metric11 = m22 / (area_ratio * area_ratio)
         metric12 = -(m12 / (area_ratio * area_ratio))
         metric22 = m11 / (area_ratio * area_ratio)
@@ -319,7 +327,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
             c12 = where_positive(beyond, zero, c12)
             c22 = where_positive(beyond, lanes(bounds.cell[1]), c22)
             s11, s12, s22, s13, s23, s33, pull1, pull2, moment = shear_tangent(
-                laws, stretch1, stretch2, sine, cosine, angle, pressure
+                laws, curved_shear, shear_slides, stretch1, stretch2, sine, cosine, angle, pressure
             )
             if wp.static(cell_shears):
                 s13 = s13 + c13
@@ -359,7 +367,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         tilt2 = dot(a2, mean_director)
         curvature = metric11 * dot(d1, d1) + two * (metric12 * dot(d1, d2)) + metric22 * dot(d2, d2)
         tilt = metric11 * tilt1 * tilt1 + two * (metric12 * tilt1 * tilt2) + metric22 * tilt2 * tilt2
-        if elements.flat == 0:
+        if wp.static(not flat):
             raising = metric11 + metric22
             k11 = elements.initial_curvature[0, e]
             k12 = elements.initial_curvature[1, e]
@@ -381,7 +389,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw):
         # transverse shear couples slopes and mean directors, by the directors' full length in a flat element too
         slope_positions = slope * gradient
         half_directors = lanes(half)
-        if elements.skewed == 1:
+        if wp.static(skewed):
             skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(elements, e)
             skew = skew11 * skew11 + skew13 * skew13 + skew21 * skew21 + skew23 * skew23
             skew = skew + half * (skew12 * skew12 + skew22 * skew22)

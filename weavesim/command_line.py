@@ -101,15 +101,16 @@ def compile_command(
     precision: Annotated[list[Precision] | None, typer.Option(help="of the runs; may be repeated")] = None,
     device: Annotated[str, typer.Option(help='where they compute: "cpu" or "cuda:0", "cuda:1", ...')] = "cpu",
     unit_cell: Annotated[str, typer.Option(help="of the fabrics, as in a fabric file")] = "plain-weave",
+    scene: Annotated[str | None, typer.Option(help="only for this one [default: all]")] = None,
     processes: Annotated[int | None, typer.Option(min=1, help="that compile side by side [default: cores]")] = None,
 ) -> None:
-    """Compile all kernels that a scene takes, so that the first run starts at once."""
+    """Compile all kernels that the scenes take as they are, so that the first run starts at once."""
     import warp as wp
 
     from .compilation import KernelSet, compile_kernels
 
     for wanted in precision or [Precision.SINGLE]:
-        seconds = compile_kernels(KernelSet(wanted, device, unit_cell), processes)
+        seconds = compile_kernels(KernelSet(wanted, device, unit_cell, scene), processes)
         print(f"{wanted}, {device}, {unit_cell}: compiled within {seconds:.1f} s")
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
 
@@ -126,7 +127,7 @@ def _add_scene(name: str, scene: Scene) -> None:
         module = import_module(f".scenes.{scene.module}", __package__)
         # plain help: boxed columns would cut the names of the options
         scene_application = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
-        scene_command(scene_application, getattr(module, scene.parameters), module.run, scene.help)
+        scene_command(scene_application, name, getattr(module, scene.parameters), module.run, scene.help)
         scene_application(args=context.args, prog_name=f"weavesim {name}")
 
 
@@ -135,7 +136,7 @@ for _name, _scene in SCENES.items():
 
 
 def scene_command(
-    scene_application: typer.Typer, parameters: Any, run: Callable[[Any], dict[str, Any]], text: str
+    scene_application: typer.Typer, scene: str, parameters: Any, run: Callable[[Any], dict[str, Any]], text: str
 ) -> None:
     """Add a command whose options are the fields of ``parameters``, a subclass of ``RunOptions``.
 
@@ -154,7 +155,7 @@ def scene_command(
         checked = parameters(**given)
         if not kernels_are_compiled():
             print("The first run compiles its kernels, which takes about a minute.", file=sys.stderr, flush=True)
-            _compile_ahead(checked)
+            _compile_ahead(scene, checked)
         try:
             outcome = run(checked).get("outcome", Outcome.FINISHED.value)
         except KeyboardInterrupt:
@@ -174,11 +175,11 @@ def scene_command(
     scene_application.command(help=text)(command)
 
 
-def _compile_ahead(options: Any) -> None:
+def _compile_ahead(scene: str, options: Any) -> None:
     """Compile side by side what the run would compile one after the other."""
     from .compilation import KernelSet, compile_kernels
 
-    compile_kernels(KernelSet(options.precision, options.device))
+    compile_kernels(KernelSet(options.precision, options.device, scene=scene))
 
 
 def _option(name: str, field: Any, panel: str) -> inspect.Parameter:

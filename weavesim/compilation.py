@@ -14,13 +14,14 @@ from .device import Precision, available_threads, initialise, load_kernel, resol
 from .errors import InputError
 from .fabric import UNIT_CELLS
 from .kernels.barrier import barrier
-from .kernels.distance import sample_distance_kernel
+from .kernels.distance import DOME_OPENING, DOME_PUNCH, SPHERE, sample_distance_kernel
 from .kernels.element import element_force_kernel
 from .kernels.interval import look_at_clock
 from .kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from .kernels.ledger import element_ledger_kernel
 from .kernels.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
-from .kernels.node import node_motion_kernel
+from .kernels.node import NodeTraits, node_motion_kernel
+from .kernels.sheet import SheetTraits
 from .kernels.support_motion import support_motion_kernel
 from .kernels.time_step import (
     element_frequency_kernel,
@@ -29,6 +30,15 @@ from .kernels.time_step import (
     set_step_kernel,
 )
 from .kernels.tool_motion import partial_sum_kernel, tool_motion_kernel
+
+# What the default set-ups of the scenes are; others are compiled when they run.
+SCENE_TRAITS: dict[str, tuple[SheetTraits, NodeTraits]] = {
+    "double-dome": (SheetTraits(), NodeTraits(shape_kinds=(int(DOME_PUNCH), int(DOME_OPENING)), rotated=True)),
+    "hemisphere": (SheetTraits(), NodeTraits(shape_kinds=(int(SPHERE),))),
+    "picture-frame": (SheetTraits(), NodeTraits(supported=True)),
+    "bias-extension": (SheetTraits(), NodeTraits(supported=True)),
+    "cantilever": (SheetTraits(), NodeTraits(supported=True)),
+}
 
 
 @dataclass(frozen=True)
@@ -39,28 +49,33 @@ class KernelSet:
         precision: of the run.
         device: where it computes.
         unit_cell: a name of ``weavesim.fabric.UNIT_CELLS``.
+        scene: a name of ``SCENE_TRAITS``; None means all of them.
     """
 
     precision: Precision = Precision.SINGLE
     device: str = "cpu"
     unit_cell: str = "plain-weave"
+    scene: str | None = None
 
     def kernels(self) -> list[wp.Kernel]:
-        """All kernels that any scene takes, roughly those first that take long to compile.
+        """All kernels that the scene takes, roughly those first that take long to compile.
 
         Raises:
-            InputError: no such unit cell or device.
+            InputError: no such unit cell, scene or device.
         """
-        if self.unit_cell not in UNIT_CELLS:
-            raise InputError(f"unit cell {self.unit_cell!r} is unknown: choose one of {', '.join(UNIT_CELLS)}")
+        for what, name, known in (("unit cell", self.unit_cell, UNIT_CELLS), ("scene", self.scene, SCENE_TRAITS)):
+            if name is not None and name not in known:
+                raise InputError(f"{what} {name!r} is unknown: choose one of {', '.join(known)}")
         is_cpu = resolve_device(self.device).is_cpu
         real, law = self.precision.real, UNIT_CELLS[self.unit_cell]().law()
         lane_count = CPU_LANE_COUNT if is_cpu else GPU_LANE_COUNT
+        traits = [SCENE_TRAITS[self.scene]] if self.scene else list(SCENE_TRAITS.values())
+        sheets, nodes = (list(dict.fromkeys(kind)) for kind in zip(*traits, strict=True))
         return [
-            element_force_kernel(real, lane_count, law),
-            node_motion_kernel(real, lane_count),
-            element_frequency_kernel(real, frequency_lane_count(lane_count, law), law),
-            element_ledger_kernel(real, law),
+            *(element_force_kernel(real, lane_count, law, sheet) for sheet in sheets),
+            *(element_frequency_kernel(real, frequency_lane_count(lane_count, law), law, sheet) for sheet in sheets),
+            *(node_motion_kernel(real, lane_count, node) for node in nodes),
+            *(element_ledger_kernel(real, law, sheet) for sheet in sheets),
             sample_distance_kernel(real, 1),
             mesh_distance_kernel,
             volume_distance_kernel,
@@ -85,7 +100,7 @@ def compile_kernels(kernel_set: KernelSet, process_count: int | None = None) -> 
         Seconds that it took.
 
     Raises:
-        InputError: no such unit cell or device.
+        InputError: no such unit cell, scene or device.
     """
     started = time.perf_counter()
     initialise()

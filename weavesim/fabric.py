@@ -91,12 +91,15 @@ class Fabric(Parameters):
         return self
 
     @property
+    def has_bending_friction(self) -> bool:
+        """True where a bent yarn of one family at least has friction inside."""
+        bending = self.bending
+        return isinstance(bending, YarnBending) and any(family.friction_limit > 0.0 for family in bending.families)
+
+    @property
     def has_inner_friction(self) -> bool:
         """True where yarns or fibres slip on each other inside the sheet, which then has a history."""
-        bending = self.bending
-        return self.shear_friction is not None or (
-            isinstance(bending, YarnBending) and any(family.friction_limit > 0.0 for family in bending.families)
-        )
+        return self.shear_friction is not None or self.has_bending_friction
 
     @property
     def shear_stiffness_scale(self) -> float:

@@ -56,7 +56,7 @@ class Ledger:
     ) -> None:
         self._stepper, self._tools, self._leading_tool, self._supports = stepper, tools, leading_tool, supports
         model = stepper.model
-        self._kernel = element_ledger_kernel(model.real, model.cell_law)
+        self._kernel = element_ledger_kernel(model.real, model.cell_law, model.sheet_traits)
         self._distance_kernel = sample_distance_kernel(model.real, 1)
         shape = model.element_count
         self._energy_names = (*model.cell_law.energy_names, *SHEET_ENERGIES)

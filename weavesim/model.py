@@ -31,8 +31,7 @@ from .kernels.sheet import (
     BENDING_CURVES,
     BENDING_ISOTROPIC,
     BENDING_YARNS,
-    SHEAR_CURVE,
-    SHEAR_LINEAR,
+    SheetTraits,
     sheet_struct,
 )
 from .kernels.time_step import step_bounds_struct
@@ -306,6 +305,22 @@ class Model:
         """True where tools meet the current thickness."""
         return self.motion.contact_thickness == "current"
 
+    @property
+    def sheet_traits(self) -> SheetTraits:
+        """What the kernels of this sheet are made for."""
+        bending = self.fabric.bending
+        isotropic = isinstance(bending, IsotropicBending)
+        kind = BENDING_ISOTROPIC if isotropic else BENDING_CURVES if bending.curved else BENDING_YARNS
+        return SheetTraits(
+            curved_shear=not isinstance(self.fabric.shear, LinearShear),
+            bending=int(kind),
+            shear_friction=self.fabric.shear_friction is not None,
+            bending_friction=self.fabric.has_bending_friction,
+            follows_thickness=self.follows_thickness,
+            flat=self.geometry.flat,
+            skewed=bool(np.abs(self.geometry.hourglass_offset).max() > 1.0e-9),
+        )
+
     # --- layout ------------------------------------------------------------------------------------------------------
 
     def _to_nodes(self, per_corner: np.ndarray) -> np.ndarray:
@@ -355,14 +370,11 @@ class Model:
         for name, array in self._element_arrays.items():
             setattr(elements, name, lanes_view(array, lane_count))
         elements.node_stride = self.motion_layout.stride
-        elements.flat = int(self.geometry.flat)
-        elements.skewed = int(np.abs(self.geometry.hourglass_offset).max() > 1.0e-9)
         return elements
 
     def _sheet_laws(self):
         fabric, shear, bending = self.fabric, self.fabric.shear, self.fabric.bending
         laws = sheet_struct(self.real)()
-        laws.shear.kind = int(SHEAR_LINEAR if isinstance(shear, LinearShear) else SHEAR_CURVE)
         laws.shear.stiffness = fabric.thickness * shear.modulus if isinstance(shear, LinearShear) else 0.0
         laws.shear.curve = self._curve(lambda angle: shear.moment(angle, fabric.thickness), LARGEST_SHEAR_ANGLE)
         friction = fabric.shear_friction
@@ -370,7 +382,6 @@ class Model:
         laws.shear.crossover_friction_length = friction.crossover_friction_length if friction else 0.0
         laws.shear.friction_limit = self._curve(friction.limit_at if friction else np.zeros_like, LARGEST_SHEAR_ANGLE)
         isotropic = isinstance(bending, IsotropicBending)
-        laws.bending.kind = int(BENDING_ISOTROPIC if isotropic else BENDING_CURVES if bending.curved else BENDING_YARNS)
         laws.bending.stiffness = bending.stiffness(fabric.thickness) if isotropic else 0.0
         laws.bending.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
         families = (BendingCurve.straight(0.0),) * 2 if isotropic else bending.families
@@ -379,12 +390,11 @@ class Model:
         laws.bending.warp_curve, laws.bending.weft_curve = (
             self._curve(family.moment, family.curvature[-1]) for family in families
         )
-        laws.bending.friction = int(any(family.friction_limit > 0.0 for family in families))
         vec2 = wp.types.vector(2, self.real)
         # a family without friction has a slider that never holds: any spring will do
         laws.bending.friction_stiffness = vec2(*(family.friction_stiffness or 1.0 for family in families))
         laws.bending.friction_limit = vec2(*(family.friction_limit for family in families))
-        laws.thickness = fabric.thickness if self.follows_thickness else 0.0
+        laws.thickness = fabric.thickness
         laws.thickening = fabric.compaction.thickening
         laws.inverse_crossover_modulus = 1.0 / fabric.compaction.modulus(fabric.unit_cell)
         laws.slip_resolution = 4.0 * np.finfo(self.precision.numpy).eps

@@ -128,7 +128,6 @@ class Shape:
     def fill(self, part: Any, device: Any) -> None:
         """Write kind, frame and dimensions to a Warp ``ToolPart``."""
         part.origin = self.origin
-        part.rotated = int(self.rotation != IDENTITY)
         part.rotation = [list(row) for row in self.rotation]
         self._fill_dimensions(part, device)
 

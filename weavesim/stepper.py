@@ -29,7 +29,15 @@ from .kernels.element import (
     element_force_kernel,
 )
 from .kernels.interval import look_at_clock
-from .kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, node_motion_kernel, touch_struct
+from .kernels.node import (
+    CLOCK_LENGTH,
+    CLOCK_MEAN_STEP,
+    CLOCK_STEP,
+    CLOCK_TIME,
+    NodeTraits,
+    node_motion_kernel,
+    touch_struct,
+)
 from .kernels.sheet import SLIP_ROWS
 from .kernels.support_motion import support_motion_kernel
 from .kernels.time_step import (
@@ -228,15 +236,24 @@ class Stepper:
         self._choice = ThreadChoice(thread_counts if model.device.is_cpu else (1,))
         self.largest_step, self.step_safety = largest_step, step_safety
         real, lane_count, device = model.real, model.lane_count, model.device
-        self._element_forces = element_force_kernel(real, lane_count, model.cell_law)
-        self._node_motion = node_motion_kernel(real, lane_count)
+        self._element_forces = element_force_kernel(real, lane_count, model.cell_law, model.sheet_traits)
+        node_traits = NodeTraits(
+            follows_thickness=model.follows_thickness,
+            loaded=model.loads is not None,
+            supported=supports.struct.held.shape[0] > 0,
+            shape_kinds=tools.shape_kinds,
+            rotated=tools.rotated,
+        )
+        self._node_motion = node_motion_kernel(real, lane_count, node_traits)
         self._tool_motion = tool_motion_kernel(real)
         self._support_motion = support_motion_kernel(real)
         self._partial_sums = partial_sum_kernel(real)
         # the wide kernel takes long to compile: only for cells that run faster in it
         self._frequency_lane_count = frequency_lane_count(lane_count, model.cell_law)
         model.step_bounds.steps_ahead = REFRESH_INTERVAL
-        self._frequencies = element_frequency_kernel(real, self._frequency_lane_count, model.cell_law)
+        self._frequencies = element_frequency_kernel(
+            real, self._frequency_lane_count, model.cell_law, model.sheet_traits
+        )
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._tool_set = tool_set_struct(real)()

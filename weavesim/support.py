@@ -219,7 +219,6 @@ def build_device_supports(
 
     increment = wp.zeros(len(drives), dtype=real, device=device)
     struct = support_struct(real, lane_count)()
-    struct.count = len(supports)
     struct.held = array(held.reshape(-1, lane_count), indices)
     struct.direction = array(direction, vec3)
     struct.increment = increment

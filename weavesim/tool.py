@@ -13,7 +13,7 @@ from .errors import InputError
 from .kernels.distance import part_struct, sample_distance_kernel, tool_struct
 from .kernels.tool_motion import FORCE, STROKE, ToolDrive
 from .motion import Driven, Fixed, Motion
-from .shapes import Shape, Vector, finite, unit_vector, vector
+from .shapes import IDENTITY, Shape, Vector, finite, unit_vector, vector
 
 if TYPE_CHECKING:
     import trimesh
@@ -106,6 +106,8 @@ class DeviceTools:
         total_reaction: force of the sheet on each tool, (tool_count,) of vec3d [N].
         work: rows: work of the tool on the sheet, work of the driving force; (2, tool_count) of float64 [J].
         shapes: keeps the sampled volumes alive that ``part`` refers to.
+        shape_kinds: of all parts, ascending; see kernels/distance.py.
+        rotated: True if some part is.
     """
 
     tool: wp.array
@@ -119,6 +121,8 @@ class DeviceTools:
     total_reaction: wp.array
     work: wp.array
     shapes: tuple[Shape, ...]
+    shape_kinds: tuple[int, ...]
+    rotated: bool
 
     @property
     def count(self) -> int:
@@ -188,6 +192,8 @@ def build_device_tools(tools: Sequence[Tool], real: type, device: str) -> Device
         total_reaction=wp.zeros(count, dtype=wp.vec3d, device=device),
         work=wp.zeros((2, count), dtype=wp.float64, device=device),
         shapes=tuple(shapes),
+        shape_kinds=tuple(sorted({part.kind for part in part_structs})),
+        rotated=any(part.rotation != IDENTITY for part in shapes),
     )
 
 

@@ -3,33 +3,42 @@
 import os
 import subprocess
 import sys
+from importlib import import_module
 
-import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.compilation import KernelSet, compile_kernels
+from weavesim.command_line import SCENES
+from weavesim.compilation import SCENE_TRAITS, KernelSet, compile_kernels
 from weavesim.device import Precision
 from weavesim.errors import InputError
-from weavesim.fabric import glass_polypropylene
-from weavesim.motion import Stroke
-from weavesim.shapes import Plane
 from weavesim.simulation import Simulation
-from weavesim.support import Drive, Support
-from weavesim.tool import Tool
 
 
-def test_a_run_launches_nothing_else(precision):
-    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
-    held = Support("edge", np.arange(5), drives=(Drive(Stroke((0.0, 1.0), (0.0, 0.01)), (1.0, 0.0, 0.0)),))
-    simulation = Simulation(
-        name="all", blank=blank, fabric=glass_polypropylene(), duration=1.0, supports=(held,), threads=2,
-        tools=(Tool("plane", Plane(origin=(0.0, 0.0, -0.01))),), precision=precision,
-    )  # fmt: skip
-    ahead = KernelSet(Precision(precision)).kernels()
-    launched = [*simulation.stepper.kernels, simulation.ledger._kernel, simulation.ledger._distance_kernel]
-    assert len(launched) == 11
-    assert all(any(kernel is other for other in ahead) for kernel in launched)
+def made(name: str, precision: str) -> list[Simulation]:
+    """The simulations of a scene's default set-up on its coarsest sensible mesh, on two threads."""
+    module = import_module(f"weavesim.scenes.{SCENES[name].module}")
+    options = {"precision": precision, "threads": 2}
+    if name == "double-dome":
+        return [module.double_dome(module.DoubleDomeParameters(mesh_size=0.02, **options))]
+    if name == "hemisphere":
+        return [module.hemisphere(module.HemisphereParameters(mesh_size=0.02, **options), "low-bending")]
+    make = getattr(module, name.replace("-", "_"))
+    return [make(getattr(module, SCENES[name].parameters)(**options))]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_scene_launches_nothing_else(name, precision):
+    ahead = KernelSet(Precision(precision), scene=name).kernels()
+    for simulation in made(name, precision):
+        launched = [*simulation.stepper.kernels, simulation.ledger._kernel, simulation.ledger._distance_kernel]
+        assert len(launched) >= 9
+        assert all(any(kernel is other for other in ahead) for kernel in launched)
+
+
+def test_all_scenes_are_compiled_ahead():
+    assert set(SCENE_TRAITS) == set(SCENES)
+    everything = KernelSet().kernels()
+    assert all(kernel in everything for name in SCENES for kernel in KernelSet(scene=name).kernels())
 
 
 def test_what_is_loaded_is_not_compiled_again_by_its_launch(tmp_path):
@@ -46,6 +55,8 @@ wp.launch(barrier, dim=1, inputs=[wp.zeros(1, dtype=wp.int32, device="cpu"), 1],
     assert len(list(tmp_path.glob("*/*/wp_*barrier*"))) == 1
 
 
-def test_unknown_unit_cell_is_refused_with_those_there_are():
+def test_unknown_unit_cell_or_scene_is_refused_with_those_there_are():
     with pytest.raises(InputError, match="plain-weave"):
         compile_kernels(KernelSet(unit_cell="felt"), process_count=1)
+    with pytest.raises(InputError, match="double-dome"):
+        compile_kernels(KernelSet(scene="triple-dome"), process_count=1)

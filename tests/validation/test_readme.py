@@ -40,8 +40,9 @@ def parsed(scene_name: str, arguments: str) -> tuple[int, dict]:
     application = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
     given: dict = {}
     scene_command(
-        application, getattr(module, scene.parameters), lambda parameters: given.update(parameters) or {}, scene.help
-    )
+        application, scene_name, getattr(module, scene.parameters),
+        lambda parameters: given.update(parameters) or {}, scene.help,
+    )  # fmt: skip
     return CliRunner().invoke(application, shlex.split(arguments)).exit_code, given
 
 

@@ -4,7 +4,8 @@ import warp as wp
 
 
 # Spinning answers within a microsecond while every thread has a core. Where threads share cores, the one that waits
-# gives its core away after a while.
+# gives its core away after a while (a pause is up to 140 cycles): soon enough to be cheap, not so often that the
+# scheduler gives whole slices to others (docs/decisions/0017).
 @wp.func_native("""
     int *p = &wp::index(counter, 0);
     const int arrived = __atomic_add_fetch(p, 1, __ATOMIC_ACQ_REL);
@@ -13,7 +14,7 @@ import warp as wp
 #if defined(__x86_64__)
         __builtin_ia32_pause();
 #if defined(__linux__)
-        if (spin > 4000 && spin % 64 == 0) {
+        if (spin > 400 && spin % 64 == 0) {
             extern int give_core_away() __asm__("sched_yield");
             give_core_away();
         }

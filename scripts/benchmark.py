@@ -109,27 +109,8 @@ def _synchronise() -> None:
 
 def phases(simulation: Any, seconds: float) -> dict[str, float]:
     """Seconds of each phase of a step, and of an output frame, of a run on one thread; its state stays as it is."""
-    stepper, model = simulation.stepper, simulation.stepper.model
-    stepper.look_ahead()
-    copied_state, copied_tools = stepper._ahead  # the copy that frames are taken from
-    launches = {
-        "elements": lambda: stepper.evaluate(),
-        "nodes and contact": lambda: stepper._advance_nodes(0, model.node_count // model.lane_count, copied_state),
-        "tools": lambda: stepper._advance_tools(copied_state, copied_tools),
-        "stable step (every 20th)": lambda: stepper._refresh_frequencies(
-            0, model.element_count // stepper._frequency_lane_count
-        ),
-    }
     repeats = 10
-
-    def repeated(launch: Callable[[], None]) -> Callable[[int], None]:
-        return lambda thread: [launch() for _ in range(repeats)] and None
-
-    result = {}
-    for name, launch in launches.items():
-        # recorded, as in a run: a launch from Python alone costs more than a small sheet
-        graphs = stepper._record(repeated(launch))
-        result[name] = _repeat(lambda graphs=graphs: stepper._replay(graphs), seconds) / repeats
+    result = {name: _repeat(phase, seconds) / repeats for name, phase in simulation.stepper.phases(repeats).items()}
     result["output frame"] = _repeat(lambda: simulation.ledger.frame(0), seconds)
     return result
 
@@ -147,24 +128,7 @@ def _repeat(work: Callable[[], object], seconds: float) -> float:
 
 def state_bytes(simulation: Any) -> float:
     """Allocated bytes per element of all arrays that constants and state of a run live in."""
-    import warp as wp
-
-    stepper = simulation.stepper
-    seen: dict[int, int] = {}
-
-    def add(thing: Any, depth: int = 0) -> None:
-        if isinstance(thing, wp.array):
-            if thing.ptr:
-                seen[thing.ptr] = max(seen.get(thing.ptr, 0), thing.capacity)
-        elif depth < 3:
-            names = getattr(getattr(thing, "_cls", None), "vars", None) or getattr(thing, "__dict__", {})
-            for name in names:
-                add(getattr(thing, name), depth + 1)
-
-    model = stepper.model
-    for thing in (stepper.state, model.elements, model.nodes, model.step_inertia, stepper._squared_frequency):
-        add(thing)
-    return sum(seen.values()) / model.blank.element_count
+    return sum(array.capacity for array in simulation.stepper.arrays()) / simulation.blank.element_count
 
 
 def moved_bytes(simulation: Any) -> float:

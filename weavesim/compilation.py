@@ -16,6 +16,7 @@ from .fabric import UNIT_CELLS
 from .kernels.barrier import barrier
 from .kernels.distance import DOME_OPENING, DOME_PUNCH, SPHERE, sample_distance_kernel
 from .kernels.element import element_force_kernel
+from .kernels.interval import look_at_clock
 from .kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from .kernels.ledger import element_ledger_kernel
 from .kernels.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
@@ -84,7 +85,7 @@ class KernelSet:
             partial_sum_kernel(real),
             partial_maximum_kernel(real),
             set_step_kernel(real),
-            *([barrier] if is_cpu else []),
+            barrier if is_cpu else look_at_clock,
         ]
 
 

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 CPU_COMPILER_FLAGS = "-march=native -mllvm=-inline-threshold=9000"
 X86_COMPILER_FLAGS = "-mprefer-vector-width=512"
 
-SMALLEST_ELEMENT_COUNT_FOR_THREADS = 1000
 LARGEST_THREAD_COUNT = 256
 
 logger = logging.getLogger(__name__)
@@ -184,20 +183,16 @@ def available_threads() -> int:
     return os.cpu_count() or 1
 
 
-def default_thread_count(element_count: int) -> int:
-    """Threads for a sheet of ``element_count`` elements: one while a step is shorter than handing out its parts."""
-    return 1 if element_count < SMALLEST_ELEMENT_COUNT_FOR_THREADS else available_threads()
-
-
-def resolve_thread_count(threads: int | None, element_count: int) -> int:
-    """``threads`` if it is given and possible, else a default for ``element_count`` elements.
+def resolve_thread_counts(threads: int | None) -> tuple[int, ...]:
+    """Numbers of CPU threads that a run may take: ``threads`` if given and possible, else 1, 2, 4, ... and all cores.
 
     Raises:
         InputError: if ``threads`` is not between 1 and ``LARGEST_THREAD_COUNT``.
     """
-    if threads is None:
-        return default_thread_count(element_count)
     available = available_threads()
+    if threads is None:
+        largest = min(available, LARGEST_THREAD_COUNT)
+        return (*(2**power for power in range((largest - 1).bit_length())), largest)
     if not 1 <= threads <= LARGEST_THREAD_COUNT:
         raise InputError(
             f"{threads} threads were asked for: choose 1 to {LARGEST_THREAD_COUNT}, best no more than the {available} "
@@ -205,4 +200,4 @@ def resolve_thread_count(threads: int | None, element_count: int) -> int:
         )
     if threads > available:
         logger.warning("%d threads share %d cores: the result is the same, only later.", threads, available)
-    return threads
+    return (threads,)

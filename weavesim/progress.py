@@ -147,7 +147,8 @@ class RunLog:
         blank, fabric = simulation.blank, simulation.fabric
         lines = [
             f"weavesim {__version__}, Python {platform.python_version()}, {platform.platform()}",
-            f"{simulation.name}: {simulation.precision} on {simulation.device} with {simulation.threads} threads, "
+            f"{simulation.name}: {simulation.precision} on {simulation.device} with "
+            f"{' or '.join(map(str, simulation.thread_counts))} threads, "
             f"duration {simulation.duration:g} s",
             f"blank: {blank.element_count} elements, {blank.node_count} nodes",
             f"mirrored at: {', '.join(simulation.symmetry) or 'no plane'}",

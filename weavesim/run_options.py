@@ -24,7 +24,7 @@ class RunOptions(Parameters):
     device: str = Field(default="cpu", description='where to compute: "cpu" or "cuda:0", "cuda:1", ...')
     precision: Precision = Field(default=Precision.SINGLE, description="scalar type of state and kernels")
     threads: Annotated[int, Field(ge=1, le=LARGEST_THREAD_COUNT)] | None = Field(
-        default=None, description="CPU threads; the result does not depend on them [default: chosen by size]"
+        default=None, description="CPU threads; the result does not depend on them [default: the fastest, measured]"
     )
     time_step: Positive | None = Field(default=None, description="largest time step [s]; must be stable")
     target_step: Positive | None = Field(

@@ -7,9 +7,12 @@ the tools and move, on a CPU tile by tile behind the elements; tools move and th
 
 from __future__ import annotations
 
+import math
 import threading
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import partial
 
 import numpy as np
 import warp as wp
@@ -25,6 +28,7 @@ from .kernels.element import (
     ROWS_PER_CORNER,
     element_force_kernel,
 )
+from .kernels.interval import look_at_clock
 from .kernels.node import (
     CLOCK_LENGTH,
     CLOCK_MEAN_STEP,
@@ -37,6 +41,7 @@ from .kernels.node import (
 from .kernels.sheet import SLIP_ROWS
 from .kernels.support_motion import support_motion_kernel
 from .kernels.time_step import (
+    STEP_GROWTH,
     element_frequency_kernel,
     frequency_lane_count,
     partial_maximum_kernel,
@@ -45,6 +50,7 @@ from .kernels.time_step import (
 from .kernels.tool_motion import partial_sum_kernel, tool_motion_kernel
 from .model import BLOCK, Model, lanes_view
 from .support import DeviceSupports
+from .thread_choice import ThreadChoice
 from .tool import DeviceTools
 
 REFRESH_INTERVAL = 20
@@ -54,6 +60,11 @@ LARGEST_SINGLE_SUM = 4096
 GROUP_SIZE = 256
 # Elements whose forces stay in a core's second-level cache until their nodes have moved.
 TILE_SIZE = 1024
+# A thread with more tiles records one step instead of a block of them: a launch takes about 70 us to record.
+LARGEST_RECORDED_TILE_COUNT = 8
+# At most this many blocks are done before the host looks at the clock, and on a GPU that looks by itself.
+LARGEST_REPLAY = 50
+LARGEST_INTERVAL = 10_000
 
 
 @dataclass
@@ -190,6 +201,12 @@ def _runs(numbers: np.ndarray) -> list[tuple[int, int]]:
     return [(int(run[0]), len(run)) for run in runs if len(run)]
 
 
+def safe_block_count(remaining: float, step: float) -> int:
+    """Blocks of which none but the last can reach a time ``remaining`` seconds away, however the step grows."""
+    growth = float(STEP_GROWTH) - 1.0
+    return max(1, int(math.log1p(growth * remaining / (REFRESH_INTERVAL * step)) / math.log1p(growth)))
+
+
 class Stepper:
     """Advances a state in blocks of ``REFRESH_INTERVAL`` steps.
 
@@ -198,7 +215,8 @@ class Stepper:
         state: what is advanced.
         tools: rigid tools on the same device.
         supports: held nodes, on the same device.
-        thread_count: CPU threads; results do not depend on it, to the last bit.
+        thread_counts: numbers of CPU threads, ascending, of which the fastest is taken as the run goes; results do not
+            depend on it, to the last bit.
         largest_step: upper limit of the time step [s].
         step_safety: share of the stable step 2/omega that is taken.
     """
@@ -210,12 +228,12 @@ class Stepper:
         tools: DeviceTools,
         supports: DeviceSupports,
         *,
-        thread_count: int = 1,
+        thread_counts: Sequence[int] = (1,),
         largest_step: float = np.inf,
         step_safety: float = STEP_SAFETY,
     ) -> None:
         self.model, self.state, self.tools, self.supports = model, state, tools, supports
-        self.thread_count = thread_count if model.device.is_cpu else 1
+        self._choice = ThreadChoice(thread_counts if model.device.is_cpu else (1,))
         self.largest_step, self.step_safety = largest_step, step_safety
         real, lane_count, device = model.real, model.lane_count, model.device
         self._element_forces = element_force_kernel(real, lane_count, model.cell_law, model.sheet_traits)
@@ -248,14 +266,17 @@ class Stepper:
         if state.reaction.shape[1] > LARGEST_SINGLE_SUM:
             group_count = -(-state.reaction.shape[1] // GROUP_SIZE)
             self._sums = wp.zeros((state.reaction.shape[0], group_count), dtype=model.types.vec3, device=device)
-        # a GPU runs whole launches, not tiles
-        tile_size = TILE_SIZE if model.device.is_cpu else model.element_count
-        self._parts = divide_step(model.element_nodes, lane_count, self.thread_count, tile_size)
+        # a GPU may do all blocks of an interval in one launch
+        self.launches_intervals = model.device.is_cuda and wp.is_conditional_graph_supported()
+        self._target = wp.zeros(1, dtype=wp.float64, device=device)
+        self._running = wp.zeros(1, dtype=wp.int32, device=device)
+        self._block_count = wp.zeros(1, dtype=wp.int32, device=device)
+        # recorded when first wanted: for each number of threads a list of graphs per thread
+        self._block_graphs: dict[int, list[list[wp.Graph]]] = {}
+        self._interval_graph: wp.Graph | None = None
         self._load_modules()
-        self._refresh_graphs = self._record(self._refresh)
-        self._block_graphs = self._record(self._block)
         self.step_count = 0
-        self._replay(self._refresh_graphs)
+        self.refresh_step()
         # velocities live at half steps, the initial ones at time zero: the first change is that of half a step
         clock = state.clock.numpy()
         clock[CLOCK_MEAN_STEP] = 0.5 * clock[CLOCK_STEP]
@@ -370,38 +391,59 @@ class Stepper:
 
     # --- recording and replay ----------------------------------------------------------------------------------------
 
-    def _wait(self) -> None:
-        if self.thread_count > 1:
-            wp.launch(barrier, dim=1, inputs=[self._counter, self.thread_count], device=self.model.device)
+    def _wait(self, thread_count: int) -> None:
+        if thread_count > 1:
+            wp.launch(barrier, dim=1, inputs=[self._counter, thread_count], device=self.model.device)
 
-    def _refresh(self, thread: int) -> None:
-        self._refresh_frequencies(
-            *chunks(self.model.element_count // self._frequency_lane_count, self.thread_count)[thread]
-        )
-        self._wait()
+    def _refresh(self, thread_count: int, thread: int) -> None:
+        self._refresh_frequencies(*chunks(self.model.element_count // self._frequency_lane_count, thread_count)[thread])
+        self._wait(thread_count)
         if thread == 0:
             self._refresh_step()
-        self._wait()
+        self._wait(thread_count)
 
-    def _block(self, thread: int) -> None:
-        part = self._parts[thread]
-        for _ in range(REFRESH_INTERVAL):
-            if self.supports.drive_count:
-                if thread == 0:
-                    self._advance_supports()
-                self._wait()
-            for elements, nodes in part.tiles:
-                self.evaluate(*elements)
-                if nodes[1]:
-                    self._advance_nodes(*nodes)
-            self._wait()
-            for nodes in part.shared:
-                self._advance_nodes(*nodes)
-            self._wait()
+    def _step(self, parts: Sequence[Part], thread: int) -> None:
+        part, wait = parts[thread], partial(self._wait, len(parts))
+        if self.supports.drive_count:
             if thread == 0:
-                self._advance_tools()
-            self._wait()
-        self._refresh(thread)
+                self._advance_supports()
+            wait()
+        for elements, nodes in part.tiles:
+            self.evaluate(*elements)
+            if nodes[1]:
+                self._advance_nodes(*nodes)
+        wait()
+        for nodes in part.shared:
+            self._advance_nodes(*nodes)
+        wait()
+        if thread == 0:
+            self._advance_tools()
+        wait()
+
+    def _block(self, parts: Sequence[Part], thread: int) -> None:
+        for _ in range(REFRESH_INTERVAL):
+            self._step(parts, thread)
+        self._refresh(len(parts), thread)
+
+    def _look_at_clock(self, done: int) -> None:
+        wp.launch(
+            look_at_clock,
+            dim=1,
+            inputs=[done, LARGEST_INTERVAL, self._target, self.state.clock],
+            outputs=[self._block_count, self._running],
+            device=self.model.device,
+        )
+
+    def _interval(self) -> None:
+        """All blocks up to ``_target``, for a GPU to do without the host."""
+        parts = self._parts(1)
+
+        def body() -> None:
+            self._block(parts, 0)
+            self._look_at_clock(1)
+
+        self._look_at_clock(0)
+        wp.capture_while(self._running, body)
 
     @property
     def kernels(self) -> list[wp.Kernel]:
@@ -412,8 +454,10 @@ class Stepper:
         ]  # fmt: skip
         if self.supports.drive_count:
             kernels.append(self._support_motion)
-        if self.thread_count > 1:
+        if self._choice.counts[-1] > 1:
             kernels.append(barrier)
+        if self.launches_intervals:
+            kernels.append(look_at_clock)
         return kernels
 
     def _load_modules(self) -> None:
@@ -421,34 +465,79 @@ class Stepper:
         for kernel in self.kernels:
             load_kernel(kernel, self.model.device)
 
-    def _record(self, launches: Callable[[int], None]) -> list[wp.Graph]:
-        graphs = []
-        for thread in range(self.thread_count):
-            wp.capture_begin(device=self.model.device)
-            try:
-                launches(thread)
-            finally:
-                graph = wp.capture_end(device=self.model.device)
-            graphs.append(graph)
-        return graphs
+    def _parts(self, thread_count: int) -> list[Part]:
+        # a GPU runs whole launches, not tiles
+        tile_size = TILE_SIZE if self.model.device.is_cpu else self.model.element_count
+        return divide_step(self.model.element_nodes, self.model.lane_count, thread_count, tile_size)
 
-    def _replay(self, graphs: list[wp.Graph], times: int = 1) -> None:
-        if len(graphs) == 1:
+    def _record(self, launch: Callable[[], None]) -> wp.Graph:
+        wp.capture_begin(device=self.model.device)
+        try:
+            launch()
+        finally:
+            graph = wp.capture_end(device=self.model.device)
+        return graph
+
+    def _recorded_blocks(self, thread_count: int) -> list[list[wp.Graph]]:
+        """For each thread the graphs that make a block."""
+        if thread_count not in self._block_graphs:
+            parts = self._parts(thread_count)
+            if max(len(part.tiles) for part in parts) > LARGEST_RECORDED_TILE_COUNT:
+                graphs = [
+                    [self._record(partial(self._step, parts, thread))] * REFRESH_INTERVAL
+                    + [self._record(partial(self._refresh, thread_count, thread))]
+                    for thread in range(thread_count)
+                ]
+            else:
+                graphs = [[self._record(partial(self._block, parts, thread))] for thread in range(thread_count)]
+            self._block_graphs[thread_count] = graphs
+        return self._block_graphs[thread_count]
+
+    def _replay(self, graphs: Sequence[Sequence[wp.Graph]], times: int) -> None:
+        """Launch each thread's graphs one after the other, ``times`` over."""
+
+        def replay(own: Sequence[wp.Graph]) -> None:
             for _ in range(times):
-                wp.capture_launch(graphs[0])
-            return
-        self._counter.zero_()
+                for graph in own:
+                    wp.capture_launch(graph)
 
-        def replay(graph: wp.Graph) -> None:
-            for _ in range(times):
-                wp.capture_launch(graph)
-
-        others = [threading.Thread(target=replay, args=(graph,)) for graph in graphs[1:]]
+        if len(graphs) > 1:
+            self._counter.zero_()
+        others = [threading.Thread(target=replay, args=(own,)) for own in graphs[1:]]
         for thread in others:
             thread.start()
         replay(graphs[0])
         for thread in others:
             thread.join()
+
+    def _take_turn(self, largest_block_count: int) -> int:
+        """Do blocks on as many threads as are fastest, until it is time to think about that again; how many."""
+        graphs = self._recorded_blocks(self._choice.count)
+        block_count = min(largest_block_count, self._choice.block_count())
+        started = time.perf_counter()
+        self._replay(graphs, block_count)
+        self._choice.report(block_count, time.perf_counter() - started)
+        self.step_count += block_count * REFRESH_INTERVAL
+        return block_count
+
+    def _launch_interval(self, target: float) -> None:
+        if self._interval_graph is None:
+            self._interval_graph = self._record(self._interval)
+        self._target.fill_(target)
+        self._block_count.zero_()
+        wp.capture_launch(self._interval_graph)
+        self.step_count += int(self._block_count.numpy()[0]) * REFRESH_INTERVAL
+
+    # --- what others use ---------------------------------------------------------------------------------------------
+
+    @property
+    def thread_count(self) -> int:
+        """The number of threads that most steps were done on."""
+        return self._choice.most_used
+
+    def refresh_step(self) -> None:
+        """Take the stable step from the present state."""
+        self._refresh(1, 0)
 
     def look_ahead(self) -> Ahead:
         """The next step, done on a copy: the state stays as it is. Support forces become those of the present."""
@@ -477,7 +566,8 @@ class Stepper:
         """Change the rates of ``MotionParameters`` from the next step on [1/s]."""
         self.model.motion_laws.damping = damping
         self.model.motion_laws.director_damping = director_damping
-        self._block_graphs = self._record(self._block)
+        self._block_graphs.clear()
+        self._interval_graph = None
 
     def corner_rows(self) -> np.ndarray:
         """What the elements wrote at the last evaluation, (4 corners, 8 rows, element_count); waits for the device."""
@@ -500,5 +590,68 @@ class Stepper:
 
     def advance(self, block_count: int = 1) -> None:
         """Do ``block_count`` times ``REFRESH_INTERVAL`` steps."""
-        self._replay(self._block_graphs, block_count)
-        self.step_count += block_count * REFRESH_INTERVAL
+        while block_count > 0:
+            block_count -= self._take_turn(block_count)
+
+    def advance_to(self, target: float, stop: Callable[[], bool] = lambda: False) -> None:
+        """Do blocks up to the first end of one at or after ``target`` [s].
+
+        Earlier ends are that ``stop()`` is true, and that the step is no longer positive and finite, which any number
+        of the state that is not finite leads to within a block. The host looks at both between turns of about a
+        twentieth of a second, a block at least; where ``launches_intervals`` is true, only at the end of all blocks.
+        """
+        while not stop():
+            clock = self.state.clock.numpy()
+            remaining, step = target - float(clock[CLOCK_TIME]), float(clock[CLOCK_STEP])
+            if not (remaining > 0.0 and 0.0 < step < math.inf):
+                return
+            if self.launches_intervals:
+                self._launch_interval(target)
+            else:
+                self._take_turn(min(safe_block_count(remaining, step), LARGEST_REPLAY))
+
+    def phases(self, repeat_count: int) -> dict[str, Callable[[], None]]:
+        """The phases of a step, to be timed: each call does one of them ``repeat_count`` times on one thread.
+
+        The state stays as it is, as of this call.
+        """
+        self.look_ahead()
+        state, tools = self._ahead
+        model = self.model
+        launches = {
+            "elements": self.evaluate,
+            "nodes and contact": partial(self._advance_nodes, 0, model.node_count // model.lane_count, state),
+            "tools": partial(self._advance_tools, state, tools),
+            "stable step (every 20th)": partial(
+                self._refresh_frequencies, 0, model.element_count // self._frequency_lane_count
+            ),
+        }
+
+        # recorded, as in a run: a launch from Python alone costs more than a small sheet
+        def repeat(launch: Callable[[], None]) -> None:
+            for _ in range(repeat_count):
+                launch()
+
+        graphs = {name: self._record(partial(repeat, launch)) for name, launch in launches.items()}
+        return {name: partial(wp.capture_launch, graph) for name, graph in graphs.items()}
+
+    def arrays(self) -> list[wp.array]:
+        """All that constants and state of elements and nodes are kept in, each allocation once."""
+        model, found = self.model, {}
+        for thing in (self.state, model.elements, model.nodes, model.step_inertia, self._squared_frequency):
+            for array in _arrays_in(thing):
+                if array.ptr and (array.ptr not in found or found[array.ptr].capacity < array.capacity):
+                    found[array.ptr] = array
+        return list(found.values())
+
+
+def _arrays_in(thing: object) -> Iterator[wp.array]:
+    """Arrays of a dataclass or a Warp struct, and of the structs in it."""
+    if isinstance(thing, wp.array):
+        yield thing
+    elif is_dataclass(thing):
+        for field in fields(thing):
+            yield from _arrays_in(getattr(thing, field.name))
+    elif hasattr(thing, "_cls"):
+        for name in thing._cls.vars:
+            yield from _arrays_in(getattr(thing, name))

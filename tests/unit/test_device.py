@@ -12,15 +12,13 @@ import warp as wp
 from weavesim import device as device_module
 from weavesim.device import (
     LARGEST_THREAD_COUNT,
-    available_threads,
     cpu_features,
-    default_thread_count,
     initialise,
     kernel_cache_folder,
     kernels_are_compiled,
     resolve_device,
     resolve_precision,
-    resolve_thread_count,
+    resolve_thread_counts,
 )
 from weavesim.errors import InputError
 
@@ -116,21 +114,29 @@ def test_cache_that_cannot_be_written_is_named(tmp_path):
     assert "InputError" in done.stderr and "WARP_CACHE_PATH" in done.stderr
 
 
-def test_small_sheets_take_one_thread():
-    assert default_thread_count(1) == 1
-    assert default_thread_count(10**6) == available_threads() == resolve_thread_count(None, 10**6)
+@pytest.mark.parametrize(
+    ("cores", "counts"), [(1, (1,)), (2, (1, 2)), (3, (1, 2, 3)), (6, (1, 2, 4, 6)), (16, (1, 2, 4, 8, 16))]
+)
+def test_without_a_number_up_to_all_cores_may_be_taken(monkeypatch, cores, counts):
+    monkeypatch.setattr(device_module, "available_threads", lambda: cores)
+    assert resolve_thread_counts(None) == counts
+
+
+def test_without_a_number_no_more_than_the_largest_are_taken(monkeypatch):
+    monkeypatch.setattr(device_module, "available_threads", lambda: 3 * LARGEST_THREAD_COUNT)
+    assert resolve_thread_counts(None)[-1] == LARGEST_THREAD_COUNT
 
 
 @pytest.mark.parametrize("threads", [0, -1, LARGEST_THREAD_COUNT + 1])
 def test_impossible_thread_count_is_refused(threads):
     with pytest.raises(InputError, match=f"{threads} threads .*choose 1 to {LARGEST_THREAD_COUNT}"):
-        resolve_thread_count(threads, 1000)
+        resolve_thread_counts(threads)
 
 
 def test_more_threads_than_cores_are_warned_about(caplog, monkeypatch):
     monkeypatch.setattr(device_module, "available_threads", lambda: 2)
     with caplog.at_level(logging.WARNING, "weavesim"):
-        assert resolve_thread_count(2, 1000) == 2
+        assert resolve_thread_counts(2) == (2,)
         assert not caplog.messages
-        assert resolve_thread_count(3, 1000) == 3
+        assert resolve_thread_counts(3) == (3,)
     assert "3 threads share 2 cores" in caplog.messages[0]

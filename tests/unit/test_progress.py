@@ -29,7 +29,7 @@ def simulation():
         symmetry=("x", "y"),
         precision="float32",
         device="cpu",
-        threads=2,
+        thread_counts=(2,),
         notes=["die: 1200 triangles, open sheet"],
         warnings=["die: 3.1 elements [of 5 mm] along 90 degrees"],
         failure=None,

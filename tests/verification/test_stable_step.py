@@ -41,7 +41,7 @@ def highest_frequency(sheet, position, director) -> float:
 def estimate(sheet) -> float:
     """The limit that the run would take for the present state, without its safety [s]."""
     stepper = sheet.simulation.stepper
-    stepper._replay(stepper._refresh_graphs)
+    stepper.refresh_step()
     return stepper.stable_step() / STEP_SAFETY
 
 

@@ -301,7 +301,7 @@ def test_time_step_is_below_the_limit(shell_cell, sheet, fabric, manual):
         squared = scipy.linalg.eigvalsh(0.5 * (stiffness + stiffness.T) * np.outer(root, root))[-1]
         patch.place(position, blank.initial_director)
         patch.simulation.stepper.evaluate()
-        patch.simulation.stepper._replay(patch.simulation.stepper._refresh_graphs)
+        patch.simulation.stepper.refresh_step()
         ratio = patch.simulation.stepper.stable_step() / STEP_SAFETY / (2.0 / math.sqrt(squared))
         assert ratio <= 1.0
         # slack yarns are taken as pulled

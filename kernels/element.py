@@ -23,6 +23,7 @@ from .lanes import (
     lane_types,
     larger,
     mul,
+    pick,
     scale,
     spread,
     square_root,
@@ -124,43 +125,43 @@ def corner_vectors(elements: Any, e: int, v1: Any, v2: Any, v3: Any, v4: Any):
 
 
 @wp.func
-def corner_vector(elements: Any, e: int, corner: int, motion: Any, row: int, like: Any):
+def corner_vector(elements: Any, e: int, corner: int, motion: Any, row: int):
     """The vector in ``row`` of the motion array at one corner."""
-    return gather(motion, elements.corner_node[corner, e], row * elements.node_stride, elements.node_stride, like)
+    return gather(motion, elements.corner_node[corner, e], row * elements.node_stride, elements.node_stride)
 
 
 @wp.func
-def element_vectors(elements: Any, e: int, motion: Any, row: int, like: Any):
+def element_vectors(elements: Any, e: int, motion: Any, row: int):
     """``corner_vectors`` of the vectors in ``row`` of the motion array."""
     return corner_vectors(
         elements,
         e,
-        corner_vector(elements, e, 0, motion, row, like),
-        corner_vector(elements, e, 1, motion, row, like),
-        corner_vector(elements, e, 2, motion, row, like),
-        corner_vector(elements, e, 3, motion, row, like),
+        corner_vector(elements, e, 0, motion, row),
+        corner_vector(elements, e, 1, motion, row),
+        corner_vector(elements, e, 2, motion, row),
+        corner_vector(elements, e, 3, motion, row),
     )
 
 
 @wp.func
-def element_positions(elements: Any, e: int, motion: Any, like: Any):
+def element_positions(elements: Any, e: int, motion: Any):
     """``corner_vectors`` of the positions relative to the first corner, with the part that rounding cut off.
 
     In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an element
     of 5 mm: the remainder that the time integration keeps makes differences exact to their own rounding.
     """
-    x1 = corner_vector(elements, e, 0, motion, POSITION_ROW, like)
-    r1 = corner_vector(elements, e, 0, motion, REMAINDER_ROW, like)
-    v2 = (corner_vector(elements, e, 1, motion, POSITION_ROW, like) - x1) + (
-        corner_vector(elements, e, 1, motion, REMAINDER_ROW, like) - r1
+    x1 = corner_vector(elements, e, 0, motion, POSITION_ROW)
+    r1 = corner_vector(elements, e, 0, motion, REMAINDER_ROW)
+    v2 = (corner_vector(elements, e, 1, motion, POSITION_ROW) - x1) + (
+        corner_vector(elements, e, 1, motion, REMAINDER_ROW) - r1
     )
-    v3 = (corner_vector(elements, e, 2, motion, POSITION_ROW, like) - x1) + (
-        corner_vector(elements, e, 2, motion, REMAINDER_ROW, like) - r1
+    v3 = (corner_vector(elements, e, 2, motion, POSITION_ROW) - x1) + (
+        corner_vector(elements, e, 2, motion, REMAINDER_ROW) - r1
     )
-    v4 = (corner_vector(elements, e, 3, motion, POSITION_ROW, like) - x1) + (
-        corner_vector(elements, e, 3, motion, REMAINDER_ROW, like) - r1
+    v4 = (corner_vector(elements, e, 3, motion, POSITION_ROW) - x1) + (
+        corner_vector(elements, e, 3, motion, REMAINDER_ROW) - r1
     )
-    return corner_vectors(elements, e, type(like)(), v2, v3, v4)
+    return corner_vectors(elements, e, type(x1)(), v2, v3, v4)
 
 
 @wp.func
@@ -238,11 +239,9 @@ def corner_angles(elements: Any, e: int, motion: Any, angle: Any):
     difference = type(angle)()
     square = type(angle)()
     for corner in range(4):
-        index = elements.corner_node[corner, e]
-        for i in range(len(index)):
-            d = angle[i] - motion[index[i] + MEAN_ANGLE_ROW * elements.node_stride]
-            difference[i] += d
-            square[i] += d * d
+        mean = pick(motion, elements.corner_node[corner, e], MEAN_ANGLE_ROW * elements.node_stride)
+        difference = difference + (angle - mean)
+        square = square + (angle - mean) * (angle - mean)
     return difference, square
 
 
@@ -372,8 +371,8 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         corner_force: wp.array2d(dtype=lanes),
     ):
         e = first_block + wp.tid()
-        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW, lanes3())
+        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion)
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW)
 
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
 

@@ -55,8 +55,7 @@ ELEMENT_FIELDS = (
 @cache
 def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
     """Energies [J] and fields of every element; changes nothing of the state."""
-    types = lane_types(real, 1)
-    lanes, lanes3 = types.lanes, types.lanes3
+    lanes = lane_types(real, 1).lanes
     Elements, UnitCell, SheetLaws = element_struct(real, 1), cell.parameters(real), sheet_struct(real)
     unknown_count, part_count = cell.unknown_count, len(cell.energy_names)
     Unknowns = wp.types.matrix((cell.row_count, 1), real)
@@ -80,8 +79,8 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         fields: wp.array2d(dtype=lanes),
     ):
         e = wp.tid()
-        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW, lanes3())
+        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion)
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW)
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)

@@ -37,6 +37,7 @@ from .lanes import (
     larger,
     load,
     mul,
+    pick,
     rows3,
     scale,
     spread,
@@ -148,16 +149,13 @@ def motion_struct(real: type):
 @wp.func
 def gather_corners(corners: Any, offset: Any, stride: int, row: int, total: Any):
     """Add the three components of one adjacent corner to ``total``."""
-    return total + gather(corners, offset, row * stride, stride, total)
+    return total + gather(corners, offset, row * stride, stride)
 
 
 @wp.func
 def add_scalar(corners: Any, offset: Any, first_row: int, total: Any):
     """Add the scalar of one adjacent element to ``total``; ``first_row`` is the flat start of its row."""
-    result = total
-    for i in range(len(offset)):
-        result[i] += corners[offset[i] + first_row]
-    return result
+    return total + pick(corners, offset, first_row)
 
 
 @wp.func

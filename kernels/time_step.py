@@ -243,8 +243,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
     directors, and of those that couple both, each over the lumped masses. In a flat element the first falls apart into
     motions in the plane, across it, and hourglass modes, of which the largest counts.
     """
-    types = lane_types(real, lane_count)
-    lanes, lanes3 = types.lanes, types.lanes3
+    lanes = lane_types(real, lane_count).lanes
     Elements, UnitCell, SheetLaws = element_struct(real, lane_count), cell.parameters(real), sheet_struct(real)
     unknown_count, state_count, cell_shears = cell.unknown_count, cell.stable_state_count, cell.depends_on_shear
     Unknowns, StepBounds = wp.types.matrix((cell.row_count, lane_count), real), step_bounds_struct(real)
@@ -267,8 +266,8 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         squared_frequency: wp.array(dtype=lanes),
     ):
         e = first + wp.tid()
-        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion, lanes3())
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW, lanes3())
+        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion)
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW)
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
         bp1 = elements.shape_gradient[0, e]
@@ -288,7 +287,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
 
         # in the plane; where the present rate takes the yarns before the next look, twice as far for safety
-        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion, VELOCITY_ROW, lanes3())
+        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion, VELOCITY_ROW)
         horizon = two * real(clock[CLOCK_STEP]) * real(bounds.steps_ahead)
         strain1 = strain1 + horizon * (larger(dot(a1, v1), zero) / stretch1)
         strain2 = strain2 + horizon * (larger(dot(a2, v2), zero) / stretch2)

@@ -130,7 +130,7 @@ def test_vectors_load_gather_and_store(types):
     ):
         block = wp.tid()
         own = load(source, block * lane_count, lanes3())
-        other = gather(rows, index[block], 2, 40, lanes3())
+        other = gather(rows, index[block], 2, 40)
         product = dot(own, other)
         products[block] = product
         store(result, block * lane_count, cross(own, other) + scale(product, own))

@@ -138,7 +138,7 @@ def moved_bytes(simulation: Any) -> float:
     model = simulation.stepper.model
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
     flat = 4 * 4 + size * (4 + 2 + 1)
-    if not model.elements.flat:
+    if not model.sheet_traits.flat:
         flat += size * 8
     element_reads = flat + per_node * size * (3 * 3 + 1)
     element_own = 2 * size * (model.cell_law.unknown_count + len(CELL_REPORT_ROWS))

@@ -48,8 +48,11 @@ from .sheet import (
     transverse_shear_forces,
 )
 
-# Rows of the cell report: residual and iterations of this step, energy lost in snaps so far [J/m^2], worst residual.
-CELL_REPORT_ROWS = ("residual", "iterations", "snap_loss", "worst_residual")
+# Rows of the cell report: iterations of this step, energy lost in snaps so far [J/m^2], worst relative residual so far.
+CELL_REPORT_ROWS = ("iterations", "snap_loss", "worst_residual")
+ITERATIONS_ROW = wp.constant(0)
+SNAP_LOSS_ROW = wp.constant(1)
+WORST_RESIDUAL_ROW = wp.constant(2)
 # Rows of the corner array, eight per corner: force; director gradient; shear angle; thickness if tools meet it.
 CORNER_ROW_COUNT = 32
 ROWS_PER_CORNER = wp.constant(8)
@@ -66,9 +69,10 @@ SPIN_ROW = wp.constant(9)
 REMAINDER_ROW = wp.constant(12)
 MEAN_ANGLE_ROW = wp.constant(15)
 MOTION_ROW_COUNT = 16
-# Rows of the node report: work done against friction so far, lost or held in the friction springs [J]; energy lost in
-# damping so far [J]; work of what holds the node, and of the loads on it, so far [J]; half the current thickness of the
-# sheet and its last change [m]; work of its change on the tools so far [J].
+# Rows of the node report, of which a run has the first three, four with loads, all where tools meet the current
+# thickness: work done against friction so far, lost or held in the friction springs [J]; energy lost in damping so far
+# [J]; work of what holds the node, and of the loads on it, so far [J]; half the current thickness of the sheet and its
+# last change [m]; work of its change on the tools so far [J].
 NODE_REPORT_ROWS = (
     "friction_work",
     "damping_loss",
@@ -387,13 +391,12 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         )
         for k in range(unknown_count):
             cell_unknowns[k, e] = unknowns[k]
-        cell_report[0, e] = residual
-        cell_report[1, e] = iterations
-        cell_report[3, e] = larger(cell_report[3, e], residual)
+        cell_report[ITERATIONS_ROW, e] = iterations
+        cell_report[WORST_RESIDUAL_ROW, e] = larger(cell_report[WORST_RESIDUAL_ROW, e], residual)
         if wp.static(unknown_count > 0):
             freed = snap_loss(cell, strain1, strain2, angle, start, unknowns)
             if lane_maximum(freed) > real(0.0):
-                cell_report[2, e] = cell_report[2, e] + freed
+                cell_report[SNAP_LOSS_ROW, e] = cell_report[SNAP_LOSS_ROW, e] + freed
         inverse1, inverse2 = inverses(stretch1, stretch2)
         inverse_ratio = lanes(real(1.0)) / area_ratio
         t11 = (warp_force + compressive_force(laws, stretch1)) * inverse1

@@ -7,6 +7,7 @@ import warp as wp
 from .cell import CellLaw
 from .element import (
     DIRECTOR_ROW,
+    SNAP_LOSS_ROW,
     corner_angles,
     element_positions,
     element_strains,
@@ -141,7 +142,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
                 + director_stiffness * (twist1 * twist1 + twist2 * twist2)
             )
         )
-        energies[part_count + 6, e] = area * cell_report[2, e]
+        energies[part_count + 6, e] = area * cell_report[SNAP_LOSS_ROW, e]
         fields[0, e] = angle
         fields[1, e] = stretch1
         fields[2, e] = stretch2

@@ -87,7 +87,6 @@ def node_struct(real: type, lane_count: int):
         mass: wp.array(dtype=types.lanes)  # [kg]; 0 for padding
         inverse_mass: wp.array(dtype=types.lanes)
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
-        contact_stiffness: wp.array(dtype=types.lanes)  # [N/m]
         angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
         thickness_weight: wp.array(dtype=types.lanes)  # of each in its mean thickness, if tools meet that
         load: wp.array2d(dtype=types.vec3)  # rows: force [N], couple [N m] at a share of one
@@ -137,6 +136,7 @@ def motion_struct(real: type):
         damping: real  # mass-proportional [1/s]
         director_damping: real  # [1/s]
         half_thickness: real  # [m]
+        contact_stiffness: real  # of a node over its mass [1/s^2]
         contact_damping_time: real  # normal dashpot = contact stiffness times this [s]
         tangential_ratio: real  # friction spring over normal spring
         in_plane_bending_stiffness: real  # of the sheet [N m]
@@ -276,7 +276,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         friction_power = lanes()
         dashpot_force = lanes3()
         dashpot_power = lanes()
-        stiffness = nodes.contact_stiffness[block]
+        stiffness = laws.contact_stiffness * nodes.mass[block]
         for k in range(laws.tool_count):
             tool = tools.tool[k]
             # the tool has moved for the last step, which is at most twice the mean one

@@ -133,7 +133,7 @@ def state_bytes(simulation: Any) -> float:
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
-    from weavesim.kernels.element import CELL_REPORT_ROWS, MOTION_ROW_COUNT, NODE_REPORT_ROWS
+    from weavesim.kernels.element import CELL_REPORT_ROWS, MOTION_ROW_COUNT
 
     model = simulation.stepper.model
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
@@ -144,8 +144,8 @@ def moved_bytes(simulation: Any) -> float:
     element_own = 2 * size * (model.cell_law.unknown_count + len(CELL_REPORT_ROWS))
     corners = size * (24 + 4)
     slots = model.nodes.corner_offset.shape[0]
-    node_constants = 4 * slots + 4 + size * 5
-    node_motion = 2 * size * (MOTION_ROW_COUNT + len(NODE_REPORT_ROWS) + 3 * model.tool_count)
+    node_constants = 4 * slots + 4 + size * 4
+    node_motion = 2 * size * (MOTION_ROW_COUNT + len(model.node_report_rows) + 3 * model.tool_count)
     return element_reads + element_own + 2 * corners + per_node * (node_constants + node_motion)
 
 

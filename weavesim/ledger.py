@@ -8,7 +8,7 @@ import numpy as np
 import warp as wp
 
 from .kernels.distance import sample_distance_kernel
-from .kernels.element import CELL_REPORT_ROWS, NODE_REPORT_ROWS
+from .kernels.element import CELL_REPORT_ROWS, HALF_THICKNESS_ROW, NODE_REPORT_ROWS
 from .kernels.ledger import ELEMENT_FIELDS, SHEET_ENERGIES, element_ledger_kernel
 from .model import TANGENTIAL_RATIO, lanes_view
 from .motion import Driven
@@ -156,14 +156,19 @@ class Ledger:
         entries["tool_kinetic"] = 0.5 * float(
             self._tool_mass @ (stepper.tools.velocity.numpy() * ahead.tool_velocity.numpy())
         )
-        half_thickness = ahead.node_report.numpy()[NODE_REPORT_ROWS.index("half_thickness"), : len(position)]
+        half_thickness = np.full(len(position), 0.5 * model.fabric.thickness)
+        if model.follows_thickness:
+            half_thickness = ahead.node_report.numpy()[int(HALF_THICKNESS_ROW), : len(position)]
         penetration = np.maximum(self._penetration(position, half_thickness), 0.0)
         entries["contact"] = 0.5 * float((model.contact_stiffness * np.square(penetration)).sum())
         friction = model.friction_layout.read(ahead.friction)[: 3 * len(self._tools), : model.blank.node_count]
         entries["friction_spring"] = (
             0.5 * TANGENTIAL_RATIO * float((model.contact_stiffness * np.square(friction, dtype=np.float64)).sum())
         )
-        report = dict(zip(NODE_REPORT_ROWS, centred(state.node_report, ahead.node_report).sum(axis=1), strict=True))
+        report = dict.fromkeys(NODE_REPORT_ROWS, 0.0)
+        report.update(
+            zip(model.node_report_rows, centred(state.node_report, ahead.node_report).sum(axis=1), strict=True)
+        )
         entries["friction_loss"] = float(report["friction_work"]) - entries["friction_spring"]
         entries["damping_loss"] = float(report["damping_loss"])
         entries["support_work"] = float(report["support_work"])

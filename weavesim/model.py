@@ -22,6 +22,7 @@ from .kernels.element import (
     MEAN_ANGLE_ROW,
     MOTION_ROW_COUNT,
     MOTION_ROWS,
+    NODE_REPORT_ROWS,
     ROWS_PER_CORNER,
     element_struct,
 )
@@ -306,6 +307,12 @@ class Model:
         return self.motion.contact_thickness == "current"
 
     @property
+    def node_report_rows(self) -> tuple[str, ...]:
+        """Those of NODE_REPORT_ROWS that this run has."""
+        first = "half_thickness" if self.loads else "load_work"
+        return NODE_REPORT_ROWS if self.follows_thickness else NODE_REPORT_ROWS[: NODE_REPORT_ROWS.index(first)]
+
+    @property
     def sheet_traits(self) -> SheetTraits:
         """What the kernels of this sheet are made for."""
         bending = self.fabric.bending
@@ -455,7 +462,6 @@ class Model:
         nodes.mass = lanes(self.node_mass)
         nodes.inverse_mass = lanes(1.0 / self.node_mass)
         nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
-        nodes.contact_stiffness = lanes(self.contact_stiffness)
         return nodes
 
     def _mirrored_angle(self, free: np.ndarray) -> np.ndarray:
@@ -480,6 +486,7 @@ class Model:
         laws.damping = self.motion.damping
         laws.director_damping = self.motion.director_damping
         laws.half_thickness = 0.5 * self.fabric.thickness
+        laws.contact_stiffness = contact_share / self.reference_step**2
         # c = 2 zeta sqrt(k m) with k = share m / step^2
         laws.contact_damping_time = (
             2.0 * self.motion.contact_damping_ratio * self.reference_step / math.sqrt(contact_share)

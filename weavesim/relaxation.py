@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .errors import InputError, RunError
-from .kernels.element import NODE_REPORT_ROWS
+from .kernels.element import DAMPING_ROW
 from .kernels.node import CLOCK_MEAN_STEP
 from .motion import Driven
 from .simulation import Simulation
@@ -182,9 +182,9 @@ class _Relaxation:
         count, free = self.simulation.blank.node_count, self.simulation.free[:, :3]
         # works up to this instant, as the ledger takes them; the next step counts from rest
         report = state.node_report.numpy()
-        works = [row for row, name in enumerate(NODE_REPORT_ROWS) if name != "half_thickness"]
+        works = [row for row, name in enumerate(model.node_report_rows) if name != "half_thickness"]
         report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
-        damped = report[NODE_REPORT_ROWS.index("damping_loss"), :count]
+        damped = report[int(DAMPING_ROW), :count]
         damped += 0.5 * (
             model.node_mass * ((velocity * (velocity + change) + 0.25 * change**2) * free).sum(axis=1)
             + model.node_inertia * (spin * (spin + turn) + 0.25 * turn**2).sum(axis=1)

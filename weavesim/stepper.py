@@ -23,8 +23,8 @@ from .kernels.distance import tool_set_struct
 from .kernels.element import (
     CELL_REPORT_ROWS,
     CORNER_ROW_COUNT,
+    HALF_THICKNESS_ROW,
     MOTION_ROW_COUNT,
-    NODE_REPORT_ROWS,
     ROWS_PER_CORNER,
     element_force_kernel,
 )
@@ -73,10 +73,10 @@ class State:
 
     motion: wp.array  # flat, ``Model.motion_layout``: rows MOTION_ROWS, mean shear angle
     cell_unknowns: wp.array  # (unknowns of the unit cell, one at least; elements)
-    cell_report: wp.array  # (4, elements)
+    cell_report: wp.array  # (3, elements), rows CELL_REPORT_ROWS
     slip: wp.array  # (5, elements), rows SLIP_ROWS; (5, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # flat, ``Model.corners``
-    node_report: wp.array  # (6, nodes), rows NODE_REPORT_ROWS
+    node_report: wp.array  # (rows, nodes), ``Model.node_report_rows``
     friction: wp.array  # flat, ``Model.friction_layout`` [m]
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     reaction: wp.array  # (tools, node blocks) vec3 [N]
@@ -87,8 +87,9 @@ class State:
         real, vec3, device = model.real, model.types.vec3, model.device
         tool_rows = max(model.tool_count, 1)
         slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
-        node_report = np.zeros((len(NODE_REPORT_ROWS), model.node_count))
-        node_report[NODE_REPORT_ROWS.index("half_thickness")] = 0.5 * model.fabric.thickness
+        node_report = np.zeros((len(model.node_report_rows), model.node_count))
+        if model.follows_thickness:
+            node_report[int(HALF_THICKNESS_ROW)] = 0.5 * model.fabric.thickness
         clock = np.zeros(CLOCK_LENGTH)
         clock[[CLOCK_STEP, CLOCK_MEAN_STEP]] = model.reference_step
         motion = wp.zeros(MOTION_ROW_COUNT * model.node_count, dtype=real, device=device)

@@ -61,7 +61,7 @@ def test_exploded_state_is_told(peers, problem, bad):
     position = problem.position.copy()
     position[3, 1] = bad
     row = {"contestant": "a", "fabric": "cloth", "membrane": 1.0, "shear": 1.0, "bending": 1.0, "step_us": 1.0}
-    row |= {"iterations": 3, "elements": 8, "element": "triangles", "rate": 1e6, "wall_per_simulated": 1.0}
+    row |= {"iterations": 3, "elements": 8, "element": "triangles", "rate": 1e6, "seconds_per_simulated": 1.0}
     row |= {"simulated_s": 0.1} | peers.measures(problem, position, problem.velocity)
     assert row["finite"] is False
     assert "not finite" in peers.report([row])

@@ -9,12 +9,12 @@ beads on the nodes, as thick as the fabric.
 
 What Newton's solvers are given follows its example ``cloth_hanging``, which runs VBD, XPBD and SemiImplicit, and for
 Style3D ``cloth_style3d``, whose garment has the mass of a real one: iterations, time step (ten steps per sixtieth of a
-second), collision detection in every step, steps recorded as a graph wherever the example does so. Where that does not
-carry over:
+second), collision detection in every step (``cloth_style3d`` looks once in ten), steps recorded as a graph wherever the
+example does so. Where that does not carry over:
 
 - Explicit SemiImplicit takes 0.9 of its stable step, as weavesim does, instead of the example's fixed 1/1920 s.
-- XPBD diverges with the example's step, since the nodes weigh a thousandth of the example's: it runs once more with the
-  explicit step and the solver's default of two iterations. VBD runs once more with five times the iterations.
+- XPBD diverges with the example's step, as nodes weigh less than a thousandth of the example's. It runs once more with
+  the explicit step and the solver's default of two iterations. VBD runs once more with five times the iterations.
 - Contact stiffness is Newton's default, 1 kN/m. Damping and friction slope of SemiImplicit's contact follow from it,
   the nodal mass and the step, as the defaults are made for heavier particles.
 - No internal damping, as in weavesim; what a solver's time integration loses, it loses.

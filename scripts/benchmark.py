@@ -4,6 +4,7 @@
     python scripts/benchmark.py laws        what each law and unit cell costs, beside the default ones
     python scripts/benchmark.py bounds      memory bandwidth and multiply-adds of this machine
     python scripts/benchmark.py against ../weavesim-before     this checkout beside another one
+    python scripts/benchmark.py peers       Newton's cloth solvers on the same drape (scripts/peers.py)
 
 Contestants take short turns one after the other, so that a machine whose speed drifts treats all alike: compare rows of
 one run, not runs. Rates are of the best turn, ratios are medians of paired turns.
@@ -437,6 +438,54 @@ def against(
         f"{20 * blocks} steps"
     )
     typer.echo(ratio_table(["the other checkout", "this checkout"], times))
+
+
+# --- peers ------------------------------------------------------------------------------------------------------------
+
+
+@app.command()
+def peers(
+    contestant: Annotated[list[str] | None, typer.Option(help="one of the table's names; may be repeated")] = None,
+    fabric: Annotated[list[str] | None, typer.Option(help="cloth, glass, glass-straight; may be repeated")] = None,
+    quads: Annotated[int, typer.Option(min=2, help="elements along a side of weavesim's sheet")] = 50,
+    seconds_simulated: Annotated[float, typer.Option(min=1e-3, help="length of the drape [s]")] = 0.3,
+    limit: Annotated[float, typer.Option(min=0.0, help="seconds of stepping after which a contestant stops")] = 60.0,
+    device: Annotated[str, typer.Option(help='"cpu", "cuda:0", ...')] = "cpu",
+    newton_python: Annotated[
+        str, typer.Option(help="interpreter of an environment with newton [default: this one]")
+    ] = sys.executable,
+    json_file: Annotated[Path | None, typer.Option("--json", help="write all numbers here")] = None,
+) -> None:
+    """Newton's cloth solvers and weavesim on the same drape: stiffness, rate and accuracy."""
+    sys.path.insert(0, str(Path(__file__).resolve().parent))
+    import peers as drape
+
+    names, fabrics = contestant or list(drape.CONTESTANTS), fabric or list(drape.FABRICS)
+    for given, known, option in ((names, drape.CONTESTANTS, "contestant"), (fabrics, drape.FABRICS, "fabric")):
+        if unknown := sorted(set(given) - set(known)):
+            raise typer.BadParameter(f"{', '.join(unknown)}: choose from {', '.join(known)}", param_hint=f"--{option}")
+    about: dict[str, Any] = {}
+    if set(names) & set(drape.PEERS):
+        versions = drape.newton_versions(newton_python)
+        if versions is None:
+            raise typer.BadParameter(
+                f"{newton_python} has no Newton: install it with '{newton_python} -m pip install \"newton>=1.8\"', "
+                "or give the interpreter of an environment that has it",
+                param_hint="--newton-python",
+            )
+        about = versions
+    about = machine() | about
+    rows = []
+    for name in fabrics:
+        problem = drape.make_problem(name, quads, seconds_simulated)
+        for row in drape.compete(problem, names, device, limit, newton_python):
+            rows.append(row)
+            typer.echo(f"{name}, {row['contestant']}: {row.get('error', 'done')}", err=True)
+    if json_file is not None:
+        json_file.write_text(json.dumps({"machine": about, "rows": rows}, indent=1))
+    typer.echo(", ".join(f"{name} {value}" for name, value in about.items()))
+    typer.echo(f"\n{quads} x {quads} quadrilaterals, {seconds_simulated} s simulated, on {device}\n")
+    typer.echo(drape.report(rows))
 
 
 # --- bounds -----------------------------------------------------------------------------------------------------------

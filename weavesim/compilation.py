@@ -22,6 +22,7 @@ from .kernels.ledger import element_ledger_kernel
 from .kernels.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
 from .kernels.node import NodeTraits, node_motion_kernel
 from .kernels.sheet import SheetTraits
+from .kernels.subnormals import flush_subnormals, restore_subnormals
 from .kernels.support_motion import support_motion_kernel
 from .kernels.time_step import (
     element_frequency_kernel,
@@ -85,7 +86,7 @@ class KernelSet:
             partial_sum_kernel(real),
             partial_maximum_kernel(real),
             set_step_kernel(real),
-            barrier if is_cpu else look_at_clock,
+            *([barrier, flush_subnormals, restore_subnormals] if is_cpu else [look_at_clock]),
         ]
 
 

@@ -39,6 +39,7 @@ from .kernels.node import (
     touch_struct,
 )
 from .kernels.sheet import SLIP_ROWS
+from .kernels.subnormals import flush_subnormals, restore_subnormals
 from .kernels.support_motion import support_motion_kernel
 from .kernels.time_step import (
     STEP_GROWTH,
@@ -275,6 +276,7 @@ class Stepper:
         # recorded when first wanted: for each number of threads a list of graphs per thread
         self._block_graphs: dict[int, list[list[wp.Graph]]] = {}
         self._interval_graph: wp.Graph | None = None
+        self._modes: list[wp.array] = []
         self._load_modules()
         self.step_count = 0
         self.refresh_step()
@@ -455,6 +457,8 @@ class Stepper:
         ]  # fmt: skip
         if self.supports.drive_count:
             kernels.append(self._support_motion)
+        if self.model.device.is_cpu:
+            kernels += [flush_subnormals, restore_subnormals]
         if self._choice.counts[-1] > 1:
             kernels.append(barrier)
         if self.launches_intervals:
@@ -472,9 +476,16 @@ class Stepper:
         return divide_step(self.model.element_nodes, self.model.lane_count, thread_count, tile_size)
 
     def _record(self, launch: Callable[[], None]) -> wp.Graph:
+        flushes = self.model.device.is_cpu
+        before = wp.zeros(1, dtype=wp.int32, device=self.model.device)
+        self._modes.append(before)
         wp.capture_begin(device=self.model.device)
         try:
+            if flushes:
+                wp.launch(flush_subnormals, dim=1, outputs=[before], device=self.model.device)
             launch()
+            if flushes:
+                wp.launch(restore_subnormals, dim=1, inputs=[before], device=self.model.device)
         finally:
             graph = wp.capture_end(device=self.model.device)
         return graph

@@ -1,5 +1,7 @@
 """How a step is shared out to threads and tiles, and what it launches."""
 
+import platform
+
 import numpy as np
 import pytest
 import warp as wp
@@ -11,6 +13,7 @@ from weavesim.fabric import glass_polypropylene
 from weavesim.kernels.element import MOTION_ROWS
 from weavesim.kernels.interval import look_at_clock
 from weavesim.kernels.node import CLOCK_STEP
+from weavesim.kernels.subnormals import flush_subnormals, restore_subnormals
 from weavesim.motion import Stroke
 from weavesim.simulation import Simulation
 from weavesim.stepper import REFRESH_INTERVAL, divide_step
@@ -251,3 +254,26 @@ def test_arrays_are_all_of_the_state_once(monkeypatch):
     state = simulation.state
     for array in (state.motion, state.corner_force, state.clock, simulation.model.elements.area):
         assert array.ptr in pointers
+
+
+def test_subnormal_numbers_become_zero_until_that_is_restored():
+    """On x86, where they cost a hundred times as much."""
+    before = wp.zeros(1, dtype=wp.int32, device="cpu")
+    product = wp.zeros(3, dtype=wp.float32, device="cpu")
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def multiply(small: wp.float32, place: int, result: wp.array(dtype=wp.float32)):
+        result[place] = small * small
+
+    def launch(place: int) -> None:
+        wp.launch(multiply, dim=1, inputs=[wp.float32(1.0e-20), place], outputs=[product], device="cpu")
+
+    launch(0)
+    wp.launch(flush_subnormals, dim=1, outputs=[before], device="cpu")
+    launch(1)
+    wp.launch(restore_subnormals, dim=1, inputs=[before], device="cpu")
+    launch(2)
+    expected = np.float32(1.0e-20) ** 2
+    assert expected > 0.0
+    flushed = 0.0 if platform.machine().lower() in ("x86_64", "amd64") else expected
+    assert product.numpy().tolist() == [expected, flushed, expected]

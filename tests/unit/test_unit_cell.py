@@ -255,6 +255,34 @@ def test_second_start_finds_the_same_point(many):
     assert relative_difference(again.force, response.force).max() < 1e-6
 
 
+@pytest.mark.parametrize("contact", ["bilateral", "unilateral"])
+def test_last_step_without_an_evaluation_leaves_no_more_than_it_tells(contact):
+    """Small steps from an equilibrium, as those in time are: what is left is what a later evaluation finds."""
+    rng = np.random.default_rng(5)
+    count = 500
+    cells = [random_cell(rng, contact=contact) for _ in range(count)]
+    stretch = rng.uniform(0.99, 1.02, (count, 2))
+    known = respond(cells, stretch)
+    seen = []
+    for size in (1e-5, 1e-4, 1e-3):
+        moved = stretch + size * rng.normal(size=(count, 2))
+        step = respond(cells, moved, increment_count=1, start=known.unknowns)
+        exact = respond(cells, moved, increment_count=1, start=step.unknowns)
+        same = np.abs(step.unknowns - exact.unknowns).max(axis=1) < 1e-3 * np.abs(exact.unknowns).max(axis=1)
+        difference = np.abs(step.force_per_width - exact.force_per_width).max(axis=1)[same]
+        scale = (
+            np.abs(exact.force_per_width).max(axis=1)[same]
+            + 1e-9 * np.array([max(cell.yarn_stiffness_per_width) for cell in cells])[same]
+        )
+        assert step.residual.max() <= 1e-11
+        assert np.quantile(difference / scale, 0.99) < 1e-9
+        assert same.mean() > 0.99
+        seen.append(np.mean(step.iterations == 0.0))
+    # most of the smallest steps take one evaluation, and no more
+    assert seen[0] > 0.5
+    assert seen[0] > seen[1] > seen[2]
+
+
 def test_condensed_tangent_is_the_derivative_of_the_forces():
     rng = np.random.default_rng(11)
     cells = [random_cell(rng) for _ in range(300)]

@@ -251,10 +251,11 @@ def _check_mesh(position: np.ndarray, quads: np.ndarray) -> None:
             f"nodes {quads[element].tolist()} at {corner[element].round(6).tolist()}; every corner angle must lie "
             "between 0 and 180 degrees"
         )
-    edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)])
-    key, count = np.unique(edges, axis=0, return_counts=True)
+    # an edge as one number: sorting those is ten times as fast as sorting pairs
+    edges = quads.astype(np.int64) * len(position) + np.roll(quads, -1, axis=1)
+    key, count = np.unique(edges, return_counts=True)
     if np.any(count > 1):
-        a, b = key[np.argmax(count > 1)]
+        a, b = divmod(int(key[np.argmax(count > 1)]), len(position))
         raise InputError(
             f"blank mesh: the edge from node {a} to node {b} is walked in the same direction by two elements, so one "
             "of them is flipped (or three elements meet there); order the corners of all elements counter-clockwise"

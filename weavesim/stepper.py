@@ -221,6 +221,10 @@ class Stepper:
             depend on it, to the last bit.
         largest_step: upper limit of the time step [s].
         step_safety: share of the stable step 2/omega that is taken.
+
+    Attributes:
+        step_count: steps done so far.
+        loading_time: of the kernels, with the compilation of those that were not cached [s].
     """
 
     def __init__(
@@ -467,8 +471,10 @@ class Stepper:
 
     def _load_modules(self) -> None:
         """Compile what is not cached, before anything is recorded."""
+        started = time.perf_counter()
         for kernel in self.kernels:
             load_kernel(kernel, self.model.device)
+        self.loading_time = time.perf_counter() - started
 
     def _parts(self, thread_count: int) -> list[Part]:
         # a GPU runs whole launches, not tiles

@@ -191,10 +191,8 @@ def normal_force(penetration: Any, approach: Any, stiffness: Any, damping_time: 
 @wp.func
 def friction_spring(trial: Any, stiffness: Any, limit: Any):
     """Coulomb return mapping: the tangential spring, shortened until its force is within the limit."""
-    length = square_root(dot(trial, trial))
-    largest = where_positive(stiffness, limit / larger(stiffness, fill(stiffness, 1.0e-30)), fill(stiffness, 0.0))
-    ratio = where_positive(length - largest, largest / larger(length, fill(length, 1.0e-30)), fill(length, 1.0))
-    return scale(ratio, trial)
+    force = stiffness * square_root(dot(trial, trial))
+    return scale(where_positive(force - limit, limit / force, fill(force, 1.0)), trial)
 
 
 @cache

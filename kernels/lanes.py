@@ -158,7 +158,7 @@ def where_positive(condition: Any, if_positive: Any, otherwise: Any):
 
 @wp.func
 def inverses(a: Any, b: Any):
-    """1/a and 1/b by one division; neither may be zero."""
+    """1/a and 1/b by one division; their product must be finite and not zero."""
     inverse = fill(a, 1.0) / wp.cw_mul(a, b)
     return wp.cw_mul(b, inverse), wp.cw_mul(a, inverse)
 
@@ -331,7 +331,7 @@ def arctangent_ratio(square: _Double16):  # noqa: F811
 
 @wp.func
 def angle_of(sine: Any, cosine: Any, radius: Any):
-    """atan2(sine, cosine), where ``radius`` = sqrt(sine^2 + cosine^2), exact to round-off.
+    """atan2(sine, cosine), where ``radius`` = sqrt(sine^2 + cosine^2), to a few round-offs up to 170 degrees.
 
     Twice the arctangent of tan(x/2) = sine/(radius + cosine), or of its reciprocal beyond a right angle: one division,
     no root, no branch.

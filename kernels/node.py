@@ -192,7 +192,9 @@ def normal_force(penetration: Any, approach: Any, stiffness: Any, damping_time: 
 def friction_spring(trial: Any, stiffness: Any, limit: Any):
     """Coulomb return mapping: the tangential spring, shortened until its force is within the limit."""
     force = stiffness * square_root(dot(trial, trial))
-    return scale(where_positive(force - limit, limit / force, fill(force, 1.0)), trial)
+    # padding nodes have neither force nor limit, and no spring
+    slid = limit / larger(force, fill(force, 1.0e-30))
+    return scale(where_positive(limit - force, fill(force, 1.0), slid), trial)
 
 
 @cache

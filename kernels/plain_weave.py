@@ -134,14 +134,31 @@ def yarn_expansion(
 
 @wp.func
 def yarn_remainder(
-    cell: Any, k: int, elongation: Any, stiffness: Any, cosine: Any, sine: Any, inverse_length: Any, step: Any
+    cell: Any,
+    k: int,
+    elongation: Any,
+    stiffness: Any,
+    moment: Any,
+    cosine: Any,
+    sine: Any,
+    inverse_length: Any,
+    step: Any,
 ):
-    """Size of what a step in w adds to dPi/dw of yarn k beyond the third derivative: d4Pi/dw4, another stiffness."""
+    """What a step in w adds to dPi/dw of yarn k beyond the third derivative, and how the size of its terms changes.
+
+    Beyond it are d4Pi/dw4, and another stiffness where the yarn goes from tension to compression or back.
+    """
     bend = cosine * step * inverse_length
     stretched = elongation + sine * step + step.dtype(0.5) * cosine * bend * step
     passed = larger(where_positive(elongation, -stretched, stretched), fill(step, 0.0))
     jump = wp.abs(cell.tensile_stiffness[k] - cell.compressive_stiffness[k])
-    return stiffness * bend * bend * magnitude(step) + jump * passed * magnitude(sine)
+    fourth = step.dtype(2.0) * (stiffness + cell.rotation_stiffness[k] * inverse_length * inverse_length)
+    beyond = fourth * bend * bend * magnitude(step) + jump * passed * magnitude(sine)
+    axial = stiffness * sine
+    turning = inverse_length * cosine
+    before = magnitude(axial * elongation) + magnitude(turning * moment)
+    after = magnitude(axial * stretched) + magnitude(turning * (moment + cell.rotation_stiffness[k] * bend))
+    return beyond, after - before
 
 
 @wp.func
@@ -193,8 +210,8 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         crossover = -(stiffness * (w1 + w2))
         gradient1 = by_w1 - crossover
         gradient2 = by_w2 - crossover
-        size = larger(size1, size2) + magnitude(crossover) + spread(u1, cell.force_floor)
-        size = size + cell.resolution * stiffness * (magnitude(w1) + magnitude(w2))
+        least = spread(u1, cell.force_floor) + cell.resolution * stiffness * (magnitude(w1) + magnitude(w2))
+        size = larger(size1, size2) + magnitude(crossover) + least
         # Newton step with a positive definite matrix
         # (h1 + k)(h2 + k) - k^2, written so that a stiff contact does not cancel it
         determinant = hessian1 * hessian2 + stiffness * (hessian1 + hessian2)
@@ -215,22 +232,27 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         bent2 = half * www2 * newton2 * newton2
         extra1 = (stiffness * bent2 - diagonal2 * bent1) * inverse
         extra2 = (stiffness * bent1 - diagonal1 * bent2) * inverse
+        last1 = newton1 + extra1
+        last2 = newton2 + extra2
         # what both leave: the ratio of the two parts once more, and what no third derivative knows
         ratio = (magnitude(extra1) + magnitude(extra2)) / (magnitude(newton1) + magnitude(newton2) + fill(u1, 1.0e-37))
-        beyond = yarn_remainder(cell, 0, elongation1, axial1, cosine1, sine1, inverse1, newton1)
-        beyond = beyond + yarn_remainder(cell, 1, elongation2, axial2, cosine2, sine2, inverse2, newton2)
+        beyond1, change1 = yarn_remainder(cell, 0, elongation1, axial1, moment1, cosine1, sine1, inverse1, last1)
+        beyond2, change2 = yarn_remainder(cell, 1, elongation2, axial2, moment2, cosine2, sine2, inverse2, last2)
+        beyond = beyond1 + beyond2
         if cell.unilateral == 1:
             closing = w1 + w2
-            closed = closing + newton1 + newton2
-            beyond = beyond + cell.contact_stiffness * larger(where_positive(closing, -closed, closed), zero)
-        remainder = two * residual * ratio * ratio + beyond * inverse_size
+            closed = closing + last1 + last2
+            beyond = beyond + cell.contact_stiffness * larger(where_positive(-closing, closed, -closed), zero)
+        pressed = magnitude(crossover - stiffness * (last1 + last2))
+        size_after = larger(size1 + change1, size2 + change2) + pressed + least
+        remainder = (two * residual * size * ratio * ratio + beyond) / smaller(size, size_after)
         better = where_positive(definite, residual - remainder, zero)
         remainder = where_positive(better, remainder, residual)
         # a NaN compares false, and is caught by the caller; it must not stall the other lanes
         unfinished = where_positive(remainder - tolerance, one, zero)
         if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
-            last1 = where_positive(better, newton1 + extra1, zero)
-            last2 = where_positive(better, newton2 + extra2, zero)
+            last1 = where_positive(better, last1, zero)
+            last2 = where_positive(better, last2, zero)
             w1 = w1 + last1
             w2 = w2 + last2
             force1 = by_u1 + (uw1 + half * uww1 * last1) * last1

@@ -309,7 +309,7 @@ class Model:
     @property
     def node_report_rows(self) -> tuple[str, ...]:
         """Those of NODE_REPORT_ROWS that this run has."""
-        first = "half_thickness" if self.loads else "load_work"
+        first = "half_thickness" if self.loads is not None else "load_work"
         return NODE_REPORT_ROWS if self.follows_thickness else NODE_REPORT_ROWS[: NODE_REPORT_ROWS.index(first)]
 
     @property

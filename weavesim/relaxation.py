@@ -182,7 +182,7 @@ class _Relaxation:
         count, free = self.simulation.blank.node_count, self.simulation.free[:, :3]
         # works up to this instant, as the ledger takes them; the next step counts from rest
         report = state.node_report.numpy()
-        works = [row for row, name in enumerate(model.node_report_rows) if name != "half_thickness"]
+        works = [row for row, name in enumerate(model.node_report_rows) if not name.startswith("half_thickness")]
         report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
         damped = report[int(DAMPING_ROW), :count]
         damped += 0.5 * (

@@ -28,7 +28,7 @@ class UnitCellResponse:
         tangent: derivatives of (n_1, n_2, m) by (warp stretch, weft stretch, shear angle) with the unknowns in
             equilibrium, (n, 3, 3) [N/m].
         residual: largest relative residual on the path, (n,).
-        iterations: most Newton iterations of one increment, (n,).
+        iterations: most Newton steps of one increment before its last, (n,).
         snap_loss: energy freed by jumps to other equilibria on the path, (n,) [J/m^2].
     """
 

@@ -420,8 +420,6 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
         position: formed nodes, (node_count, 3) [m].
         quads: (element_count, 4).
     """
-    from trimesh.triangles import closest_point
-
     if not distance > 0.0:
         raise InputError(f"distance of close pairs is {distance} m; it must be positive")
     corners = position[quads]
@@ -447,11 +445,14 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
     element, node = np.concatenate(elements), np.concatenate(nodes)
     far = ~np.isin(element * len(position) + node, _neighbour_keys(quads, len(position)))
     element, node = element[far], node[far]
+    if len(node) == 0:
+        return 0
+    from trimesh.triangles import closest_point  # takes half a second to import, and a good sheet never needs it
+
     gap = np.full(len(node), np.inf)
     for triangle in ((0, 1, 2), (0, 2, 3)):
-        if len(node):
-            nearest = closest_point(corners[element][:, triangle], position[node])
-            gap = np.minimum(gap, np.linalg.norm(nearest - position[node], axis=1))
+        nearest = closest_point(corners[element][:, triangle], position[node])
+        gap = np.minimum(gap, np.linalg.norm(nearest - position[node], axis=1))
     return int((gap < distance).sum())
 
 

@@ -461,7 +461,6 @@ def sections(
 ) -> Figure:
     """The formed sheet, in its thickness, and the tools, cut along both symmetry lines."""
     from matplotlib.collections import LineCollection
-    from trimesh.intersections import mesh_plane
 
     figure = _figure(12.0, 5.6)
     for row, along in enumerate("xy"):
@@ -473,9 +472,8 @@ def sections(
         across = 0.5e3 * thickness * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
         across /= np.linalg.norm(tangent, axis=1, keepdims=True)
         reach = np.abs(1.0e3 * whole_outline(blank, blank.material_coordinates, symmetry)[:, row]).max()
-        normal = np.eye(3)[1 - row]
         for k, tool in enumerate(tools):
-            cut = mesh_plane(tool.display_mesh(), normal, 1.0e-7 * normal)
+            cut = _cut(*tool.display_triangles(), 1 - row)
             if len(cut):
                 shift = float(frame.tool_displacement[k]) * np.asarray(tool.axis, dtype=float)
                 colour = _LINE_COLOURS[k % len(_LINE_COLOURS)]
@@ -492,3 +490,15 @@ def sections(
         if row == 0:
             _legend(chart, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure
+
+
+def _cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:
+    """Lines in which triangles meet the plane through the origin normal to ``axis``, (k, 2, 3) [m]."""
+    corner = vertices[faces]
+    place = corner[:, :, axis] - 1.0e-7  # beside vertices that lie on the plane
+    crossed = (place > 0.0) != np.roll(place > 0.0, -1, axis=1)
+    triangle = np.flatnonzero(crossed.any(axis=1))
+    side = np.argsort(~crossed[triangle], axis=1, kind="stable")[:, :2]
+    start, end = (triangle[:, None], side), (triangle[:, None], (side + 1) % 3)
+    share = place[start] / (place[start] - place[end])
+    return corner[start] + share[:, :, None] * (corner[end] - corner[start])

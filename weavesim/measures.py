@@ -47,6 +47,16 @@ def nodal_shear_angle(blank: Blank, shear_angle: np.ndarray, symmetry: Sequence[
     On a symmetry plane the mirrored elements count as well. A mirror turns the sign of the angle when it maps each
     yarn family onto itself, and keeps it when it swaps the two (yarns at 45 degrees).
     """
+    return nodal_mean(blank, nodal_weights(blank, symmetry), shear_angle)
+
+
+def nodal_mean(blank: Blank, weights: np.ndarray, shear_angle: np.ndarray) -> np.ndarray:
+    """``nodal_shear_angle`` by the ``nodal_weights`` of the blank, for who takes it of many frames."""
+    return np.bincount(blank.quads.ravel(), (weights * shear_angle[:, None]).ravel(), blank.node_count)
+
+
+def nodal_weights(blank: Blank, symmetry: Sequence[str] = ()) -> np.ndarray:
+    """Share of each element in the nodal shear angle of its corners, (element_count, 4)."""
     area = _flat_areas(blank)
     weight = np.repeat(area[:, None], 4, axis=1)
     share = np.ones_like(weight)
@@ -60,9 +70,8 @@ def nodal_shear_angle(blank: Blank, shear_angle: np.ndarray, symmetry: Sequence[
         sign = np.where(np.abs(swapped) > np.abs(kept), np.sign(swapped * swapped_weft), np.sign(kept * kept_weft))
         on_plane = np.abs(blank.node_position[:, axis]) <= _tolerance(blank)
         share = np.where(on_plane[blank.quads], share * 0.5 * (1.0 + sign[:, None]), share)
-    flat = blank.quads.ravel()
-    total = np.bincount(flat, (weight * share * shear_angle[:, None]).ravel(), blank.node_count)
-    return total / np.maximum(np.bincount(flat, weight.ravel(), blank.node_count), 1.0e-300)
+    total = np.bincount(blank.quads.ravel(), weight.ravel(), blank.node_count)
+    return weight * share / np.maximum(total, 1.0e-300)[blank.quads]
 
 
 def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..measures import mirror_signs, nodal_shear_angle
+from ..measures import mirror_signs, nodal_mean, nodal_weights
 from ..recording import Frame, Outcome
 from .colours import shear_colours
 from .files import temporary_name
@@ -50,10 +50,16 @@ class Film:
             raise InputError(f"film {self.path}: the name must end in .usdc, .usda or .usd")
         self._stage: Any = None
 
+    @staticmethod
+    def load() -> None:
+        """Load USD, which takes longer than a small film; else it is loaded when the run starts."""
+        from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdShade, Vt  # noqa: F401
+
     def start(self, simulation: Simulation) -> None:
         from pxr import Gf, Kind, Sdf, Usd, UsdGeom
 
         self._blank, self._symmetry = simulation.blank, tuple(simulation.symmetry)
+        self._nodal_weights = nodal_weights(self._blank, self._symmetry)
         self._tools = simulation.tools
         temporary = temporary_name(self.path)
         temporary.unlink(missing_ok=True)
@@ -100,7 +106,7 @@ class Film:
 
         time, blank = float(frame.index), self._blank
         points = frame.position.astype(np.float32)
-        nodal = np.rad2deg(nodal_shear_angle(blank, frame.fields["shear_angle"], self._symmetry))
+        nodal = np.rad2deg(nodal_mean(blank, self._nodal_weights, frame.fields["shear_angle"]))
         extent = np.array([points.min(axis=0), points.max(axis=0)])
         self._sheet.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points), time)
         self._sheet.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent), time)

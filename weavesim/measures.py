@@ -147,21 +147,35 @@ def ten_points(half_length: float, half_width: float) -> np.ndarray:
     return np.linspace((half_length, 0.0), (0.0, half_width), 10)
 
 
-def yarn_vectors(blank: Blank, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit warp and weft directions at the element centres of the formed sheet, two of (element_count, 3)."""
-    corner = blank.node_position[blank.quads]
-    along = np.stack([corner[:, 1] + corner[:, 2] - corner[:, 0] - corner[:, 3],
-                      corner[:, 2] + corner[:, 3] - corner[:, 0] - corner[:, 1]], axis=1)  # fmt: skip
-    moved = position[blank.quads]
-    current = np.stack([moved[:, 1] + moved[:, 2] - moved[:, 0] - moved[:, 3],
-                        moved[:, 2] + moved[:, 3] - moved[:, 0] - moved[:, 1]], axis=1)  # fmt: skip
+def yarn_vectors(
+    blank: Blank, position: np.ndarray, components: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Unit warp and weft directions at the element centres of the formed sheet, two of (element_count, 3).
+
+    Args:
+        blank: the flat sheet.
+        position: formed nodes, (node_count, 3) [m].
+        components: ``yarn_components(blank)``, for who takes the directions of many frames.
+    """
+    components = yarn_components(blank) if components is None else components
+    current = _sides(position[blank.quads])
+    warp, weft = (np.einsum("ea,eai->ei", component, current) for component in components)
+    return warp / np.linalg.norm(warp, axis=1, keepdims=True), weft / np.linalg.norm(weft, axis=1, keepdims=True)
+
+
+def yarn_components(blank: Blank) -> np.ndarray:
+    """Components of warp and weft direction along the two mean sides of each flat element, (2, element_count, 2)."""
+    along = _sides(blank.node_position[blank.quads])
     metric = np.einsum("eai,ebi->eab", along, along)
-    result = []
-    for direction in (blank.warp_direction, blank.weft_direction):
-        component = np.linalg.solve(metric, np.einsum("eai,ei->ea", along, direction)[:, :, None])[:, :, 0]
-        vector = np.einsum("ea,eai->ei", component, current)
-        result.append(vector / np.linalg.norm(vector, axis=1, keepdims=True))
-    return result[0], result[1]
+    return np.stack([
+        np.linalg.solve(metric, np.einsum("eai,ei->ea", along, direction)[:, :, None])[:, :, 0]
+        for direction in (blank.warp_direction, blank.weft_direction)
+    ])  # fmt: skip
+
+
+def _sides(corner: np.ndarray) -> np.ndarray:
+    return np.stack([corner[:, 1] + corner[:, 2] - corner[:, 0] - corner[:, 3],
+                     corner[:, 2] + corner[:, 3] - corner[:, 0] - corner[:, 1]], axis=1)  # fmt: skip
 
 
 # ------------------------------------------------------------------------------------------------ lines and outline

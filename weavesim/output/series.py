@@ -11,7 +11,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from ..errors import InputError
-from ..measures import yarn_vectors
+from ..measures import yarn_components, yarn_vectors
 from ..recording import Frame, Outcome
 from .files import replacing, write_text
 
@@ -49,6 +49,7 @@ class ParaViewSeries:
 
     def start(self, simulation: Simulation) -> None:
         self._blank = simulation.blank
+        self._yarn_components = yarn_components(self._blank)
         self._interval = simulation.duration / 30.0
         self._next_time = 0.0
         self._written: list[tuple[float, str]] = []
@@ -90,7 +91,9 @@ class ParaViewSeries:
         points = {"displacement": frame.position - self._blank.node_position, "director": frame.director}
         cells = {name: values for name, values in frame.fields.items() if name != "shear_angle"}
         cells["shear_angle_deg"] = np.rad2deg(frame.fields["shear_angle"])
-        cells["warp_direction"], cells["weft_direction"] = yarn_vectors(self._blank, frame.position)
+        cells["warp_direction"], cells["weft_direction"] = yarn_vectors(
+            self._blank, frame.position, self._yarn_components
+        )
         write_quads(
             path,
             frame.position.astype(real),

@@ -63,6 +63,14 @@ _LARGEST_YARN_COUNT = 50
 
 def write_picture(figure: Figure, path: str | Path) -> None:
     """Write the figure, as the ending of ``path`` says, with 150 dots per inch."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    # laid out here: savefig would draw all of it once more only to have that done
+    FigureCanvasAgg(figure)
+    figure.set_dpi(_RESOLUTION)
+    if (engine := figure.get_layout_engine()) is not None:
+        engine.execute(figure)
+        figure.set_layout_engine(None)
     with replacing(Path(path)) as temporary:
         figure.savefig(temporary, dpi=_RESOLUTION, facecolor="white")
 
@@ -219,7 +227,7 @@ def _draw_view(
     order = np.argsort(depth, kind="stable")
     axes.add_collection(
         PolyCollection(
-            list(polygons[order]),
+            polygons[order],
             facecolors=colours[order],
             edgecolors=edges[order],
             linewidths=widths[order],

@@ -216,7 +216,8 @@ class Ledger:
             model = self._stepper.model
             if not self._tools:
                 return np.empty((0, len(position) + model.blank.element_count))
-            self._points.assign(np.concatenate([position, position[model.blank.quads].mean(axis=1)]))
+            a, b, c, d = (position[corner] for corner in model.blank.quads.T)
+            self._points.assign(np.concatenate([position, 0.25 * (a + b + c + d)]))
             displacement = self._stepper.tools.displacement.numpy()
             for launch, value in zip(self._tool_distances, displacement, strict=True):
                 launch.set_param_by_name("displacement", model.real(value))

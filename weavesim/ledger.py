@@ -217,7 +217,10 @@ class Ledger:
             if not self._tools:
                 return np.empty((0, len(position) + model.blank.element_count))
             a, b, c, d = (position[corner] for corner in model.blank.quads.T)
-            self._points.assign(np.concatenate([position, 0.25 * (a + b + c + d)]))
+            points = np.concatenate(
+                [position, 0.25 * (a + b + c + d)], dtype=model.precision.numpy, casting="same_kind"
+            )
+            self._points.assign(points)
             displacement = self._stepper.tools.displacement.numpy()
             for launch, value in zip(self._tool_distances, displacement, strict=True):
                 launch.set_param_by_name("displacement", model.real(value))

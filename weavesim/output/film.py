@@ -52,8 +52,10 @@ class Film:
 
     @staticmethod
     def load() -> None:
-        """Load USD, which takes longer than a small film; else it is loaded when the run starts."""
+        """Load USD and its schemas, which takes longer than a small film; else that is done when the run starts."""
         from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdShade, Vt  # noqa: F401
+
+        UsdGeom.Mesh.Define(Usd.Stage.CreateInMemory(), "/sheet")
 
     def start(self, simulation: Simulation) -> None:
         from pxr import Gf, Kind, Sdf, Usd, UsdGeom
@@ -284,11 +286,16 @@ def _define_light(stage: Any) -> None:
 
 
 def _node_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    corner = position[quads]
-    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
-    flat = quads.ravel()
-    total = np.stack([np.bincount(flat, np.repeat(normal[:, axis], 4), len(position)) for axis in range(3)], axis=1)
-    return (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1.0e-300)).astype(np.float32)
+    a, b, c, d = (position[corner].T for corner in quads.T)
+    (x1, y1, z1), (x2, y2, z2) = c - a, d - b
+    corners = quads.T.ravel()
+    total = np.stack(
+        [
+            np.bincount(corners, np.tile(component, 4), len(position))
+            for component in (y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2)
+        ]
+    )
+    return (total / np.maximum(np.sqrt((total * total).sum(axis=0)), 1.0e-300)).T.astype(np.float32, order="C")
 
 
 def _corner_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

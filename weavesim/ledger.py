@@ -57,12 +57,19 @@ class Ledger:
         self._stepper, self._tools, self._leading_tool, self._supports = stepper, tools, leading_tool, supports
         model = stepper.model
         self._kernel = element_ledger_kernel(model.real, model.cell_law, model.sheet_traits)
-        self._distance_kernel = sample_distance_kernel(model.real, 1)
         shape = model.element_count
         self._energy_names = (*model.cell_law.energy_names, *SHEET_ENERGIES)
         self.internal = (*model.cell_law.energy_names, *SHEET_INTERNAL)
         self._energies = wp.zeros((len(self._energy_names), shape), dtype=model.real, device=model.device)
         self._fields = wp.zeros((len(ELEMENT_FIELDS), shape), dtype=model.real, device=model.device)
+        point_count = model.blank.node_count + model.blank.element_count if tools else 0
+        self._points = wp.zeros(point_count, dtype=model.types.vec3, device=model.device)
+        self._distances = wp.zeros((len(tools), point_count), dtype=model.real, device=model.device)
+        # packed once: from Python a launch costs more than the work of a small sheet
+        self._element_ledger: wp.Launch | None = None
+        self._tool_distances = self._record_distances()
+        # positions of a frame, and their distances to the tools
+        self._measured: tuple[np.ndarray, np.ndarray] | None = None
         self._driven = np.array([isinstance(tool.motion, Driven) for tool in tools], dtype=bool)
         self._tool_mass = np.array([tool.motion.mass if isinstance(tool.motion, Driven) else 0.0 for tool in tools])
         _, velocity, _, spin, _ = self._motion(stepper.state.motion)
@@ -72,16 +79,19 @@ class Ledger:
         """The present state; waits for the device."""
         stepper, model, state = self._stepper, self._stepper.model, self._stepper.state
         ahead = stepper.look_ahead()
-        wp.launch(
-            self._kernel,
-            dim=model.element_count,
-            inputs=[
-                model.elements_single, model.cell, model.laws, state.motion, ahead.motion,
-                lanes_view(ahead.cell_unknowns, 1), lanes_view(ahead.cell_report, 1), lanes_view(ahead.slip, 1),
-            ],
-            outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
-            device=model.device,
-        )  # fmt: skip
+        if self._element_ledger is None:
+            self._element_ledger = wp.launch(
+                self._kernel,
+                dim=model.element_count,
+                inputs=[
+                    model.elements_single, model.cell, model.laws, state.motion, ahead.motion,
+                    lanes_view(ahead.cell_unknowns, 1), lanes_view(ahead.cell_report, 1), lanes_view(ahead.slip, 1),
+                ],
+                outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
+                device=model.device,
+                record_cmd=True,
+            )  # fmt: skip
+        self._element_ledger.launch()
         count = model.blank.element_count
         fields = dict(zip(ELEMENT_FIELDS, self._fields.numpy()[:, :count].astype(np.float64), strict=True))
         report = dict(zip(CELL_REPORT_ROWS, ahead.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
@@ -97,7 +107,8 @@ class Ledger:
         fields["unit_cell_residual"] = report["worst_residual"]
         fields["unit_cell_iterations"] = report["iterations"]
         fields["unit_cell_failed"] = (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
-        position, _, director, _, remainder = self._motion(state.motion)
+        motion = self._motion(state.motion)
+        position, director = motion[0] + motion[4], motion[2]
         displacement = stepper.tools.displacement.numpy().copy()
         support_force, drive_displacement, drive_force = support_outputs(self._supports, stepper.supports)
         leading = displacement[self._leading_tool :] if len(displacement) else drive_displacement
@@ -106,12 +117,12 @@ class Ledger:
             step_count=stepper.step_count,
             time=state.time,
             stroke=float(leading[0]) if len(leading) else 0.0,
-            position=position + remainder,
+            position=position,
             director=director,
             fields=fields,
             tool_displacement=displacement,
             tool_reaction=stepper.tools.total_reaction.numpy().copy(),
-            energies=self._balance(position + remainder, ahead),
+            energies=self._balance(position, motion, ahead),
             support_force=support_force,
             drive_displacement=drive_displacement,
             drive_force=drive_force,
@@ -132,7 +143,7 @@ class Ledger:
             model.node_mass @ (before * after).sum(axis=1) + model.node_inertia @ (spin_before * spin_after).sum(axis=1)
         )
 
-    def _balance(self, position: np.ndarray, ahead: Ahead) -> dict[str, float]:
+    def _balance(self, position: np.ndarray, motion: np.ndarray, ahead: Ahead) -> dict[str, float]:
         """Every entry of the ledger [J], the supplied and used sums, and their difference.
 
         Works are the mean of what is booked and what will be after the next step: that of half the next step is
@@ -143,7 +154,7 @@ class Ledger:
         entries = dict(zip(self._energy_names, element.tolist(), strict=True))
         entries["internal"] = sum(entries[name] for name in self.internal)
         started = stepper.step_count > 0
-        _, velocity, _, spin, _ = self._motion(state.motion)
+        _, velocity, _, spin, _ = motion
         _, next_velocity, _, next_spin, _ = self._motion(ahead.motion)
         entries["kinetic"] = (
             self._kinetic(velocity, next_velocity, spin, next_spin) if started else self._initial_kinetic
@@ -159,7 +170,7 @@ class Ledger:
         half_thickness = np.full(len(position), 0.5 * model.fabric.thickness)
         if model.follows_thickness:
             half_thickness = ahead.node_report.numpy()[int(HALF_THICKNESS_ROW), : len(position)]
-        penetration = np.maximum(self._penetration(position, half_thickness), 0.0)
+        penetration = np.maximum(half_thickness - self._tool_distance(position)[:, : len(position)], 0.0)
         entries["contact"] = 0.5 * float((model.contact_stiffness * np.square(penetration)).sum())
         friction = model.friction_layout.read(ahead.friction)[: 3 * len(self._tools), : model.blank.node_count]
         entries["friction_spring"] = (
@@ -184,26 +195,38 @@ class Ledger:
         entries["balance_error"] = entries["supplied"] - entries["used"]
         return entries
 
-    def _penetration(self, points: np.ndarray, half_thickness: np.ndarray) -> np.ndarray:
-        """Half the thickness (of each point) minus the distance to each tool, (tool_count, point_count) [m]."""
+    def _record_distances(self) -> list[wp.Launch]:
         model, tools = self._stepper.model, self._stepper.tools
-        device = model.device
-        result = np.full((len(self._tools), len(points)), -np.inf)
-        if not len(self._tools):
-            return result
-        points = wp.array(points, dtype=model.types.vec3, device=device)
-        distance = wp.zeros(points.shape[0], dtype=model.real, device=device)
-        normal = wp.zeros(points.shape[0], dtype=model.types.vec3, device=device)
-        for k, displacement in enumerate(tools.displacement.numpy()):
+        normal = wp.zeros_like(self._points)
+        return [
             wp.launch(
-                self._distance_kernel,
-                dim=points.shape[0],
-                inputs=[tools.tool, tools.part, k, model.real(displacement), points],
-                outputs=[distance, normal],
-                device=device,
+                sample_distance_kernel(model.real, 1),
+                dim=self._points.shape[0],
+                inputs=[tools.tool, tools.part, k, model.real(0.0), self._points],
+                outputs=[self._distances[k], normal],
+                device=model.device,
+                record_cmd=True,
             )
-            result[k] = half_thickness - distance.numpy().astype(np.float64)
-        return result
+            for k in range(len(self._tools))
+        ]
+
+    def _tool_distance(self, position: np.ndarray) -> np.ndarray:
+        """Distance of nodes and then element centres to each tool as it stands, (tool_count, point_count) [m]."""
+        if self._measured is None or self._measured[0] is not position:
+            model = self._stepper.model
+            if not self._tools:
+                return np.empty((0, len(position) + model.blank.element_count))
+            a, b, c, d = (position[corner] for corner in model.blank.quads.T)
+            points = np.concatenate(
+                [position, 0.25 * (a + b + c + d)], dtype=model.precision.numpy, casting="same_kind"
+            )
+            self._points.assign(points)
+            displacement = self._stepper.tools.displacement.numpy()
+            for launch, value in zip(self._tool_distances, displacement, strict=True):
+                launch.set_param_by_name("displacement", model.real(value))
+                launch.launch()
+            self._measured = position, self._distances.numpy().astype(np.float64)
+        return self._measured[1]
 
     def penetration(self, frame: Frame) -> Penetration:
         """Deepest penetration of a frame just taken."""
@@ -216,8 +239,8 @@ class Ledger:
             at_elements = 0.5 * frame.fields["thickness"]
             sharing = np.bincount(quads.ravel())
             at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
-        centres = frame.position[quads].mean(axis=1)
+        distance, node_count = self._tool_distance(frame.position), len(frame.position)
         return Penetration(
-            at_nodes=float(self._penetration(frame.position, at_nodes).max()),
-            at_element_centres=float(self._penetration(centres, at_elements).max()),
+            at_nodes=float((at_nodes - distance[:, :node_count]).max()),
+            at_element_centres=float((at_elements - distance[:, node_count:]).max()),
         )

@@ -47,6 +47,16 @@ def nodal_shear_angle(blank: Blank, shear_angle: np.ndarray, symmetry: Sequence[
     On a symmetry plane the mirrored elements count as well. A mirror turns the sign of the angle when it maps each
     yarn family onto itself, and keeps it when it swaps the two (yarns at 45 degrees).
     """
+    return nodal_mean(blank, nodal_weights(blank, symmetry), shear_angle)
+
+
+def nodal_mean(blank: Blank, weights: np.ndarray, shear_angle: np.ndarray) -> np.ndarray:
+    """``nodal_shear_angle`` by the ``nodal_weights`` of the blank, for who takes it of many frames."""
+    return np.bincount(blank.quads.ravel(), (weights * shear_angle[:, None]).ravel(), blank.node_count)
+
+
+def nodal_weights(blank: Blank, symmetry: Sequence[str] = ()) -> np.ndarray:
+    """Share of each element in the nodal shear angle of its corners, (element_count, 4)."""
     area = _flat_areas(blank)
     weight = np.repeat(area[:, None], 4, axis=1)
     share = np.ones_like(weight)
@@ -60,9 +70,8 @@ def nodal_shear_angle(blank: Blank, shear_angle: np.ndarray, symmetry: Sequence[
         sign = np.where(np.abs(swapped) > np.abs(kept), np.sign(swapped * swapped_weft), np.sign(kept * kept_weft))
         on_plane = np.abs(blank.node_position[:, axis]) <= _tolerance(blank)
         share = np.where(on_plane[blank.quads], share * 0.5 * (1.0 + sign[:, None]), share)
-    flat = blank.quads.ravel()
-    total = np.bincount(flat, (weight * share * shear_angle[:, None]).ravel(), blank.node_count)
-    return total / np.maximum(np.bincount(flat, weight.ravel(), blank.node_count), 1.0e-300)
+    total = np.bincount(blank.quads.ravel(), weight.ravel(), blank.node_count)
+    return weight * share / np.maximum(total, 1.0e-300)[blank.quads]
 
 
 def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -138,21 +147,35 @@ def ten_points(half_length: float, half_width: float) -> np.ndarray:
     return np.linspace((half_length, 0.0), (0.0, half_width), 10)
 
 
-def yarn_vectors(blank: Blank, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit warp and weft directions at the element centres of the formed sheet, two of (element_count, 3)."""
-    corner = blank.node_position[blank.quads]
-    along = np.stack([corner[:, 1] + corner[:, 2] - corner[:, 0] - corner[:, 3],
-                      corner[:, 2] + corner[:, 3] - corner[:, 0] - corner[:, 1]], axis=1)  # fmt: skip
-    moved = position[blank.quads]
-    current = np.stack([moved[:, 1] + moved[:, 2] - moved[:, 0] - moved[:, 3],
-                        moved[:, 2] + moved[:, 3] - moved[:, 0] - moved[:, 1]], axis=1)  # fmt: skip
+def yarn_vectors(
+    blank: Blank, position: np.ndarray, components: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Unit warp and weft directions at the element centres of the formed sheet, two of (element_count, 3).
+
+    Args:
+        blank: the flat sheet.
+        position: formed nodes, (node_count, 3) [m].
+        components: ``yarn_components(blank)``, for who takes the directions of many frames.
+    """
+    components = yarn_components(blank) if components is None else components
+    current = _sides(position[blank.quads])
+    warp, weft = (np.einsum("ea,eai->ei", component, current) for component in components)
+    return warp / np.linalg.norm(warp, axis=1, keepdims=True), weft / np.linalg.norm(weft, axis=1, keepdims=True)
+
+
+def yarn_components(blank: Blank) -> np.ndarray:
+    """Components of warp and weft direction along the two mean sides of each flat element, (2, element_count, 2)."""
+    along = _sides(blank.node_position[blank.quads])
     metric = np.einsum("eai,ebi->eab", along, along)
-    result = []
-    for direction in (blank.warp_direction, blank.weft_direction):
-        component = np.linalg.solve(metric, np.einsum("eai,ei->ea", along, direction)[:, :, None])[:, :, 0]
-        vector = np.einsum("ea,eai->ei", component, current)
-        result.append(vector / np.linalg.norm(vector, axis=1, keepdims=True))
-    return result[0], result[1]
+    return np.stack([
+        np.linalg.solve(metric, np.einsum("eai,ei->ea", along, direction)[:, :, None])[:, :, 0]
+        for direction in (blank.warp_direction, blank.weft_direction)
+    ])  # fmt: skip
+
+
+def _sides(corner: np.ndarray) -> np.ndarray:
+    return np.stack([corner[:, 1] + corner[:, 2] - corner[:, 0] - corner[:, 3],
+                     corner[:, 2] + corner[:, 3] - corner[:, 0] - corner[:, 1]], axis=1)  # fmt: skip
 
 
 # ------------------------------------------------------------------------------------------------ lines and outline
@@ -420,8 +443,6 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
         position: formed nodes, (node_count, 3) [m].
         quads: (element_count, 4).
     """
-    from trimesh.triangles import closest_point
-
     if not distance > 0.0:
         raise InputError(f"distance of close pairs is {distance} m; it must be positive")
     corners = position[quads]
@@ -447,11 +468,14 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
     element, node = np.concatenate(elements), np.concatenate(nodes)
     far = ~np.isin(element * len(position) + node, _neighbour_keys(quads, len(position)))
     element, node = element[far], node[far]
+    if len(node) == 0:
+        return 0
+    from trimesh.triangles import closest_point  # takes half a second to import, and a good sheet never needs it
+
     gap = np.full(len(node), np.inf)
     for triangle in ((0, 1, 2), (0, 2, 3)):
-        if len(node):
-            nearest = closest_point(corners[element][:, triangle], position[node])
-            gap = np.minimum(gap, np.linalg.norm(nearest - position[node], axis=1))
+        nearest = closest_point(corners[element][:, triangle], position[node])
+        gap = np.minimum(gap, np.linalg.norm(nearest - position[node], axis=1))
     return int((gap < distance).sum())
 
 

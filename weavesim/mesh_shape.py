@@ -13,7 +13,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 import warp as wp
@@ -27,10 +27,7 @@ from .kernels.mesh_distance import (
     mesh_distance_kernel,
     volume_distance_kernel,
 )
-from .shapes import Shape, Vector, positive, unit_vector
-
-if TYPE_CHECKING:
-    import trimesh
+from .shapes import Shape, Triangles, Vector, positive, unit_vector
 
 # Tools are between 2 mm and 20 m across; anything else is a mistake of units.
 LARGEST_SIZE = 20.0
@@ -376,10 +373,8 @@ class MeshShape(Shape):
         part.upper = tuple(sampled.upper)
         part.reach = sampled.reach
 
-    def _local_display_mesh(self) -> trimesh.Trimesh:
-        import trimesh
-
-        return trimesh.Trimesh(vertices=self.surface.vertices, faces=self.surface.faces, process=False)
+    def _local_display_triangles(self) -> Triangles:
+        return self.surface.vertices, self.surface.faces
 
 
 def _query(mesh: wp.Mesh, largest: float, points: np.ndarray, device: str) -> np.ndarray:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
+Triangles = tuple[np.ndarray, np.ndarray]
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 # Facets of a drawn full circle; divisible by four, so that the quarter points are hit.
@@ -131,19 +132,22 @@ class Shape:
         part.rotation = [list(row) for row in self.rotation]
         self._fill_dimensions(part, device)
 
+    def display_triangles(self) -> Triangles:
+        """Triangles to draw, in the world, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
+        vertices, faces = self._local_display_triangles()
+        return vertices @ np.array(self.rotation).T + np.array(self.origin), faces
+
     def display_mesh(self) -> trimesh.Trimesh:
-        """Triangles to draw, in the world, at zero displacement [m]."""
-        mesh = self._local_display_mesh()
-        frame = np.eye(4)
-        frame[:3, :3] = self.rotation
-        frame[:3, 3] = self.origin
-        mesh.apply_transform(frame)
-        return mesh
+        """``display_triangles`` as a trimesh, to measure or to export."""
+        import trimesh
+
+        vertices, faces = self.display_triangles()
+        return trimesh.Trimesh(vertices=vertices, faces=faces, process=False)
 
     def _fill_dimensions(self, part: Any, device: Any) -> None:
         raise NotImplementedError
 
-    def _local_display_mesh(self) -> trimesh.Trimesh:
+    def _local_display_triangles(self) -> Triangles:
         raise NotImplementedError
 
 
@@ -160,10 +164,10 @@ class Plane(Shape):
     def _fill_dimensions(self, part: Any, device: Any) -> None:
         part.kind = int(kinds.PLANE)
 
-    def _local_display_mesh(self) -> trimesh.Trimesh:
+    def _local_display_triangles(self) -> Triangles:
         half = 0.5 * np.array([positive("Plane.display_size", size) for size in self.display_size])
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
-        return _trimesh(np.column_stack([corners, np.zeros(4)]), np.array([[0, 1, 2], [0, 2, 3]]))
+        return np.column_stack([corners, np.zeros(4)]), np.array([[0, 1, 2], [0, 2, 3]])
 
 
 @dataclass(frozen=True)
@@ -181,7 +185,7 @@ class Sphere(Shape):
         part.kind = int(kinds.SPHERE)
         part.radius = self.radius
 
-    def _local_display_mesh(self) -> trimesh.Trimesh:
+    def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
         return _swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), 0.0)
 
@@ -203,7 +207,7 @@ class Capsule(Shape):
         part.radius = self.radius
         part.half_length = self.half_length
 
-    def _local_display_mesh(self) -> trimesh.Trimesh:
+    def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
         return _swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
 
@@ -230,7 +234,7 @@ class Torus(Shape):
         part.radius = self.radius
         part.half_length = self.major_radius
 
-    def _local_display_mesh(self) -> trimesh.Trimesh:
+    def _local_display_triangles(self) -> Triangles:
         angle = np.linspace(-1.0, 1.0, CIRCLE_COUNT // 2 + 1) * np.pi
         return _swept(self.major_radius + self.radius * np.cos(angle), self.radius * np.sin(angle), 0.0)
 
@@ -271,7 +275,7 @@ class DomePunch(_Dome):
     display_height: float | None = None
     _kind = int(kinds.DOME_PUNCH)
 
-    def _local_display_mesh(self) -> trimesh.Trimesh:
+    def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
         height = self.radius if self.display_height is None else positive("display_height", self.display_height)
         out = np.append(self.radius * np.cos(latitude), self.radius)
@@ -313,7 +317,7 @@ class DomeOpening(Shape):
         part.half_length = self.half_length
         part.edge_radius = self.edge_radius
 
-    def _local_display_mesh(self) -> trimesh.Trimesh:
+    def _local_display_triangles(self) -> Triangles:
         rim = self.radius + self.edge_radius
         if self.display_size is None:
             half = np.array([self.half_length + rim + 2.0 * self.radius, rim + 2.0 * self.radius])
@@ -336,9 +340,8 @@ class DomeOpening(Shape):
         border = np.column_stack([last[:, :2] * ray[:, None], np.zeros(len(last))])
         for corner in np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half:
             border[np.argmin(np.linalg.norm(border[:, :2] - corner, axis=1)), :2] = corner
-        mesh = _ring_mesh(np.concatenate([rings, border[None]]))
-        mesh.invert()  # rings run upwards along the wall: seen from the opening the other way round
-        return mesh
+        vertices, faces = _ring_triangles(np.concatenate([rings, border[None]]))
+        return vertices, faces[:, ::-1]  # rings run upwards along the wall: seen from the opening the other way round
 
 
 @dataclass(frozen=True)
@@ -355,11 +358,10 @@ class DomeCavity(_Dome):
 
     _kind = int(kinds.DOME_CAVITY)
 
-    def _local_display_mesh(self) -> trimesh.Trimesh:
+    def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
-        mesh = _swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
-        mesh.invert()  # seen from inside the hollow
-        return mesh
+        vertices, faces = _swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
+        return vertices, faces[:, ::-1]  # seen from inside the hollow
 
 
 @dataclass(frozen=True)
@@ -384,11 +386,10 @@ class Union(Shape):
     def parts(self) -> tuple[Shape, ...]:
         return tuple(part.placed(self.origin, self.rotation) for shape in self.shapes for part in shape.parts())
 
-    def display_mesh(self) -> trimesh.Trimesh:
-        meshes = [part.display_mesh() for part in self.parts()]
-        first = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
-        faces = [mesh.faces + start for mesh, start in zip(meshes, first[:-1], strict=True)]
-        return _trimesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
+    def display_triangles(self) -> Triangles:
+        vertices, faces = zip(*(part.display_triangles() for part in self.parts()), strict=True)
+        first = np.cumsum([0, *(len(part) for part in vertices[:-1])])
+        return np.concatenate(vertices), np.concatenate([f + start for f, start in zip(faces, first, strict=True)])
 
 
 def _non_negative(shape: Shape, name: str) -> None:
@@ -399,12 +400,6 @@ def _non_negative(shape: Shape, name: str) -> None:
 
 
 # --- drawing ----------------------------------------------------------------------------------------------------------
-
-
-def _trimesh(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
-    import trimesh
-
-    return trimesh.Trimesh(vertices=vertices, faces=faces, process=False)
 
 
 def _rings(out: Sequence[float] | np.ndarray, z: Sequence[float] | np.ndarray, half_length: float) -> np.ndarray:
@@ -418,7 +413,7 @@ def _rings(out: Sequence[float] | np.ndarray, z: Sequence[float] | np.ndarray, h
     return np.concatenate([plan, np.broadcast_to(np.array(z)[:, None, None], (*plan.shape[:2], 1))], axis=2)
 
 
-def _ring_mesh(rings: np.ndarray, capped: bool = False) -> trimesh.Trimesh:
+def _ring_triangles(rings: np.ndarray, capped: bool = False) -> Triangles:
     """Triangles between neighbouring closed rings; outward for rings that run upwards around a solid."""
     ring_count, point_count = rings.shape[:2]
     index = np.arange(ring_count * point_count).reshape(ring_count, point_count)
@@ -434,8 +429,8 @@ def _ring_mesh(rings: np.ndarray, capped: bool = False) -> trimesh.Trimesh:
     # poles and the ends of a ridge are rings of coincident points: drop their empty triangles
     p, q, r = (vertices[faces[:, k]] for k in range(3))
     area = np.linalg.norm(np.cross(q - p, r - p), axis=1)
-    return _trimesh(vertices, faces[area > 1e-9 * area.max()])
+    return vertices, faces[area > 1e-9 * area.max()]
 
 
-def _swept(out: np.ndarray, z: np.ndarray, half_length: float, capped: bool = False) -> trimesh.Trimesh:
-    return _ring_mesh(_rings(out, z, half_length), capped)
+def _swept(out: np.ndarray, z: np.ndarray, half_length: float, capped: bool = False) -> Triangles:
+    return _ring_triangles(_rings(out, z, half_length), capped)

@@ -336,6 +336,7 @@ class Simulation:
             "time_s": self.state.time,
             "wall_time_s": self.wall_time,
             "stepping_time_s": self.stepping_time,
+            "output_time_s": max(self.wall_time - self.stepping_time, 0.0),
             "element_steps_per_second": self.blank.element_count
             * self.stepper.step_count
             / max(self.stepping_time, 1.0e-9),

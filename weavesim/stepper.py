@@ -288,7 +288,8 @@ class Stepper:
         clock = state.clock.numpy()
         clock[CLOCK_MEAN_STEP] = 0.5 * clock[CLOCK_STEP]
         state.clock.assign(clock)
-        self._ahead: tuple[State, DeviceTools] | None = None
+        self._ahead: tuple[State, DeviceTools, wp.array] | None = None
+        self._ahead_graph: wp.Graph | None = None
 
     # --- the launches of one thread ----------------------------------------------------------------------------------
 
@@ -564,28 +565,37 @@ class Stepper:
             names += ("friction", "gap", "reaction", "clock")
             state = replace(self.state, **{name: wp.clone(getattr(self.state, name)) for name in names})
             names = ("displacement", "velocity", "total_reaction", "work")
-            self._ahead = state, replace(self.tools, **{name: wp.clone(getattr(self.tools, name)) for name in names})
-        state, tools = self._ahead
+            tools = replace(self.tools, **{name: wp.clone(getattr(self.tools, name)) for name in names})
+            self._ahead = state, tools, wp.clone(self.supports.displacement)
+        if self._ahead_graph is None:
+            self._ahead_graph = self._record(self._step_ahead)
+        wp.capture_launch(self._ahead_graph)
+        state, tools, _ = self._ahead
+        return Ahead(
+            state.motion, state.node_report, state.cell_unknowns, state.cell_report, state.slip, state.friction,
+            tools.velocity, tools.work,
+        )  # fmt: skip
+
+    def _step_ahead(self) -> None:
+        """Copy what a step changes, and do the step there."""
+        state, tools, drive_displacement = self._ahead
         for source, target in ((self.state, state), (self.tools, tools)):
             for field in fields(source):
                 here, there = getattr(source, field.name), getattr(target, field.name)
                 if here is not there:
                     wp.copy(there, here)
+        wp.copy(drive_displacement, self.supports.displacement)
         self.evaluate(state=state)
-        self._advance_supports(state.clock, wp.clone(self.supports.displacement))
+        self._advance_supports(state.clock, drive_displacement)
         self._advance_nodes(0, self.model.node_count // self.model.lane_count, state)
         self._advance_tools(state, tools)
-        return Ahead(
-            state.motion, state.node_report, state.cell_unknowns, state.cell_report, state.slip, state.friction,
-            tools.velocity, tools.work,
-        )  # fmt: skip
 
     def set_damping(self, damping: float, director_damping: float) -> None:
         """Change the rates of ``MotionParameters`` from the next step on [1/s]."""
         self.model.motion_laws.damping = damping
         self.model.motion_laws.director_damping = director_damping
         self._block_graphs.clear()
-        self._interval_graph = None
+        self._interval_graph = self._ahead_graph = None
 
     def corner_rows(self) -> np.ndarray:
         """What the elements wrote at the last evaluation, (4 corners, 8 rows, element_count); waits for the device."""
@@ -634,7 +644,7 @@ class Stepper:
         The state stays as it is, as of this call.
         """
         self.look_ahead()
-        state, tools = self._ahead
+        state, tools, _ = self._ahead
         model = self.model
         launches = {
             "elements": self.evaluate,

@@ -13,7 +13,7 @@ from .errors import InputError
 from .kernels.distance import part_struct, sample_distance_kernel, tool_struct
 from .kernels.tool_motion import FORCE, STROKE, ToolDrive
 from .motion import Driven, Fixed, Motion
-from .shapes import IDENTITY, Shape, Vector, finite, unit_vector, vector
+from .shapes import IDENTITY, Shape, Triangles, Vector, finite, unit_vector, vector
 
 if TYPE_CHECKING:
     import trimesh
@@ -59,8 +59,12 @@ class Tool:
         """Smallest radius that the sheet may be bent over [m]."""
         return self.shape.smallest_radius
 
+    def display_triangles(self) -> Triangles:
+        """Triangles to draw, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
+        return self.shape.display_triangles()
+
     def display_mesh(self) -> trimesh.Trimesh:
-        """Triangles to draw, at zero displacement [m]."""
+        """``display_triangles`` as a trimesh, to measure or to export."""
         return self.shape.display_mesh()
 
     def elements_per_quarter_turn(self, element_size: float) -> float:

@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..measures import mirror_signs, nodal_shear_angle
+from ..measures import mirror_signs, nodal_mean, nodal_weights
 from ..recording import Frame, Outcome
 from .colours import shear_colours
 from .files import temporary_name
 
 if TYPE_CHECKING:
-    import trimesh
-
+    from ..shapes import Triangles
     from ..simulation import Simulation
     from ..tool import Tool
 
@@ -39,7 +38,7 @@ class Film:
     mirrored copies refer to it, so that the whole part is seen and stored once. It carries ``displayColor`` by the
     absolute shear angle (nodal means, 0 to 60 degrees) and, per element and frame, ``shear_angle`` (absolute,
     degrees), ``warp_stretch``, ``weft_stretch``, ``thickness`` (metres) and, where the fabric tells its fibres,
-    ``fibre_volume_fraction``. Tools are drawn as their ``display_mesh`` is and not mirrored.
+    ``fibre_volume_fraction``. Tools are drawn as their ``display_triangles`` are and not mirrored.
 
     Raises:
         InputError: the path does not end in .usdc, .usda or .usd.
@@ -51,10 +50,18 @@ class Film:
             raise InputError(f"film {self.path}: the name must end in .usdc, .usda or .usd")
         self._stage: Any = None
 
+    @staticmethod
+    def load() -> None:
+        """Load USD and its schemas, which takes longer than a small film; else that is done when the run starts."""
+        from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdShade, Vt  # noqa: F401
+
+        UsdGeom.Mesh.Define(Usd.Stage.CreateInMemory(), "/sheet")
+
     def start(self, simulation: Simulation) -> None:
         from pxr import Gf, Kind, Sdf, Usd, UsdGeom
 
         self._blank, self._symmetry = simulation.blank, tuple(simulation.symmetry)
+        self._nodal_weights = nodal_weights(self._blank, self._symmetry)
         self._tools = simulation.tools
         temporary = temporary_name(self.path)
         temporary.unlink(missing_ok=True)
@@ -88,9 +95,10 @@ class Film:
         self._moves = []
         rest = float(self._blank.node_position[:, 2].mean())
         for tool in self._tools:
-            shape = tool.display_mesh()
-            above = float(shape.bounds[:, 2].mean()) > rest
-            prim = _define_tool(stage, tool, shape, _OPACITY_ABOVE if above else _OPACITY_BELOW)
+            triangles = tool.display_triangles()
+            height = triangles[0][:, 2]
+            above = 0.5 * float(height.min() + height.max()) > rest
+            prim = _define_tool(stage, tool, triangles, _OPACITY_ABOVE if above else _OPACITY_BELOW)
             self._moves.append(prim.AddTranslateOp())
         self._extent_of_all = np.array([np.full(3, np.inf), np.full(3, -np.inf)])
         self._frames: list[int] = []
@@ -100,7 +108,7 @@ class Film:
 
         time, blank = float(frame.index), self._blank
         points = frame.position.astype(np.float32)
-        nodal = np.rad2deg(nodal_shear_angle(blank, frame.fields["shear_angle"], self._symmetry))
+        nodal = np.rad2deg(nodal_mean(blank, self._nodal_weights, frame.fields["shear_angle"]))
         extent = np.array([points.min(axis=0), points.max(axis=0)])
         self._sheet.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points), time)
         self._sheet.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent), time)
@@ -187,17 +195,19 @@ def _define_fields(sheet: Any, names: list[str]) -> dict[str, Any]:
     }
 
 
-def _define_tool(stage: Any, tool: Tool, shape: trimesh.Trimesh, opacity: float) -> Any:
+def _define_tool(stage: Any, tool: Tool, triangles: Triangles, opacity: float) -> Any:
     """A tool as /World/tools/NAME, a transform that holds its mesh."""
     from pxr import Gf, Sdf, Tf, UsdGeom, Vt
 
     name = Tf.MakeValidIdentifier(tool.name)
+    vertices, faces = triangles
+    bounds = np.array([vertices.min(axis=0), vertices.max(axis=0)], dtype=np.float32)
     UsdGeom.Scope.Define(stage, "/World/tools")
     transform = UsdGeom.Xform.Define(stage, f"/World/tools/{name}")
-    mesh = _define_mesh(stage, f"/World/tools/{name}/surface", np.asarray(shape.faces))
-    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.asarray(shape.vertices, dtype=np.float32)))
-    mesh.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(np.asarray(shape.bounds, dtype=np.float32)))
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_corner_normals(shape)))
+    mesh = _define_mesh(stage, f"/World/tools/{name}/surface", faces)
+    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(vertices.astype(np.float32)))
+    mesh.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(bounds))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_corner_normals(vertices, faces)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
     mesh.CreateDisplayColorAttr([Gf.Vec3f(*tool.colour)])
     shader = _preview_surface(stage, f"/World/materials/{name}", roughness=0.35)
@@ -276,20 +286,30 @@ def _define_light(stage: Any) -> None:
 
 
 def _node_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    corner = position[quads]
-    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
-    flat = quads.ravel()
-    total = np.stack([np.bincount(flat, np.repeat(normal[:, axis], 4), len(position)) for axis in range(3)], axis=1)
-    return (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1.0e-300)).astype(np.float32)
+    a, b, c, d = (position[corner].T for corner in quads.T)
+    (x1, y1, z1), (x2, y2, z2) = c - a, d - b
+    corners = quads.T.ravel()
+    total = np.stack(
+        [
+            np.bincount(corners, np.tile(component, 4), len(position))
+            for component in (y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2)
+        ]
+    )
+    return (total / np.maximum(np.sqrt((total * total).sum(axis=0)), 1.0e-300)).T.astype(np.float32, order="C")
 
 
-def _corner_normals(shape: trimesh.Trimesh) -> np.ndarray:
+def _corner_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Normals of the corners of each triangle, (3 face_count, 3): smooth, but for sharp edges."""
-    face = np.repeat(shape.face_normals, 3, axis=0)
-    # weighted by the angles of the corners; trimesh's own vertex normals want scipy, which a user need not have
-    corners = np.asarray(shape.faces).ravel()
-    weighted = face * np.asarray(shape.face_angles).reshape(-1, 1)
-    total = np.stack([np.bincount(corners, weighted[:, axis], len(shape.vertices)) for axis in range(3)], axis=1)
+    corner = vertices[faces]
+    side = np.roll(corner, -1, axis=1) - corner
+    side /= np.maximum(np.linalg.norm(side, axis=2, keepdims=True), 1.0e-300)
+    normal = np.cross(side[:, 0], side[:, 1])
+    face = np.repeat(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1.0e-300), 3, axis=0)
+    # weighted by the angles of the corners, so that it does not matter how a flat face is cut into triangles
+    cosine = -np.einsum("fci,fci->fc", side, np.roll(side, 1, axis=1))
+    weighted = face * np.arccos(np.clip(cosine, -1.0, 1.0)).reshape(-1, 1)
+    corners = faces.ravel()
+    total = np.stack([np.bincount(corners, weighted[:, axis], len(vertices)) for axis in range(3)], axis=1)
     node = (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1.0e-300))[corners]
     smooth = np.einsum("ki,ki->k", face, node) > np.cos(np.deg2rad(_LARGEST_SMOOTH_ANGLE))
     return np.where(smooth[:, None], node, face).astype(np.float32)

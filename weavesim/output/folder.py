@@ -85,6 +85,8 @@ class ResultFolder:
         self._streams: dict[str, Observer] = {}
         self._outcome: Outcome | None = None
         check_writable(self.path)
+        if film:
+            Film.load()
 
     # ------------------------------------------------------------------------------------------------ during a run
 

@@ -63,6 +63,14 @@ _LARGEST_YARN_COUNT = 50
 
 def write_picture(figure: Figure, path: str | Path) -> None:
     """Write the figure, as the ending of ``path`` says, with 150 dots per inch."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    # laid out here: savefig would draw all of it once more only to have that done
+    FigureCanvasAgg(figure)
+    figure.set_dpi(_RESOLUTION)
+    if (engine := figure.get_layout_engine()) is not None:
+        engine.execute(figure)
+        figure.set_layout_engine(None)
     with replacing(Path(path)) as temporary:
         figure.savefig(temporary, dpi=_RESOLUTION, facecolor="white")
 
@@ -219,7 +227,7 @@ def _draw_view(
     order = np.argsort(depth, kind="stable")
     axes.add_collection(
         PolyCollection(
-            list(polygons[order]),
+            polygons[order],
             facecolors=colours[order],
             edgecolors=edges[order],
             linewidths=widths[order],
@@ -461,7 +469,6 @@ def sections(
 ) -> Figure:
     """The formed sheet, in its thickness, and the tools, cut along both symmetry lines."""
     from matplotlib.collections import LineCollection
-    from trimesh.intersections import mesh_plane
 
     figure = _figure(12.0, 5.6)
     for row, along in enumerate("xy"):
@@ -473,9 +480,8 @@ def sections(
         across = 0.5e3 * thickness * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
         across /= np.linalg.norm(tangent, axis=1, keepdims=True)
         reach = np.abs(1.0e3 * whole_outline(blank, blank.material_coordinates, symmetry)[:, row]).max()
-        normal = np.eye(3)[1 - row]
         for k, tool in enumerate(tools):
-            cut = mesh_plane(tool.display_mesh(), normal, 1.0e-7 * normal)
+            cut = _cut(*tool.display_triangles(), 1 - row)
             if len(cut):
                 shift = float(frame.tool_displacement[k]) * np.asarray(tool.axis, dtype=float)
                 colour = _LINE_COLOURS[k % len(_LINE_COLOURS)]
@@ -492,3 +498,15 @@ def sections(
         if row == 0:
             _legend(chart, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure
+
+
+def _cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:
+    """Lines in which triangles meet the plane through the origin normal to ``axis``, (k, 2, 3) [m]."""
+    corner = vertices[faces]
+    place = corner[:, :, axis] - 1.0e-7  # beside vertices that lie on the plane
+    crossed = (place > 0.0) != np.roll(place > 0.0, -1, axis=1)
+    triangle = np.flatnonzero(crossed.any(axis=1))
+    side = np.argsort(~crossed[triangle], axis=1, kind="stable")[:, :2]
+    start, end = (triangle[:, None], side), (triangle[:, None], (side + 1) % 3)
+    share = place[start] / (place[start] - place[end])
+    return corner[start] + share[:, :, None] * (corner[end] - corner[start])

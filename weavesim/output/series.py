@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
@@ -9,13 +11,16 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from ..errors import InputError
-from ..measures import yarn_vectors
+from ..measures import yarn_components, yarn_vectors
 from ..recording import Frame, Outcome
 from .files import replacing, write_text
 
 if TYPE_CHECKING:
     from ..simulation import Simulation
 
+_VTK_QUAD = 9
+_VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uint8": "UInt8"}
+_BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
 # Wider than the gap between two output frames by its round-off only.
 _TIME_SLACK = 1.0e-9
 
@@ -44,6 +49,7 @@ class ParaViewSeries:
 
     def start(self, simulation: Simulation) -> None:
         self._blank = simulation.blank
+        self._yarn_components = yarn_components(self._blank)
         self._interval = simulation.duration / 30.0
         self._next_time = 0.0
         self._written: list[tuple[float, str]] = []
@@ -82,17 +88,66 @@ class ParaViewSeries:
         )
 
     def _write(self, frame: Frame, path: Path, real: type) -> None:
-        import meshio
-
         points = {"displacement": frame.position - self._blank.node_position, "director": frame.director}
         cells = {name: values for name, values in frame.fields.items() if name != "shear_angle"}
         cells["shear_angle_deg"] = np.rad2deg(frame.fields["shear_angle"])
-        cells["warp_direction"], cells["weft_direction"] = yarn_vectors(self._blank, frame.position)
-        mesh = meshio.Mesh(
-            frame.position.astype(real),
-            [("quad", self._blank.quads)],
-            point_data={name: values.astype(real) for name, values in points.items()},
-            cell_data={name: [values.astype(real)] for name, values in cells.items()},
+        cells["warp_direction"], cells["weft_direction"] = yarn_vectors(
+            self._blank, frame.position, self._yarn_components
         )
-        with replacing(path) as temporary:
-            meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")
+        write_quads(
+            path,
+            frame.position.astype(real),
+            self._blank.quads,
+            {name: values.astype(real) for name, values in points.items()},
+            {name: values.astype(real) for name, values in cells.items()},
+        )
+
+
+def write_quads(
+    path: Path,
+    points: np.ndarray,
+    quads: np.ndarray,
+    point_data: Mapping[str, np.ndarray],
+    cell_data: Mapping[str, np.ndarray],
+) -> None:
+    """Write quadrilaterals as VTU, all numbers as they are in memory behind the XML.
+
+    That takes as many bytes as compressed text, and a twentieth of the time.
+
+    Args:
+        path: of the file.
+        points: (node_count, 3).
+        quads: (element_count, 4).
+        point_data, cell_data: by name, (count,) or (count, component_count); float32 or float64.
+    """
+    count = len(quads)
+    cells = {
+        "connectivity": quads.astype(np.int32),
+        "offsets": np.arange(4, 4 * count + 1, 4, dtype=np.int32),
+        "types": np.full(count, _VTK_QUAD, dtype=np.uint8),
+    }
+    blocks: list[bytes] = []
+    offset = 0
+    lines = [
+        '<?xml version="1.0"?>',
+        f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{_BYTE_ORDER}" header_type="UInt64">',
+        f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">',
+    ]
+    for section, arrays in (
+        ("Points", {"Points": points}), ("Cells", cells), ("PointData", point_data), ("CellData", cell_data),
+    ):  # fmt: skip
+        lines.append(f"<{section}>")
+        for name, values in arrays.items():
+            shape = "" if values.ndim == 1 or section == "Cells" else f' NumberOfComponents="{values.shape[1]}"'
+            lines.append(
+                f"<DataArray type={quoteattr(_VTK_TYPES[values.dtype.name])} Name={quoteattr(name)}{shape} "
+                f'format="appended" offset="{offset}"/>'
+            )
+            blocks += [np.uint64(values.nbytes).tobytes(), values.tobytes()]
+            offset += 8 + values.nbytes
+        lines.append(f"</{section}>")
+    lines += ["</Piece></UnstructuredGrid>", '<AppendedData encoding="raw">', "_"]
+    with replacing(path) as temporary, open(temporary, "wb") as file:
+        file.write("\n".join(lines).encode())
+        file.writelines(blocks)
+        file.write(b"\n</AppendedData>\n</VTKFile>\n")

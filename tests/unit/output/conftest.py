@@ -13,18 +13,18 @@ HALF_LENGTH, HALF_WIDTH, DEPTH, THICKNESS = 0.235, 0.135, 0.06, 0.0012
 
 
 class DrawnTool(SimpleNamespace):
-    def display_mesh(self):
+    def display_triangles(self):
         import trimesh
 
         if self.name == "punch":
             mesh = trimesh.creation.capsule(height=0.17, radius=0.06, count=[24, 24])
             mesh.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [0, 1, 0]))
             mesh.apply_translation([0.0, 0.0, 0.06 + THICKNESS / 2])
-            return mesh
+            return np.asarray(mesh.vertices), np.asarray(mesh.faces)
         height = -0.02 if self.name == "die" else 0.006
         outer = trimesh.creation.box(extents=[0.6, 0.4, 0.01])
         outer.apply_translation([0.0, 0.0, height])
-        return outer
+        return np.asarray(outer.vertices), np.asarray(outer.faces)
 
 
 def drawn_tools():

@@ -116,7 +116,11 @@ def _synchronise() -> None:
 def phases(simulation: Any, seconds: float) -> dict[str, float]:
     """Seconds of each phase of a step, and of an output frame, of a run on one thread; its state stays as it is."""
     repeats = 10
-    result = {name: _repeat(phase, seconds) / repeats for name, phase in simulation.stepper.phases(repeats).items()}
+    times = {name: _repeat(phase, seconds) / repeats for name, phase in simulation.stepper.phases(repeats).items()}
+    names = list(times)
+    # each but the last contains those before it
+    result = {name: times[name] - times[before] for before, name in zip(names[:-2], names[1:-1], strict=True)}
+    result[names[-1]] = times[names[-1]]
     # the best of a few, as for the others: writing to disk stalls now and then
     result["output frame"] = min(output_frame(simulation, 0.5 * seconds) for _ in range(3))
     return result
@@ -285,10 +289,15 @@ def rates(
         typer.echo(f"{name}: done", err=True)
     result = {"machine": about, "rows": rows}
     if json_file is not None:
-        partial = json_file.with_suffix(".partial")
-        partial.write_text(json.dumps(result, indent=1))
-        partial.replace(json_file)
+        write_json(json_file, result)
     typer.echo(report(result, old))
+
+
+def write_json(path: Path, result: dict[str, Any]) -> None:
+    """Write a whole file or none."""
+    partial = path.with_suffix(".partial")
+    partial.write_text(json.dumps(result, indent=1))
+    partial.replace(path)
 
 
 def report(result: dict[str, Any], old: dict[str, Any] | None = None) -> str:
@@ -519,7 +528,7 @@ def peers(
             rows.append(row)
             typer.echo(f"{name}, {row['contestant']}: {row.get('error', 'done')}", err=True)
     if json_file is not None:
-        json_file.write_text(json.dumps({"machine": about, "rows": rows}, indent=1))
+        write_json(json_file, {"machine": about, "rows": rows})
     typer.echo(", ".join(f"{name} {value}" for name, value in about.items()))
     typer.echo(f"\n{quads} x {quads} quadrilaterals, {seconds_simulated} s simulated, on {device}\n")
     typer.echo(drape.report(rows))

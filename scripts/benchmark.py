@@ -220,10 +220,14 @@ def machine() -> dict[str, Any]:
 
 
 @app.command(hidden=True)
-def worker(case: str, precisions: str, threads: str, device: str, seconds: float, turns: int) -> None:
+def worker(case: str, precisions: str, threads: str, device: str, seconds: float, turns: int, avx512: bool) -> None:
     """One case in a process of its own: a line of JSON per precision and number of threads."""
     import resource
 
+    import weavesim.device as settings
+
+    if not avx512:
+        settings.X86_COMPILER_FLAGS = "-target-feature -avx512f"
     rows = []
     for precision in precisions.split(","):
         variants = []
@@ -241,7 +245,8 @@ def worker(case: str, precisions: str, threads: str, device: str, seconds: float
             rows.append(
                 {
                     "case": case, "elements": count, "nodes": simulation.blank.node_count, "precision": precision,
-                    "threads": thread_count, "device": device, "lanes": simulation.stepper.model.lane_count,
+                    "threads": thread_count, "device": device, "avx512": avx512,
+                    "lanes": simulation.stepper.model.lane_count,
                     "setup_s": setup - simulation.stepper.loading_time,
                     "kernels_s": simulation.stepper.loading_time,
                     "step_us": 1e6 * step, "median_step_us": 1e6 * float(np.median(times)),
@@ -266,6 +271,7 @@ def rates(
     device: Annotated[str, typer.Option(help='"cpu", "cuda:0", ...')] = "cpu",
     seconds: Annotated[float, typer.Option(help="length of a turn")] = 1.0,
     turns: Annotated[int, typer.Option(help="turns of every variant")] = 3,
+    avx512: Annotated[bool, typer.Option(help="compile for AVX-512 where the processor has it")] = True,
     json_file: Annotated[Path | None, typer.Option("--json", help="write all numbers here")] = None,
     compare: Annotated[Path | None, typer.Option(help="an earlier file of --json to set beside")] = None,
 ) -> None:
@@ -282,6 +288,7 @@ def rates(
     rows = []
     for name in names:
         command = [sys.executable, __file__, "worker", name, precision, thread_list, device, str(seconds), str(turns)]
+        command += [str(avx512)]
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
         if done.returncode:
             raise SystemExit(f"{name}: ended with {done.returncode}; its message is above")
@@ -328,7 +335,7 @@ def report(result: dict[str, Any], old: dict[str, Any] | None = None) -> str:
 
 
 def _key(row: dict[str, Any]) -> tuple[Any, ...]:
-    return tuple(row[name] for name in ("case", "precision", "device", "threads"))
+    return tuple(row.get(name, True) for name in ("case", "precision", "device", "threads", "avx512"))
 
 
 # --- laws -------------------------------------------------------------------------------------------------------------

@@ -116,7 +116,11 @@ def _synchronise() -> None:
 def phases(simulation: Any, seconds: float) -> dict[str, float]:
     """Seconds of each phase of a step, and of an output frame, of a run on one thread; its state stays as it is."""
     repeats = 10
-    result = {name: _repeat(phase, seconds) / repeats for name, phase in simulation.stepper.phases(repeats).items()}
+    times = {name: _repeat(phase, seconds) / repeats for name, phase in simulation.stepper.phases(repeats).items()}
+    names = list(times)
+    # each but the last contains those before it
+    result = {name: times[name] - times[before] for before, name in zip(names[:-2], names[1:-1], strict=True)}
+    result[names[-1]] = times[names[-1]]
     # the best of a few, as for the others: writing to disk stalls now and then
     result["output frame"] = min(output_frame(simulation, 0.5 * seconds) for _ in range(3))
     return result
@@ -216,10 +220,14 @@ def machine() -> dict[str, Any]:
 
 
 @app.command(hidden=True)
-def worker(case: str, precisions: str, threads: str, device: str, seconds: float, turns: int) -> None:
+def worker(case: str, precisions: str, threads: str, device: str, seconds: float, turns: int, avx512: bool) -> None:
     """One case in a process of its own: a line of JSON per precision and number of threads."""
     import resource
 
+    import weavesim.device as settings
+
+    if not avx512:
+        settings.X86_COMPILER_FLAGS = "-target-feature -avx512f"
     rows = []
     for precision in precisions.split(","):
         variants = []
@@ -237,7 +245,8 @@ def worker(case: str, precisions: str, threads: str, device: str, seconds: float
             rows.append(
                 {
                     "case": case, "elements": count, "nodes": simulation.blank.node_count, "precision": precision,
-                    "threads": thread_count, "device": device, "lanes": simulation.stepper.model.lane_count,
+                    "threads": thread_count, "device": device, "avx512": avx512,
+                    "lanes": simulation.stepper.model.lane_count,
                     "setup_s": setup - simulation.stepper.loading_time,
                     "kernels_s": simulation.stepper.loading_time,
                     "step_us": 1e6 * step, "median_step_us": 1e6 * float(np.median(times)),
@@ -262,6 +271,7 @@ def rates(
     device: Annotated[str, typer.Option(help='"cpu", "cuda:0", ...')] = "cpu",
     seconds: Annotated[float, typer.Option(help="length of a turn")] = 1.0,
     turns: Annotated[int, typer.Option(help="turns of every variant")] = 3,
+    avx512: Annotated[bool, typer.Option(help="compile for AVX-512 where the processor has it")] = True,
     json_file: Annotated[Path | None, typer.Option("--json", help="write all numbers here")] = None,
     compare: Annotated[Path | None, typer.Option(help="an earlier file of --json to set beside")] = None,
 ) -> None:
@@ -278,6 +288,7 @@ def rates(
     rows = []
     for name in names:
         command = [sys.executable, __file__, "worker", name, precision, thread_list, device, str(seconds), str(turns)]
+        command += [str(avx512)]
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
         if done.returncode:
             raise SystemExit(f"{name}: ended with {done.returncode}; its message is above")
@@ -285,10 +296,15 @@ def rates(
         typer.echo(f"{name}: done", err=True)
     result = {"machine": about, "rows": rows}
     if json_file is not None:
-        partial = json_file.with_suffix(".partial")
-        partial.write_text(json.dumps(result, indent=1))
-        partial.replace(json_file)
+        write_json(json_file, result)
     typer.echo(report(result, old))
+
+
+def write_json(path: Path, result: dict[str, Any]) -> None:
+    """Write a whole file or none."""
+    partial = path.with_suffix(".partial")
+    partial.write_text(json.dumps(result, indent=1))
+    partial.replace(path)
 
 
 def report(result: dict[str, Any], old: dict[str, Any] | None = None) -> str:
@@ -319,7 +335,7 @@ def report(result: dict[str, Any], old: dict[str, Any] | None = None) -> str:
 
 
 def _key(row: dict[str, Any]) -> tuple[Any, ...]:
-    return tuple(row[name] for name in ("case", "precision", "device", "threads"))
+    return tuple(row.get(name, True) for name in ("case", "precision", "device", "threads", "avx512"))
 
 
 # --- laws -------------------------------------------------------------------------------------------------------------
@@ -519,7 +535,7 @@ def peers(
             rows.append(row)
             typer.echo(f"{name}, {row['contestant']}: {row.get('error', 'done')}", err=True)
     if json_file is not None:
-        json_file.write_text(json.dumps({"machine": about, "rows": rows}, indent=1))
+        write_json(json_file, {"machine": about, "rows": rows})
     typer.echo(", ".join(f"{name} {value}" for name, value in about.items()))
     typer.echo(f"\n{quads} x {quads} quadrilaterals, {seconds_simulated} s simulated, on {device}\n")
     typer.echo(drape.report(rows))

@@ -525,9 +525,11 @@ def race(problem: Problem, contestant: str, device: str, limit: float) -> tuple[
     setup = clock() - started
     first_step, first_time, started = run.step_count, run.time, clock()
     elapsed, looked = 0.0, 0.0
-    while run.time < problem.duration * (1.0 - 1.0e-6) and elapsed < limit:
+    while True:
         run.advance()
         elapsed = clock() - started
+        if run.time >= problem.duration * (1.0 - 1.0e-6) or elapsed >= limit:
+            break
         if elapsed - looked > 2.0:
             looked = elapsed
             if not np.isfinite(run.state()[0]).all():

@@ -76,7 +76,7 @@ class State:
     motion: wp.array  # flat, ``Model.motion_layout``: rows MOTION_ROWS, mean shear angle
     cell_unknowns: wp.array  # (unknowns of the unit cell, one at least; elements)
     cell_report: wp.array  # (3, elements), rows CELL_REPORT_ROWS
-    slip: wp.array  # (5, elements), rows SLIP_ROWS; (5, BLOCK) for a fabric without friction inside
+    slip: wp.array  # (8, elements), rows SLIP_ROWS; (8, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # flat, ``Model.corners``
     node_report: wp.array  # (rows, nodes), ``Model.node_report_rows``
     friction: wp.array  # flat, ``Model.friction_layout`` [m]
@@ -281,7 +281,8 @@ class Stepper:
         # recorded when first wanted: for each number of threads a list of graphs per thread
         self._block_graphs: dict[int, list[list[wp.Graph]]] = {}
         self._interval_graph: wp.Graph | None = None
-        self._modes: list[wp.array] = []
+        # how each thread treated subnormal numbers before a replay
+        self._modes = wp.zeros(self._choice.counts[-1], dtype=wp.int32, device=device)
         self._load_modules()
         self.step_count = 0
         self.refresh_step()
@@ -494,10 +495,9 @@ class Stepper:
         tile_size = TILE_SIZE if self.model.device.is_cpu else self.model.element_count
         return divide_step(self.model.element_nodes, self.model.lane_count, thread_count, tile_size)
 
-    def _record(self, launch: Callable[[], None]) -> wp.Graph:
+    def _record(self, launch: Callable[[], None], thread: int = 0) -> wp.Graph:
         flushes = self.model.device.is_cpu
-        before = wp.zeros(1, dtype=wp.int32, device=self.model.device)
-        self._modes.append(before)
+        before = self._modes[thread : thread + 1]
         wp.capture_begin(device=self.model.device)
         try:
             if flushes:
@@ -515,12 +515,12 @@ class Stepper:
             parts = self._parts(thread_count)
             if max(len(part.tiles) for part in parts) > LARGEST_RECORDED_TILE_COUNT:
                 graphs = [
-                    [self._record(partial(self._step, parts, thread))] * REFRESH_INTERVAL
-                    + [self._record(partial(self._refresh, thread_count, thread))]
+                    [self._record(partial(self._step, parts, thread), thread)] * REFRESH_INTERVAL
+                    + [self._record(partial(self._refresh, thread_count, thread), thread)]
                     for thread in range(thread_count)
                 ]
             else:
-                graphs = [[self._record(partial(self._block, parts, thread))] for thread in range(thread_count)]
+                graphs = [[self._record(partial(self._block, parts, thread), thread)] for thread in range(thread_count)]
             self._block_graphs[thread_count] = graphs
         return self._block_graphs[thread_count]
 
@@ -588,8 +588,8 @@ class Stepper:
             tools.velocity, tools.work,
         )  # fmt: skip
 
-    def _step_ahead(self) -> None:
-        """Copy what a step changes, and do the step there."""
+    def _step_ahead(self, phase_count: int = 3) -> None:
+        """Copy what a step changes, and do the step there, or its first phases."""
         state, tools, drive_displacement = self._ahead
         for source, target in ((self.state, state), (self.tools, tools)):
             for field in fields(source):
@@ -597,10 +597,13 @@ class Stepper:
                 if here is not there:
                     wp.copy(there, here)
         wp.copy(drive_displacement, self.supports.displacement)
-        self.evaluate(state=state)
-        self._advance_supports(state.clock, drive_displacement)
-        self._advance_nodes(0, self.model.node_count // self.model.lane_count, state)
-        self._advance_tools(state, tools)
+        if phase_count > 0:
+            self.evaluate(state=state)
+        if phase_count > 1:
+            self._advance_supports(state.clock, drive_displacement)
+            self._advance_nodes(0, self.model.node_count // self.model.lane_count, state)
+        if phase_count > 2:
+            self._advance_tools(state, tools)
 
     def set_damping(self, damping: float, director_damping: float) -> None:
         """Change the rates of ``MotionParameters`` from the next step on [1/s]."""
@@ -651,21 +654,19 @@ class Stepper:
                 self._take_turn(min(safe_block_count(remaining, step), LARGEST_REPLAY))
 
     def phases(self, repeat_count: int) -> dict[str, Callable[[], None]]:
-        """The phases of a step, to be timed: each call does one of them ``repeat_count`` times on one thread.
+        """Phases of a step, to be timed on one thread: each call does ``repeat_count`` times what it is called after.
 
-        The state stays as it is, as of this call.
+        All begin with a copy of the state, so that they start from the same one and leave it as it is: the first call
+        only copies, each of the next does one more phase of the step behind it, and the last takes the stable step.
         """
         self.look_ahead()
-        state, tools, _ = self._ahead
-        model = self.model
         launches = {
-            "elements": self.evaluate,
-            "nodes and contact": partial(self._advance_nodes, 0, model.node_count // model.lane_count, state),
-            "tools": partial(self._advance_tools, state, tools),
-            "stable step (every 20th)": partial(
-                self._refresh_frequencies, 0, model.element_count // self._frequency_lane_count
-            ),
+            name: partial(self._step_ahead, phase_count)
+            for phase_count, name in enumerate(("copy", "elements", "nodes and contact", "tools"))
         }
+        launches["stable step (every 20th)"] = partial(
+            self._refresh_frequencies, 0, self.model.element_count // self._frequency_lane_count
+        )
 
         # recorded, as in a run: a launch from Python alone costs more than a small sheet
         def repeat(launch: Callable[[], None]) -> None:

@@ -12,6 +12,7 @@ import inspect
 import sys
 import types
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 
@@ -110,7 +111,7 @@ def compile_command(
     from .compilation import KernelSet, compile_kernels
 
     for wanted in precision or [Precision.SINGLE]:
-        seconds = compile_kernels(KernelSet(wanted, device, unit_cell, scene), processes)
+        seconds = compile_kernels(KernelSet.of_scenes(wanted, device, unit_cell, scene), processes)
         print(f"{wanted}, {device}, {unit_cell}: compiled within {seconds:.1f} s")
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
 
@@ -142,7 +143,6 @@ def scene_command(
 
     It passes on what differs from the defaults, runs, says where to look, and exits with a code.
     """
-    from .device import kernels_are_compiled
     from .run_options import RunOptions
 
     options = {
@@ -153,11 +153,11 @@ def scene_command(
     def command(**values: Any) -> None:
         given = {name: value for name, value in values.items() if value != options[name].default}
         checked = parameters(**given)
-        if not kernels_are_compiled():
-            print("The first run compiles its kernels, which takes about a minute.", file=sys.stderr, flush=True)
-            _compile_ahead(scene, checked)
+        from .compilation import side_by_side
+
         try:
-            outcome = run(checked).get("outcome", Outcome.FINISHED.value)
+            with side_by_side(partial(_announce_compilation, scene)):
+                outcome = run(checked).get("outcome", Outcome.FINISHED.value)
         except KeyboardInterrupt:
             outcome = Outcome.INTERRUPTED.value
         ending = {Outcome.FINISHED.value: "", Outcome.INTERRUPTED.value: "Interrupted; what was reached is kept. "}
@@ -175,11 +175,10 @@ def scene_command(
     scene_application.command(help=text)(command)
 
 
-def _compile_ahead(scene: str, options: Any) -> None:
-    """Compile side by side what the run would compile one after the other."""
-    from .compilation import KernelSet, compile_kernels
-
-    compile_kernels(KernelSet(options.precision, options.device, scene=scene))
+def _announce_compilation(scene: str, kernel_count: int) -> None:
+    kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
+    text = f"{scene}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
+    print(text, file=sys.stderr, flush=True)
 
 
 def _option(name: str, field: Any, panel: str) -> inspect.Parameter:

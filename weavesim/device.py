@@ -173,7 +173,20 @@ def load_kernel(kernel: wp.Kernel, device: wp.Device) -> None:
 
     Warp compiles for a block size; its launches on a CPU take 1, whatever the module's own is, and would compile again.
     """
-    kernel.module.load(device, block_dim=1 if device.is_cpu else None)
+    kernel.module.load(device, block_dim=_block_size(device))
+
+
+def is_compiled(kernel: wp.Kernel, device: wp.Device) -> bool:
+    """Whether ``load_kernel`` will find a kernel in the cache; it need not take its hash again."""
+    import warp as wp
+
+    folder = Path(wp.config.kernel_cache_dir) / kernel.module.get_module_identifier(_block_size(device))
+    binaries = {".o"} if device.is_cpu else {".ptx", ".cubin"}
+    return any(file.suffix in binaries for file in folder.glob("*"))
+
+
+def _block_size(device: wp.Device) -> int | None:
+    return 1 if device.is_cpu else None
 
 
 def available_threads() -> int:

@@ -13,6 +13,7 @@ from contextlib import ExitStack, contextmanager
 import numpy as np
 
 from .blank import Blank
+from .compilation import MeshKernelSet, compile_missing
 from .device import initialise, resolve_device, resolve_precision, resolve_thread_counts
 from .errors import InputError, RunError
 from .fabric import Fabric
@@ -132,6 +133,8 @@ class Simulation:
             blank, fabric, self.free, motion or MotionParameters(), precision=self.precision, device=warp_device,
             lane_count=lane_count, tool_count=len(self.tools), target_step=target_step, loads=loads,
         )  # fmt: skip
+        if self._mesh_parts():
+            compile_missing(MeshKernelSet(self.device))
         device_tools = build_device_tools(self.tools, self.model.real, self.device)
         self._check_reach()
         device_supports = build_device_supports(

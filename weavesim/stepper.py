@@ -17,6 +17,7 @@ from functools import partial
 import numpy as np
 import warp as wp
 
+from .compilation import KernelSet, compile_missing
 from .device import load_kernel
 from .kernels.barrier import barrier
 from .kernels.distance import tool_set_struct
@@ -243,14 +244,14 @@ class Stepper:
         self.largest_step, self.step_safety = largest_step, step_safety
         real, lane_count, device = model.real, model.lane_count, model.device
         self._element_forces = element_force_kernel(real, lane_count, model.cell_law, model.sheet_traits)
-        node_traits = NodeTraits(
+        self.node_traits = NodeTraits(
             follows_thickness=model.follows_thickness,
             loaded=model.loads is not None,
             supported=supports.struct.held.shape[0] > 0,
             shape_kinds=tools.shape_kinds,
             rotated=tools.rotated,
         )
-        self._node_motion = node_motion_kernel(real, lane_count, node_traits)
+        self._node_motion = node_motion_kernel(real, lane_count, self.node_traits)
         self._tool_motion = tool_motion_kernel(real)
         self._support_motion = support_motion_kernel(real)
         self._partial_sums = partial_sum_kernel(real)
@@ -471,9 +472,20 @@ class Stepper:
             kernels.append(look_at_clock)
         return kernels
 
+    @property
+    def kernel_set(self) -> KernelSet:
+        """What decides the kernels of this run, its ledger's included."""
+        model = self.model
+        return KernelSet(
+            model.fabric.unit_cell, (model.sheet_traits,), (self.node_traits,), model.precision, str(model.device),
+            model.lane_count, tools=self.tools.count > 0, driven=self.supports.drive_count > 0,
+            threaded=self._choice.counts[-1] > 1,
+        )  # fmt: skip
+
     def _load_modules(self) -> None:
         """Compile what is not cached, before anything is recorded."""
         started = time.perf_counter()
+        compile_missing(self.kernel_set)
         for kernel in self.kernels:
             load_kernel(kernel, self.model.device)
         self.loading_time = time.perf_counter() - started

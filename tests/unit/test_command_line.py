@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import Field
 
-from weavesim import __version__, command_line
+from weavesim import __version__, command_line, compilation
 from weavesim.device import Precision, resolve_device
 from weavesim.errors import RunError
 from weavesim.run_options import RunOptions
@@ -98,6 +98,21 @@ def test_options_reach_the_scene(weavesim_command):
     )
     assert seen == [expected]
     assert seen[0].model_fields_set == expected.model_fields_set
+
+
+def test_compilation_is_announced_before_it_starts(weavesim_command, monkeypatch):
+    missing, compiled = [[0, 2, 5]], []
+    monkeypatch.setattr(compilation, "missing", lambda kernel_set: missing[0])
+    monkeypatch.setattr(compilation, "_compile", lambda kernel_set, indices, process_count: compiled.append(indices))
+
+    def run(parameters):
+        compilation.compile_missing(compilation.MeshKernelSet("cpu"))
+        return {}
+
+    code, _, err = weavesim_command("double-dome", run=run)
+    assert code == 0 and err.startswith("double-dome: compiling 3 kernels") and compiled == [[0, 2, 5]]
+    missing[0] = []
+    assert weavesim_command("double-dome", run=run)[2] == "" and len(compiled) == 1
 
 
 def test_report_is_pointed_at(weavesim_command, tmp_path):

@@ -211,9 +211,9 @@ class EveryCount:
 
 
 def test_threads_may_change_during_a_run(monkeypatch):
-    fixed = thrown_sheet(monkeypatch)
+    fixed = thrown_sheet(monkeypatch, lane_count=LANES)
     fixed.stepper.advance(12)
-    changing = thrown_sheet(monkeypatch, threads=3)
+    changing = thrown_sheet(monkeypatch, lane_count=LANES, threads=3)
     changing.stepper._choice = EveryCount((1, 2, 3))
     changing.stepper.advance(12)
     assert changing.stepper._choice.used == [1, 2, 3, 1, 2, 3]

@@ -98,11 +98,6 @@ def kernel_cache_folder() -> Path:
     return (Path(base) if base else user_cache_folder() / "weavesim") / key
 
 
-def kernels_are_compiled() -> bool:
-    """Whether an earlier run left kernels of this processor; without them a run first compiles for about a minute."""
-    return next(kernel_cache_folder().glob("*/wp_*"), None) is not None
-
-
 @contextmanager
 def _quiet_native_code() -> Iterator[None]:
     """Keep native code from writing to standard error: it warns of a missing CUDA driver on every CPU-only machine."""

@@ -15,7 +15,6 @@ from weavesim.device import (
     cpu_features,
     initialise,
     kernel_cache_folder,
-    kernels_are_compiled,
     resolve_device,
     resolve_precision,
     resolve_thread_counts,
@@ -75,13 +74,6 @@ def test_cache_path_of_the_environment_is_kept_apart_too(features, monkeypatch, 
     folder = kernel_cache_folder()
     features("neon")
     assert folder.parent == tmp_path and kernel_cache_folder() not in (folder, tmp_path)
-
-
-def test_compiled_kernels_are_noticed(monkeypatch, tmp_path):
-    monkeypatch.setenv("WARP_CACHE_PATH", str(tmp_path))
-    assert not kernels_are_compiled()
-    (kernel_cache_folder() / wp.config.version / "wp_element_force_1234567").mkdir(parents=True)
-    assert kernels_are_compiled()
 
 
 def test_initialise_twice_is_once():

@@ -656,14 +656,16 @@ class Stepper:
     def phases(self, repeat_count: int) -> dict[str, Callable[[], None]]:
         """Phases of a step, to be timed on one thread: each call does ``repeat_count`` times what it is called after.
 
-        All begin with a copy of the state, so that they start from the same one and leave it as it is: the first call
-        only copies, each of the next does one more phase of the step behind it, and the last takes the stable step.
+        The first three begin with a copy of the state, so that they start from the same one and leave it as it is: the
+        first only copies, each of the next does one more phase of the step behind it. The others are alone.
         """
         self.look_ahead()
+        state, tools, _ = self._ahead
         launches = {
             name: partial(self._step_ahead, phase_count)
-            for phase_count, name in enumerate(("copy", "elements", "nodes and contact", "tools"))
+            for phase_count, name in enumerate(("copy", "elements", "nodes and contact"))
         }
+        launches["tools"] = partial(self._advance_tools, state, tools)
         launches["stable step (every 20th)"] = partial(
             self._refresh_frequencies, 0, self.model.element_count // self._frequency_lane_count
         )

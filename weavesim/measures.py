@@ -23,11 +23,6 @@ def mirror_signs(symmetry: Sequence[str]) -> list[tuple[int, int]]:
     return list(product((1, -1) if "x" in symmetry else (1,), (1, -1) if "y" in symmetry else (1,)))
 
 
-def flat_positions(blank: Blank) -> np.ndarray:
-    """Material coordinates with z = 0, (node_count, 3) [m]."""
-    return np.column_stack([blank.material_coordinates, np.zeros(blank.node_count)])
-
-
 def _tolerance(blank: Blank) -> float:
     return _RELATIVE_TOLERANCE * float(np.ptp(blank.material_coordinates, axis=0).max())
 

@@ -282,10 +282,11 @@ class Model:
         corner_mass = 0.25 * density * self.geometry.area
         self.node_mass = self._to_nodes(corner_mass)
         self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
-        self.contact_stiffness = contact_share * self.node_mass / self.reference_step**2
+        contact_frequency = contact_share / self.reference_step**2  # squared, of one tool's spring [1/s^2]
+        self.contact_stiffness = contact_frequency * self.node_mass
 
         self.step_bounds = step_bounds_struct(self.real)()
-        self.step_bounds.contact_frequency = 2.0 * contact_share / self.reference_step**2 if tool_count else 0.0
+        self.step_bounds.contact_frequency = 2.0 * contact_frequency if tool_count else 0.0
         self.step_bounds.bending = fabric.largest_bending_stiffness
         cell = fabric.unit_cell
         self.step_bounds.cell = self.types.vec3(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
@@ -299,7 +300,7 @@ class Model:
         self.cell = fabric.unit_cell.device_parameters(precision)
         self.laws = self._sheet_laws()
         self.nodes = self._nodes(np.asarray(free, dtype=bool))
-        self.motion_laws = self._motion_laws(contact_share)
+        self.motion_laws = self._motion_laws(contact_frequency)
 
     @property
     def follows_thickness(self) -> bool:
@@ -480,17 +481,15 @@ class Model:
             mirrored |= on_plane & (np.abs(along[:, axis] - 0.5) > 0.25)
         return mirrored
 
-    def _motion_laws(self, contact_share: float):
+    def _motion_laws(self, contact_frequency: float):
         laws = motion_struct(self.real)()
         laws.gravity = self.types.vec3(*self.motion.gravity)
         laws.damping = self.motion.damping
         laws.director_damping = self.motion.director_damping
         laws.half_thickness = 0.5 * self.fabric.thickness
-        laws.contact_stiffness = contact_share / self.reference_step**2
-        # c = 2 zeta sqrt(k m) with k = share m / step^2
-        laws.contact_damping_time = (
-            2.0 * self.motion.contact_damping_ratio * self.reference_step / math.sqrt(contact_share)
-        )
+        laws.contact_stiffness = contact_frequency
+        # c = 2 zeta sqrt(k m) with k = frequency m
+        laws.contact_damping_time = 2.0 * self.motion.contact_damping_ratio / math.sqrt(contact_frequency)
         laws.tangential_ratio = TANGENTIAL_RATIO
         laws.in_plane_bending_stiffness = self.fabric.in_plane_bending_stiffness
         laws.spare_way = SPARE_WAY * 0.5 * self.fabric.thickness

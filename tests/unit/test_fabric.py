@@ -153,6 +153,15 @@ def test_published_curve_with_its_convention():
     assert other / glass_polypropylene().shear.moment(np.array(math.pi / 4)) == pytest.approx(math.sqrt(2.0), rel=1e-4)
 
 
+def test_polynomial_of_the_moment_begins_with_its_linear_term():
+    curve = MomentCurve.from_polynomial([30.0, -40.0, 100.0])
+    angle = np.linspace(0.0, math.radians(55.0), 77)
+    expected = 30.0 * angle - 40.0 * angle**2 + 100.0 * angle**3
+    assert curve.moment(angle, 1e-3) == pytest.approx(expected, abs=1e-4 * expected.max())
+    slope = np.diff(curve.moment(np.radians([55.0, 60.0, 70.0]), 1e-3)) / np.radians([5.0, 10.0])
+    assert slope[0] == pytest.approx(slope[1])
+
+
 def test_curve_goes_on_beyond_its_end_and_locks():
     curve = MomentCurve(
         angle=(0.0, 0.5, 1.0),

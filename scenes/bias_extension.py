@@ -13,17 +13,17 @@ from typing import Any, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from weavesim.blank import Blank
-from weavesim.fabric import Fabric
-from weavesim.model import MotionParameters
-from weavesim.motion import SmoothStroke
+from weavesim.app.run_into_folder import run_into_folder
+from weavesim.checks import NotNegative, Positive
+from weavesim.fabric.fabric import Fabric
 from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
-from weavesim.parameters import NotNegative, Positive
-from weavesim.recording import Frame
-from weavesim.session import run_into_folder
-from weavesim.simulation import Simulation
-from weavesim.support import Drive, Support
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.strokes import SmoothStroke
+from weavesim.process.supports import Drive, Support
+from weavesim.run.frame import Frame
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 from .fabric_test import (
     STEP_SAFETY,
@@ -129,7 +129,7 @@ def bias_extension(
     supports = (Support("clamp", ends[0]), Support("moving_clamp", ends[1], (Drive(stroke, (1.0, 0.0, 0.0)),)))
     return Simulation(
         name="bias_extension", blank=blank, fabric=fabric, supports=supports, duration=stroke.duration,
-        motion=MotionParameters(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
+        motion=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         device=parameters.device, precision=parameters.precision, threads=parameters.threads,
         time_step=parameters.time_step, target_step=parameters.target_step, step_safety=STEP_SAFETY,
         frame_count=parameters.frames,

@@ -15,22 +15,22 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from weavesim.bending import BendingCurve, IsotropicBending
-from weavesim.blank import Blank
-from weavesim.cells import UnitCell
-from weavesim.compaction import Compaction
+from weavesim.app.run_into_folder import run_into_folder
+from weavesim.checks import NotNegative, Positive
 from weavesim.device import Precision
 from weavesim.errors import InputError
-from weavesim.fabric import LARGEST_LOCKING_SHARE, Fabric
-from weavesim.model import MotionParameters
+from weavesim.fabric.bending import BendingCurve, IsotropicBending
+from weavesim.fabric.compaction import Compaction
+from weavesim.fabric.fabric import LARGEST_LOCKING_SHARE, Fabric
+from weavesim.fabric.shear import MomentCurve
+from weavesim.fabric.weaves import PlainWeave
 from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
-from weavesim.parameters import NotNegative, Positive
-from weavesim.recording import Frame
-from weavesim.session import run_into_folder
-from weavesim.shear import MomentCurve
-from weavesim.simulation import Simulation
-from weavesim.support import Support
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.supports import Support
+from weavesim.run.frame import Frame
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 from .fabric_test import FabricTestParameters, chosen_fabric
 
@@ -154,7 +154,7 @@ def softened(fabric: Fabric, stiffness: float) -> Fabric:
     stiffness = min(stiffness, *fabric.unit_cell.yarn_stiffness_per_width)
     # in compression as stiff as in tension, which E I = E A l0^2 / 3 leaves with one equilibrium
     bending = stiffness * YARN_SPACING * (0.5 * YARN_SPACING) ** 2 / 3.0
-    cell = UnitCell.straight(stiffness_per_width=stiffness, spacing=YARN_SPACING, bending=1.001 * bending)
+    cell = PlainWeave.straight(stiffness_per_width=stiffness, spacing=YARN_SPACING, bending=1.001 * bending)
     # one stiffness either way: a jump where a yarn goes slack would feed the vibrations (theory, section 7)
     changes: dict[str, Any] = {"unit_cell": cell, "compressive_stiffness": 0.0, "shear_friction": None}
     changes["compaction"] = Compaction()
@@ -181,7 +181,7 @@ def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -
     return Simulation(
         name="cantilever", blank=blank, fabric=softened(fabric, LARGEST_STRETCH_STIFFNESS * weight), supports=(clamp,),
         duration=LONGEST_TIME / frequency,
-        motion=MotionParameters(gravity=(0.0, 0.0, -GRAVITY), damping=damping, director_damping=damping),
+        motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=damping, director_damping=damping),
         device=parameters.device, precision=parameters.precision, threads=parameters.threads,
         time_step=parameters.time_step, target_step=parameters.target_step, frame_count=parameters.frames,
         stop_when=lambda frame: frame.time > SHORTEST_TIME / frequency

@@ -13,21 +13,22 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from weavesim.blank import Blank
+from weavesim.app.options import RunOptions
+from weavesim.app.run_into_folder import run_into_folder
+from weavesim.checks import NotNegative, Positive
 from weavesim.errors import InputError
-from weavesim.fabric import Fabric
-from weavesim.fabric_file import FABRIC_HELP, resolve_fabric
-from weavesim.measures import taut_path_draw_in, ten_points
-from weavesim.mesh_shape import MeshShape
-from weavesim.model import MotionParameters
-from weavesim.motion import Driven, Fixed, Motion, Stroke
+from weavesim.fabric.fabric import Fabric
+from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
+from weavesim.measures.angles import ten_points
+from weavesim.measures.border import taut_path_draw_in
 from weavesim.output import ResultFolder, load_measured_angles, load_measured_outline
-from weavesim.parameters import NotNegative, Positive
-from weavesim.run_options import RunOptions
-from weavesim.session import run_into_folder
-from weavesim.shapes import DomeOpening, DomePunch, Shape, rotation_matrix
-from weavesim.simulation import Simulation
-from weavesim.tool import Tool
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.strokes import Fixed, ForceDriven, Motion, Stroke
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.shapes import DomeOpening, DomePunch, Shape, rotation_matrix
+from weavesim.tools.tool import Tool
 
 # Full blank of the paper [m].
 BLANK_LENGTH = 0.470
@@ -135,7 +136,7 @@ def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple
         force = parameters.blank_holder_force
         if force is None:
             force = BLANK_HOLDER_PRESSURE * blank_holder_area()
-        holder_motion = Driven.constant(force * share, BLANK_HOLDER_MASS * share, BLANK_HOLDER_RAMP)
+        holder_motion = ForceDriven.constant(force * share, BLANK_HOLDER_MASS * share, BLANK_HOLDER_RAMP)
     return (
         Tool(
             "punch", raised(punch, half),
@@ -183,7 +184,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     duration = tools[0].motion.duration + REST
     return Simulation(
         name="double_dome", blank=blank, fabric=fabric, tools=tools, duration=duration, symmetry=symmetry,
-        motion=MotionParameters(
+        motion=Dynamics(
             damping=parameters.damping,
             director_damping=DIRECTOR_DAMPING,
             contact_thickness=parameters.contact_thickness,

@@ -14,17 +14,21 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from weavesim.blank import Blank
-from weavesim.fabric import Fabric, IsotropicBending, MomentCurve, Stabilisation, UnitCell
-from weavesim.measures import close_pairs, rim_folds
-from weavesim.model import MotionParameters
+from weavesim.app.options import RunOptions
+from weavesim.app.run_into_folder import run_into_folder
+from weavesim.checks import NotNegative, Positive
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Fabric, Stabilisation
+from weavesim.fabric.shear import MomentCurve
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.measures.folds import rim_folds
+from weavesim.measures.proximity import close_pairs
 from weavesim.output import ResultFolder
-from weavesim.parameters import NotNegative, Positive
-from weavesim.run_options import RunOptions
-from weavesim.session import run_into_folder
-from weavesim.shapes import Sphere
-from weavesim.simulation import Simulation
-from weavesim.tool import Tool
+from weavesim.process.dynamics import Dynamics
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.shapes import Sphere
+from weavesim.tools.tool import Tool
 
 GRAVITY = 9.81
 CASES = ("low-bending", "high-bending")
@@ -71,7 +75,7 @@ def cloth(case: str) -> Fabric:
         name=f"cloth with {case.replace('-', ' ')}",
         areal_density=0.3,
         thickness=thickness,
-        unit_cell=UnitCell(
+        unit_cell=PlainWeave(
             warp_modulus=modulus,
             weft_modulus=modulus,
             contact_modulus=1.0e6,
@@ -113,9 +117,7 @@ def hemisphere(parameters: HemisphereParameters, case: str) -> Simulation:
         fabric=fabric,
         tools=(Tool("hemisphere", Sphere(parameters.radius), friction=parameters.friction),),
         duration=parameters.duration,
-        motion=MotionParameters(
-            gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING
-        ),
+        motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         initial_velocity=unevenness(blank, parameters.seed),
         device=parameters.device,
         precision=parameters.precision,

@@ -13,19 +13,19 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from weavesim.blank import Blank
+from weavesim.app.run_into_folder import run_into_folder
+from weavesim.checks import NotNegative, Positive
 from weavesim.errors import InputError
-from weavesim.fabric import Fabric
-from weavesim.model import MotionParameters
-from weavesim.motion import SmoothStroke
+from weavesim.fabric.fabric import Fabric
+from weavesim.fabric.response import respond
 from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
-from weavesim.parameters import NotNegative, Positive
-from weavesim.recording import Frame
-from weavesim.session import run_into_folder
-from weavesim.simulation import Simulation
-from weavesim.support import Drive, Support
-from weavesim.unit_cell import respond
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.strokes import SmoothStroke
+from weavesim.process.supports import Drive, Support
+from weavesim.run.frame import Frame
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 from .fabric_test import (
     STEP_SAFETY,
@@ -160,7 +160,7 @@ def picture_frame(parameters: PictureFrameParameters, fabric: Fabric | None = No
     return Simulation(
         name="picture_frame", blank=blank, fabric=fabric, supports=(frame.support(blank, clamped),),
         duration=frame.shear.duration,
-        motion=MotionParameters(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
+        motion=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         device=parameters.device, precision=parameters.precision, threads=parameters.threads,
         time_step=parameters.time_step, target_step=parameters.target_step, step_safety=STEP_SAFETY,
         frame_count=parameters.frames,

@@ -56,9 +56,9 @@ def _patch(side: int) -> Callable[..., Any]:
     """A free square of ``side`` x ``side`` elements of 5 mm, stretched, sheared and thrown, that meets no tool."""
 
     def build(**options: Any):
-        from weavesim.blank import Blank
-        from weavesim.fabric import glass_polypropylene
-        from weavesim.simulation import Simulation
+        from weavesim.fabric.presets import glass_polypropylene
+        from weavesim.run.simulation import Simulation
+        from weavesim.sheet.blank import Blank
 
         size = min(0.005, 19.0 / side)
         blank = Blank.rectangle((0.0, 0.0), (side * size, side * size), size)
@@ -130,9 +130,9 @@ def output_frame(simulation: Any, seconds: float) -> float:
 
     At most as many as a run has, four at least, over about ``seconds``.
     """
+    from weavesim.app.progress import RunLog
     from weavesim.output import ResultFolder
-    from weavesim.progress import RunLog
-    from weavesim.recording import Outcome
+    from weavesim.run.frame import Outcome
 
     with TemporaryDirectory() as folder:
         observers = (ResultFolder(folder), RunLog(Path(folder)))
@@ -172,7 +172,7 @@ def state_bytes(simulation: Any) -> float:
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
-    from weavesim.kernels.element import CELL_REPORT_ROWS, MOTION_ROW_COUNT
+    from weavesim.kernels.rows import CELL_REPORT_ROWS, MOTION_ROW_COUNT
 
     model = simulation.stepper.model
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
@@ -342,14 +342,14 @@ def _key(row: dict[str, Any]) -> tuple[Any, ...]:
 
 def law_variants() -> dict[str, Any]:
     """Fabrics that differ from the default one in one law."""
-    from weavesim.bending import BendingCurve
-    from weavesim.fabric import UNIT_CELLS, YarnBending, glass_polypropylene
-    from weavesim.model import MotionParameters
-    from weavesim.shear import ShearFriction
+    from weavesim.fabric.bending import BendingCurve, YarnBending
+    from weavesim.fabric.presets import UNIT_CELLS, glass_polypropylene
+    from weavesim.fabric.shear import ShearFriction
+    from weavesim.process.dynamics import Dynamics
 
     base = glass_polypropylene()
 
-    def changed(motion: MotionParameters | None = None, **update: Any) -> tuple[Any, Any]:
+    def changed(motion: Dynamics | None = None, **update: Any) -> tuple[Any, Any]:
         return base.model_copy(update=update), motion
 
     stiff = base.bending.stiffness(base.thickness)
@@ -366,7 +366,7 @@ def law_variants() -> dict[str, Any]:
         "bending curves": changed(bending=YarnBending(warp=curve, weft=curve, twist=0.5 * stiff)),
         "bending friction": changed(bending=YarnBending(warp=rubbing, weft=rubbing, twist=0.5 * stiff)),
         "no in-plane bending of yarns": changed(in_plane_bending_stiffness=0.0),
-        "tools meet the current thickness": changed(MotionParameters(contact_thickness="current")),
+        "tools meet the current thickness": changed(Dynamics(contact_thickness="current")),
     }
     for name, cell in UNIT_CELLS.items():
         if name != "plain-weave":
@@ -382,8 +382,8 @@ def laws(
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
 ) -> None:
     """Time per element and step of every law and unit cell in the double dome, on one thread."""
+    from weavesim.run.simulation import Simulation
     from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
-    from weavesim.simulation import Simulation
 
     parameters = DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1)
     variants = law_variants()

@@ -16,30 +16,30 @@ if (_checkout / "pyproject.toml").is_file():
     __path__.append(str(_checkout))
 
 if TYPE_CHECKING:
-    from .blank import Blank
     from .device import Precision
     from .errors import InputError, RunError
-    from .fabric import Fabric
-    from .loads import NodalLoads
-    from .recording import Frame, Observer, Outcome
-    from .simulation import Simulation
-    from .support import Drive, Support
-    from .tool import Tool
+    from .fabric.fabric import Fabric
+    from .process.loads import NodalLoads
+    from .process.supports import Drive, Support
+    from .run.frame import Frame, Observer, Outcome
+    from .run.simulation import Simulation
+    from .sheet.blank import Blank
+    from .tools.tool import Tool
 
 _module_of = {
-    "Blank": "blank",
-    "Drive": "support",
-    "Fabric": "fabric",
-    "Frame": "recording",
+    "Blank": "sheet.blank",
+    "Drive": "process.supports",
+    "Fabric": "fabric.fabric",
+    "Frame": "run.frame",
     "InputError": "errors",
-    "NodalLoads": "loads",
-    "Observer": "recording",
-    "Outcome": "recording",
+    "NodalLoads": "process.loads",
+    "Observer": "run.frame",
+    "Outcome": "run.frame",
     "Precision": "device",
     "RunError": "errors",
-    "Simulation": "simulation",
-    "Support": "support",
-    "Tool": "tool",
+    "Simulation": "run.simulation",
+    "Support": "process.supports",
+    "Tool": "tools.tool",
 }
 
 __all__ = [

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
 from weavesim.errors import InputError
+from weavesim.sheet.blank import Blank
 
 SQUARES = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
 NODES = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]) * 0.01

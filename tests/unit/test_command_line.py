@@ -10,10 +10,12 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import Field
 
-from weavesim import __version__, command_line, compilation
+from weavesim import __version__
+from weavesim.app import command_line
+from weavesim.app.options import RunOptions
 from weavesim.device import Precision, resolve_device
+from weavesim.engine import compilation
 from weavesim.errors import RunError
-from weavesim.run_options import RunOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 # In which a script finds this checkout, installed or not.

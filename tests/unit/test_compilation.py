@@ -11,10 +11,10 @@ from importlib import import_module
 import pytest
 import warp as wp
 
-from weavesim import compilation
-from weavesim.blank import Blank
-from weavesim.command_line import SCENES
-from weavesim.compilation import (
+from weavesim.app.command_line import SCENES
+from weavesim.device import Precision
+from weavesim.engine import compilation
+from weavesim.engine.compilation import (
     SCENE_TRAITS,
     KernelSet,
     MeshKernelSet,
@@ -23,15 +23,16 @@ from weavesim.compilation import (
     missing,
     side_by_side,
 )
-from weavesim.device import Precision
 from weavesim.errors import InputError
-from weavesim.fabric import LinearShear, assumed_fabric, glass_polypropylene
-from weavesim.kernels.support_motion import support_motion_kernel
-from weavesim.mesh_shape import MeshShape
-from weavesim.model import MotionParameters
-from weavesim.shapes import Plane, Sphere
-from weavesim.simulation import Simulation
-from weavesim.tool import Tool
+from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
+from weavesim.fabric.shear import LinearShear
+from weavesim.kernels.stepping.supports import support_motion_kernel
+from weavesim.process.dynamics import Dynamics
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.shapes import Plane, Sphere
+from weavesim.tools.tool import Tool
 
 # Kernels that every run takes and that compile in a second each.
 SMALL = KernelSet(
@@ -82,7 +83,7 @@ RUNS = {
     "no tools": lambda: {},
     "other laws": lambda: {
         "fabric": assumed_fabric("twill").model_copy(update={"shear": LinearShear(modulus=1e6)}),
-        "motion": MotionParameters(contact_thickness="current"), "threads": 2,
+        "motion": Dynamics(contact_thickness="current"), "threads": 2,
         "tools": [Tool("plane", Plane(origin=(0.0, 0.0, -0.01)))],
     },
 }  # fmt: skip
@@ -136,8 +137,8 @@ def test_the_command_line_compiles_side_by_side_what_is_missing(monkeypatch, tmp
 
 def test_runs_look_for_their_kernels_before_they_load_them(monkeypatch):
     asked = []
-    monkeypatch.setattr("weavesim.stepper.compile_missing", asked.append)
-    monkeypatch.setattr("weavesim.simulation.compile_missing", asked.append)
+    monkeypatch.setattr("weavesim.engine.stepper.compile_missing", asked.append)
+    monkeypatch.setattr("weavesim.run.simulation.compile_missing", asked.append)
     ball = Sphere(radius=0.01).display_mesh()
     mesh = MeshShape.from_triangles(ball.vertices, ball.faces, spacing=2e-3, origin=(0.0, 0.0, -0.012))
     simulation = small_run(tools=[Tool("ball", mesh)])
@@ -148,7 +149,7 @@ def test_what_is_loaded_is_not_compiled_again_by_its_launch(tmp_path):
     code = """
 import warp as wp
 from weavesim.device import initialise, is_compiled, load_kernel
-from weavesim.kernels.barrier import barrier
+from weavesim.kernels.stepping.machine import barrier
 initialise()
 assert not is_compiled(barrier, wp.get_device("cpu"))
 load_kernel(barrier, wp.get_device("cpu"))

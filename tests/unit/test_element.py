@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.model import ElementGeometry
+from weavesim.sheet.blank import Blank
+from weavesim.sheet.geometry import ElementGeometry
 
 
 @pytest.fixture

@@ -5,25 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from weavesim.bending import BendingCurve
 from weavesim.errors import InputError
-from weavesim.fabric import (
-    LARGEST_LOCKING_SHARE,
-    PRESETS,
-    Fabric,
-    IsotropicBending,
-    LinearShear,
-    MomentCurve,
-    ShearFriction,
-    Stabilisation,
-    UnitCell,
-    YarnBending,
-    glass_polypropylene,
-)
+from weavesim.fabric.bending import BendingCurve, IsotropicBending, YarnBending
+from weavesim.fabric.fabric import LARGEST_LOCKING_SHARE, Fabric, Stabilisation
+from weavesim.fabric.presets import PRESETS, glass_polypropylene
+from weavesim.fabric.shear import LinearShear, MomentCurve, ShearFriction
+from weavesim.fabric.weaves import PlainWeave
 
 
 def test_unit_cell_has_the_papers_parameters():
-    cell = UnitCell(
+    cell = PlainWeave(
         warp_modulus=70e9, weft_modulus=50e9, contact_modulus=1e8, warp_cross_section=1e-7, weft_cross_section=2e-7,
         contact_cross_section=1e-5, warp_second_moment=1e-16, weft_second_moment=2e-16, warp_half_spacing=3e-3,
         weft_half_spacing=2e-3, crossover_height=4e-4, warp_crimp_share=0.25,
@@ -40,8 +31,8 @@ def test_unit_cell_has_the_papers_parameters():
     )
 
 
-def cell_with(**changes) -> UnitCell:
-    return UnitCell(**(glass_polypropylene().unit_cell.model_dump() | changes))
+def cell_with(**changes) -> PlainWeave:
+    return PlainWeave(**(glass_polypropylene().unit_cell.model_dump() | changes))
 
 
 @pytest.mark.parametrize(

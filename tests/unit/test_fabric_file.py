@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from weavesim.errors import InputError
-from weavesim.fabric import PRESETS, TwillWeave, glass_polypropylene
-from weavesim.fabric_file import load_fabric, resolve_fabric
+from weavesim.fabric.file import load_fabric, resolve_fabric
+from weavesim.fabric.presets import PRESETS, glass_polypropylene
+from weavesim.fabric.weaves import TwillWeave
 
 TOML = """
 based_on = "glass-polypropylene"

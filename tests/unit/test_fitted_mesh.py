@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weavesim.blank import Blank
 from weavesim.errors import InputError
-from weavesim.fitted_mesh import LEAST_QUALITY, corner_sines, fitted_mesh
+from weavesim.sheet.blank import Blank
+from weavesim.sheet.fitted_mesh import LEAST_QUALITY, corner_sines, fitted_mesh
 
 cases = settings(max_examples=15, deadline=None)
 STRIP = np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.1], [0.0, 0.1]])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
+from weavesim.engine.layout import lanes_view
 from weavesim.kernels.lanes import (
     angle_of,
     cross,
@@ -20,7 +21,6 @@ from weavesim.kernels.lanes import (
     store,
     where_positive,
 )
-from weavesim.model import lanes_view
 
 
 @pytest.fixture(params=[1, 16], ids=["one lane", "sixteen lanes"])

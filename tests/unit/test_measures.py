@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import brentq
 
 from weavesim import measures
-from weavesim.blank import Blank
 from weavesim.errors import InputError
+from weavesim.sheet.blank import Blank
 
 HALF_LENGTH, HALF_WIDTH = 0.24, 0.14
 QUARTER, FULL = ("x", "y"), ()

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from weavesim.app.progress import ProgressBar, RunLog, clock_text, kinetic_ratio
 from weavesim.errors import InputError
-from weavesim.progress import ProgressBar, RunLog, clock_text, kinetic_ratio
-from weavesim.recording import Frame, Outcome
+from weavesim.run.frame import Frame, Outcome
 
 FRAME_COUNT = 40
 DURATION = 0.1

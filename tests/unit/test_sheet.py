@@ -7,13 +7,15 @@ import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weavesim.bending import BendingCurve
-from weavesim.curve import tabulate
-from weavesim.fabric import LinearShear, MomentCurve, Stabilisation, glass_polypropylene
+from weavesim.engine.frequencies import hourglass_coefficients
+from weavesim.engine.model import CURVE_PIECE_COUNT
+from weavesim.fabric.bending import BendingCurve
+from weavesim.fabric.curve import tabulate
+from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.shear import LARGEST_SHEAR_ANGLE, LinearShear, MomentCurve, ShearFriction
 from weavesim.kernels.curve import curve_energy, curve_struct, odd_curve, slide
 from weavesim.kernels.lanes import lane_types
-from weavesim.model import CURVE_PIECE_COUNT, hourglass_coefficients
-from weavesim.shear import LARGEST_SHEAR_ANGLE, ShearFriction
 
 TYPES = lane_types(wp.float64, 1)
 

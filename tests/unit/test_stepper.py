@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 import warp as wp
 
-from weavesim import stepper as stepper_module
-from weavesim.blank import Blank
 from weavesim.device import load_kernel
-from weavesim.fabric import glass_polypropylene
-from weavesim.kernels.element import MOTION_ROWS
-from weavesim.kernels.interval import look_at_clock
-from weavesim.kernels.node import CLOCK_STEP
-from weavesim.kernels.subnormals import flush_subnormals, restore_subnormals
-from weavesim.motion import Stroke
-from weavesim.simulation import Simulation
-from weavesim.stepper import REFRESH_INTERVAL, divide_step
-from weavesim.support import Drive, Support
+from weavesim.engine import stepper as stepper_module
+from weavesim.engine.stepper import REFRESH_INTERVAL
+from weavesim.engine.tiles import divide_step
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.kernels.rows import CLOCK_STEP, MOTION_ROWS
+from weavesim.kernels.stepping.machine import flush_subnormals, restore_subnormals
+from weavesim.kernels.stepping.step import look_at_clock
+from weavesim.process.strokes import Stroke
+from weavesim.process.supports import Drive, Support
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 LANES = 16
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from hypothesis import given
 from hypothesis import strategies as st
 
-from weavesim.thread_choice import LOOK, REST, STAY, ThreadChoice
+from weavesim.engine.threads import LOOK, REST, STAY, ThreadChoice
 
 
 class Machine:

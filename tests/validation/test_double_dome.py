@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from weavesim.errors import InputError, RunError
-from weavesim.measures import draw_in, shear_angle_at, ten_points
+from weavesim.measures.angles import shear_angle_at, ten_points
+from weavesim.measures.border import draw_in
 from weavesim.scenes.double_dome import BLANK_LENGTH, BLANK_WIDTH, DoubleDomeParameters, double_dome, run
 
 SUMMARY_KEYS = {

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
-from weavesim.bending import BendingCurve, YarnBending
-from weavesim.cells import UnitCell
 from weavesim.errors import InputError
-from weavesim.fabric import assumed_fabric, glass_polypropylene
+from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
+from weavesim.fabric.shear import ShearFriction
+from weavesim.fabric.weaves import PlainWeave
 from weavesim.scenes import bias_extension, cantilever, picture_frame
 from weavesim.scenes.bias_extension import BiasExtensionParameters
 from weavesim.scenes.cantilever import CantileverParameters
 from weavesim.scenes.picture_frame import PictureFrameParameters
-from weavesim.shear import ShearFriction
 
 
 def columns(path) -> dict[str, np.ndarray]:
@@ -118,7 +118,7 @@ def test_misaligned_yarns_are_stretched_as_the_frame_says():
     """Yarns at 2 degrees to the sides: force and tension from the even deformation of a linear membrane."""
     stiffness, misalignment = 2.0e4, np.radians(2.0)
     bending = 1.001 * stiffness * 0.005 * 0.0025**2 / 3.0
-    cell = UnitCell.straight(stiffness_per_width=stiffness, bending=bending)
+    cell = PlainWeave.straight(stiffness_per_width=stiffness, bending=bending)
     fabric = glass_polypropylene().with_linear_shear(0.25e6)
     fabric = fabric.model_copy(update={"unit_cell": cell, "compressive_stiffness": 0.0})
     parameters = PictureFrameParameters(

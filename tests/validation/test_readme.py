@@ -9,7 +9,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from weavesim.command_line import SCENES, scene_command
+from weavesim.app.command_line import SCENES, scene_command
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 COMMANDS = re.findall(

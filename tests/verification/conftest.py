@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from tests.verification.manual import Case
-from weavesim.blank import Blank
-from weavesim.fabric import Fabric, IsotropicBending, LinearShear, Stabilisation, UnitCell
-from weavesim.recording import Frame, Outcome
-from weavesim.simulation import Simulation
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Fabric, Stabilisation
+from weavesim.fabric.shear import LinearShear
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.run.frame import Frame, Outcome
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 NO_STABILISATION = Stabilisation(in_plane=0.0, warping=0.0, director=0.0)
 
@@ -19,7 +22,7 @@ def plain_fabric(**given) -> Fabric:
     """A weak linear membrane and nothing else, unless ``given``."""
     values = {
         "name": "test", "areal_density": 0.5, "thickness": 1.0e-3,
-        "unit_cell": UnitCell.straight(stiffness_per_width=1000.0),
+        "unit_cell": PlainWeave.straight(stiffness_per_width=1000.0),
         "shear": LinearShear(modulus=0.0), "bending": IsotropicBending(modulus=0.0),
         "transverse_shear_modulus": 0.0, "stabilisation": NO_STABILISATION,
     }  # fmt: skip

@@ -9,9 +9,10 @@ import numpy as np
 import warp as wp
 from warp import float64 as real
 
-from weavesim.cells import Cell, EnergyCell, FloatWeave
-from weavesim.fabric import UNIT_CELLS
-from weavesim.parameters import Positive
+from weavesim.checks import Positive
+from weavesim.fabric.cell import EnergyCell, UnitCell
+from weavesim.fabric.presets import UNIT_CELLS
+from weavesim.fabric.weaves import FloatWeave
 
 
 @wp.func
@@ -107,7 +108,7 @@ def membrane_reference(cell, stretch, angle, q) -> float:
 class Registered:
     """A cell, its energy in NumPy, and how large its unknowns are: one is large for all but the plain weave's."""
 
-    make: Callable[[], Cell]
+    make: Callable[[], UnitCell]
     reference: Callable[..., float]
     unknown_scale: float = 1.0
 

@@ -8,9 +8,10 @@ import scipy.optimize
 from matplotlib.figure import Figure
 
 from tests.verification.registered_cells import CELLS
-from weavesim.cells import FloatWeave, LinearMembrane, UnitCell
-from weavesim.fabric import UNIT_CELLS
-from weavesim.unit_cell import respond
+from weavesim.fabric.membrane import LinearMembrane
+from weavesim.fabric.presets import UNIT_CELLS
+from weavesim.fabric.response import respond
+from weavesim.fabric.weaves import FloatWeave, PlainWeave
 
 # Directions in the plane of stretches, and the largest strain along each.
 PATHS = {
@@ -97,7 +98,7 @@ def test_response_is_that_of_an_independent_minimisation(name, manual):
     case.figure(figure)
 
 
-def sawtooth(share: float, **given) -> UnitCell:
+def sawtooth(share: float, **given) -> PlainWeave:
     """Hard yarns and contact; ``share`` scales their bending stiffness."""
     values = {
         "warp_modulus": 1e12, "weft_modulus": 1e12, "contact_modulus": 1.0, "warp_cross_section": 1e-6,
@@ -105,7 +106,7 @@ def sawtooth(share: float, **given) -> UnitCell:
         "weft_second_moment": 1e-14 * share, "warp_half_spacing": 2.5e-3, "weft_half_spacing": 2.0e-3,
         "crossover_height": 6e-4, "warp_crimp_share": 0.6, "contact_stiffness_value": 1e9,
     }  # fmt: skip
-    return UnitCell(**(values | given))
+    return PlainWeave(**(values | given))
 
 
 def crimp_interchange(cell, warp_stretch: float) -> float:
@@ -155,7 +156,7 @@ def test_straight_bars(manual):
     )  # fmt: skip
     given = UNIT_CELLS["plain-weave"]().model_dump() | {"crossover_height": 0.0, "contact_stiffness_value": 1e5}
     rows = []
-    for name, cell in (("plain weave", UnitCell(**given)), ("2/2 twill", FloatWeave(**given, repeat=4))):
+    for name, cell in (("plain weave", PlainWeave(**given)), ("2/2 twill", FloatWeave(**given, repeat=4))):
         stretch = np.array([[1.05, 0.9], [1.2, 1.3], [0.95, 1.1], [0.9, 0.97]])
         spacing = 2.0 * np.array(cell.half_spacing[::-1])
         stiffness = np.where(stretch > 1.0, cell.axial_stiffness, cell.compressive_stiffness) / spacing
@@ -178,11 +179,11 @@ def test_floats_take_the_crimp_out(manual):
     )  # fmt: skip
     given = UNIT_CELLS["plain-weave"]().model_dump()
     stretch = np.array([[1.01, 1.0], [1.03, 1.03], [0.95, 1.02], [0.9, 0.92]])
-    plain, two = respond(UnitCell(**given), stretch), respond(FloatWeave(**given, repeat=2), stretch)
+    plain, two = respond(PlainWeave(**given), stretch), respond(FloatWeave(**given, repeat=2), stretch)
     deviation = np.abs(two.force_per_width - plain.force_per_width).max() / np.abs(plain.force_per_width).max()
     assert deviation < 1e-9
     assert np.allclose(two.crossover_force, plain.crossover_force, rtol=1e-7)
-    straight = UnitCell(**given).yarn_stiffness_per_width[0]
+    straight = PlainWeave(**given).yarn_stiffness_per_width[0]
     repeats, excess = [2, 4, 8, 16], []
     for repeat in repeats:
         # a tension that straightens the crimp: equal in both yarns, so that nothing moves but along them

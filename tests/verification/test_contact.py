@@ -4,15 +4,19 @@ import numpy as np
 import pytest
 import trimesh
 
-from weavesim.blank import Blank
-from weavesim.fabric import IsotropicBending, LinearShear, Stabilisation, UnitCell
-from weavesim.mesh_shape import MeshShape
-from weavesim.model import CONTACT_SHARE, MotionParameters
-from weavesim.motion import Stroke
-from weavesim.relaxation import relax
-from weavesim.shapes import Plane, Sphere
-from weavesim.simulation import Simulation
-from weavesim.tool import Tool
+from weavesim.engine.model import CONTACT_SHARE
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.shear import LinearShear
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.strokes import Stroke
+from weavesim.run.relaxation import relax
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.shapes import Plane, Sphere
+from weavesim.tools.tool import Tool
 
 RADIUS = 0.02
 
@@ -21,7 +25,7 @@ RADIUS = 0.02
 def cloth(fabric):
     """Soft, so that a tenth of a second takes few steps."""
     return fabric(
-        areal_density=0.5, thickness=1.0e-3, unit_cell=UnitCell.straight(stiffness_per_width=2000.0),
+        areal_density=0.5, thickness=1.0e-3, unit_cell=PlainWeave.straight(stiffness_per_width=2000.0),
         shear=LinearShear(modulus=1.0e5), bending=IsotropicBending(modulus=1.0e6), transverse_shear_modulus=1.0e5,
         stabilisation=Stabilisation(),
     )  # fmt: skip
@@ -39,7 +43,7 @@ def test_indentation_under_a_known_weight(cloth, manual):
         blank = Blank.rectangle((-0.02, -0.01), (0.02, 0.01), size, height=0.5 * cloth.thickness)
         simulation = Simulation(
             name="rest", blank=blank, fabric=cloth, tools=[Tool("plane", Plane())], duration=1.0, precision="float64",
-            threads=1, motion=MotionParameters(gravity=(0.0, 0.0, -9.81)),
+            threads=1, motion=Dynamics(gravity=(0.0, 0.0, -9.81)),
         )  # fmt: skip
         relax(simulation, tolerance=1e-5)
         depth = 0.5 * cloth.thickness - simulation.frame.position[:, 2]
@@ -65,7 +69,7 @@ def pressed_by(shape, cloth, size: float) -> Simulation:
     simulation = Simulation(
         name="ball", blank=blank, fabric=cloth, free=free, duration=0.1, precision="float64", threads=1, frame_count=5,
         tools=[Tool("ball", shape, Stroke.smooth(-0.012, 0.2, 0.04), friction=0.2)],
-        motion=MotionParameters(damping=100.0, director_damping=100.0),
+        motion=Dynamics(damping=100.0, director_damping=100.0),
     )  # fmt: skip
     simulation.run()
     assert abs(simulation.frame.energies["balance_error"]) < 0.01 * simulation.frame.energies["tool_work"]
@@ -161,7 +165,7 @@ def test_symmetric_press_has_equal_reactions(cloth, manual):
     blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005, yarn_angle=20.0)
     simulation = Simulation(
         name="press", blank=blank, fabric=cloth, tools=tools, duration=0.05, precision="float64", threads=1,
-        frame_count=5, motion=MotionParameters(damping=50.0),
+        frame_count=5, motion=Dynamics(damping=50.0),
     )  # fmt: skip
     simulation.run()
     lower, upper = simulation.frame.tool_reaction

@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.fabric import IsotropicBending, LinearShear, Stabilisation, UnitCell
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.shear import LinearShear
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.sheet.blank import Blank
 
 ALL_TERMS = {
-    "unit_cell": UnitCell.straight(stiffness_per_width=1.0e4),
+    "unit_cell": PlainWeave.straight(stiffness_per_width=1.0e4),
     "shear": LinearShear(modulus=4.0e6),
     "bending": IsotropicBending(modulus=5.0e7, poisson_ratio=0.2),
     "transverse_shear_modulus": 4.0e6,
@@ -105,7 +108,7 @@ def test_stabilisation_does_not_stiffen_shear(sheet, fabric):
     odd = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]) * 1e-4
     energies = []
     for stiffness in (1.0e4, 1.0e6):
-        laws = fabric(**(ALL_TERMS | {"unit_cell": UnitCell.straight(stiffness_per_width=stiffness)}),
+        laws = fabric(**(ALL_TERMS | {"unit_cell": PlainWeave.straight(stiffness_per_width=stiffness)}),
                       stabilisation=Stabilisation())  # fmt: skip
         energies.append(sheet(blank, laws).energies(blank.node_position + odd, blank.initial_director)["hourglass"])
     assert energies[0] == pytest.approx(energies[1], rel=1e-12)

@@ -4,18 +4,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from weavesim.bending import BendingCurve
-from weavesim.blank import Blank
-from weavesim.fabric import (
-    IsotropicBending,
-    LinearShear,
-    MomentCurve,
-    Stabilisation,
-    UnitCell,
-    YarnBending,
-    glass_polypropylene,
-)
-from weavesim.shear import ShearFriction
+from weavesim.fabric.bending import BendingCurve, IsotropicBending, YarnBending
+from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.shear import LinearShear, MomentCurve, ShearFriction
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.sheet.blank import Blank
 
 CELL = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")
 CURVE = MomentCurve(angle=(0.0, 0.2, 0.5, 1.0), moment_values=(0.0, 3.0, 5.0, 20.0))
@@ -216,7 +210,7 @@ def test_uniform_stretch_and_shear_have_their_closed_form(sheet, fabric):
     """Homogeneous deformation of a distorted mesh: energy density times area, and no force inside."""
     blank = Blank.rectangle((0.0, 0.0), (0.03, 0.02), 0.005, yarn_angle=30.0, distortion=0.3)
     laws = fabric(
-        unit_cell=UnitCell.straight(stiffness_per_width=800.0), shear=LinearShear(modulus=2.0e5),
+        unit_cell=PlainWeave.straight(stiffness_per_width=800.0), shear=LinearShear(modulus=2.0e5),
         stabilisation=Stabilisation(),
     )  # fmt: skip
     yarn = np.column_stack([blank.warp_direction[0], blank.weft_direction[0]])[:2]

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from weavesim.bending import YarnBending
-from weavesim.cells import UnitCell
-from weavesim.fabric import Fabric, glass_polypropylene
+from weavesim.fabric.bending import YarnBending
+from weavesim.fabric.fabric import Fabric
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.shear import ShearFriction
+from weavesim.fabric.weaves import PlainWeave
 from weavesim.scenes import bias_extension, cantilever, picture_frame
 from weavesim.scenes.bias_extension import BiasExtensionParameters
 from weavesim.scenes.cantilever import CantileverParameters
 from weavesim.scenes.picture_frame import PictureFrameParameters
-from weavesim.shear import ShearFriction
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,7 +35,7 @@ def stiff_straight_yarns(law: str, stiffness: float) -> Fabric:
         fabric = fabric.model_copy(update={"shear": fabric.shear.model_copy(update={"locking_stiffness": 0.0})})
     # as stiff in compression as in tension, with one equilibrium
     bending = 1.001 * stiffness * SPACING * (0.5 * SPACING) ** 2 / 3.0
-    cell = UnitCell.straight(stiffness_per_width=stiffness, spacing=SPACING, bending=bending)
+    cell = PlainWeave.straight(stiffness_per_width=stiffness, spacing=SPACING, bending=bending)
     return fabric.model_copy(
         update={"unit_cell": cell, "in_plane_bending_stiffness": 0.0, "compressive_stiffness": 0.0}
     )

@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.fabric import Fabric, IsotropicBending, LinearShear, Stabilisation, UnitCell
-from weavesim.model import MotionParameters
-from weavesim.motion import Driven, Fixed
-from weavesim.shapes import Plane, rotation_matrix
-from weavesim.simulation import Simulation
-from weavesim.tool import Tool
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Fabric, Stabilisation
+from weavesim.fabric.shear import LinearShear
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.strokes import Fixed, ForceDriven
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.shapes import Plane, rotation_matrix
+from weavesim.tools.tool import Tool
 
 FRICTION = 0.3
 
@@ -18,7 +21,7 @@ FRICTION = 0.3
 def soft(fabric):
     """Soft, so that a second takes few steps."""
     return fabric(
-        areal_density=0.5, thickness=1.0e-3, unit_cell=UnitCell.straight(stiffness_per_width=500.0),
+        areal_density=0.5, thickness=1.0e-3, unit_cell=PlainWeave.straight(stiffness_per_width=500.0),
         shear=LinearShear(modulus=1.0e5), bending=IsotropicBending(modulus=1.0e6), transverse_shear_modulus=1.0e5,
         stabilisation=Stabilisation(),
     )  # fmt: skip
@@ -48,7 +51,7 @@ def on_incline(
     blank, plane, gravity, down = resting(flat, angle, tilted)
     simulation = Simulation(
         name="incline", blank=blank, fabric=fabric, tools=[Tool("plane", plane, friction=FRICTION)], duration=duration,
-        precision="float64", lane_count=1, threads=1, frame_count=20, motion=MotionParameters(gravity=tuple(gravity)),
+        precision="float64", lane_count=1, threads=1, frame_count=20, motion=Dynamics(gravity=tuple(gravity)),
     )  # fmt: skip
     simulation.run([frames])
     ways = [float(((frame.position - blank.node_position) @ down).mean()) for frame in frames.all]
@@ -98,7 +101,7 @@ def under_holder(fabric: Fabric, force: float, *, pull: float, duration: float, 
         Tool("die", Plane(origin=(0.0, 0.0, -half)), Fixed(), friction=FRICTION),
         Tool(
             "blank_holder", Plane(origin=(0.0, 0.0, half), rotation=upside_down),
-            Driven.constant(-force, mass=0.002, ramp_time=0.02), friction=FRICTION,
+            ForceDriven.constant(-force, mass=0.002, ramp_time=0.02), friction=FRICTION,
         ),
     ]  # fmt: skip
     free = np.ones((blank.node_count, 6), dtype=bool)
@@ -109,7 +112,7 @@ def under_holder(fabric: Fabric, force: float, *, pull: float, duration: float, 
         velocity[edge, 0] = pull
     return Simulation(
         name="holder", blank=blank, fabric=fabric, tools=tools, duration=duration, free=free, initial_velocity=velocity,
-        precision="float64", lane_count=1, threads=1, frame_count=40, motion=MotionParameters(damping=damping),
+        precision="float64", lane_count=1, threads=1, frame_count=40, motion=Dynamics(damping=damping),
     )  # fmt: skip
 
 

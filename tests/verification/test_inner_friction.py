@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from weavesim.bending import BendingCurve
-from weavesim.blank import Blank
-from weavesim.fabric import MomentCurve, UnitCell, YarnBending, glass_polypropylene
-from weavesim.kernels.sheet import SLIP_ROWS
-from weavesim.ledger import LOST
-from weavesim.shear import ShearFriction
+from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.shear import MomentCurve, ShearFriction
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.kernels.rows import SLIP_ROWS
+from weavesim.run.ledger import LOST
+from weavesim.sheet.blank import Blank
 
 SQUARE = Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.05)
 UP = np.tile([0.0, 0.0, 1.0], (SQUARE.node_count, 1))
@@ -216,10 +217,10 @@ def test_kawabata_numbers_come_back():
 
 def test_balance_is_closed_in_a_run_with_friction_inside():
     """A thrown sheet: what the yarns rub away is missing from the vibration, and nothing else is."""
-    from weavesim.simulation import Simulation
+    from weavesim.run.simulation import Simulation
 
     blank = Blank.rectangle((-0.02, -0.015), (0.02, 0.015), 0.005, yarn_angle=20.0, distortion=0.2)
-    straight = UnitCell.straight(stiffness_per_width=2.0e5)
+    straight = PlainWeave.straight(stiffness_per_width=2.0e5)
     rubbing = BendingCurve.from_kawabata(rigidity=3e-3, hysteresis=2e-2, slip_curvature=2.0)
     fabric = glass_polypropylene().model_copy(
         update={

@@ -5,14 +5,18 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.fabric import IsotropicBending, LinearShear, MomentCurve, Stabilisation, UnitCell
-from weavesim.model import CONTACT_SHARE, TANGENTIAL_RATIO, MotionParameters
-from weavesim.motion import Driven, Stroke
-from weavesim.relaxation import relax
-from weavesim.shapes import Plane
-from weavesim.simulation import Simulation
-from weavesim.tool import Tool
+from weavesim.engine.model import CONTACT_SHARE, TANGENTIAL_RATIO
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.shear import LinearShear, MomentCurve
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.strokes import ForceDriven, Stroke
+from weavesim.run.relaxation import relax
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.shapes import Plane
+from weavesim.tools.tool import Tool
 
 SIDE, SIZE, AREA = 0.02, 0.005, 4e-4
 GRAVITY = 9.81
@@ -32,7 +36,7 @@ def at(sheet, laws, entry: str, *, position=None, director=None, blank=None) -> 
 
 
 def stretched(sheet, fabric) -> list[Found]:
-    laws = fabric(unit_cell=UnitCell.straight(stiffness_per_width=800.0), compressive_stiffness=300.0)
+    laws = fabric(unit_cell=PlainWeave.straight(stiffness_per_width=800.0), compressive_stiffness=300.0)
     position = flat().node_position * [1.03, 0.96, 1.0]
     return [
         ("warp_axial", "3 % longer", 0.5 * 800.0 * 0.03**2 * AREA, at(sheet, laws, "warp_axial", position=position)),
@@ -45,7 +49,7 @@ def stretched(sheet, fabric) -> list[Found]:
 def crimped(sheet, fabric) -> list[Found]:
     """Yarns that do not stretch keep their chord: heights and angles follow from the stretches alone."""
     half, height, bending, contact = np.array([2.6e-3, 2.6e-3]), 3e-4, 1e-5, 3e4
-    cell = UnitCell(
+    cell = PlainWeave(
         warp_modulus=1e16, weft_modulus=1e16, contact_modulus=1.0, warp_cross_section=1e-6, weft_cross_section=1e-6,
         contact_cross_section=1.0, warp_second_moment=bending / 1e16, weft_second_moment=bending / 1e16,
         warp_half_spacing=half[0], weft_half_spacing=half[1], crossover_height=2.0 * height,
@@ -134,15 +138,15 @@ def moving(sheet, fabric) -> list[Found]:
     mass = laws.areal_density * AREA
     speed = np.zeros((flat().node_count, 3))
     speed[:, 2] = 2.0
-    thrown = run(laws, initial_velocity=speed, motion=MotionParameters(gravity=(0.0, 0.0, -GRAVITY)))
+    thrown = run(laws, initial_velocity=speed, motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY)))
     time, rise = thrown.frame.time, 2.0 * thrown.frame.time - 0.5 * GRAVITY * thrown.frame.time**2
-    damped = run(laws, initial_velocity=speed, motion=MotionParameters(damping=50.0))
+    damped = run(laws, initial_velocity=speed, motion=Dynamics(damping=50.0))
     left = np.exp(-2.0 * 50.0 * damped.frame.time)
     held = run(
-        laws, initial_velocity=speed, motion=MotionParameters(gravity=(0.0, 0.0, -GRAVITY)),
+        laws, initial_velocity=speed, motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY)),
         free=np.zeros((flat().node_count, 6), dtype=bool),
     )  # fmt: skip
-    tool = Tool("weight", Plane(origin=(0.0, 0.0, -0.1)), Driven.constant(-0.5, mass=0.02))
+    tool = Tool("weight", Plane(origin=(0.0, 0.0, -0.1)), ForceDriven.constant(-0.5, mass=0.02))
     pushed = run(laws, tools=[tool])
     fall = pushed.frame.time**2 * 0.5 / 0.02 / 2.0
     return [
@@ -162,19 +166,19 @@ def moving(sheet, fabric) -> list[Found]:
 def touching(sheet, fabric) -> list[Found]:
     """On a plane that rises 5 mm, and on one that leans below the friction angle."""
     laws = fabric(
-        unit_cell=UnitCell.straight(stiffness_per_width=500.0), shear=LinearShear(modulus=1e5),
+        unit_cell=PlainWeave.straight(stiffness_per_width=500.0), shear=LinearShear(modulus=1e5),
         bending=IsotropicBending(modulus=1e6), transverse_shear_modulus=1e5, stabilisation=Stabilisation(),
     )  # fmt: skip
     mass, rise, lean = laws.areal_density * AREA, 5e-3, 0.1
     resting = Blank.rectangle((0.0, 0.0), (SIDE, SIDE), SIZE, height=0.5 * laws.thickness)
     settings = {"blank": resting, "duration": 0.2}
     lift = Tool("table", Plane(), Stroke.smooth(rise, 0.05, 0.05), friction=0.3)
-    lifted = run(laws, tools=[lift], **settings, motion=MotionParameters(gravity=(0.0, 0.0, -GRAVITY)))
+    lifted = run(laws, tools=[lift], **settings, motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY)))
     relax(lifted, tolerance=1e-5)
     sunk = GRAVITY * lifted.model.reference_step**2 / CONTACT_SHARE
     leaning = run(
         laws, tools=[Tool("table", Plane(), friction=0.3)], **settings,
-        motion=MotionParameters(gravity=(GRAVITY * np.sin(lean), 0.0, -GRAVITY * np.cos(lean)), damping=200.0),
+        motion=Dynamics(gravity=(GRAVITY * np.sin(lean), 0.0, -GRAVITY * np.cos(lean)), damping=200.0),
     )  # fmt: skip
     relax(leaning, tolerance=1e-5)
     stiffness = TANGENTIAL_RATIO * CONTACT_SHARE / leaning.model.reference_step**2

@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.fabric import Fabric, IsotropicBending, MomentCurve, UnitCell, glass_polypropylene
-from weavesim.recording import Frame
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Fabric
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.shear import MomentCurve
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.run.frame import Frame
 from weavesim.scenes.bias_extension import BiasExtensionParameters, bias_extension, closed_form_force, kinematic_angle
+from weavesim.sheet.blank import Blank
 
 # Angle between yarns and element edges [degrees], and random shift of the nodes over the element size.
 MESHES = {"0°": (0.0, 0.0), "15°": (15.0, 0.0), "30°": (30.0, 0.0), "45°": (45.0, 0.0), "perturbed": (20.0, 0.2)}
@@ -51,7 +55,7 @@ def test_yarns_leave_as_many_motions_free_whatever_the_mesh_angle(sheet, fabric,
         "constraints per element: $2(n+1)^2-2n^2=4n+2$ motions are left if none is redundant. A count near the three "
         "rigid motions is tension locking.",
     )  # fmt: skip
-    laws = fabric(unit_cell=UnitCell.straight(stiffness_per_width=1000.0))
+    laws = fabric(unit_cell=PlainWeave.straight(stiffness_per_width=1000.0))
     gauss = [(x / np.sqrt(3.0), y / np.sqrt(3.0)) for x in (-1, 1) for y in (-1, 1)]
     rows = []
     for name, (angle, distortion) in MESHES.items():
@@ -241,7 +245,7 @@ def test_kinks_lock_yarns_that_resist_being_pushed_together(manual):
         "compression they must not, or this explanation is wrong.",
     )  # fmt: skip
     stiffness = 1.0e6
-    straight = UnitCell.straight(stiffness_per_width=stiffness)
+    straight = PlainWeave.straight(stiffness_per_width=stiffness)
     slack = straight.model_copy(update={"warp_compressive_stiffness": 0.0, "weft_compressive_stiffness": 0.0})
     rows, gaps = [], {}
     for name, cell, of_the_sheet in (("buckled bundle", slack, 0.025 * stiffness), ("as in tension", straight, 0.0)):

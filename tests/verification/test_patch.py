@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.fabric import IsotropicBending, LinearShear, Stabilisation, UnitCell
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.shear import LinearShear
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.sheet.blank import Blank
 
 LENGTH, WIDTH, SIZE = 0.03, 0.02, 0.005
 YARN_STIFFNESS, SHEAR_MODULUS, THICKNESS = 800.0, 2.0e5, 1.0e-3
@@ -22,7 +25,7 @@ CURVATURE = {"bending along x": (1e-3, 0.0, 0.0), "bending along y": (0.0, 1e-3,
 def patch(sheet, fabric, distortion: float):
     blank = Blank.rectangle((0.0, 0.0), (LENGTH, WIDTH), SIZE, yarn_angle=30.0, distortion=distortion, seed=3)
     laws = fabric(
-        thickness=THICKNESS, unit_cell=UnitCell.straight(stiffness_per_width=YARN_STIFFNESS),
+        thickness=THICKNESS, unit_cell=PlainWeave.straight(stiffness_per_width=YARN_STIFFNESS),
         shear=LinearShear(modulus=SHEAR_MODULUS), bending=BENDING, transverse_shear_modulus=1.0e7,
         stabilisation=Stabilisation(in_plane=1.0, warping=1.0, director=1.0),
     )  # fmt: skip

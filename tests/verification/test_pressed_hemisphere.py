@@ -11,14 +11,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from weavesim.blank import Blank
-from weavesim.fabric import Fabric, IsotropicBending, MomentCurve, Stabilisation, UnitCell
-from weavesim.loads import NodalLoads
-from weavesim.model import MotionParameters
-from weavesim.motion import Stroke
-from weavesim.shapes import DomeCavity, DomeOpening, DomePunch, Union, rotation_matrix
-from weavesim.simulation import Simulation
-from weavesim.tool import Tool
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Fabric, Stabilisation
+from weavesim.fabric.shear import MomentCurve
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.loads import NodalLoads
+from weavesim.process.strokes import Stroke
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.shapes import DomeCavity, DomeOpening, DomePunch, Union, rotation_matrix
+from weavesim.tools.tool import Tool
 
 MESHES = {"0°": (0.0, 0.0), "15°": (15.0, 0.0), "30°": (30.0, 0.0), "45°": (45.0, 0.0), "perturbed": (20.0, 0.2)}
 # Table of the known angles on the meridian at 45 degrees to the yarns [degrees].
@@ -54,7 +57,7 @@ def net() -> Fabric:
     modulus = 12.0 * bending / THICKNESS**3
     return Fabric(
         name="net", areal_density=0.5, thickness=THICKNESS,
-        unit_cell=UnitCell.straight(stiffness_per_width=YARN_STIFFNESS),
+        unit_cell=PlainWeave.straight(stiffness_per_width=YARN_STIFFNESS),
         # beyond 75 degrees only, so that the corners cannot fold over while they fall
         shear=MomentCurve(
             angle=(0.0, 1.5), moment_values=(0.0, 1.5 * SHEAR_STIFFNESS),
@@ -100,7 +103,7 @@ class Pressed:
                 force=self.areas()[:, None] * [0.0, 0.0, -WEIGHT],
                 times=tuple(0.6 * DRAPING_TIME * ramp), shares=tuple(0.5 - 0.5 * np.cos(np.pi * ramp)),
             ),
-            duration=closing.duration + SETTLING_TIME, motion=MotionParameters(damping=1.0e3, director_damping=1.0e3),
+            duration=closing.duration + SETTLING_TIME, motion=Dynamics(damping=1.0e3, director_damping=1.0e3),
         )  # fmt: skip
         self.simulation.run()
         frame = self.simulation.frame

@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
-from weavesim.blank import Blank
 from weavesim.errors import InputError, RunError
-from weavesim.fabric import IsotropicBending, LinearShear, Stabilisation, UnitCell
-from weavesim.loads import NodalLoads
-from weavesim.model import MotionParameters
-from weavesim.relaxation import relax
-from weavesim.simulation import Simulation
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.shear import LinearShear
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.loads import NodalLoads
+from weavesim.run.relaxation import relax
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 
 def shell_of(fabric, modulus: float, thickness: float, ratio: float, membrane: float | None = None):
@@ -23,7 +26,7 @@ def shell_of(fabric, modulus: float, thickness: float, ratio: float, membrane: f
     """
     membrane = modulus * thickness if membrane is None else membrane
     return fabric(
-        areal_density=1.0, thickness=thickness, unit_cell=UnitCell.straight(stiffness_per_width=membrane),
+        areal_density=1.0, thickness=thickness, unit_cell=PlainWeave.straight(stiffness_per_width=membrane),
         shear=LinearShear(modulus=membrane / thickness / (1.0 + ratio)),
         bending=IsotropicBending(modulus=modulus, poisson_ratio=ratio),
         transverse_shear_modulus=0.5 * modulus / (1.0 + ratio), stabilisation=Stabilisation(),
@@ -34,7 +37,7 @@ def at_rest(blank, laws, free, *, tolerance=1e-4, gravity=(0.0, 0.0, 0.0), run=0
     """A relaxed sheet, after ``run`` seconds of motion; its balance is closed, the hourglass energy small."""
     simulation = Simulation(
         name="shell", blank=blank, fabric=laws, duration=run or 1.0, free=free, precision="float64", threads=1,
-        frame_count=5, motion=MotionParameters(gravity=gravity, damping=damping, director_damping=damping), **given,
+        frame_count=5, motion=Dynamics(gravity=gravity, damping=damping, director_damping=damping), **given,
     )  # fmt: skip
     if run:
         simulation.run()
@@ -58,7 +61,7 @@ def rolled(fabric, count: int) -> tuple[float, float, Simulation]:
     membrane = 2.0e4 * ROLL_BENDING * curvature**2
     thickness = 1.0e-3
     laws = fabric(
-        thickness=thickness, unit_cell=UnitCell.straight(stiffness_per_width=membrane),
+        thickness=thickness, unit_cell=PlainWeave.straight(stiffness_per_width=membrane),
         shear=LinearShear(modulus=membrane / thickness), bending=IsotropicBending(modulus=12e9 * ROLL_BENDING),
         transverse_shear_modulus=100.0 * ROLL_BENDING / (0.1 * ROLL_LENGTH) ** 2 / thickness,
         stabilisation=Stabilisation(),
@@ -155,7 +158,7 @@ def hanging_tip(fabric, load: float, count: int) -> np.ndarray:
     # so hard that it stretches and shears by less than 0.01 %
     laws = fabric(
         areal_density=areal_density, thickness=thickness,
-        unit_cell=UnitCell.straight(stiffness_per_width=20000.0 * weight * ELASTICA_LENGTH),
+        unit_cell=PlainWeave.straight(stiffness_per_width=20000.0 * weight * ELASTICA_LENGTH),
         bending=IsotropicBending(modulus=12.0 * bending / thickness**3),
         transverse_shear_modulus=12000.0 * weight * ELASTICA_LENGTH / thickness, stabilisation=Stabilisation(),
     )  # fmt: skip
@@ -387,7 +390,7 @@ def test_relaxation_gives_up_with_a_reason(fabric):
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
     laws = fabric(shear=LinearShear(modulus=1e6), bending=IsotropicBending(modulus=1e6), transverse_shear_modulus=1e6)
     simulation = Simulation(
-        name="fall", blank=blank, fabric=laws, duration=1.0, motion=MotionParameters(gravity=(0.0, 0.0, -9.81)),
+        name="fall", blank=blank, fabric=laws, duration=1.0, motion=Dynamics(gravity=(0.0, 0.0, -9.81)),
         threads=1, precision="float64",
     )  # fmt: skip
     with pytest.raises(RunError, match="after 2000 steps .* move freely never comes to rest"):

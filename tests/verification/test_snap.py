@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.cells import FloatWeave, UnitCell
-from weavesim.fabric import glass_polypropylene
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.weaves import FloatWeave, PlainWeave
+from weavesim.sheet.blank import Blank
 
 
 def loss_and_booking(sheet, corners: list[tuple[float, float]], increment_count: int) -> tuple[float, float]:
@@ -32,7 +32,7 @@ def element(request, sheet, fabric):
 
     The plain weave, and once more from its energy, as any cell can be made.
     """
-    kind, more = {"by hand": (UnitCell, {}), "from its energy": (FloatWeave, {"repeat": 2})}[request.param]
+    kind, more = {"by hand": (PlainWeave, {}), "from its energy": (FloatWeave, {"repeat": 2})}[request.param]
     given = glass_polypropylene().unit_cell
 
     def make(share: float | None):

@@ -4,25 +4,21 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from weavesim.blank import Blank
+from weavesim.engine.stepper import STEP_SAFETY
 from weavesim.errors import InputError
-from weavesim.fabric import (
-    IsotropicBending,
-    LinearShear,
-    MomentCurve,
-    Stabilisation,
-    UnitCell,
-    YarnBending,
-    glass_polypropylene,
-)
-from weavesim.simulation import Simulation
-from weavesim.stepper import STEP_SAFETY
+from weavesim.fabric.bending import IsotropicBending, YarnBending
+from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.shear import LinearShear, MomentCurve
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 
 def plate(fabric, **given):
     """Linear in every term, so that the tangent at rest is the tangent for any small motion."""
     values = {
-        "unit_cell": UnitCell.straight(stiffness_per_width=2.0e4), "shear": LinearShear(modulus=2.0e6),
+        "unit_cell": PlainWeave.straight(stiffness_per_width=2.0e4), "shear": LinearShear(modulus=2.0e6),
         "bending": IsotropicBending(modulus=3.0e7, poisson_ratio=0.3), "transverse_shear_modulus": 5.0e6,
         "stabilisation": Stabilisation(),
     }  # fmt: skip

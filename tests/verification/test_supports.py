@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
 from weavesim.errors import InputError
-from weavesim.fabric import UnitCell, glass_polypropylene
-from weavesim.model import MotionParameters
-from weavesim.motion import SmoothStroke, Stroke
-from weavesim.simulation import Simulation
-from weavesim.support import Drive, Support
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.strokes import SmoothStroke, Stroke
+from weavesim.process.supports import Drive, Support
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 WHOLE = Blank.rectangle((0.0, 0.0), (0.1, 0.05), 0.01)
 
@@ -39,7 +40,7 @@ def test_work_of_moving_supports_closes_the_balance():
     velocity[:, 0] = 0.5 * x / 0.1
     simulation = Simulation(
         name="strip", blank=blank, fabric=glass_polypropylene(), duration=4e-3, free=free, initial_velocity=velocity,
-        motion=MotionParameters(damping=50.0), precision="float64", lane_count=1, frame_count=10,
+        motion=Dynamics(damping=50.0), precision="float64", lane_count=1, frame_count=10,
     )  # fmt: skip
     simulation.run()
     energies = simulation.frame.energies
@@ -82,7 +83,7 @@ def test_force_of_supports_accelerates_the_sheet():
     stroke = SmoothStroke.ramped(3e-3, speed=2.0, ramp_time=1e-3)
     simulation = strip(
         (Support("all", everywhere, (Drive(stroke, (0.0, 0.6, 0.8)),)),), duration=0.5e-3, frame_count=5,
-        motion=MotionParameters(gravity=(0.0, 0.0, -9.81), damping=100.0),
+        motion=Dynamics(gravity=(0.0, 0.0, -9.81), damping=100.0),
     )  # fmt: skip
     simulation.run()
     frame, mass = simulation.frame, 0.743 * 0.1 * 0.05
@@ -104,12 +105,12 @@ def test_force_of_supports_accelerates_the_sheet():
 def test_pulled_strip_gives_the_force_of_its_yarns(frames, fabric):
     """At rest both grips hold n = c (lambda - 1) per width, whatever the grips' own mass did on the way."""
     stiffness, pull = 2.0e4, 1e-3
-    laws = fabric(unit_cell=UnitCell.straight(stiffness_per_width=stiffness))
+    laws = fabric(unit_cell=PlainWeave.straight(stiffness_per_width=stiffness))
     first, last = end_nodes(WHOLE)
     stroke = SmoothStroke.ramped(pull, speed=0.4, ramp_time=2e-3)
     simulation = strip(
         (Support("clamp", first), Support("grip", last, (Drive(stroke, (1.0, 0.0, 0.0)),))), fabric=laws,
-        duration=stroke.duration + 20e-3, motion=MotionParameters(damping=800.0),
+        duration=stroke.duration + 20e-3, motion=Dynamics(damping=800.0),
     )  # fmt: skip
     simulation.run([frames])
     expected = stiffness * (pull / 0.1) * 0.05
@@ -150,7 +151,7 @@ def test_symmetry_halves_the_force():
         grip = Support("grip", last, (Drive(stroke, (1.0, 0.0, 0.0)),), rotations="")
         simulation = strip(
             (Support("clamp", first, rotations=""), grip), blank=blank,
-            symmetry=symmetry, duration=stroke.duration, motion=MotionParameters(damping=100.0), time_step=1e-6,
+            symmetry=symmetry, duration=stroke.duration, motion=Dynamics(damping=100.0), time_step=1e-6,
         )  # fmt: skip
         simulation.run()
         forces.append(simulation.frame.support_force[1, 0])

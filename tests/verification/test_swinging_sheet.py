@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.fabric import IsotropicBending, LinearShear, Stabilisation, UnitCell
-from weavesim.model import MotionParameters
-from weavesim.simulation import Simulation
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.shear import LinearShear
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.process.dynamics import Dynamics
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 SIDE = 0.1
 
@@ -20,7 +23,7 @@ def swinging(fabric, precision: str, time_step: float | None = None) -> Simulati
     simulation = Simulation(
         name="swing", blank=blank, fabric=fabric, duration=2.2, free=free, frame_count=100, precision=precision,
         threads=1, time_step=time_step,
-        motion=MotionParameters(gravity=(9.81 * np.sin(angle), 0.0, -9.81 * np.cos(angle))),
+        motion=Dynamics(gravity=(9.81 * np.sin(angle), 0.0, -9.81 * np.cos(angle))),
     )  # fmt: skip
     simulation.run()
     return simulation
@@ -36,7 +39,7 @@ def largest_error(simulation: Simulation) -> float:
 def cloth(fabric):
     """Soft, so that two swings take ten thousand steps."""
     return fabric(
-        unit_cell=UnitCell.straight(stiffness_per_width=500.0), shear=LinearShear(modulus=1.0e5),
+        unit_cell=PlainWeave.straight(stiffness_per_width=500.0), shear=LinearShear(modulus=1.0e5),
         bending=IsotropicBending(modulus=1.0e6), transverse_shear_modulus=1.0e5, stabilisation=Stabilisation(),
     )  # fmt: skip
 

@@ -5,17 +5,18 @@ import math
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.cells import UnitCell
-from weavesim.compaction import Compaction
 from weavesim.errors import InputError
-from weavesim.fabric import MomentCurve, glass_polypropylene
-from weavesim.model import MotionParameters
-from weavesim.motion import SmoothStroke
-from weavesim.shapes import Plane, rotation_matrix
-from weavesim.simulation import Simulation
-from weavesim.support import Drive, Support
-from weavesim.tool import Tool
+from weavesim.fabric.compaction import Compaction
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.shear import MomentCurve
+from weavesim.fabric.weaves import PlainWeave
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.strokes import SmoothStroke
+from weavesim.process.supports import Drive, Support
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.shapes import Plane, rotation_matrix
+from weavesim.tools.tool import Tool
 
 SQUARE = Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.05)
 UP = np.tile([0.0, 0.0, 1.0], (SQUARE.node_count, 1))
@@ -46,7 +47,7 @@ def test_sheared_sheet_thickens_and_keeps_its_fibre_content(sheet):
 def test_tension_flattens_the_crossovers_by_what_the_contact_element_gives(sheet):
     """Of a plain weave, p/E_c is the closing of the contact element over L_3: the cell's own w says so."""
     fabric = glass_polypropylene()
-    cell: UnitCell = fabric.unit_cell
+    cell: PlainWeave = fabric.unit_cell
     shell = sheet(SQUARE, fabric)
     stretched = fields_at(shell, 0.0, 1.003)
     closing = -shell.simulation.state.cell_unknowns.numpy()[:, 0].sum() / cell.crossover_height
@@ -94,7 +95,7 @@ def squeezed(contact_thickness: str, **given) -> Simulation:
     settings = {"precision": "float64", "lane_count": 1, "threads": 1, "frame_count": 10} | given
     return Simulation(
         name="squeezed", blank=blank, fabric=fabric, tools=tools, supports=(everywhere,), duration=sine.duration,
-        motion=MotionParameters(contact_thickness=contact_thickness), **settings,
+        motion=Dynamics(contact_thickness=contact_thickness), **settings,
     )  # fmt: skip
 
 

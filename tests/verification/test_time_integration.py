@@ -8,31 +8,24 @@ import numpy as np
 import pytest
 import trimesh
 
-from weavesim.bending import BendingCurve
-from weavesim.blank import Blank
-from weavesim.cells import LinearMembrane
+from weavesim.engine.state import State
 from weavesim.errors import RunError
-from weavesim.fabric import (
-    Fabric,
-    LinearShear,
-    MomentCurve,
-    Stabilisation,
-    UnitCell,
-    YarnBending,
-    assumed_fabric,
-    glass_polypropylene,
-)
+from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.fabric import Fabric, Stabilisation
+from weavesim.fabric.membrane import LinearMembrane
+from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
+from weavesim.fabric.shear import LinearShear, MomentCurve, ShearFriction
+from weavesim.fabric.weaves import PlainWeave
 from weavesim.kernels.lanes import CPU_LANE_COUNT
-from weavesim.loads import NodalLoads
-from weavesim.mesh_shape import MeshShape
-from weavesim.model import MotionParameters
-from weavesim.motion import Stroke
-from weavesim.recording import Outcome
-from weavesim.shapes import Capsule, Plane, Sphere, Union, rotation_matrix
-from weavesim.shear import ShearFriction
-from weavesim.simulation import Simulation
-from weavesim.stepper import State
-from weavesim.tool import Tool
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.loads import NodalLoads
+from weavesim.process.strokes import Stroke
+from weavesim.run.frame import Outcome
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.shapes import Capsule, Plane, Sphere, Union, rotation_matrix
+from weavesim.tools.tool import Tool
 
 
 def momenta(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
@@ -79,7 +72,7 @@ def test_free_vibration_keeps_its_energy(precision, in_plane):
 
     With in-plane bending of the yarns the mean angles are a step behind: what that costs is booked as damping.
     """
-    straight = UnitCell.straight(stiffness_per_width=2.0e5)
+    straight = PlainWeave.straight(stiffness_per_width=2.0e5)
     fabric = glass_polypropylene().model_copy(
         update={
             "unit_cell": straight, "shear": LinearShear(modulus=2.0e7), "in_plane_bending_stiffness": in_plane,
@@ -198,7 +191,7 @@ FRAMED = {
 
 def framed_sheet(name: str, **given) -> Simulation:
     make, contact_thickness = FRAMED[name]
-    return falling_sheet(fabric=make(), motion=MotionParameters(contact_thickness=contact_thickness), **given)
+    return falling_sheet(fabric=make(), motion=Dynamics(contact_thickness=contact_thickness), **given)
 
 
 # With the tools that the sheet touches in the end.
@@ -249,7 +242,7 @@ def test_passing_over_far_tools_changes_nothing(precision):
 @pytest.mark.parametrize("name", FRAMED)
 def test_taking_frames_changes_nothing(name):
     make, contact_thickness = FRAMED[name]
-    motion = MotionParameters(contact_thickness=contact_thickness)
+    motion = Dynamics(contact_thickness=contact_thickness)
     one, many = (
         falling_sheet(frame_count=count, fabric=make(), motion=motion, threads=1, lane_count=1) for count in (1, 12)
     )
@@ -292,7 +285,7 @@ def test_gravity_alone_is_free_fall():
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
     simulation = Simulation(
         name="fall", blank=blank, fabric=glass_polypropylene(), duration=1e-3, precision="float64", lane_count=1,
-        threads=1, frame_count=1, motion=MotionParameters(gravity=(0.0, 3.0, -9.81)),
+        threads=1, frame_count=1, motion=Dynamics(gravity=(0.0, 3.0, -9.81)),
     )  # fmt: skip
     simulation.run()
     time = simulation.frame.time

@@ -16,15 +16,16 @@ from scipy.spatial.transform import Rotation
 from warp import float64 as real
 
 from tests.verification.registered_cells import CELLS, KnottedNet, Registered
-from weavesim.blank import Blank
-from weavesim.cells import Cell, LinearMembrane
+from weavesim.engine.stepper import STEP_SAFETY
 from weavesim.errors import InputError
-from weavesim.fabric import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
-from weavesim.motion import SmoothStroke
-from weavesim.simulation import Simulation
-from weavesim.stepper import STEP_SAFETY
-from weavesim.support import Drive, Support
-from weavesim.unit_cell import respond
+from weavesim.fabric.cell import UnitCell
+from weavesim.fabric.membrane import LinearMembrane
+from weavesim.fabric.presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
+from weavesim.fabric.response import respond
+from weavesim.process.strokes import SmoothStroke
+from weavesim.process.supports import Drive, Support
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 
 # One of each law: the others share the kernels.
 SHELL_CELLS = ("plain-weave", "twill", "stitched-tape", "linear-membrane", "user's net")
@@ -90,7 +91,7 @@ def differences(cell, response, stretch, angle, change, quantity) -> np.ndarray:
     return np.stack(columns, axis=-1)
 
 
-def size_of(cell: Cell) -> float:
+def size_of(cell: UnitCell) -> float:
     """A force that is small in any state but the ones near rest [N/m]."""
     return 1e-6 * max(cell.yarn_stiffness_per_width)
 
@@ -224,7 +225,7 @@ def test_path_is_reversible(registered):
 
 
 @pytest.fixture(params=SHELL_CELLS)
-def shell_cell(request) -> Cell:
+def shell_cell(request) -> UnitCell:
     return CELLS[request.param].make()
 
 
@@ -363,7 +364,7 @@ def test_bad_angles_are_refused(angle):
         respond(UNIT_CELLS["plain-weave"](), [1.0, 1.0], angle)
 
 
-def changed_net(**members) -> Cell:
+def changed_net(**members) -> UnitCell:
     """The user's net with something wrong in it."""
     return type("ChangedNet", (KnottedNet,), members)()
 

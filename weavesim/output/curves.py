@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..recording import Frame, Outcome
+from ..run.frame import Frame, Outcome
 
 if TYPE_CHECKING:
-    from ..simulation import Simulation
+    from ..run.simulation import Simulation
 
 
 @dataclass(frozen=True)

@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..measures import mirror_signs, nodal_mean, nodal_weights
-from ..recording import Frame, Outcome
+from ..measures.angles import nodal_mean, nodal_weights
+from ..run.frame import Frame, Outcome
+from ..sheet.symmetry import mirror_signs
 from .colours import shear_colours
 from .files import temporary_name
 
 if TYPE_CHECKING:
-    from ..shapes import Triangles
-    from ..simulation import Simulation
-    from ..tool import Tool
+    from ..run.simulation import Simulation
+    from ..tools.shapes import Triangles
+    from ..tools.tool import Tool
 
 FRAMES_PER_SECOND = 24
 # Frames between two writes to disk: what is written leaves the memory, and survives a killed process.

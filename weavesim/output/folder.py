@@ -12,18 +12,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..measures import checkerboard, close_pairs, draw_in, integrated_yarn_stretch, shear_angle_at
-from ..recording import Frame, Observer, Outcome
+from ..measures.angles import shear_angle_at
+from ..measures.border import draw_in, integrated_yarn_stretch
+from ..measures.proximity import close_pairs
+from ..measures.zigzag import checkerboard
+from ..run.frame import Frame, Observer, Outcome
 from . import pictures
 from .curves import Curves
 from .files import check_writable, plain, write_summary
 from .film import Film
-from .report import Report, shown, write_report
+from .report.page import Report, shown, write_report
 from .series import ParaViewSeries
 from .tables import History, write_draw_in, write_shear_angles, write_table
 
 if TYPE_CHECKING:
-    from ..simulation import Simulation
+    from ..run.simulation import Simulation
 
 logger = logging.getLogger(__name__)
 

@@ -11,12 +11,12 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from ..errors import InputError
-from ..measures import yarn_components, yarn_vectors
-from ..recording import Frame, Outcome
+from ..measures.angles import yarn_components, yarn_vectors
+from ..run.frame import Frame, Outcome
 from .files import replacing, write_text
 
 if TYPE_CHECKING:
-    from ..simulation import Simulation
+    from ..run.simulation import Simulation
 
 _VTK_QUAD = 9
 _VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uint8": "UInt8"}

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError
-from ..measures import border_draw_in, outline, shear_angle_at
-from ..recording import Frame, Outcome
+from ..measures.angles import shear_angle_at
+from ..measures.border import border_draw_in, outline
+from ..run.frame import Frame, Outcome
 from .files import replacing
 
 if TYPE_CHECKING:
-    from ..blank import Blank
-    from ..simulation import Simulation
+    from ..run.simulation import Simulation
+    from ..sheet.blank import Blank
 
 
 def write_table(path: str | Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
-from weavesim.measures import yarn_vectors
-from weavesim.recording import Frame
+from weavesim.measures.angles import yarn_vectors
+from weavesim.run.frame import Frame
+from weavesim.sheet.blank import Blank
 
 HALF_LENGTH, HALF_WIDTH, DEPTH, THICKNESS = 0.235, 0.135, 0.06, 0.0012
 

@@ -8,7 +8,7 @@ from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
 
 from weavesim.errors import InputError
 from weavesim.output import Film
-from weavesim.recording import Outcome
+from weavesim.run.frame import Outcome
 
 
 def write_film(path, run, frame_count=None):

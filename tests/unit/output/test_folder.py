@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from weavesim.errors import InputError
-from weavesim.measures import ten_points
+from weavesim.measures.angles import ten_points
 from weavesim.output import Report, ResultFolder, write_report, write_summary
-from weavesim.output.report import shown
-from weavesim.recording import Outcome
+from weavesim.output.report.page import shown
+from weavesim.run.frame import Outcome
 
 POINTS = ten_points(0.235, 0.135)
 

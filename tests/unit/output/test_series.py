@@ -9,7 +9,7 @@ import pytest
 
 from weavesim.errors import InputError
 from weavesim.output import Film, ParaViewSeries
-from weavesim.recording import Outcome
+from weavesim.run.frame import Outcome
 
 
 def write_series(folder, run, every=None):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from weavesim.errors import InputError
-from weavesim.measures import outline, shear_angle_at, ten_points
+from weavesim.measures.angles import shear_angle_at, ten_points
+from weavesim.measures.border import outline
 from weavesim.output import History, load_measured_angles, load_measured_outline
 from weavesim.output.tables import write_draw_in, write_shear_angles
 

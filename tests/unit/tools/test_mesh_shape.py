@@ -7,9 +7,9 @@ import pytest
 import trimesh
 
 from weavesim.errors import InputError
-from weavesim.mesh_shape import MeshShape, MeshSurface
-from weavesim.shapes import DomeOpening, DomePunch, Sphere, rotation_matrix
-from weavesim.tool import Tool
+from weavesim.tools.mesh_tool import MeshShape, MeshSurface
+from weavesim.tools.shapes import DomeOpening, DomePunch, Sphere, rotation_matrix
+from weavesim.tools.tool import Tool
 
 RADIUS = 0.05
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=RADIUS)

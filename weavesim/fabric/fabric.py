@@ -1,0 +1,135 @@
+"""Fabrics: physical parameters with their sources, checked when they are made."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, SerializeAsAny, model_validator
+
+from ..checks import NotNegative, Parameters, Positive, at_most
+from .bending import BendingCurve, IsotropicBending, YarnBending
+from .cell import UnitCell
+from .compaction import Compaction, check_compaction
+from .shear import LinearShear, MomentCurve, ShearFriction
+
+# No law may resist locking or slip harder than this share of a yarn's stiffness per width: it enters the stable step.
+LARGEST_LOCKING_SHARE = 0.1
+
+
+class Stabilisation(Parameters):
+    """Shares of the exact stiffness of the hourglass modes; constants of a run.
+
+    The in-plane share is of the shear stiffness, never of the yarns': a sheet that shears almost freely would else be
+    locked by its own stabilisation. The warping mode is measured without the twist, so that a pure twist costs nothing.
+    """
+
+    in_plane: NotNegative = 0.1
+    warping: NotNegative = 0.1
+    director: NotNegative = 0.1
+
+
+class Fabric(Parameters):
+    """A woven fabric as the sheet sees it.
+
+    Attributes:
+        assumed: names of the values that no source gives; a report labels them so.
+    """
+
+    name: str
+    areal_density: Annotated[Positive, at_most(50.0, "it is in kg/m^2, write 0.6 for 600 g/m^2")] = Field(
+        description="[kg/m^2]"
+    )
+    thickness: Annotated[Positive, at_most(0.05, "it is in metres, write 0.0012 for 1.2 mm")] = Field(description="[m]")
+    unit_cell: SerializeAsAny[UnitCell]
+    shear: LinearShear | MomentCurve
+    shear_friction: ShearFriction | None = None
+    bending: IsotropicBending | YarnBending
+    transverse_shear_modulus: NotNegative = Field(description="G of equation (6) across the sheet [Pa]")
+    in_plane_bending_stiffness: NotNegative = Field(
+        default=0.0,
+        description="B of psi = 1/2 B |grad gamma|^2: yarns resist being bent in the plane, so that the shear angle "
+        "cannot jump from element to element [N m]",
+    )
+    compressive_stiffness: NotNegative = Field(
+        default=0.0,
+        description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]",
+    )
+    stabilisation: Stabilisation = Stabilisation()
+    compaction: Compaction = Compaction()
+    source: str = ""
+    assumed: tuple[str, ...] = ()
+
+    @model_validator(mode="after")
+    def _locking_is_bounded(self) -> Self:
+        largest = LARGEST_LOCKING_SHARE * min(self.unit_cell.yarn_stiffness_per_width)
+        if isinstance(self.shear, MomentCurve) and self.shear.locking_stiffness > largest * (1 + 1e-9):
+            raise ValueError(
+                f"locking_stiffness = {self.shear.locking_stiffness:.4g} N/m: at most {largest:.4g} N/m, a tenth of "
+                "the yarn stiffness per width, is allowed (it enters the stable time step)"
+            )
+        check_compaction(self.compaction, self.thickness, self.areal_density)
+        if self.shear_friction is not None and self.shear_friction.stiffness > largest * (1 + 1e-9):
+            raise ValueError(
+                f"shear_friction.stiffness = {self.shear_friction.stiffness:.4g} N/m: at most {largest:.4g} N/m, a "
+                "tenth of the yarn stiffness per width, is allowed (it enters the stable time step)"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _crossovers_can_rub(self) -> Self:
+        friction = self.shear_friction
+        if friction is not None and friction.crossover_friction_length > 0.0 and not self.unit_cell.has_crossovers:
+            raise ValueError(
+                f"shear_friction.crossover_friction_length = {friction.crossover_friction_length:.4g} m: the unit cell "
+                f"{type(self.unit_cell).__name__} tells no pressure between warp and weft, so it would do nothing; "
+                "leave it out, or take a cell with crossovers (a cell of your own: crossover_pressure)"
+            )
+        return self
+
+    @property
+    def has_bending_friction(self) -> bool:
+        """True where a bent yarn of one family at least has friction inside."""
+        bending = self.bending
+        return isinstance(bending, YarnBending) and any(family.friction_limit > 0.0 for family in bending.families)
+
+    @property
+    def has_inner_friction(self) -> bool:
+        """True where yarns or fibres slip on each other inside the sheet, which then has a history."""
+        return self.shear_friction is not None or self.has_bending_friction
+
+    @property
+    def shear_stiffness_scale(self) -> float:
+        """Typical shear stiffness [N/m], for the in-plane stabilisation: the mean of m/gamma up to 45 degrees."""
+        angle = np.linspace(0.0, math.pi / 4, 46)[1:]
+        moment = self.shear.moment(angle, self.thickness)
+        if self.shear_friction is not None:
+            moment = moment + self.shear_friction.moment_along(angle)
+        return float(np.mean(moment / angle))
+
+    @property
+    def bending_stiffness_scale(self) -> float:
+        """Typical bending stiffness [N m] that the director stabilisation scales with."""
+        if isinstance(self.bending, IsotropicBending):
+            return self.bending.stiffness(self.thickness)
+        return 0.5 * sum(
+            family.typical_stiffness if isinstance(family, BendingCurve) else family
+            for family in (self.bending.warp, self.bending.weft)
+        )
+
+    @property
+    def largest_bending_stiffness(self) -> float:
+        """Bound of the bending stiffness of any curvature [N m], for the stable step."""
+        if isinstance(self.bending, IsotropicBending):
+            return self.bending.stiffness(self.thickness) * (1.0 + abs(self.bending.poisson_ratio))
+        return self.bending.largest
+
+    @property
+    def transverse_shear_stiffness(self) -> float:
+        """G_s = 5/6 G t [N/m]."""
+        return 5.0 / 6.0 * self.transverse_shear_modulus * self.thickness
+
+    def with_linear_shear(self, modulus: float) -> Fabric:
+        """The same fabric with the paper's linear shear law."""
+        return self.model_copy(update={"shear": LinearShear(modulus=modulus)})

@@ -1,0 +1,44 @@
+"""Symmetry planes at which a blank is cut."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import InputError
+from .blank import Blank
+
+if TYPE_CHECKING:
+    from .blank import Blank
+
+
+def hold_symmetry(blank: Blank, planes: Sequence[str], free: np.ndarray) -> np.ndarray:
+    """``free`` with the nodes on the planes x = 0 and y = 0 held: they stay in the plane, directors turn in it.
+
+    Raises:
+        InputError: an unknown plane, or one that no node lies on.
+    """
+    free = free.copy()
+    for plane in planes:
+        if plane not in ("x", "y"):
+            raise InputError(f"symmetry plane {plane!r}: 'x' (the plane x = 0) and 'y' (the plane y = 0) are known")
+        axis = "xy".index(plane)
+        on_plane = np.abs(blank.node_position[:, axis]) < 1.0e-9 * max(1.0, np.ptp(blank.node_position[:, axis]))
+        if not on_plane.any():
+            raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
+        free[on_plane, axis] = False
+        turning = [3, 4, 5]
+        turning.remove(3 + axis)
+        free[np.ix_(on_plane, turning)] = False
+    return free
+
+
+AXES = {"x": 0, "y": 1}
+
+
+def mirror_signs(symmetry: Sequence[str]) -> list[tuple[int, int]]:
+    """Factors of (x, y) that turn the computed part into each copy of the whole; the first is (1, 1)."""
+    return list(product((1, -1) if "x" in symmetry else (1,), (1, -1) if "y" in symmetry else (1,)))

@@ -49,7 +49,7 @@ def test_formed_sheet_shows_every_element_of_the_whole_part(coarse_run):
 @pytest.mark.parametrize("yarn_angle", [0.0, 30.0])
 def test_yarn_lines_lie_at_even_distances_along_the_yarns(yarn_angle):
     blank = Blank.rectangle((-0.2, -0.1), (0.2, 0.1), 0.011, yarn_angle=yarn_angle, distortion=0.2)
-    spacing, lines = sheet._yarn_lines(blank, ())
+    spacing, lines = yarn_lines(blank, ())
     ends = lines.of(blank.material_coordinates).reshape(-1, 2, 2)
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1)
@@ -68,7 +68,7 @@ def test_yarns_that_turn_get_strokes():
     x, y = blank.element_centres()[:, 0], blank.element_centres()[:, 1]
     direction = np.stack([np.cos(3 * x + y), np.sin(3 * x + y), 0 * x], axis=1)
     blank = Blank.from_mesh(blank.node_position, blank.quads, warp_direction=direction)
-    spacing, lines = sheet._yarn_lines(blank, ())
+    spacing, lines = yarn_lines(blank, ())
     ends = lines.of(blank.material_coordinates).reshape(-1, 2, 2)
     assert spacing == 0.0 and len(ends) == 2 * blank.element_count
     along = ends[: blank.element_count, 1] - ends[: blank.element_count, 0]

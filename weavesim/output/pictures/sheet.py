@@ -31,7 +31,7 @@ def formed_sheet(blank: Blank, frame: Frame, symmetry: Sequence[str] = ()) -> Fi
     from matplotlib.colors import Normalize
 
     angle = np.abs(np.rad2deg(frame.fields["shear_angle"]))
-    spacing, lines = _yarn_lines(blank, symmetry)
+    spacing, lines = yarn_lines(blank, symmetry)
     corners = mirrored(frame.position[blank.quads], symmetry)
     segments = mirrored(lines.of(frame.position).reshape(-1, 2, 3), symmetry)
     angles = np.tile(angle, len(mirror_signs(symmetry)))
@@ -67,7 +67,7 @@ def formed_sheet(blank: Blank, frame: Frame, symmetry: Sequence[str] = ()) -> Fi
     return figure
 
 
-def _yarn_lines(blank: Blank, symmetry: Sequence[str]) -> tuple[float, MaterialLine]:
+def yarn_lines(blank: Blank, symmetry: Sequence[str]) -> tuple[float, MaterialLine]:
     """Distance of the lines [m], and their pieces: each two following points are one segment.
 
     With one yarn direction all over the flat blank the lines run on from element to element; else (distance 0) every

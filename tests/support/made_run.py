@@ -3,7 +3,6 @@
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 from weavesim.measures.angles import yarn_vectors
 from weavesim.run.frame import Frame, SheetFrame
@@ -100,15 +99,3 @@ def made_run(element_size: float = 0.005, frame_count: int = 12, quarter: bool =
     )
     frames = [made_frame(blank, i, i / (frame_count - 1)) for i in range(frame_count)]
     return simulation, frames
-
-
-@pytest.fixture(scope="session")
-def coarse_run():
-    """Quarter at 15 mm with twelve frames: (simulation, frames)."""
-    return made_run(0.015)
-
-
-@pytest.fixture(scope="session")
-def fine_run():
-    """Quarter at 5 mm with twelve frames: (simulation, frames)."""
-    return made_run()

@@ -79,7 +79,11 @@ class Parameters(BaseModel):
     """
 
     model_config = ConfigDict(
-        frozen=True, extra="forbid", arbitrary_types_allowed=True, ignored_types=(cached_property,)
+        frozen=True,
+        extra="forbid",
+        arbitrary_types_allowed=True,
+        validate_default=True,
+        ignored_types=(cached_property,),
     )
 
     positional: ClassVar[tuple[str, ...]] = ()

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import weavesim
+from tests.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 # What each layer may use of the others; anything below its own line.
 ALLOWED_LAYERS = {
     "kernels": {"kernels"},

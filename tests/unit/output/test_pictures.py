@@ -9,6 +9,7 @@ from weavesim.measures.angles import shear_angle_at, ten_points
 from weavesim.measures.border import draw_in
 from weavesim.output import History, pictures
 from weavesim.output.colours import LARGEST_SHOWN_ANGLE, colour_table, encoded, shear_colours
+from weavesim.output.pictures.sheet import yarn_lines
 from weavesim.sheet.blank import Blank
 
 

@@ -3,10 +3,9 @@
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 from weavesim.measures.angles import yarn_vectors
-from weavesim.run.frame import Frame
+from weavesim.run.frame import Frame, SheetFrame
 from weavesim.sheet.blank import Blank
 
 HALF_LENGTH, HALF_WIDTH, DEPTH, THICKNESS = 0.235, 0.135, 0.06, 0.0012
@@ -60,16 +59,20 @@ def made_frame(blank: Blank, index: int, progress: float, tool_count: int = 3) -
         step_count=500 * index,
         time=DEPTH * progress,
         stroke=DEPTH * progress,
-        position=position,
-        director=np.tile([0.0, 0.0, 1.0], (blank.node_count, 1)),
-        fields={
-            "shear_angle": angle,
-            "warp_stretch": 1.0 + 0.004 * progress * np.cos(angle),
-            "weft_stretch": ones + 0.002 * progress,
-            "unit_cell_iterations": 2.0 * ones,
-            "thickness": THICKNESS / np.cos(angle),
-            "fibre_volume_fraction": 0.25 + 0.1 * progress * np.abs(angle),
-        },
+        sheets=(SheetFrame(
+            name="sheet",
+            position=position,
+            director=np.tile([0.0, 0.0, 1.0], (blank.node_count, 1)),
+            fields={
+                "shear_angle": angle,
+                "warp_stretch": 1.0 + 0.004 * progress * np.cos(angle),
+                "weft_stretch": ones + 0.002 * progress,
+                "unit_cell_iterations": 2.0 * ones,
+                "thickness": THICKNESS / np.cos(angle),
+                "fibre_volume_fraction": 0.25 + 0.1 * progress * np.abs(angle),
+            },
+            energies={},
+        ),),
         tool_displacement=displacement,
         tool_reaction=reaction[:tool_count],
         energies={
@@ -96,15 +99,3 @@ def made_run(element_size: float = 0.005, frame_count: int = 12, quarter: bool =
     )
     frames = [made_frame(blank, i, i / (frame_count - 1)) for i in range(frame_count)]
     return simulation, frames
-
-
-@pytest.fixture(scope="session")
-def coarse_run():
-    """Quarter at 15 mm with twelve frames: (simulation, frames)."""
-    return made_run(0.015)
-
-
-@pytest.fixture(scope="session")
-def fine_run():
-    """Quarter at 5 mm with twelve frames: (simulation, frames)."""
-    return made_run()

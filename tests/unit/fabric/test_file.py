@@ -1,11 +1,11 @@
 """Fabrics from files: what is written comes out, and mistakes are told."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.support.paths import ROOT
 from weavesim.errors import InputError
 from weavesim.fabric.file import load_fabric, resolve_fabric
 from weavesim.fabric.presets import PRESETS, glass_polypropylene
@@ -194,7 +194,7 @@ def test_a_measured_loop_comes_from_a_file(tmp_path):
 
 def test_the_documented_files_are_read(tmp_path):
     """The examples of docs/fabrics.md, with a test to go with them."""
-    page = (Path(__file__).parents[2] / "docs" / "fabrics.md").read_text()
+    page = (ROOT / "docs" / "fabrics.md").read_text()
     (tmp_path / "frame.csv").write_text("angle_deg,force_n\n0,0\n20,5\n40,20\n")
     woven, membrane = (text.split("```")[0] for text in page.split("```toml\n")[1:])
     (tmp_path / "ours.toml").write_text(woven)

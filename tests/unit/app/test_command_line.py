@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import Field
 
+from tests.support.paths import ROOT
 from weavesim import __version__
 from weavesim.app import command_line
 from weavesim.app.options import RunOptions
@@ -17,7 +18,6 @@ from weavesim.device import Precision, resolve_device
 from weavesim.engine import compilation
 from weavesim.errors import RunError
 
-ROOT = Path(__file__).resolve().parents[2]
 # In which a script finds this checkout, installed or not.
 CHECKOUT = {**os.environ, "PYTHONPATH": str(ROOT)}
 COMMON_OPTIONS = ("--mesh-size", "--device", "--precision", "--threads", "--out")
@@ -69,7 +69,7 @@ def test_scene_help_has_every_field(weavesim_command):
 
 
 def test_no_option_of_a_real_scene_is_cut_in_a_narrow_terminal():
-    script = Path(__file__).resolve().parents[2] / "scripts" / "double_dome.py"
+    script = ROOT / "scripts" / "double_dome.py"
     out = subprocess.run(
         [sys.executable, script, "--help"],
         env={**os.environ, "COLUMNS": "80"},

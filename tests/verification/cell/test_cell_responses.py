@@ -7,7 +7,7 @@ import pytest
 import scipy.optimize
 from matplotlib.figure import Figure
 
-from tests.verification.registered_cells import CELLS
+from tests.support.registered_cells import CELLS
 from weavesim.fabric.membrane import LinearMembrane
 from weavesim.fabric.presets import UNIT_CELLS
 from weavesim.fabric.response import respond
@@ -63,7 +63,7 @@ def test_response_is_that_of_an_independent_minimisation(name, manual):
     cell = registered.make()
     case = manual(
         "Unit cell", f"Uniaxial, biaxial and compressive response: {name}",
-        known="the cell's energy written once more in NumPy (`tests/verification/registered_cells.py`), minimised by "
+        known="the cell's energy written once more in NumPy (`tests/support/registered_cells.py`), minimised by "
         "SciPy along the path; forces by differences of that energy. A cell alone has no mesh.",
     )  # fmt: skip
     figure = Figure(figsize=(5.0, 3.2))

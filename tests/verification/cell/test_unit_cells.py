@@ -15,7 +15,7 @@ import warp as wp
 from scipy.spatial.transform import Rotation
 from warp import float64 as real
 
-from tests.verification.registered_cells import CELLS, KnottedNet, Registered
+from tests.support.registered_cells import CELLS, KnottedNet, Registered
 from weavesim.engine.stepper import STEP_SAFETY
 from weavesim.errors import InputError
 from weavesim.fabric.cell import UnitCell

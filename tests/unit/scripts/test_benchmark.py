@@ -3,9 +3,10 @@
 import json
 import subprocess
 import sys
-from pathlib import Path
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "benchmark.py"
+from tests.support.paths import ROOT
+
+SCRIPT = ROOT / "scripts" / "benchmark.py"
 
 
 def benchmark(*arguments: str) -> str:

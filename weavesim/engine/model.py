@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import warp as wp
 
-from ..device import Precision
+from ..device import initialise, resolve_device
 from ..errors import InputError
 from ..fabric.bending import BendingCurve, IsotropicBending
 from ..fabric.curve import tabulate
-from ..fabric.fabric import Fabric
 from ..fabric.shear import LARGEST_SHEAR_ANGLE, LinearShear
 from ..kernels.curve import curve_struct
-from ..kernels.lanes import lane_types
+from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT, lane_types
 from ..kernels.rows import (
     CORNER_ROW_COUNT,
     MEAN_ANGLE_ROW,
@@ -26,41 +27,154 @@ from ..kernels.rows import (
 )
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
-from ..kernels.shell.laws import BENDING_CURVES, BENDING_ISOTROPIC, BENDING_YARNS, SheetTraits, sheet_struct
+from ..kernels.shell.laws import sheet_struct
 from ..kernels.stepping.node import motion_struct, node_struct
-from ..process.dynamics import Dynamics
-from ..process.loads import NodalLoads
-from ..sheet.blank import Blank
+from ..process.device import build_device_drives, build_support_arrays
 from ..sheet.geometry import ElementGeometry
+from ..sheet.sheet import Sheet
+from ..tools.device import build_device_tools
+from ..tools.sampling import SampledDistance, mesh_parts, sample_meshes
+from .compilation import MeshKernelSet, compile_missing
 from .frequencies import Frequencies, hourglass_coefficients
 from .layout import BLOCK, RowLayout, lanes_view, padded
+from .setup import STEP_SAFETY, Setup, Solver, World
+from .traits import node_traits, sheet_traits
 
 # Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
 # Nodes are looked at again when this share of half the thickness is left between them and a tool.
 SPARE_WAY = 0.5
+# Steps between two looks at the stable step.
+REFRESH_INTERVAL = 20
 # Cubic pieces of a measured curve on the device.
 CURVE_PIECE_COUNT = 512
 
 
+@dataclass(frozen=True)
+class Span:
+    """Some neighbouring entries of an array over all tools, or all drives, of a run."""
+
+    start: int
+    stop: int
+
+    @property
+    def count(self) -> int:
+        return self.stop - self.start
+
+    def of(self, array: wp.array) -> wp.array:
+        """These entries, on the same memory."""
+        return array[self.start : self.stop] if self.count else wp.empty(0, dtype=array.dtype, device=array.device)
+
+
 class Model:
-    """Constants of a run on one device.
+    """Constants of a run on one device; nobody writes them once they are made.
 
     Args:
-        blank: the sheet.
-        fabric: its laws.
-        free: (node_count, 6) bool, False where a displacement (x, y, z) or a rotation of the director about x, y, z is
-            held; a held component keeps its initial velocity.
-        motion: loads and damping.
-        precision: "float32" or "float64".
-        device: Warp device.
-        lane_count: elements per kernel thread.
-        tool_count: number of tools.
-        target_step: with mass scaling, the stable step aimed at [s]; None adds no mass.
-        loads: prescribed at the nodes.
+        setup: what is run.
+        contact_share: stiffness of the contact, see ``CONTACT_SHARE``.
 
     Attributes:
+        sheets: constants of every sheet, in the order of ``setup.sheets``.
+        tools: of all worlds.
+        drives: of all supports.
+        reaction_count: blocks of nodes of the largest world.
+        reference_step: stable step with straight yarns [s], from which the first step comes.
+
+    Raises:
+        InputError: no such device, tools that cannot be sampled, or a mesh that the sheet cannot carry.
+    """
+
+    def __init__(self, setup: Setup, *, contact_share: float = CONTACT_SHARE) -> None:
+        initialise()
+        self.setup = setup
+        self.precision, self.device = setup.solver.precision, resolve_device(setup.solver.device)
+        self.lane_count = setup.solver.lane_count or (CPU_LANE_COUNT if self.device.is_cpu else GPU_LANE_COUNT)
+        self.real = self.precision.real
+        self.types = lane_types(self.real, self.lane_count)
+        sheets: list[SheetModel] = []
+        tool_count = drive_count = 0
+        self.reaction_count = 0
+        for world in setup.worlds:
+            tools = Span(tool_count, tool_count + len(world.tools))
+            first_reaction = 0
+            for sheet in world.sheets:
+                own_drive_count = sum(len(support.drives) for support in sheet.supports)
+                drives = Span(drive_count, drive_count + own_drive_count)
+                model = SheetModel(self, sheet, world, tools, drives, first_reaction, contact_share)
+                first_reaction += model.block_count
+                drive_count += own_drive_count
+                sheets.append(model)
+            tool_count += len(world.tools)
+            self.reaction_count = max(self.reaction_count, first_reaction)
+        self.sheets = tuple(sheets)
+        self.drives = build_device_drives(setup.supports, self.device)
+        self.samples = _sampled_meshes(setup, str(self.device))
+        self.tools = build_device_tools(setup.tools, self.real, str(self.device), self.samples)
+        self.reference_step = min(sheet.reference_step for sheet in sheets)
+
+    @property
+    def sheet(self) -> SheetModel:
+        """Constants of the sheet of a run that has one.
+
+        Raises:
+            InputError: the run has several.
+        """
+        if len(self.sheets) != 1:
+            raise InputError(f"this run has {len(self.sheets)} sheets: take one of model.sheets")
+        return self.sheets[0]
+
+    @property
+    def identity(self) -> dict[str, object]:
+        """What a saved state must share with this run to continue it."""
+        return {
+            "setup": self.setup.model_copy(update={"solver": Solver(), "frame_count": 1}).content_hash,
+            "precision": self.precision.value,
+            "lane_count": self.lane_count,
+        }
+
+    def arrays(self) -> Iterator[wp.array]:
+        """Constants of elements and nodes."""
+        for sheet in self.sheets:
+            yield from _arrays_in(sheet.elements)
+            yield from _arrays_in(sheet.nodes)
+            yield sheet.step_inertia
+
+
+def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
+    """Distances of all triangle meshes among the tools, deep enough for the sheets of their world."""
+    samples: dict[Any, SampledDistance] = {}
+    if mesh_parts(setup.tools):
+        compile_missing(MeshKernelSet(device))
+    for world in setup.worlds:
+        samples |= sample_meshes(world.tools, device, max(sheet.fabric.thickness for sheet in world.sheets))
+    return samples
+
+
+def _arrays_in(struct: Any) -> Iterator[wp.array]:
+    """Arrays of a Warp struct, and of the structs in it."""
+    for name in struct._cls.vars:
+        value = getattr(struct, name)
+        if isinstance(value, wp.array):
+            yield value
+        elif hasattr(value, "_cls"):
+            yield from _arrays_in(value)
+
+
+class SheetModel:
+    """Constants of one sheet.
+
+    Args:
+        run: where it is computed.
+        sheet, world: what it is, and what it shares with others.
+        tools, drives: its places among those of the run.
+        first_reaction: its first block of nodes among those of its world.
+        contact_share: see ``CONTACT_SHARE``.
+
+    Attributes:
+        blank: with the yarn directions of the sheet's orientation.
+        free: (node_count, 6) bool, False where a displacement (x, y, z) or a rotation of the director about x, y, z is
+            held; a held component keeps its initial velocity.
         reference_step: stable step with straight yarns [s]; contact stiffness and the first step come from it.
         element_nodes: (4, padded elements) corner nodes.
         corners, motion_layout, friction_layout: of what the elements write at their corners (CORNER_ROW_COUNT), of the
@@ -69,92 +183,85 @@ class Model:
     """
 
     def __init__(
-        self,
-        blank: Blank,
-        fabric: Fabric,
-        free: np.ndarray,
-        motion: Dynamics,
-        *,
-        precision: Precision,
-        device: wp.context.Device,
-        lane_count: int,
-        tool_count: int,
-        target_step: float | None = None,
-        contact_share: float = CONTACT_SHARE,
-        loads: NodalLoads | None = None,
-    ) -> None:
-        self.blank, self.fabric, self.motion, self.loads = blank, fabric, motion, loads
-        self.device, self.precision, self.lane_count, self.tool_count = device, precision, lane_count, tool_count
-        self.real = precision.real
-        self.types = lane_types(self.real, lane_count)
+        self, run: Model, sheet: Sheet, world: World, tools: Span, drives: Span, first_reaction: int,
+        contact_share: float,
+    ) -> None:  # fmt: skip
+        blank, fabric = sheet.oriented_blank, sheet.fabric
+        self.name, self.blank, self.fabric = sheet.name, blank, fabric
+        self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
+        self.device, self.precision, self.lane_count = run.device, run.precision, run.lane_count
+        self.real, self.types = run.real, run.types
+        self.tools, self.drives, self.first_reaction, self.tool_count = tools, drives, first_reaction, tools.count
+        self.free = sheet.freedom(world.symmetry)
+        self.start_velocity = sheet.start_velocity
         self.element_count = padded(blank.element_count, 1)
         self.node_count = padded(blank.node_count, 4)
-        self.corners = RowLayout(CORNER_ROW_COUNT, self.element_count, lane_count)
-        self.motion_layout = RowLayout(MOTION_ROW_COUNT, self.node_count, lane_count)
-        self.friction_layout = RowLayout(3 * max(tool_count, 1), self.node_count, lane_count)
+        self.block_count = self.node_count // self.lane_count
+        self.corners = RowLayout(CORNER_ROW_COUNT, self.element_count, self.lane_count)
+        self.motion_layout = RowLayout(MOTION_ROW_COUNT, self.node_count, self.lane_count)
+        self.friction_layout = RowLayout(3 * max(self.tool_count, 1), self.node_count, self.lane_count)
         self.geometry = ElementGeometry.of(blank)
+        self.sheet_traits = sheet_traits(fabric, self.geometry, world.dynamics)
+        self.node_traits = node_traits(sheet, world)
 
-        density = np.full(blank.element_count, fabric.areal_density)
-        frequencies = Frequencies.of(fabric, self.geometry, density)
-        if target_step is not None:
-            squared = (frequencies.straight + frequencies.constant) * (0.5 * target_step / 0.9) ** 2
-            density = density * np.maximum(1.0, squared)
-            frequencies = Frequencies.of(fabric, self.geometry, density)
-        self.areal_density = density
-        self.added_mass_ratio = float(
-            (density * self.geometry.area).sum() / (fabric.areal_density * self.geometry.area).sum() - 1.0
-        )
-        self.reference_step = 0.9 * 2.0 / math.sqrt((frequencies.straight + frequencies.constant).max())
-
-        corner_mass = 0.25 * density * self.geometry.area
+        self.areal_density, frequencies = self._scaled_mass(run.setup.solver.target_step)
+        self.reference_step = STEP_SAFETY * 2.0 / math.sqrt((frequencies.straight + frequencies.constant).max())
+        corner_mass = 0.25 * self.areal_density * self.geometry.area
         self.node_mass = self._to_nodes(corner_mass)
         self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
-        contact_frequency = contact_share / self.reference_step**2  # squared, of one tool's spring [1/s^2]
-        self.contact_stiffness = contact_frequency * self.node_mass
+        # squared, of one tool's spring [1/s^2]
+        self._contact_frequency = contact_share / self.reference_step**2
+        self.contact_stiffness = self._contact_frequency * self.node_mass
 
-        self.step_bounds = step_bounds_struct(self.real)()
-        self.step_bounds.contact_frequency = 2.0 * contact_frequency if tool_count else 0.0
-        self.step_bounds.bending = fabric.largest_bending_stiffness
-        cell = fabric.unit_cell
-        self.step_bounds.cell = self.types.vec3(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
         # padding elements keep an infinite areal density: they never decide the step
-        inertia = np.stack([1.0 / density, 1.0 / frequencies.rotary_radius_squared])
+        inertia = np.stack([1.0 / self.areal_density, 1.0 / frequencies.rotary_radius_squared])
         self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)
+        self.step_bounds = self._step_bounds()
         self._element_arrays = self._fill_elements()
         self.elements = self._elements(self.lane_count)
         self.elements_single = self._elements(1)
         self.cell_law = fabric.unit_cell.law()
-        self.cell = fabric.unit_cell.device_parameters(precision)
+        self.cell = fabric.unit_cell.device_parameters(self.precision)
         self.laws = self._sheet_laws()
-        self.nodes = self._nodes(np.asarray(free, dtype=bool))
-        self.motion_laws = self._motion_laws(contact_frequency)
+        self.nodes = self._nodes(self.free)
+        self.held, self.drive_direction = build_support_arrays(
+            sheet.supports, self.node_count, self.real, self.lane_count, self.device
+        )
+
+    def _scaled_mass(self, target_step: float | None) -> tuple[np.ndarray, Frequencies]:
+        """Areal density of every element [kg/m^2], raised where a stable ``target_step`` needs it, and frequencies."""
+        density = np.full(self.blank.element_count, self.fabric.areal_density)
+        frequencies = Frequencies.of(self.fabric, self.geometry, density)
+        if target_step is not None:
+            squared = (frequencies.straight + frequencies.constant) * (0.5 * target_step / STEP_SAFETY) ** 2
+            density = density * np.maximum(1.0, squared)
+            frequencies = Frequencies.of(self.fabric, self.geometry, density)
+        return density, frequencies
+
+    @property
+    def added_mass_ratio(self) -> float:
+        """Mass added by scaling over the mass of the blank."""
+        area, density = self.geometry.area, self.areal_density
+        return float((density * area).sum() / (self.fabric.areal_density * area).sum() - 1.0)
+
+    def _step_bounds(self):
+        bounds, cell = step_bounds_struct(self.real)(), self.fabric.unit_cell
+        bounds.contact_frequency = 2.0 * self._contact_frequency if self.tool_count else 0.0
+        bounds.bending = self.fabric.largest_bending_stiffness
+        bounds.cell = self.types.vec3(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
+        bounds.steps_ahead = REFRESH_INTERVAL
+        return bounds
 
     @property
     def follows_thickness(self) -> bool:
         """True where tools meet the current thickness."""
-        return self.motion.contact_thickness == "current"
+        return self.dynamics.contact_thickness == "current"
 
     @property
     def node_report_rows(self) -> tuple[str, ...]:
         """Those of NODE_REPORT_ROWS that this run has."""
         first = "half_thickness" if self.loads is not None else "load_work"
         return NODE_REPORT_ROWS if self.follows_thickness else NODE_REPORT_ROWS[: NODE_REPORT_ROWS.index(first)]
-
-    @property
-    def sheet_traits(self) -> SheetTraits:
-        """What the kernels of this sheet are made for."""
-        bending = self.fabric.bending
-        isotropic = isinstance(bending, IsotropicBending)
-        kind = BENDING_ISOTROPIC if isotropic else BENDING_CURVES if bending.curved else BENDING_YARNS
-        return SheetTraits(
-            curved_shear=not isinstance(self.fabric.shear, LinearShear),
-            bending=int(kind),
-            shear_friction=self.fabric.shear_friction is not None,
-            bending_friction=self.fabric.has_bending_friction,
-            follows_thickness=self.follows_thickness,
-            flat=self.geometry.flat,
-            skewed=bool(np.abs(self.geometry.hourglass_offset).max() > 1.0e-9),
-        )
 
     # --- layout ------------------------------------------------------------------------------------------------------
 
@@ -308,15 +415,16 @@ class Model:
             mirrored |= on_plane & (np.abs(along[:, axis] - 0.5) > 0.25)
         return mirrored
 
-    def _motion_laws(self, contact_frequency: float):
+    def node_laws(self):
+        """Constants of the time integration and contact, a struct of the caller's own."""
         laws = motion_struct(self.real)()
-        laws.gravity = self.types.vec3(*self.motion.gravity)
-        laws.damping = self.motion.damping
-        laws.director_damping = self.motion.director_damping
+        laws.gravity = self.types.vec3(*self.dynamics.gravity)
+        laws.damping = self.dynamics.damping
+        laws.director_damping = self.dynamics.director_damping
         laws.half_thickness = 0.5 * self.fabric.thickness
-        laws.contact_stiffness = contact_frequency
+        laws.contact_stiffness = self._contact_frequency
         # c = 2 zeta sqrt(k m) with k = frequency m
-        laws.contact_damping_time = 2.0 * self.motion.contact_damping_ratio / math.sqrt(contact_frequency)
+        laws.contact_damping_time = 2.0 * self.dynamics.contact_damping_ratio / math.sqrt(self._contact_frequency)
         laws.tangential_ratio = TANGENTIAL_RATIO
         laws.in_plane_bending_stiffness = self.fabric.in_plane_bending_stiffness
         laws.spare_way = SPARE_WAY * 0.5 * self.fabric.thickness
@@ -344,7 +452,7 @@ class Model:
             values[int(MEAN_ANGLE_ROW), : len(mean_angle)] = mean_angle
         motion.assign(self.motion_layout.flat(values))
 
-    def initial_motion(self, velocity: np.ndarray | None = None) -> np.ndarray:
+    def initial_motion(self) -> np.ndarray:
         """Rows MOTION_ROWS, (5, padded nodes, 3); the remainder is what the precision cannot hold of the positions."""
         count = self.blank.node_count
         rows = np.zeros((len(MOTION_ROWS), self.node_count, 3))
@@ -353,7 +461,7 @@ class Model:
         rows[0, count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
         rows[2, :, 2] = 1.0
         rows[2, :count] = self.blank.initial_director
-        if velocity is not None:
-            rows[1, :count] = velocity
+        if self.start_velocity is not None:
+            rows[1, :count] = self.start_velocity
         rows[4] = rows[0] - rows[0].astype(self.precision.numpy)
         return rows

@@ -18,7 +18,7 @@ import warp as wp
 from ..device import load_kernel
 from ..kernels.rows import CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, ROWS_PER_CORNER
 from ..kernels.stepping.step import STEP_GROWTH
-from .compilation import compile_missing, kernel_sets
+from .compilation import KernelSet, compile_missing
 from .launches import IntervalEnd, Launches
 from .model import REFRESH_INTERVAL, Model
 from .replay import Replay
@@ -82,8 +82,10 @@ class Stepper:
     def load(self) -> None:
         """Load the kernels of the run, and compile those that are not cached."""
         started = time.perf_counter()
-        for kernel_set in kernel_sets(self.model.setup):
-            compile_missing(kernel_set)
+        for sheet in self.model.sheets:
+            compile_missing(
+                KernelSet.of_sheet(self.model.setup, sheet.fabric.unit_cell, sheet.sheet_traits, sheet.node_traits)
+            )
         for kernel in self.kernels:
             load_kernel(kernel, self.model.device)
         self.loading_time = time.perf_counter() - started

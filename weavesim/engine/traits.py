@@ -1,0 +1,44 @@
+"""What the kernels of a sheet are made for, from its set-up alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..fabric.bending import IsotropicBending
+from ..fabric.fabric import Fabric
+from ..fabric.shear import LinearShear
+from ..kernels.shell.laws import BENDING_CURVES, BENDING_ISOTROPIC, BENDING_YARNS, SheetTraits
+from ..kernels.stepping.node import NodeTraits
+from ..process.dynamics import Dynamics
+from ..sheet.geometry import ElementGeometry
+from ..sheet.sheet import Sheet
+from ..tools.shapes import IDENTITY
+from .setup import World
+
+
+def sheet_traits(fabric: Fabric, geometry: ElementGeometry, dynamics: Dynamics) -> SheetTraits:
+    """What the kernels of the elements are made for."""
+    bending = fabric.bending
+    isotropic = isinstance(bending, IsotropicBending)
+    kind = BENDING_ISOTROPIC if isotropic else BENDING_CURVES if bending.curved else BENDING_YARNS
+    return SheetTraits(
+        curved_shear=not isinstance(fabric.shear, LinearShear),
+        bending=int(kind),
+        shear_friction=fabric.shear_friction is not None,
+        bending_friction=fabric.has_bending_friction,
+        follows_thickness=dynamics.contact_thickness == "current",
+        flat=geometry.flat,
+        skewed=bool(np.abs(geometry.hourglass_offset).max() > 1.0e-9),
+    )
+
+
+def node_traits(sheet: Sheet, world: World) -> NodeTraits:
+    """What the kernel of the nodes is made for."""
+    parts = [part for tool in world.tools for part in tool.shape.parts()]
+    return NodeTraits(
+        follows_thickness=world.dynamics.contact_thickness == "current",
+        loaded=sheet.loads is not None,
+        supported=bool(sheet.supports),
+        shape_kinds=tuple(sorted({part.kind for part in parts})),
+        rotated=any(part.rotation != IDENTITY for part in parts),
+    )

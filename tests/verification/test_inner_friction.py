@@ -9,7 +9,7 @@ from weavesim.fabric.bending import BendingCurve, YarnBending
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import MomentCurve, ShearFriction
 from weavesim.fabric.weaves import PlainWeave
-from weavesim.kernels.rows import SLIP_ROWS
+from weavesim.kernels.rows import SlipRow
 from weavesim.run.ledger import LOST
 from weavesim.sheet.blank import Blank
 
@@ -74,7 +74,7 @@ def test_shear_loop_is_the_laws_own_path_and_books_what_it_loses(sheet, fabric, 
     loop = area * np.trapezoid(expected, path)
     assert lost + stored == pytest.approx(loop, rel=2e-3)
     assert lost + stored == pytest.approx(entries[-1]["work"], rel=2e-3)
-    assert shell.simulation.state.slip.numpy()[SLIP_ROWS.index("shear_spring"), 0] != 0.0
+    assert shell.simulation.state.slip.numpy()[SlipRow.shear_spring, 0] != 0.0
     assert lost > 0.5 * entries[150]["shear"]
     case = manual(
         "Shear", "Unloading hysteresis of a homogeneous sheet",

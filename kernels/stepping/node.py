@@ -37,14 +37,14 @@ class NodeTraits:
         follows_thickness: tools meet the current thickness.
         loaded: forces or couples are prescribed.
         supported: nodes are held by supports.
-        shape_kinds: of the parts of all tools, see kernels/contact/tool_distance.py; none without tools.
+        shape_kinds: of the parts of all tools, see kernels/contact/tool_shapes.py; none without tools.
         rotated: some part is.
     """
 
     follows_thickness: bool = False
     loaded: bool = False
     supported: bool = False
-    shape_kinds: tuple[int, ...] = ()
+    shape_kinds: tuple[str, ...] = ()
     rotated: bool = False
 
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from weavesim.measures.angles import yarn_vectors
-from weavesim.run.frame import Frame
+from weavesim.run.frame import Frame, SheetFrame
 from weavesim.sheet.blank import Blank
 
 HALF_LENGTH, HALF_WIDTH, DEPTH, THICKNESS = 0.235, 0.135, 0.06, 0.0012
@@ -59,16 +59,20 @@ def made_frame(blank: Blank, index: int, progress: float, tool_count: int = 3) -
         step_count=500 * index,
         time=DEPTH * progress,
         stroke=DEPTH * progress,
-        position=position,
-        director=np.tile([0.0, 0.0, 1.0], (blank.node_count, 1)),
-        fields={
-            "shear_angle": angle,
-            "warp_stretch": 1.0 + 0.004 * progress * np.cos(angle),
-            "weft_stretch": ones + 0.002 * progress,
-            "unit_cell_iterations": 2.0 * ones,
-            "thickness": THICKNESS / np.cos(angle),
-            "fibre_volume_fraction": 0.25 + 0.1 * progress * np.abs(angle),
-        },
+        sheets=(SheetFrame(
+            name="sheet",
+            position=position,
+            director=np.tile([0.0, 0.0, 1.0], (blank.node_count, 1)),
+            fields={
+                "shear_angle": angle,
+                "warp_stretch": 1.0 + 0.004 * progress * np.cos(angle),
+                "weft_stretch": ones + 0.002 * progress,
+                "unit_cell_iterations": 2.0 * ones,
+                "thickness": THICKNESS / np.cos(angle),
+                "fibre_volume_fraction": 0.25 + 0.1 * progress * np.abs(angle),
+            },
+            energies={},
+        ),),
         tool_displacement=displacement,
         tool_reaction=reaction[:tool_count],
         energies={

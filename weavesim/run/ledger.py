@@ -18,7 +18,7 @@ from ..process.device import support_outputs
 from ..process.strokes import ForceDriven
 from ..process.supports import Support
 from ..tools.tool import Tool
-from .frame import Frame
+from .frame import Frame, SheetFrame
 
 # A cell whose residual ever exceeds this share of the forces that it balances has failed.
 UNIT_CELL_FAILURE = 1.0e-3
@@ -122,9 +122,7 @@ class Ledger:
             step_count=stepper.step_count,
             time=state.time,
             stroke=float(leading[0]) if len(leading) else 0.0,
-            position=position,
-            director=motion[MotionRow.director.vector],
-            fields=fields,
+            sheets=(SheetFrame("sheet", position, motion[MotionRow.director.vector], fields, {}),),
             tool_displacement=displacement,
             tool_reaction=stepper.tools.total_reaction.numpy().copy(),
             energies=self._balance(position, motion, ahead),

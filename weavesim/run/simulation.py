@@ -27,7 +27,7 @@ from ..process.supports import Support, check_supports, prescribe_start
 from ..sheet.blank import Blank
 from ..sheet.symmetry import hold_symmetry
 from ..tools.device import build_device_tools
-from ..tools.mesh_tool import MeshShape
+from ..tools.sampling import mesh_parts, sample_meshes
 from ..tools.tool import Tool
 from .frame import Frame, Observer, Outcome
 from .ledger import Ledger, Penetration
@@ -137,16 +137,21 @@ class Simulation:
             blank, fabric, self.free, motion or Dynamics(), precision=self.precision, device=warp_device,
             lane_count=lane_count, tool_count=len(self.tools), target_step=target_step, loads=loads,
         )  # fmt: skip
-        if self._mesh_parts():
+        meshes = mesh_parts(self.tools)
+        if meshes:
             compile_missing(MeshKernelSet(self.device))
-        device_tools = build_device_tools(self.tools, self.model.real, self.device)
-        self._check_reach()
+        samples = sample_meshes(self.tools, self.device, fabric.thickness)
+        device_tools = build_device_tools(self.tools, self.model.real, self.device, samples)
         device_supports = build_device_supports(
             self.supports, self.model.node_count, self.model.real, lane_count, warp_device
         )
         self.state = State.initial(self.model, prescribe_start(self.supports, initial_velocity, blank.node_count))
         self.warnings = [*fabric.unit_cell.warnings(), *self._tool_warnings()]
-        self.notes = [note for mesh in self._mesh_parts().values() for note in mesh.surface.notes()]
+        self.notes = [
+            note
+            for mesh in meshes.values()
+            for note in (*mesh.surface.notes(), samples[mesh.surface].note(mesh.surface.name))
+        ]
         self.stepper = Stepper(
             self.model, self.state, device_tools, device_supports, thread_counts=self.thread_counts,
             largest_step=time_step or math.inf, step_safety=step_safety,
@@ -171,25 +176,6 @@ class Simulation:
         self.failure: str | None = None
         self.stepping_time = 0.0
         self.wall_time = 0.0
-
-    def _mesh_parts(self) -> dict[str, MeshShape]:
-        """Tools that are triangle meshes, or parts of them, by a name."""
-        return {
-            f"{tool.name} {index}": part
-            for tool in self.tools
-            for index, part in enumerate(tool.shape.parts())
-            if isinstance(part, MeshShape)
-        }
-
-    def _check_reach(self) -> None:
-        """A sampled distance is cut at its reach: it has to tell the sheet's faces from afar."""
-        for name, part in self._mesh_parts().items():
-            reach = part.surface.sampled(self.device).reach
-            if reach < self.fabric.thickness:
-                raise InputError(
-                    f"{name}: its mesh is sampled up to a distance of {reach:.4g} m, but the sheet is "
-                    f"{self.fabric.thickness:.4g} m thick: give the mesh a reach of at least the thickness"
-                )
 
     def _check_cell_at_rest(self) -> None:
         """The undeformed sheet carries no force; a unit cell of the user's own may be written otherwise."""

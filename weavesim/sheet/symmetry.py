@@ -4,15 +4,42 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import field_validator
 
+from ..checks import Parameters
 from ..errors import InputError
-from .blank import Blank
 
 if TYPE_CHECKING:
     from .blank import Blank
+
+
+AXES = {"x": 0, "y": 1}
+
+
+class Symmetry(Parameters):
+    """Planes through the origin at which the computed part of a sheet is cut.
+
+    Attributes:
+        planes: of "x" (the plane x = 0) and "y" (the plane y = 0), each at most once.
+    """
+
+    positional = ("planes",)
+
+    planes: tuple[str, ...] = ()
+
+    @field_validator("planes", mode="before")
+    @classmethod
+    def _are_known(cls, value: Any) -> Any:
+        planes = tuple(value)
+        for plane in planes:
+            if plane not in AXES:
+                raise ValueError(f"symmetry plane {plane!r}: 'x' (the plane x = 0) and 'y' (the plane y = 0) are known")
+        if len(set(planes)) < len(planes):
+            raise ValueError(f"symmetry planes {planes}: each may be named once")
+        return planes
 
 
 def hold_symmetry(blank: Blank, planes: Sequence[str], free: np.ndarray) -> np.ndarray:
@@ -34,9 +61,6 @@ def hold_symmetry(blank: Blank, planes: Sequence[str], free: np.ndarray) -> np.n
         turning.remove(3 + axis)
         free[np.ix_(on_plane, turning)] = False
     return free
-
-
-AXES = {"x": 0, "y": 1}
 
 
 def mirror_signs(symmetry: Sequence[str]) -> list[tuple[int, int]]:

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from weavesim.app.progress import ProgressBar, RunLog, clock_text, kinetic_ratio
 from weavesim.errors import InputError
-from weavesim.run.frame import Frame, Outcome
+from weavesim.run.frame import Frame, Outcome, SheetFrame
 
 FRAME_COUNT = 40
 DURATION = 0.1
@@ -44,9 +44,7 @@ def frame(index: int) -> Frame:
         step_count=100 * index,
         time=share * DURATION,
         stroke=share * 0.06,
-        position=np.zeros((4, 3)),
-        director=np.zeros((4, 3)),
-        fields={},
+        sheets=(SheetFrame("sheet", np.zeros((4, 3)), np.zeros((4, 3)), {}, {}),),
         tool_displacement=np.array([-share * 0.06]),
         tool_reaction=np.array([[0.0, 0.0, -30.0 * share]]),
         energies={"kinetic": 0.02, "internal": 2.0, "shear": 1.5},

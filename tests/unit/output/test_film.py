@@ -189,7 +189,14 @@ def test_a_full_blank_has_no_copies(tmp_path, coarse_run):
 def test_a_fabric_without_known_fibres_has_no_fibre_volume_fraction(tmp_path, coarse_run):
     simulation, frames = coarse_run
     bare = [
-        dataclasses.replace(frame, fields={k: v for k, v in frame.fields.items() if k != "fibre_volume_fraction"})
+        dataclasses.replace(
+            frame,
+            sheets=(
+                dataclasses.replace(
+                    frame.sheet, fields={k: v for k, v in frame.fields.items() if k != "fibre_volume_fraction"}
+                ),
+            ),
+        )
         for frame in frames[:2]
     ]
     stage = Usd.Stage.Open(str(write_film(tmp_path / "bare.usdc", (simulation, bare))))

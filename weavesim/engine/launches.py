@@ -16,7 +16,8 @@ from ..kernels.stepping.step import look_at_clock, partial_maximum_kernel, set_s
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
-from .model import Model, SheetModel
+from .model import Model
+from .sheet_model import SheetModel
 from .state import SheetState, State
 
 # Reductions over more entries than this take two launches.
@@ -93,17 +94,17 @@ class Launches:
         state, lane_count = self.state, sheet.lane_count
         tools = tool_set_struct(sheet.real)()
         tools.part = self.model.tools.part
-        tools.tool = sheet.tools.of(self.model.tools.tool)
-        tools.displacement, tools.velocity = map(sheet.tools.of, (state.tool_displacement, state.tool_velocity))
+        tools.tool = sheet.places.tools.of(self.model.tools.tool)
+        tools.displacement, tools.velocity = map(sheet.places.tools.of, (state.tool_displacement, state.tool_velocity))
         supports = support_struct(sheet.real, lane_count)()
         supports.held, supports.direction = sheet.held, sheet.drive_direction
-        supports.increment, supports.holding = sheet.drives.of(state.drive_increment), own.holding
+        supports.increment, supports.holding = sheet.places.drives.of(state.drive_increment), own.holding
         touch = touch_struct(sheet.real, lane_count)()
         touch.friction = sheet.friction_layout.view(own.friction)
         touch.gap = own.gap
-        rows = sheet.tools if sheet.tool_count else slice(0, 1)
+        rows = sheet.places.tools if sheet.tool_count else slice(0, 1)
         touch.reaction = state.reaction[
-            rows.start : rows.stop, sheet.first_reaction : sheet.first_reaction + sheet.block_count
+            rows.start : rows.stop, sheet.places.first_reaction : sheet.places.first_reaction + sheet.block_count
         ]
         return _SheetArguments(
             tools, supports, touch,
@@ -215,10 +216,12 @@ class Launches:
 
     # --- the rest ----------------------------------------------------------------------------------------------------
 
-    def set_damping(self, damping: float, director_damping: float) -> None:
-        """Rates of this run from the next recording on [1/s]; those of the model stay."""
-        for laws in self._node_laws:
-            laws.damping, laws.director_damping = damping, director_damping
+    def set_damping(self, rate: float | None) -> None:
+        """One rate of all nodes and directors from the next recording on [1/s]; None takes those of ``Dynamics``."""
+        self._node_laws = [sheet.node_laws() for sheet in self.model.sheets]
+        if rate is not None:
+            for laws in self._node_laws:
+                laws.damping = laws.director_damping = rate
 
     @property
     def kernels(self) -> list[wp.Kernel]:

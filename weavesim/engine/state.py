@@ -14,21 +14,12 @@ import numpy as np
 import warp as wp
 
 from ..errors import InputError
-from ..kernels.rows import (
-    CELL_REPORT_ROWS,
-    CLOCK_LENGTH,
-    CLOCK_MEAN_STEP,
-    CLOCK_STEP,
-    CLOCK_TIME,
-    CORNER_ROW_COUNT,
-    HALF_THICKNESS_ROW,
-    MOTION_ROW_COUNT,
-    SLIP_ROWS,
-)
+from ..kernels.rows import CORNER_ROW_COUNT, CellReportRow, ClockEntry, MotionRow, NodeReportRow, SlipRow, ToolWorkRow
 from .layout import BLOCK
 
 if TYPE_CHECKING:
-    from .model import Model, SheetModel
+    from .model import Model
+from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
 FILE_VERSION = 1
@@ -38,11 +29,11 @@ FILE_VERSION = 1
 class SheetState:
     """What the kernels write of one sheet. Scalars are [row, element or node], padded; see ``kernels/rows.py``."""
 
-    motion: wp.array  # flat, ``SheetModel.motion_layout``: rows MOTION_ROWS, mean shear angle
+    motion: wp.array  # flat, ``SheetModel.motion_layout``: rows MotionRow
     cell_unknowns: wp.array  # (unknowns of the unit cell, one at least; elements)
-    cell_report: wp.array  # (3, elements), rows CELL_REPORT_ROWS
-    slip: wp.array  # (8, elements), rows SLIP_ROWS; (8, BLOCK) for a fabric without friction inside
-    corner_force: wp.array  # flat, ``SheetModel.corners``
+    cell_report: wp.array  # (rows, elements), CellReportRow
+    slip: wp.array  # (rows, elements), SlipRow; (rows, BLOCK) for a fabric without friction inside
+    corner_force: wp.array  # flat, ``SheetModel.corners``, rows CornerRow
     node_report: wp.array  # (rows, nodes), ``SheetModel.node_report_rows``
     friction: wp.array  # flat, ``SheetModel.friction_layout`` [m]
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
@@ -55,8 +46,8 @@ class SheetState:
         slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
         node_report = np.zeros((len(model.node_report_rows), model.node_count))
         if model.follows_thickness:
-            node_report[int(HALF_THICKNESS_ROW)] = 0.5 * model.fabric.thickness
-        motion = wp.zeros(MOTION_ROW_COUNT * model.node_count, dtype=real, device=device)
+            node_report[NodeReportRow.half_thickness] = 0.5 * model.fabric.thickness
+        motion = wp.zeros(MotionRow.row_count() * model.node_count, dtype=real, device=device)
         model.write_motion(motion, model.initial_motion())
 
         def zeros(*shape: int, dtype: type = real) -> wp.array:
@@ -65,8 +56,8 @@ class SheetState:
         return cls(
             motion=motion,
             cell_unknowns=wp.array(model.initial_unknowns(), dtype=real, device=device),
-            cell_report=zeros(len(CELL_REPORT_ROWS), model.element_count),
-            slip=zeros(len(SLIP_ROWS), slip_count),
+            cell_report=zeros(CellReportRow.row_count(), model.element_count),
+            slip=zeros(SlipRow.row_count(), slip_count),
             corner_force=zeros(CORNER_ROW_COUNT * model.element_count),
             node_report=wp.array(node_report, dtype=real, device=device),
             friction=zeros(3 * tool_rows * model.node_count),
@@ -83,11 +74,11 @@ class State:
         sheets: in the order of ``Setup.sheets``.
         tool_displacement, tool_velocity: along each tool's axis, (tool_count,) float64 [m], [m/s].
         tool_force: of the sheets on each tool, (tool_count,) vec3d [N].
-        tool_work: rows TOOL_WORK_ROWS, (2, tool_count) float64 [J].
+        tool_work: rows ToolWorkRow, (rows, tool_count) float64 [J].
         reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N].
         drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
             (drive_count,) [m].
-        clock: rows CLOCK_ROWS, float64 [s].
+        clock: rows ClockEntry, float64 [s].
         step_count: steps done.
     """
 
@@ -106,8 +97,8 @@ class State:
     def initial(cls, model: Model) -> Self:
         """The state at time zero, before ``Stepper.start``."""
         device, tool_count, drive_count = model.device, model.tools.count, model.drives.count
-        clock = np.zeros(CLOCK_LENGTH)
-        clock[[CLOCK_STEP, CLOCK_MEAN_STEP]] = model.reference_step
+        clock = np.zeros(ClockEntry.row_count())
+        clock[[ClockEntry.step, ClockEntry.mean_step]] = model.reference_step
 
         def doubles(values: np.ndarray) -> wp.array:
             return wp.array(np.asarray(values, dtype=np.float64), dtype=wp.float64, device=device)
@@ -117,7 +108,7 @@ class State:
             tool_displacement=doubles(model.tools.initial_displacement),
             tool_velocity=doubles(model.tools.initial_velocity),
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
-            tool_work=wp.zeros((2, tool_count), dtype=wp.float64, device=device),
+            tool_work=wp.zeros((ToolWorkRow.row_count(), tool_count), dtype=wp.float64, device=device),
             reaction=wp.zeros((max(tool_count, 1), model.reaction_count), dtype=model.types.vec3, device=device),
             drive_displacement=wp.zeros(drive_count, dtype=wp.float64, device=device),
             drive_increment=wp.zeros(drive_count, dtype=model.real, device=device),
@@ -138,12 +129,12 @@ class State:
     @property
     def time(self) -> float:
         """[s]; waits for the device."""
-        return float(self.clock.numpy()[CLOCK_TIME])
+        return float(self.clock.numpy()[ClockEntry.time])
 
     @property
     def step(self) -> float:
         """Current time step [s]; waits for the device."""
-        return float(self.clock.numpy()[CLOCK_STEP])
+        return float(self.clock.numpy()[ClockEntry.step])
 
     def arrays(self) -> Iterator[tuple[str, wp.array]]:
         """Every array with a name, such as ``clock`` and ``sheets/0/motion``."""
@@ -204,8 +195,8 @@ class State:
         for name, wanted in {"version": FILE_VERSION, **model.identity}.items():
             if about.get(name) != wanted:
                 raise InputError(
-                    f"state {path}: its {name.replace('_', ' ')} is {about.get(name)}, but this run has {wanted}; a state "
-                    "continues the run that wrote it"
+                    f"state {path}: its {name.replace('_', ' ')} is {about.get(name)}, but this run has {wanted}; a "
+                    "state continues the run that wrote it"
                 )
         state = cls.initial(model)
         state.step_count = int(about["step_count"])

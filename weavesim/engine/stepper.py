@@ -16,13 +16,14 @@ import numpy as np
 import warp as wp
 
 from ..device import load_kernel
-from ..kernels.rows import CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME, ROWS_PER_CORNER
+from ..kernels.rows import ROWS_PER_CORNER, ClockEntry, CornerRow
 from ..kernels.stepping.step import STEP_GROWTH
 from .compilation import KernelSet, compile_missing
 from .launches import IntervalEnd, Launches
-from .model import REFRESH_INTERVAL, Model
+from .model import Model
 from .replay import Replay
 from .setup import STEP_SAFETY
+from .sheet_model import REFRESH_INTERVAL
 from .state import State
 from .threads import ThreadChoice
 from .tiles import TILE_SIZE, Part, chunks, divide_step
@@ -73,7 +74,7 @@ class Stepper:
         self._interval_end = IntervalEnd(model.device, state.clock, LARGEST_INTERVAL)
         self.launches_intervals = model.device.is_cuda and wp.is_conditional_graph_supported()
         self.loading_time = 0.0
-        self._damping: tuple[float, float] | None = None
+        self._damping: float | None = None
         self._forget_recordings()
         self._ahead: Launches | None = None
 
@@ -95,7 +96,7 @@ class Stepper:
         self.refresh_step()
         # velocities live at half steps, the initial ones at time zero: the first change is that of half a step
         clock = self.state.clock.numpy()
-        clock[CLOCK_MEAN_STEP] = 0.5 * clock[CLOCK_STEP]
+        clock[ClockEntry.mean_step] = 0.5 * clock[ClockEntry.step]
         self.state.clock.assign(clock)
 
     @property
@@ -237,8 +238,7 @@ class Stepper:
         """The next step, done on a copy: the state stays as it is."""
         if self._ahead is None:
             self._ahead = Launches(self.model, self.state.clone())
-            if self._damping:
-                self._ahead.set_damping(*self._damping)
+            self._ahead.set_damping(self._damping)
         if self._ahead_graph is None:
             self._ahead_graph = self._replay.record(self._step_ahead)
         wp.capture_launch(self._ahead_graph)
@@ -261,24 +261,24 @@ class Stepper:
         if phase_count > 2:
             ahead.move_tools()
 
-    def set_damping(self, damping: float, director_damping: float) -> None:
-        """Take other rates than those of ``Dynamics`` from the next step on [1/s]."""
-        self._damping = damping, director_damping
+    def set_damping(self, rate: float | None) -> None:
+        """Damp all nodes and directors at one rate from the next step on [1/s]; None takes those of ``Dynamics``."""
+        self._damping = rate
         for launches in (self._launches, self._ahead):
             if launches is not None:
-                launches.set_damping(damping, director_damping)
+                launches.set_damping(rate)
         self._forget_recordings()
 
     def corner_rows(self, index: int = 0) -> np.ndarray:
-        """What the elements of a sheet wrote at the last evaluation, (4 corners, 8 rows, element_count)."""
+        """What the elements of a sheet wrote at the last evaluation, (corner, row of CornerRow, element)."""
         sheet = self.model.sheets[index]
         rows = sheet.corners.read(self.state.sheets[index].corner_force)[:, : sheet.blank.element_count]
-        return rows.reshape(4, int(ROWS_PER_CORNER), -1)
+        return rows.reshape(4, ROWS_PER_CORNER, -1)
 
     def nodal_forces(self, index: int = 0) -> np.ndarray:
         """Forces of the elements on the nodes of a sheet at the last evaluation, (node_count, 3) [N]."""
         blank = self.model.sheets[index].blank
-        corners = self.corner_rows(index)[:, :3].astype(np.float64)
+        corners = self.corner_rows(index)[:, CornerRow.force.span].astype(np.float64)
         result = np.zeros((blank.node_count, 3))
         for corner in range(4):
             np.add.at(result, blank.quads[:, corner], corners[corner].T)
@@ -298,7 +298,7 @@ class Stepper:
         """
         while not stop():
             clock = self.state.clock.numpy()
-            remaining, step = target - float(clock[CLOCK_TIME]), float(clock[CLOCK_STEP])
+            remaining, step = target - float(clock[ClockEntry.time]), float(clock[ClockEntry.step])
             if not (remaining > 0.0 and 0.0 < step < math.inf):
                 return
             if self.launches_intervals:

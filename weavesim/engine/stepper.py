@@ -269,16 +269,23 @@ class Stepper:
                 launches.set_damping(rate)
         self._forget_recordings()
 
-    def corner_rows(self, index: int = 0) -> np.ndarray:
-        """What the elements of a sheet wrote at the last evaluation, (corner, row of CornerRow, element)."""
+    def corner_rows(self, index: int = 0, state: State | None = None) -> np.ndarray:
+        """What the elements of a sheet wrote at the last evaluation, (corner, row of CornerRow, element).
+
+        Args:
+            index: of the sheet.
+            state: ``look_ahead()`` for the forces of the present; by default the present state, whose forces are those
+                of the last ``evaluate`` or step.
+        """
         sheet = self.model.sheets[index]
-        rows = sheet.corners.read(self.state.sheets[index].corner_force)[:, : sheet.blank.element_count]
+        corner_force = (state or self.state).sheets[index].corner_force
+        rows = sheet.corners.read(corner_force)[:, : sheet.blank.element_count]
         return rows.reshape(4, ROWS_PER_CORNER, -1)
 
-    def nodal_forces(self, index: int = 0) -> np.ndarray:
-        """Forces of the elements on the nodes of a sheet at the last evaluation, (node_count, 3) [N]."""
+    def nodal_forces(self, index: int = 0, state: State | None = None) -> np.ndarray:
+        """Forces of the elements on the nodes of a sheet, (node_count, 3) [N]; arguments as ``corner_rows``."""
         blank = self.model.sheets[index].blank
-        corners = self.corner_rows(index)[:, CornerRow.force.span].astype(np.float64)
+        corners = self.corner_rows(index, state)[:, CornerRow.force.span].astype(np.float64)
         result = np.zeros((blank.node_count, 3))
         for corner in range(4):
             np.add.at(result, blank.quads[:, corner], corners[corner].T)

@@ -162,7 +162,7 @@ class _Relaxation:
             loads = applied_loads(sheet, state.time)
             applied += size(*loads, extent)
             # what supports bear
-            forces = stepper.nodal_forces(index) + loads[LoadRow.force]
+            forces = stepper.nodal_forces(index, ahead) + loads[LoadRow.force]
             borne += float(np.linalg.norm(np.where(free, 0.0, forces), axis=1).sum())
         borne += float(np.linalg.norm(state.tool_force.numpy(), axis=1).sum()) if len(self.driven) else 0.0
         self.residual = unbalanced / max(applied, borne, 1.0e-300)

@@ -12,14 +12,7 @@ from ..errors import InputError
 from ..fabric.device import law_traits, sheet_laws
 from ..fabric.fabric import Fabric
 from ..kernels.lanes import lane_types
-from ..kernels.rows import (
-    CORNER_ROW_COUNT,
-    MEAN_ANGLE_ROW,
-    MOTION_ROW_COUNT,
-    MOTION_ROWS,
-    NODE_REPORT_ROWS,
-    ROWS_PER_CORNER,
-)
+from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
 from ..kernels.shell.laws import SheetTraits
@@ -84,7 +77,7 @@ class Model:
         self.element_count = padded(blank.element_count, 1)
         self.node_count = padded(blank.node_count, 4)
         self.corners = RowLayout(CORNER_ROW_COUNT, self.element_count, lane_count)
-        self.motion_layout = RowLayout(MOTION_ROW_COUNT, self.node_count, lane_count)
+        self.motion_layout = RowLayout(MotionRow.row_count(), self.node_count, lane_count)
         self.friction_layout = RowLayout(3 * max(tool_count, 1), self.node_count, lane_count)
         self.geometry = ElementGeometry.of(blank)
 
@@ -130,9 +123,9 @@ class Model:
 
     @property
     def node_report_rows(self) -> tuple[str, ...]:
-        """Those of NODE_REPORT_ROWS that this run has."""
-        first = "half_thickness" if self.loads is not None else "load_work"
-        return NODE_REPORT_ROWS if self.follows_thickness else NODE_REPORT_ROWS[: NODE_REPORT_ROWS.index(first)]
+        """Names of those rows of ``NodeReportRow`` that this run has."""
+        first = NodeReportRow.half_thickness if self.loads is not None else NodeReportRow.load_work
+        return NodeReportRow.names()[: None if self.follows_thickness else first]
 
     @property
     def sheet_traits(self) -> SheetTraits:
@@ -216,7 +209,7 @@ class Model:
         # entries of a padding element are always zero: nodes with fewer neighbours read them
         spare = self.corners.entry(0, self.blank.element_count)
         table = np.full((slot.max() + 1, self.node_count), spare, dtype=np.int32)
-        table[slot, node[order]] = self.corners.entry(int(ROWS_PER_CORNER) * corner, element)[order]
+        table[slot, node[order]] = self.corners.entry(ROWS_PER_CORNER * corner, element)[order]
         nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
         nodes.corner_stride = self.corners.stride
         count_around = np.bincount(node, minlength=count)
@@ -225,7 +218,7 @@ class Model:
         freedom = np.zeros(self.node_count, dtype=np.int32)
         freedom[:count] = bits
         nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
-        loads = np.zeros((2, self.node_count if self.loads else 0, 3))
+        loads = np.zeros((LoadRow.row_count(), self.node_count if self.loads else 0, 3))
         if self.loads:
             loads[:, :count] = self.loads.arrays(count)
         nodes.load = self._array(loads, self.types.vec3)
@@ -283,28 +276,29 @@ class Model:
         return rows
 
     def read_motion(self, motion: wp.array) -> np.ndarray:
-        """Rows MOTION_ROWS of a motion array, (5, padded nodes, 3); waits for the device."""
-        rows = self.motion_layout.read(motion)[: 3 * len(MOTION_ROWS)]
-        return rows.reshape(len(MOTION_ROWS), 3, -1).transpose(0, 2, 1)
+        """MOTION_VECTORS of a motion array, (vectors, padded nodes, 3); waits for the device."""
+        rows = self.motion_layout.read(motion)[: 3 * len(MOTION_VECTORS)]
+        return rows.reshape(len(MOTION_VECTORS), 3, -1).transpose(0, 2, 1)
 
     def write_motion(self, motion: wp.array, rows: np.ndarray, mean_angle: np.ndarray | None = None) -> None:
-        """Set a motion array to rows MOTION_ROWS, and the mean shear angles of the nodes [rad] if given."""
+        """Set MOTION_VECTORS of a motion array, and the mean shear angles of the nodes [rad] if given."""
         values = self.motion_layout.read(motion)
-        values[: 3 * len(MOTION_ROWS)] = rows.transpose(0, 2, 1).reshape(3 * len(MOTION_ROWS), -1)
+        values[: 3 * len(MOTION_VECTORS)] = rows.transpose(0, 2, 1).reshape(3 * len(MOTION_VECTORS), -1)
         if mean_angle is not None:
-            values[int(MEAN_ANGLE_ROW), : len(mean_angle)] = mean_angle
+            values[MotionRow.mean_angle, : len(mean_angle)] = mean_angle
         motion.assign(self.motion_layout.flat(values))
 
     def initial_motion(self, velocity: np.ndarray | None = None) -> np.ndarray:
-        """Rows MOTION_ROWS, (5, padded nodes, 3); the remainder is what the precision cannot hold of the positions."""
+        """MOTION_VECTORS at the start, (vectors, padded nodes, 3)."""
         count = self.blank.node_count
-        rows = np.zeros((len(MOTION_ROWS), self.node_count, 3))
-        rows[0, :count] = self.blank.node_position
+        rows = np.zeros((len(MOTION_VECTORS), self.node_count, 3))
+        position, velocities, director, _, remainder = rows
+        position[:count] = self.blank.node_position
         # the padding square, far from nothing: its nodes have no contact stiffness
-        rows[0, count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
-        rows[2, :, 2] = 1.0
-        rows[2, :count] = self.blank.initial_director
+        position[count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+        director[:, 2] = 1.0
+        director[:count] = self.blank.initial_director
         if velocity is not None:
-            rows[1, :count] = velocity
-        rows[4] = rows[0] - rows[0].astype(self.precision.numpy)
+            velocities[:count] = velocity
+        remainder[:] = position - position.astype(self.precision.numpy)
         return rows

@@ -12,13 +12,12 @@ import numpy as np
 
 from ..errors import InputError
 from ..measures.angles import nodal_mean, nodal_weights
-from ..run.frame import Frame, Outcome
+from ..run.frame import Frame, Outcome, RunInfo
 from ..sheet.symmetry import mirror_signs
 from .colours import shear_colours
 from .files import temporary_name
 
 if TYPE_CHECKING:
-    from ..run.simulation import Simulation
     from ..tools.shapes import Triangles
     from ..tools.tool import Tool
 
@@ -58,12 +57,12 @@ class Film:
 
         UsdGeom.Mesh.Define(Usd.Stage.CreateInMemory(), "/sheet")
 
-    def start(self, simulation: Simulation) -> None:
+    def start(self, info: RunInfo) -> None:
         from pxr import Gf, Kind, Sdf, Usd, UsdGeom
 
-        self._blank, self._symmetry = simulation.blank, tuple(simulation.symmetry)
+        self._blank, self._symmetry = info.sheet.blank, info.sheet.symmetry.planes
         self._nodal_weights = nodal_weights(self._blank, self._symmetry)
-        self._tools = simulation.tools
+        self._tools = info.tools
         temporary = temporary_name(self.path)
         temporary.unlink(missing_ok=True)
         with _usd_errors():
@@ -75,7 +74,7 @@ class Film:
         world = UsdGeom.Xform.Define(stage, "/World").GetPrim()
         Usd.ModelAPI(world).SetKind(Kind.Tokens.component)
         stage.SetDefaultPrim(world)
-        stage.GetRootLayer().comment = f"weavesim: {simulation.name}, {simulation.fabric.name}"
+        stage.GetRootLayer().comment = f"weavesim: {info.name}, {info.sheet.fabric.name}"
 
         mesh = _define_mesh(stage, "/World/sheet", self._blank.quads)
         self._sheet = mesh

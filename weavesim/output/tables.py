@@ -13,11 +13,10 @@ import numpy as np
 from ..errors import InputError
 from ..measures.angles import shear_angle_at
 from ..measures.border import border_draw_in, outline
-from ..run.frame import Frame, Outcome
+from ..run.frame import Frame, Outcome, RunInfo
 from .files import replacing
 
 if TYPE_CHECKING:
-    from ..run.simulation import Simulation
     from ..sheet.blank import Blank
 
 
@@ -55,11 +54,10 @@ class History:
         self.last_frame: Frame | None = None
         self._rows: list[tuple] = []
 
-    def start(self, simulation: Simulation) -> None:
-        self.tool_names = [tool.name for tool in simulation.tools]
-        supports = getattr(simulation, "supports", ())
-        self.support_names = [support.name for support in supports]
-        self.drive_names = [f"{s.name}_drive_{k + 1}" for s in supports for k in range(len(s.drives))]
+    def start(self, info: RunInfo) -> None:
+        self.tool_names = [tool.name for tool in info.tools]
+        self.support_names = [support.name for support in info.supports]
+        self.drive_names = [f"{s.name}_drive_{k + 1}" for s in info.supports for k in range(len(s.drives))]
         self.last_frame, self._rows = None, []
 
     def frame(self, frame: Frame) -> None:

@@ -137,7 +137,7 @@ def output_frame(simulation: Any, seconds: float) -> float:
     with TemporaryDirectory() as folder:
         observers = (ResultFolder(folder), RunLog(Path(folder)))
         for observer in observers:
-            observer.start(simulation)
+            observer.start(simulation.info)
         for index in range(simulation.frame_count + 1):
             if index == 1:  # what the first one prepares is not counted
                 started = time.perf_counter()

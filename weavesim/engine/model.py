@@ -21,6 +21,7 @@ from ..process.dynamics import Dynamics
 from ..process.loads import NodalLoads
 from ..sheet.blank import Blank
 from ..sheet.geometry import ElementGeometry
+from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
 from .layout import BLOCK, RowLayout, lanes_view, padded
 
@@ -213,7 +214,7 @@ class Model:
         nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
         nodes.corner_stride = self.corners.stride
         count_around = np.bincount(node, minlength=count)
-        angle_weight = np.where(self._mirrored_angle(free), 0.0, 1.0 / count_around)
+        angle_weight = np.where(nodes_of_odd_angle(self.blank, free), 0.0, 1.0 / count_around)
         bits = (free @ (1 << np.arange(6))).astype(np.int32)
         freedom = np.zeros(self.node_count, dtype=np.int32)
         freedom[:count] = bits
@@ -235,22 +236,6 @@ class Model:
         nodes.inverse_mass = lanes(1.0 / self.node_mass)
         nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
         return nodes
-
-    def _mirrored_angle(self, free: np.ndarray) -> np.ndarray:
-        """Nodes on a symmetry plane whose mirror image has the opposite shear angle, so that the mean there is zero.
-
-        A node held along x (or y) whose director may turn about that axis alone lies on such a plane; the angle changes
-        sign when a yarn lies along the plane's normal, and keeps it when the yarns lie at 45 degrees to it.
-        """
-        mirrored = np.zeros(len(free), dtype=bool)
-        along = np.zeros((len(free), 3))
-        for corner in range(4):
-            np.add.at(along, self.blank.quads[:, corner], np.square(self.blank.warp_direction))
-        along /= along.sum(axis=1, keepdims=True)
-        for axis in range(2):
-            on_plane = ~free[:, axis] & free[:, 3 + axis] & ~free[:, [3 + a for a in range(3) if a != axis]].any(axis=1)
-            mirrored |= on_plane & (np.abs(along[:, axis] - 0.5) > 0.25)
-        return mirrored
 
     def _motion_laws(self, contact_frequency: float):
         laws = motion_struct(self.real)()

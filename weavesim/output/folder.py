@@ -152,7 +152,7 @@ class ResultFolder:
             raise InputError("results: there is no frame to write; run the simulation with this folder as an observer")
         sheet, blank = self._info.sheet, self._info.sheet.blank
         summary = {**self._measures(frame), **summary}
-        angle, symmetry = frame.fields["shear_angle"], sheet.symmetry.planes
+        angle, symmetry = frame.fields["shear_angle"], sheet.symmetry
         self._attempt("history.csv", lambda: self.history.write(self.path / "history.csv"))
         if self._with_draw_in:
             path = self.path / "draw_in.csv"
@@ -174,7 +174,7 @@ class ResultFolder:
 
     def _measures(self, frame: Frame) -> dict[str, Any]:
         sheet, blank = self._info.sheet, self._info.sheet.blank
-        angle, symmetry = frame.fields["shear_angle"], sheet.symmetry.planes
+        angle, symmetry = frame.fields["shear_angle"], sheet.symmetry
         stretches = {"warp": frame.fields["warp_stretch"], "weft": frame.fields["weft_stretch"]}
         both = np.concatenate(list(stretches.values()))
         zigzag = checkerboard(blank, angle)
@@ -212,7 +212,7 @@ class ResultFolder:
 
     def _write_pictures(self, frame: Frame) -> list[tuple[Path, str]]:
         sheet, blank, history = self._info.sheet, self._info.sheet.blank, self.history
-        tools, symmetry = self._info.tools, sheet.symmetry.planes
+        tools, symmetry = self._info.tools, sheet.symmetry
         wanted: list[tuple[str, str, Callable[[], Any]]] = [
             (
                 "formed_sheet.png",
@@ -296,7 +296,7 @@ class ResultFolder:
     ) -> Report:
         info, sheet = self._info, self._info.sheet
         title = info.name.replace("_", " ").capitalize()
-        share = {0: "whole blank", 1: "half of the blank", 2: "quarter of the blank"}[len(sheet.symmetry.planes)]
+        share = {1.0: "whole blank", 0.5: "half of the blank", 0.25: "quarter of the blank"}[sheet.symmetry.share]
         headline = [
             (label, f"{shown(float(summary[name]))}{unit}")
             for name, label, unit in (

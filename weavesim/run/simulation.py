@@ -25,7 +25,7 @@ from ..process.dynamics import Dynamics
 from ..process.loads import NodalLoads
 from ..process.supports import Support, check_supports, prescribe_start
 from ..sheet.blank import Blank
-from ..sheet.symmetry import Symmetry, hold_symmetry
+from ..sheet.symmetry import Symmetry
 from ..tools.device import build_device_tools
 from ..tools.sampling import mesh_parts, sample_meshes
 from ..tools.tool import Tool
@@ -128,7 +128,7 @@ class Simulation:
         constraints = np.ones((blank.node_count, 6), dtype=bool) if free is None else np.array(free, dtype=bool)
         if constraints.shape != (blank.node_count, 6):
             raise InputError(f"free: shape {constraints.shape}, but ({blank.node_count}, 6) is needed")
-        self.free = hold_symmetry(blank, self.symmetry, constraints)
+        self.free = Symmetry(self.symmetry).hold(blank, constraints)
         self.supports = tuple(supports)
         check_supports(self.supports, blank, self.symmetry)
         for support in self.supports:

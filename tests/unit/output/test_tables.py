@@ -68,12 +68,12 @@ def test_shear_angle_table(tmp_path, coarse_run):
     info, frames = coarse_run
     points = ten_points(0.235, 0.135)
     angle = frames[-1].fields["shear_angle"]
-    written = write_shear_angles(tmp_path / "t.csv", info.sheet.blank, angle, points, info.sheet.symmetry.planes)
+    written = write_shear_angles(tmp_path / "t.csv", info.sheet.blank, angle, points, info.sheet.symmetry)
     rows = read(tmp_path / "t.csv")
     assert [int(row["point"]) for row in rows] == list(range(1, 11))
     assert [float(rows[0][name]) for name in ("material_x_mm", "material_y_mm")] == [235.0, 0.0]
     values = [float(row["shear_angle_deg"]) for row in rows]
-    assert values == pytest.approx(shear_angle_at(info.sheet.blank, angle, points, info.sheet.symmetry.planes))
+    assert values == pytest.approx(shear_angle_at(info.sheet.blank, angle, points, info.sheet.symmetry))
     assert values == pytest.approx(written)
     assert values[0] < 1e-9 and values[-1] < 1e-9 and max(values) > 10.0
 
@@ -81,9 +81,9 @@ def test_shear_angle_table(tmp_path, coarse_run):
 def test_draw_in_table_holds_the_free_border_in_order(tmp_path, coarse_run):
     info, frames = coarse_run
     blank, position = info.sheet.blank, frames[-1].position
-    write_draw_in(tmp_path / "t.csv", blank, position, info.sheet.symmetry.planes)
+    write_draw_in(tmp_path / "t.csv", blank, position, info.sheet.symmetry)
     rows = read(tmp_path / "t.csv")
-    nodes = outline(blank, info.sheet.symmetry.planes).node
+    nodes = outline(blank, info.sheet.symmetry).node
     assert [int(row["node"]) for row in rows] == nodes.tolist()
     flat = np.array([[float(row["flat_x_mm"]), float(row["flat_y_mm"])] for row in rows])
     formed = np.array([[float(row[f"formed_{axis}_mm"]) for axis in "xyz"] for row in rows])

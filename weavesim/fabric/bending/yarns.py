@@ -25,7 +25,7 @@ Family = Annotated[
 
 
 class YarnBending(BendingLaw):
-    """Bending per yarn family and unit width: constant stiffness, or a moment-curvature curve for each family."""
+    """Bending per yarn family and unit width: a constant stiffness or a moment-curvature curve for each family."""
 
     warp: Family = Field(description="D_1, or a curve [N m]")
     weft: Family = Field(description="D_2, or a curve [N m]")

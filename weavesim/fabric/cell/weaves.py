@@ -249,7 +249,7 @@ class FloatWeave(CrossedYarns, EnergyCell):
 class TwillWeave(FloatWeave):
     """2/2 twill: over two, under two."""
 
-    repeat: Literal[4] = 4
+    repeat: Literal[4] = Field(default=4, description="N, crossovers in a repeat along a yarn")
 
     @classmethod
     def examples(cls) -> dict[str, Callable[[], UnitCell]]:
@@ -259,7 +259,7 @@ class TwillWeave(FloatWeave):
 class SatinWeave(FloatWeave):
     """Satin of five or eight harnesses: over all but one."""
 
-    repeat: Literal[5, 8] = Field(default=5, description="harnesses")
+    repeat: Literal[5, 8] = Field(default=5, description="N, the harnesses")
 
     @classmethod
     def examples(cls) -> dict[str, Callable[[], UnitCell]]:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..fabric.bending import IsotropicBending
+from ..fabric.device import law_traits
 from ..fabric.fabric import Fabric
-from ..fabric.shear import LinearShear
-from ..kernels.shell.laws import BENDING_CURVES, BENDING_ISOTROPIC, BENDING_YARNS, SheetTraits
+from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.node import NodeTraits
 from ..process.dynamics import Dynamics
 from ..sheet.geometry import ElementGeometry
@@ -18,14 +17,8 @@ from .setup import World
 
 def sheet_traits(fabric: Fabric, geometry: ElementGeometry, dynamics: Dynamics) -> SheetTraits:
     """What the kernels of the elements are made for."""
-    bending = fabric.bending
-    isotropic = isinstance(bending, IsotropicBending)
-    kind = BENDING_ISOTROPIC if isotropic else BENDING_CURVES if bending.curved else BENDING_YARNS
     return SheetTraits(
-        curved_shear=not isinstance(fabric.shear, LinearShear),
-        bending=int(kind),
-        shear_friction=fabric.shear_friction is not None,
-        bending_friction=fabric.has_bending_friction,
+        **law_traits(fabric),
         follows_thickness=dynamics.contact_thickness == "current",
         flat=geometry.flat,
         skewed=bool(np.abs(geometry.hourglass_offset).max() > 1.0e-9),

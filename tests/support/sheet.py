@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import LinearShear
 from weavesim.fabric.weaves import PlainWeave
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
 NO_STABILISATION = Stabilisation(in_plane=0.0, warping=0.0, director=0.0)
@@ -32,7 +32,7 @@ class Sheet:
     """
 
     def __init__(self, blank: Blank, fabric: Fabric, *, precision: str = "float64", lane_count: int = 1) -> None:
-        self.simulation = Simulation(
+        self.simulation = one_sheet_run(
             name="test", blank=blank, fabric=fabric, duration=1.0, precision=precision, lane_count=lane_count, threads=1
         )
         self.node_count = blank.node_count

@@ -42,6 +42,12 @@ class Symmetry(Parameters):
         return planes
 
 
+def nodes_on_plane(blank: Blank, plane: str) -> np.ndarray:
+    """Mask of the nodes of a blank that lie on a symmetry plane, "x" or "y"."""
+    coordinate = blank.node_position[:, AXES[plane]]
+    return np.abs(coordinate) < 1.0e-9 * max(1.0, np.ptp(coordinate))
+
+
 def hold_symmetry(blank: Blank, planes: Sequence[str], free: np.ndarray) -> np.ndarray:
     """``free`` with the nodes on the planes x = 0 and y = 0 held: they stay in the plane, directors turn in it.
 
@@ -49,11 +55,8 @@ def hold_symmetry(blank: Blank, planes: Sequence[str], free: np.ndarray) -> np.n
         InputError: an unknown plane, or one that no node lies on.
     """
     free = free.copy()
-    for plane in planes:
-        if plane not in ("x", "y"):
-            raise InputError(f"symmetry plane {plane!r}: 'x' (the plane x = 0) and 'y' (the plane y = 0) are known")
-        axis = "xy".index(plane)
-        on_plane = np.abs(blank.node_position[:, axis]) < 1.0e-9 * max(1.0, np.ptp(blank.node_position[:, axis]))
+    for plane in Symmetry(tuple(planes)).planes:
+        axis, on_plane = AXES[plane], nodes_on_plane(blank, plane)
         if not on_plane.any():
             raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
         free[on_plane, axis] = False

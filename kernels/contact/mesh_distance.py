@@ -1,5 +1,7 @@
 """Signed distance of a triangle mesh, sampled into the tiles of a sparse volume. Single precision; negative inside."""
 
+from typing import Any
+
 import warp as wp
 
 TILE_SIZE = wp.constant(8)  # voxels along each edge of a tile, fixed by the volume format
@@ -83,3 +85,34 @@ def fill_tiles_kernel(
             value = wp.sign(centre) * wp.length(point - wp.mesh_eval_position(mesh, query.face, query.u, query.v))
     value = wp.clamp(value, -reach, reach)
     wp.volume_store_f(volume, i, j, k, value)
+
+
+@wp.func
+def volume_distance(part: Any, p: Any):
+    """Distance and normal of a part that is a volume, for lanes of points; beyond its box the distance is at least so.
+
+    One of the kinds of ``tool_shapes.py``.
+    """
+    lower = part.lower
+    distance = type(p[0])()
+    normal = type(p)()
+    for i in range(len(distance)):
+        q = type(lower)(p[0, i], p[1, i], p[2, i])
+        inside = type(lower)(
+            wp.clamp(q[0], part.lower[0], part.upper[0]),
+            wp.clamp(q[1], part.lower[1], part.upper[1]),
+            wp.clamp(q[2], part.lower[2], part.upper[2]),
+        )
+        outside = wp.length(q - inside)
+        if outside > distance.dtype(0.0):
+            distance[i] = part.reach + outside
+            normal[2, i] = distance.dtype(1.0)
+        else:
+            index = wp.volume_world_to_index(part.volume, wp.vec3(float(q[0]), float(q[1]), float(q[2])))
+            gradient = wp.vec3(0.0, 0.0, 0.0)
+            value = wp.volume_sample_grad_f(part.volume, index, wp.Volume.LINEAR, gradient)
+            unit = wp.normalize(gradient)
+            distance[i] = distance.dtype(value)
+            for c in range(3):
+                normal[c, i] = distance.dtype(unit[c])
+    return distance, normal

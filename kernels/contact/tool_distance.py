@@ -7,30 +7,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import (
-    fill,
-    lane_types,
-    mul,  # noqa: F401 - operators of lanes
-    smaller,
-    spread,
-    square_root,
-    where_positive,
-)
-from .tool_shapes import (
-    ALL_KINDS,
-    CAPSULE,
-    DOME_CAVITY,
-    DOME_OPENING,
-    DOME_PUNCH,
-    SPHERE,
-    TORUS,
-    VOLUME,
-    dome_cavity_distance,
-    dome_opening_distance,
-    part_struct,
-    safe_inverse,
-    stadium_profile,
-)
+from ..lanes import lane_types, where_positive
+from .tool_shapes import SHAPE_KINDS, part_struct
 
 
 @cache
@@ -65,92 +43,41 @@ def tool_set_struct(real: type):
 
 
 @cache
-def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[int, ...], rotated: bool):
+def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...]):
+    """wp.func (part, points in its frame) -> (signed distance, outward normal), for parts of ``shape_kinds``.
+
+    A part of any other kind is a mistake of the host: its distance is no number, which stops a run.
+    """
+    unknown = [name for name in shape_kinds if name not in SHAPE_KINDS]
+    if unknown:
+        raise ValueError(f"no distance function of {', '.join(unknown)}; there are {', '.join(SHAPE_KINDS)}")
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+    ToolPart = part_struct(real)
+    kinds = tuple(SHAPE_KINDS[name] for name in shape_kinds)
+
+    @wp.func
+    def part_distance(part: ToolPart, p: lanes3):
+        distance = lanes(real(wp.nan))
+        normal = lanes3()
+        for k in range(wp.static(len(kinds))):
+            if part.kind == wp.static(kinds[k].number):
+                distance, normal = wp.static(kinds[k].distance)(part, p)
+        return distance, normal
+
+    return part_distance
+
+
+@cache
+def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...], rotated: bool):
     """wp.func (parts, tool, displacement, x) -> (signed distance, outward normal), for lanes of points.
 
     It knows no other kinds of parts than ``shape_kinds``, and rotated ones only if ``rotated``.
     """
-    volumes, openings, cavities, tori = (int(k) in shape_kinds for k in (VOLUME, DOME_OPENING, DOME_CAVITY, TORUS))
-    segments = any(int(kind) in shape_kinds for kind in (SPHERE, CAPSULE, DOME_PUNCH))
     types = lane_types(real, lane_count)
-    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    lanes, lanes3 = types.lanes, types.lanes3
     Tool, ToolPart = tool_struct(real), part_struct(real)
-
-    @wp.func
-    def volume_distance(part: ToolPart, p: lanes3):
-        distance = lanes()
-        normal = lanes3()
-        for i in range(lane_count):
-            q = vec3(p[0, i], p[1, i], p[2, i])
-            inside = vec3(
-                wp.clamp(q[0], part.lower[0], part.upper[0]),
-                wp.clamp(q[1], part.lower[1], part.upper[1]),
-                wp.clamp(q[2], part.lower[2], part.upper[2]),
-            )
-            outside = wp.length(q - inside)
-            if outside > real(0.0):
-                distance[i] = part.reach + outside
-                normal[2, i] = real(1.0)
-            else:
-                index = wp.volume_world_to_index(part.volume, wp.vec3(float(q[0]), float(q[1]), float(q[2])))
-                gradient = wp.vec3(0.0, 0.0, 0.0)
-                value = wp.volume_sample_grad_f(part.volume, index, wp.Volume.LINEAR, gradient)
-                unit = wp.normalize(gradient)
-                distance[i] = real(value)
-                normal[0, i] = real(unit[0])
-                normal[1, i] = real(unit[1])
-                normal[2, i] = real(unit[2])
-        return distance, normal
-
-    @wp.func
-    def part_distance(part: ToolPart, p: lanes3):
-        x = p[0]
-        y = p[1]
-        z = p[2]
-        zero = fill(x, 0.0)
-        # a plane, unless it is something else
-        distance = z
-        n0 = zero
-        n1 = zero
-        n2 = fill(x, 1.0)
-        if wp.static(volumes):
-            if part.kind == VOLUME:
-                distance, normal = volume_distance(part, p)
-                n0 = normal[0]
-                n1 = normal[1]
-                n2 = normal[2]
-        if wp.static(openings):
-            if part.kind == DOME_OPENING:
-                distance, n0, n1, n2 = dome_opening_distance(x, y, z, part.radius, part.half_length, part.edge_radius)
-        if wp.static(cavities):
-            if part.kind == DOME_CAVITY:
-                distance, n0, n1, n2 = dome_cavity_distance(x, y, z, part.radius, part.half_length)
-        if wp.static(tori):
-            if part.kind == TORUS:
-                out = square_root(x * x + y * y)
-                a = out - spread(x, part.half_length)
-                length = square_root(a * a + z * z)
-                inverse = safe_inverse(length)
-                inverse_out = safe_inverse(out)
-                distance = length - spread(x, part.radius)
-                n0 = a * inverse * x * inverse_out
-                n1 = a * inverse * y * inverse_out
-                n2 = z * inverse
-        if wp.static(segments):
-            if part.kind == SPHERE or part.kind == CAPSULE or part.kind == DOME_PUNCH:
-                half_length = part.half_length
-                if part.kind == SPHERE:
-                    half_length = real(0.0)
-                if part.kind == DOME_PUNCH:
-                    z = smaller(z, zero)
-                out, along, across = stadium_profile(x, y, half_length)
-                length = square_root(out * out + z * z)
-                inverse = safe_inverse(length)
-                distance = length - spread(x, part.radius)
-                n0 = along * inverse
-                n1 = across * inverse
-                n2 = z * inverse
-        return distance, wp.matrix_from_rows(n0, n1, n2)
+    part_distance = part_distance_function(real, lane_count, shape_kinds)
 
     @wp.func
     def tool_distance(parts: wp.array(dtype=ToolPart), tool: Tool, displacement: real, x: lanes3):
@@ -184,7 +111,7 @@ def sample_distance_kernel(real: type, lane_count: int):
     types = lane_types(real, lane_count)
     lanes3, vec3 = types.lanes3, types.vec3
     Tool, ToolPart = tool_struct(real), part_struct(real)
-    tool_distance = tool_distance_function(real, lane_count, ALL_KINDS, True)
+    tool_distance = tool_distance_function(real, lane_count, tuple(SHAPE_KINDS), True)
 
     @wp.kernel(module="unique", enable_backward=False)
     def sample_distance(

@@ -26,27 +26,7 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     store_rows3,
     where_positive,
 )
-from ..rows import (
-    ANGLE_ROW,
-    CLOCK_MEAN_STEP,
-    CLOCK_STEP,
-    CLOCK_TIME,
-    COUPLE_ROW,
-    DAMPING_ROW,
-    DIRECTOR_ROW,
-    FRICTION_ROW,
-    GROWTH_ROW,
-    HALF_THICKNESS_ROW,
-    LOAD_ROW,
-    MEAN_ANGLE_ROW,
-    POSITION_ROW,
-    REMAINDER_ROW,
-    SPIN_ROW,
-    SUPPORT_ROW,
-    THICKNESS_ROW,
-    THICKNESS_WORK_ROW,
-    VELOCITY_ROW,
-)
+from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, NodeReportRow
 
 
 @dataclass(frozen=True)
@@ -57,14 +37,14 @@ class NodeTraits:
         follows_thickness: tools meet the current thickness.
         loaded: forces or couples are prescribed.
         supported: nodes are held by supports.
-        shape_kinds: of the parts of all tools, see kernels/contact/tool_distance.py; none without tools.
+        shape_kinds: of the parts of all tools, see kernels/contact/tool_shapes.py; none without tools.
         rotated: some part is.
     """
 
     follows_thickness: bool = False
     loaded: bool = False
     supported: bool = False
-    shape_kinds: tuple[int, ...] = ()
+    shape_kinds: tuple[str, ...] = ()
     rotated: bool = False
 
 
@@ -84,7 +64,7 @@ def node_struct(real: type, lane_count: int):
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
         angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
         thickness_weight: wp.array(dtype=types.lanes)  # of each in its mean thickness, if tools meet that
-        load: wp.array2d(dtype=types.vec3)  # rows: force [N], couple [N m] at a share of one
+        load: wp.array2d(dtype=types.vec3)  # rows: see LoadRow
         load_time: wp.array(dtype=wp.float64)  # knots of the loads' share [s]
         load_share: wp.array(dtype=wp.float64)
         freedom: wp.array(dtype=types.indices)  # bits 0-2: x, y, z may move; bits 3-5: director may turn about x, y, z
@@ -182,16 +162,16 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         clock: wp.array(dtype=wp.float64),
         corners: wp.array(dtype=real),
         # Out
-        motion: wp.array2d(dtype=lanes),  # three rows for each of MOTION_ROWS, mean shear angle
+        motion: wp.array2d(dtype=lanes),  # rows: see MotionRow
         touch: Touch,
-        report: wp.array2d(dtype=lanes),  # NODE_REPORT_ROWS
+        report: wp.array2d(dtype=lanes),  # rows: see NodeReportRow
     ):
         block = first_block + wp.tid()
         first = block * lane_count
-        step = real(clock[CLOCK_STEP])
-        mean_step = real(clock[CLOCK_MEAN_STEP])
-        x = rows3(motion, POSITION_ROW, block)
-        velocity = rows3(motion, VELOCITY_ROW, block)
+        step = real(clock[ClockEntry.step])
+        mean_step = real(clock[ClockEntry.mean_step])
+        x = rows3(motion, MotionRow.position, block)
+        velocity = rows3(motion, MotionRow.velocity, block)
 
         force = lanes3()
         couple = lanes3()
@@ -199,17 +179,17 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         thickness = lanes()
         for slot in range(nodes.corner_offset.shape[0]):
             offset = nodes.corner_offset[slot, block]
-            force = gather_corners(corners, offset, nodes.corner_stride, 0, force)
-            couple = gather_corners(corners, offset, nodes.corner_stride, COUPLE_ROW, couple)
-            angle = add_scalar(corners, offset, ANGLE_ROW * nodes.corner_stride, angle)
+            force = gather_corners(corners, offset, nodes.corner_stride, CornerRow.force, force)
+            couple = gather_corners(corners, offset, nodes.corner_stride, CornerRow.couple, couple)
+            angle = add_scalar(corners, offset, CornerRow.angle * nodes.corner_stride, angle)
             if wp.static(follows_thickness):
-                thickness = add_scalar(corners, offset, THICKNESS_ROW * nodes.corner_stride, thickness)
+                thickness = add_scalar(corners, offset, CornerRow.thickness * nodes.corner_stride, thickness)
         # the elements met the mean of one step before: that resists its change, which is booked as damping
         mean_angle = nodes.angle_weight[block] * angle
-        late = mean_angle - motion[MEAN_ANGLE_ROW, block]
+        late = mean_angle - motion[MotionRow.mean_angle, block]
         weight = nodes.angle_weight[block]
         damping_loss = where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
-        motion[MEAN_ANGLE_ROW, block] = mean_angle
+        motion[MotionRow.mean_angle, block] = mean_angle
 
         half_thickness = lanes(laws.half_thickness)
         growth = lanes()
@@ -217,20 +197,20 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         if wp.static(follows_thickness):
             half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
             # work of the present springs from half a step ago to half a step ahead, whose part is extrapolated
-            last = half_thickness - report[HALF_THICKNESS_ROW, block]
-            growth = real(1.5) * last - real(0.5) * report[GROWTH_ROW, block]
-            report[HALF_THICKNESS_ROW, block] = half_thickness
-            report[GROWTH_ROW, block] = last
+            last = half_thickness - report[NodeReportRow.half_thickness, block]
+            growth = real(1.5) * last - real(0.5) * report[NodeReportRow.half_thickness_growth, block]
+            report[NodeReportRow.half_thickness, block] = half_thickness
+            report[NodeReportRow.half_thickness_growth, block] = last
             thickened = wp.max(lane_maximum(last), real(0.0))
 
         # prescribed loads; a moment M turns the director as the conjugate M x d does, without its part along d
-        director = rows3(motion, DIRECTOR_ROW, block)
+        director = rows3(motion, MotionRow.director, block)
         applied_force = lanes3()
         applied_couple = lanes3()
         if wp.static(loaded):
-            share = real(load_share(nodes.load_time, nodes.load_share, clock[CLOCK_TIME]))
-            applied_force = share * load(nodes.load[0], first, lanes3())
-            applied_couple = share * load(nodes.load[1], first, lanes3())
+            share = real(load_share(nodes.load_time, nodes.load_share, clock[ClockEntry.time]))
+            applied_force = share * load(nodes.load[LoadRow.force], first, lanes3())
+            applied_couple = share * load(nodes.load[LoadRow.couple], first, lanes3())
             force = force + applied_force
             couple = couple + cross(applied_couple, director)
 
@@ -259,7 +239,9 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
                     leaving = dot(relative, normal)
                     spring, pressure = normal_force(penetration, -leaving, stiffness, laws.contact_damping_time)
                     if wp.static(follows_thickness):
-                        report[THICKNESS_WORK_ROW, block] = report[THICKNESS_WORK_ROW, block] + spring * growth
+                        report[NodeReportRow.thickness_work, block] = (
+                            report[NodeReportRow.thickness_work, block] + spring * growth
+                        )
                     dashpot = scale(pressure - spring, normal)
                     # friction: the spring follows the tangent plane and the sliding since the last step
                     stretched = rows3(touch.friction, 3 * k, block) + mean_step * relative
@@ -309,7 +291,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
             support_work = support_work + nodes.mass[block] * dot(gained, held)
             needed = scale(nodes.mass[block], gained / mean_step - acceleration)
             store(supports.holding, first, wp.cw_mul(freedom_mask(supports.held[block], 0, lanes3()), needed))
-        report[SUPPORT_ROW, block] = report[SUPPORT_ROW, block] + support_work
+        report[NodeReportRow.support_work, block] = report[NodeReportRow.support_work, block] + support_work
         damping_loss = damping_loss + mean_step * (
             dashpot_power - dot(dashpot_force, middle) + laws.damping * nodes.mass[block] * dot(moving, moving)
         )
@@ -318,15 +300,15 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
             moved = wp.sqrt(lane_maximum(dot(way, way)))
             for k in range(laws.tool_count):
                 touch.gap[k, block] = real(0.999999) * touch.gap[k, block] - moved
-        store_rows3(motion, VELOCITY_ROW, block, new_velocity)
+        store_rows3(motion, MotionRow.velocity, block, new_velocity)
         # compensated sum: nothing of a small step is lost beside a large coordinate
-        way = way + rows3(motion, REMAINDER_ROW, block)
+        way = way + rows3(motion, MotionRow.remainder, block)
         new_x = x + way
-        store_rows3(motion, REMAINDER_ROW, block, way - (new_x - x))
-        store_rows3(motion, POSITION_ROW, block, new_x)
+        store_rows3(motion, MotionRow.remainder, block, way - (new_x - x))
+        store_rows3(motion, MotionRow.position, block, new_x)
 
         # rotation of the director: I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps its length
-        spin = rows3(motion, SPIN_ROW, block)
+        spin = rows3(motion, MotionRow.spin, block)
         turning = wp.cw_mul(
             freedom_mask(freedom, 3, lanes3()), scale(nodes.inverse_inertia[block], cross(director, couple))
         )
@@ -340,14 +322,14 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         quarter = real(0.25) * dot(turn, turn)
         one = fill(quarter, 1.0)
         new_director = scale(one / (one + quarter), scale(one - quarter, director) + cross(turn, director))
-        store_rows3(motion, SPIN_ROW, block, new_spin)
-        store_rows3(motion, DIRECTOR_ROW, block, new_director)
+        store_rows3(motion, MotionRow.spin, block, new_spin)
+        store_rows3(motion, MotionRow.director, block, new_director)
 
-        report[FRICTION_ROW, block] = report[FRICTION_ROW, block] + friction_work
+        report[NodeReportRow.friction_work, block] = report[NodeReportRow.friction_work, block] + friction_work
         if wp.static(loaded):
-            report[LOAD_ROW, block] = report[LOAD_ROW, block] + mean_step * (
+            report[NodeReportRow.load_work, block] = report[NodeReportRow.load_work, block] + mean_step * (
                 dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_middle)
             )
-        report[DAMPING_ROW, block] = report[DAMPING_ROW, block] + damping_loss
+        report[NodeReportRow.damping_loss, block] = report[NodeReportRow.damping_loss, block] + damping_loss
 
     return node_motion

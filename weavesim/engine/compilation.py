@@ -22,7 +22,6 @@ from ..fabric.cell import UnitCell
 from ..fabric.presets import UNIT_CELLS
 from ..kernels.contact.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
 from ..kernels.contact.tool_distance import sample_distance_kernel
-from ..kernels.contact.tool_shapes import DOME_OPENING, DOME_PUNCH, SPHERE
 from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.force import element_force_kernel
@@ -37,8 +36,8 @@ from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 logger = logging.getLogger(__name__)
 # What the default set-ups of the scenes are; others are compiled when they run.
 SCENE_TRAITS: dict[str, tuple[SheetTraits, NodeTraits]] = {
-    "double-dome": (SheetTraits(), NodeTraits(shape_kinds=(int(DOME_PUNCH), int(DOME_OPENING)), rotated=True)),
-    "hemisphere": (SheetTraits(), NodeTraits(shape_kinds=(int(SPHERE),))),
+    "double-dome": (SheetTraits(), NodeTraits(shape_kinds=("dome_opening", "dome_punch"), rotated=True)),
+    "hemisphere": (SheetTraits(), NodeTraits(shape_kinds=("sphere",))),
     "picture-frame": (SheetTraits(), NodeTraits(supported=True)),
     "bias-extension": (SheetTraits(), NodeTraits(supported=True)),
     "cantilever": (SheetTraits(), NodeTraits(supported=True)),

@@ -23,8 +23,8 @@ from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from ..process.device import build_device_supports
 from ..process.supports import prescribe_start
 from ..tools.device import build_device_tools
-from ..tools.mesh_tool import MeshShape
-from .frame import Frame, Observer, Outcome
+from ..tools.sampling import mesh_parts, sample_meshes
+from .frame import Frame, Observer, Outcome, RunInfo, SheetInfo
 from .ledger import Ledger, Penetration
 
 logger = logging.getLogger(__name__)
@@ -61,17 +61,22 @@ class Simulation:
             self.blank, self.fabric, self.free, world.dynamics, precision=self.precision, device=warp_device,
             lane_count=lane_count, tool_count=len(self.tools), target_step=solver.target_step, loads=sheet.loads,
         )  # fmt: skip
-        if self._mesh_parts():
+        meshes = mesh_parts(self.tools)
+        if meshes:
             compile_missing(MeshKernelSet(self.device))
-        device_tools = build_device_tools(self.tools, self.model.real, self.device)
-        self._check_reach()
+        samples = sample_meshes(self.tools, self.device, self.fabric.thickness)
+        device_tools = build_device_tools(self.tools, self.model.real, self.device, samples)
         device_supports = build_device_supports(
             self.supports, self.model.node_count, self.model.real, lane_count, warp_device
         )
         velocity = prescribe_start(self.supports, sheet.initial_velocity, self.blank.node_count)
         self.state = State.initial(self.model, velocity)
         self.warnings = [*self.fabric.unit_cell.warnings(), *self._tool_warnings()]
-        self.notes = [note for mesh in self._mesh_parts().values() for note in mesh.surface.notes()]
+        self.notes = [
+            note
+            for mesh in meshes.values()
+            for note in (*mesh.surface.notes(), samples[mesh.surface].note(mesh.surface.name))
+        ]
         self.stepper = Stepper(
             self.model, self.state, device_tools, device_supports, thread_counts=self.thread_counts,
             largest_step=solver.time_step or math.inf, step_safety=solver.step_safety,
@@ -83,6 +88,7 @@ class Simulation:
                 "is stable; take that, a coarser mesh, or mass scaling (target_step)"
             )
         self.ledger = Ledger(self.stepper, self.tools, setup.leading_tool, self.supports)
+        self.info = self._describe()
         self.frame: Frame = self.ledger.frame(0)
         self._check_cell_at_rest()
         self.penetration: Penetration = self.ledger.penetration(self.frame)
@@ -98,24 +104,18 @@ class Simulation:
         self.stepping_time = 0.0
         self.wall_time = 0.0
 
-    def _mesh_parts(self) -> dict[str, MeshShape]:
-        """Tools that are triangle meshes, or parts of them, by a name."""
-        return {
-            f"{tool.name} {index}": part
-            for tool in self.tools
-            for index, part in enumerate(tool.shape.parts())
-            if isinstance(part, MeshShape)
-        }
-
-    def _check_reach(self) -> None:
-        """A sampled distance is cut at its reach: it has to tell the sheet's faces from afar."""
-        for name, part in self._mesh_parts().items():
-            reach = part.surface.sampled(self.device).reach
-            if reach < self.fabric.thickness:
-                raise InputError(
-                    f"{name}: its mesh is sampled up to a distance of {reach:.4g} m, but the sheet is "
-                    f"{self.fabric.thickness:.4g} m thick: give the mesh a reach of at least the thickness"
-                )
+    def _describe(self) -> RunInfo:
+        """What the observers get; its warnings are those of the run, also later."""
+        tools, supports = tuple(range(len(self.tools))), tuple(range(len(self.supports)))
+        sheet = SheetInfo(
+            self.setup.sheets[0].name, self.blank, self.fabric, self.setup.worlds[0].symmetry, tools, supports
+        )
+        return RunInfo(
+            name=self.name, sheets=(sheet,), tools=self.tools, supports=self.supports, duration=self.duration,
+            frame_count=self.frame_count, device=self.device, precision=self.precision.value,
+            thread_counts=self.thread_counts, internal_energies=self.ledger.internal, warnings=self.warnings,
+            notes=tuple(self.notes),
+        )  # fmt: skip
 
     def _check_cell_at_rest(self) -> None:
         """The undeformed sheet carries no force; a unit cell of the user's own may be written otherwise."""
@@ -158,7 +158,7 @@ class Simulation:
         with ExitStack() as at_end, interruption() as interrupted:
             self.outcome = Outcome.INTERRUPTED
             for observer in observers:
-                observer.start(self)
+                observer.start(self.info)
                 at_end.callback(lambda observer=observer: observer.finish(self.outcome))
             self._publish(self.frame, observers)
             while True:
@@ -177,6 +177,8 @@ class Simulation:
             for doubt in self.doubts():
                 self.warnings.append(doubt)
                 logger.warning("%s", doubt)
+            if self.failure:
+                logger.info("%s", self.failure)
         self.wall_time = time.perf_counter() - started
         if self.failure:
             raise RunError(self.failure)

@@ -13,7 +13,7 @@ from ..fabric.fabric import Fabric
 from ..process.loads import NodalLoads
 from ..process.supports import Support
 from .blank import Blank
-from .symmetry import AXES, Symmetry, hold_symmetry, nodes_on_plane
+from .symmetry import AXES, Symmetry
 
 
 class Sheet(Parameters):
@@ -81,9 +81,8 @@ class Sheet(Parameters):
         Raises:
             InputError: a plane that no node lies on, or a node that a support drives off its plane.
         """
-        hold_symmetry(self.blank, symmetry.planes, np.ones((self.blank.node_count, 6), dtype=bool))
         for plane in symmetry.planes:
-            on_plane = nodes_on_plane(self.blank, plane)
+            on_plane = symmetry.held_nodes(self.blank, plane)
             for support in self.supports:
                 for k in range(len(support.drives)):
                     if support.directions(k)[on_plane[support.nodes], AXES[plane]].any():
@@ -95,7 +94,7 @@ class Sheet(Parameters):
     def freedom(self, symmetry: Symmetry) -> np.ndarray:
         """``free`` with what the supports and the planes of ``symmetry`` hold, (node_count, 6) bool."""
         free = np.ones((self.blank.node_count, 6), dtype=bool) if self.free is None else self.free
-        free = hold_symmetry(self.blank, symmetry.planes, free)
+        free = symmetry.hold(self.blank, free)
         for support in self.supports:
             free[np.ix_(support.nodes, support.held)] = False
         return free

@@ -1,9 +1,9 @@
-"""A tool shape from a triangle mesh: checked, made solid where it is an open sheet, sampled as a signed distance.
+"""A tool shape from a triangle mesh: checked, and made solid where it is an open sheet.
 
 A forming tool from CAD is often an open sheet: it has a side that faces the fabric, not an inside. It is made solid by
 extruding it away from that side, farther than the sampled box reaches. The distance is then that of a closed body
 everywhere: behind the sheet it is negative, and beyond an open border it is positive, on either side of the sheet's
-level, because the border has become a wall.
+level, because the border has become a wall. ``sampling.py`` samples it for the kernels.
 """
 
 from __future__ import annotations
@@ -13,21 +13,12 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
-import warp as wp
 
 from ..checks import Vector, positive, unit_vector
 from ..errors import InputError
-from ..kernels.contact import tool_shapes as kinds
-from ..kernels.contact.mesh_distance import (
-    TILE_REACH,
-    TILE_SIZE,
-    fill_tiles_kernel,
-    mesh_distance_kernel,
-    volume_distance_kernel,
-)
 from .mesh_repair import (
     SEAM,
     WELD,
@@ -46,42 +37,12 @@ from .mesh_repair import (
 )
 from .shapes import Shape, Triangles
 
-# Voxels that may be sampled: chosen spacings stay below the first, given ones below the second.
-CHOSEN_VOXEL_COUNT = 6_000_000
-LARGEST_VOXEL_COUNT = 150_000_000
 # Edges sharper than this [rad] are edges, not the facets of a rounding.
 SHARP = math.radians(50.0)
-ERROR_SAMPLE_COUNT = 20_000
-
-
-@dataclass(frozen=True)
-class SampledDistance:
-    """Signed distance of a mesh on the voxels of a volume, with what that costs in accuracy.
-
-    Attributes:
-        volume: sparse, float32; its background is ``reach``.
-        lower, upper: box within which the volume is read, (3,) [m].
-        spacing: of the voxels [m].
-        reach: distances are cut to plus and minus this [m].
-        voxel_count: number of values.
-        largest_error: largest difference to the mesh at random points within three voxels of its surface [m].
-        usual_error: that 99 % of these points stay below [m]; the largest errors sit at sharp edges.
-        mean_error: root mean square of the same [m].
-    """
-
-    volume: wp.Volume
-    lower: np.ndarray
-    upper: np.ndarray
-    spacing: float
-    reach: float
-    voxel_count: int
-    largest_error: float
-    usual_error: float
-    mean_error: float
 
 
 class MeshSurface:
-    """A checked triangle mesh and its sampled distance, in the mesh's own frame [m].
+    """A checked triangle mesh, in the mesh's own frame [m].
 
     Attributes:
         vertices: (n, 3), faces: (m, 3), as given, cleaned, mirrored, and facing outwards or to ``side``.
@@ -92,7 +53,8 @@ class MeshSurface:
         cut_planes: "x", "y": planes at which the mesh ends, as a half model does.
         removed_triangle_count: degenerate triangles that were left out.
         smallest_radius: of the convex roundings, estimated from the facets [m]; sharp edges do not count.
-        spacing, reach: of the sampling, as given [m]; None leaves the choice to it.
+        spacing, reach: of the samples, as given [m]; None leaves the choice to ``sampling.py``.
+        first_spacing: of the samples, unless it takes too many [m].
     """
 
     def __init__(
@@ -149,14 +111,14 @@ class MeshSurface:
         self.smallest_radius = _smallest_radius(self.vertices, self.faces)
         self.spacing = None if spacing is None else positive(f"{name}: spacing", spacing)
         chosen = float(np.clip(self.smallest_radius / 10.0, size / 1500.0, size / 150.0))
-        self._first_spacing = chosen if self.spacing is None else self.spacing
+        self.first_spacing = chosen if self.spacing is None else self.spacing
         self.reach = None if reach is None else positive(f"{name}: reach", reach)
-        if self.reach is not None and not 4.0 * self._first_spacing <= self.reach <= size:
+        if self.reach is not None and not 4.0 * self.first_spacing <= self.reach <= size:
             raise InputError(
                 f"{name}: reach is {self.reach} m; it must be at least four times the spacing, "
-                f"{4.0 * self._first_spacing:.4g} m, and at most the size of the mesh, {size:.4g} m."
+                f"{4.0 * self.first_spacing:.4g} m, and at most the size of the mesh, {size:.4g} m."
             )
-        if self._first_spacing > 0.1 * size:
+        if self.first_spacing > 0.1 * size:
             raise InputError(f"{name}: spacing is {spacing} m; it must be at most a tenth of the size, {size:.4g} m.")
         self.solid_vertices, self.solid_faces = vertices, self.faces
         if not self.closed:
@@ -165,7 +127,6 @@ class MeshSurface:
             self.solid_vertices, self.solid_faces = extruded(
                 vertices, self.faces, directed_border(border, self.faces), -depth * np.array(self.side)
             )
-        self._sampled: dict[str, SampledDistance] = {}
 
     def notes(self) -> list[str]:
         """What a log should say about the mesh."""
@@ -176,117 +137,7 @@ class MeshSurface:
             lines.append(f"{self.name}: faces ({', '.join(f'{c:.3g}' for c in self.side)}), solid behind it")
         for plane in self.cut_planes:
             lines.append(f'{self.name}: ends at {plane} = 0; if it was cut there, give mirror=("{plane}",)')
-        for sampled in self._sampled.values():
-            lines.append(
-                f"{self.name}: distance sampled every {sampled.spacing * 1e3:.3g} mm at {sampled.voxel_count} points, "
-                f"error near the surface {sampled.mean_error * 1e3:.2g} mm rms, {sampled.usual_error * 1e3:.2g} mm "
-                f"for 99 % of all points, {sampled.largest_error * 1e3:.2g} mm at most"
-            )
         return lines
-
-    def sampled(self, device: str = "cpu") -> SampledDistance:
-        """The sampled distance on ``device``; made at the first call."""
-        key = str(device)
-        if key not in self._sampled:
-            self._sampled[key] = self._sample(key)
-        return self._sampled[key]
-
-    def exact_distance(self, points: np.ndarray, device: str = "cpu") -> np.ndarray:
-        """Signed distance (n,) [m] of ``points`` (n, 3) by a search through the triangles."""
-        return _query(self._warp_mesh(device), self._largest(), points, device)
-
-    def _warp_mesh(self, device: str) -> wp.Mesh:
-        return wp.Mesh(
-            points=wp.array(self.solid_vertices, dtype=wp.vec3, device=device),
-            indices=wp.array(self.solid_faces.ravel(), dtype=wp.int32, device=device),
-            support_winding_number=True,
-        )
-
-    def _largest(self) -> float:
-        return 10.0 * float(np.linalg.norm(np.ptp(self.solid_vertices, axis=0)))
-
-    def _sample(self, device: str) -> SampledDistance:
-        mesh = self._warp_mesh(device)
-        spacing = self._first_spacing
-        while True:
-            reach = 6.0 * spacing if self.reach is None else self.reach
-            lower, upper = self.vertices.min(axis=0) - reach, self.vertices.max(axis=0) + reach
-            tiles, centre_distance, voxel_count = self._tiles(mesh, lower, upper, spacing, reach, device)
-            if voxel_count <= (CHOSEN_VOXEL_COUNT if self.spacing is None else LARGEST_VOXEL_COUNT):
-                break
-            if self.spacing is not None:
-                raise InputError(
-                    f"{self.name}: a spacing of {spacing} m takes {voxel_count} samples, above {LARGEST_VOXEL_COUNT}; "
-                    f"give at least {spacing * (voxel_count / LARGEST_VOXEL_COUNT) ** 0.5:.2g} m, or a smaller reach."
-                )
-            spacing *= 1.02 * (voxel_count / CHOSEN_VOXEL_COUNT) ** (1.0 / 3.0)
-            if self.reach is not None and spacing > 0.5 * self.reach:
-                raise InputError(
-                    f"{self.name}: a reach of {self.reach} m takes too many samples at a spacing that resolves it; "
-                    "leave reach out, or give a spacing too."
-                )
-        volume = wp.Volume.allocate_by_tiles(
-            wp.array(tiles, dtype=wp.vec3i, device=device),
-            voxel_size=spacing,
-            bg_value=float(reach),
-            translation=tuple(lower),
-            device=device,
-        )
-        wp.launch(
-            fill_tiles_kernel,
-            dim=(len(tiles), int(TILE_SIZE) ** 3),
-            inputs=[
-                mesh.id,
-                wp.array(tiles, dtype=wp.vec3i, device=device),
-                wp.array(centre_distance, dtype=float, device=device),
-                wp.vec3(*lower),
-                spacing,
-                reach,
-            ],
-            outputs=[volume.id],
-            device=device,
-        )
-        points = self._points_near_surface(min(3.0 * spacing, 0.5 * reach))
-        value = wp.zeros(len(points), dtype=float, device=device)
-        inputs = [volume.id, wp.array(points, dtype=wp.vec3, device=device)]
-        wp.launch(volume_distance_kernel, dim=len(points), inputs=inputs, outputs=[value], device=device)
-        error = value.numpy() - _query(mesh, self._largest(), points, device)
-        return SampledDistance(
-            volume=volume,
-            lower=lower,
-            upper=upper,
-            spacing=spacing,
-            reach=reach,
-            voxel_count=len(tiles) * int(TILE_SIZE) ** 3,
-            largest_error=float(np.abs(error).max()),
-            usual_error=float(np.quantile(np.abs(error), 0.99)),
-            mean_error=float(np.sqrt(np.mean(error**2))),
-        )
-
-    def _tiles(
-        self, mesh: wp.Mesh, lower: np.ndarray, upper: np.ndarray, spacing: float, reach: float, device: str
-    ) -> tuple[np.ndarray, np.ndarray, int]:
-        """Tiles with distances below the reach: first voxel of each, distance at its centre, number of all voxels."""
-        size = int(TILE_SIZE)
-        # one voxel beyond the box on every side, so that interpolation within the box never reads the background inside
-        counts = np.floor((upper - lower) / spacing / size).astype(int) + 1
-        if np.prod(counts.astype(float) + 1) > LARGEST_VOXEL_COUNT / 16:
-            return np.empty((0, 3)), np.empty(0), int(np.prod(counts.astype(float) + 1)) * size**3
-        index = np.stack(np.meshgrid(*(np.arange(-1, n + 1) for n in counts), indexing="ij"), axis=-1).reshape(-1, 3)
-        first = size * index
-        centre_distance = _query(mesh, self._largest(), lower + spacing * (first + 0.5 * (size - 1)), device)
-        near = centre_distance < reach + float(TILE_REACH) * spacing
-        return first[near], centre_distance[near], int(np.count_nonzero(near)) * size**3
-
-    def _points_near_surface(self, offset: float) -> np.ndarray:
-        random = np.random.default_rng(0)
-        area = triangle_areas(self.vertices, self.faces)
-        face = self.faces[random.choice(len(area), size=ERROR_SAMPLE_COUNT, p=area / area.sum())]
-        weight = random.dirichlet([1.0, 1.0, 1.0], size=ERROR_SAMPLE_COUNT)
-        points = np.einsum("ij,ijk->ik", weight, self.vertices[face])
-        direction = random.normal(size=points.shape)
-        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        return points + offset * random.random((ERROR_SAMPLE_COUNT, 1)) * direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,6 +147,8 @@ class MeshShape(Shape):
     Attributes:
         surface: the checked mesh, in the shape's own frame.
     """
+
+    kind: ClassVar[str] = "volume"
 
     surface: MeshSurface = field(repr=False)
 
@@ -370,29 +223,8 @@ class MeshShape(Shape):
     def smallest_radius(self) -> float:
         return self.surface.smallest_radius
 
-    @property
-    def distance_error(self) -> float:
-        """Largest measured error of the sampled distance near the surface [m]."""
-        sampled = self.surface._sampled or {"cpu": self.surface.sampled("cpu")}
-        return max(entry.largest_error for entry in sampled.values())
-
-    def _fill_dimensions(self, part: Any, device: Any) -> None:
-        sampled = self.surface.sampled(str(device))
-        part.kind = int(kinds.VOLUME)
-        part.volume = sampled.volume.id
-        part.lower = tuple(sampled.lower)
-        part.upper = tuple(sampled.upper)
-        part.reach = sampled.reach
-
     def _local_display_triangles(self) -> Triangles:
         return self.surface.vertices, self.surface.faces
-
-
-def _query(mesh: wp.Mesh, largest: float, points: np.ndarray, device: str) -> np.ndarray:
-    distance = wp.zeros(len(points), dtype=float, device=device)
-    inputs = [mesh.id, wp.array(points, dtype=wp.vec3, device=device), largest]
-    wp.launch(mesh_distance_kernel, dim=len(points), inputs=inputs, outputs=[distance], device=device)
-    return distance.numpy().astype(np.float64)
 
 
 # --- checks and repairs -----------------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """Shapes of rigid tools: analytic signed distances and their unions, each placed by an origin and a rotation.
 
-A shape is solid where its distance is negative. ``kernels/contact/tool_shapes.py`` holds the formulas; a shape carries
-the dimensions to it, and draws itself.
+A shape is solid where its distance is negative. ``kernels/contact/tool_shapes.py`` holds the formula of each kind; a
+shape names its kind, states its dimensions, and draws itself.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import numpy as np
 
 from ..checks import Vector, finite, positive, unit_vector, vector
 from ..errors import InputError
-from ..kernels.contact import tool_shapes as kinds
 from .drawing import CIRCLE_COUNT, Triangles, ring_triangles, stadium_rings, swept
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ def _matrix(value: Any) -> Matrix:
     if array.shape != (3, 3) or np.abs(array @ array.T - np.eye(3)).max() > 1e-6 or np.linalg.det(array) < 0.0:
         raise InputError(
             f"rotation is {value!r}; it must be a 3 x 3 rotation matrix (orthonormal columns, right-handed), "
-            "for example weavesim.shapes.rotation_matrix((0, 1, 0), angle)."
+            "for example weavesim.tools.rotation_matrix((0, 1, 0), angle)."
         )
     return (rows[0], rows[1], rows[2])
 
@@ -51,7 +50,12 @@ class Shape:
     Attributes:
         origin: [m].
         rotation: 3 x 3, its columns are the shape's axes in the world.
+        kind: name of the distance function in ``kernels/contact/tool_shapes.py``.
+        dimension_names: attributes that it takes.
     """
+
+    kind: ClassVar[str] = ""
+    dimension_names: ClassVar[tuple[str, ...]] = ()
 
     origin: Vector = (0.0, 0.0, 0.0)
     rotation: Matrix = IDENTITY
@@ -83,11 +87,9 @@ class Shape:
             rotation=_matrix(turn @ np.array(self.rotation)),
         )
 
-    def fill(self, part: Any, device: Any) -> None:
-        """Write kind, frame and dimensions to a Warp ``ToolPart``."""
-        part.origin = self.origin
-        part.rotation = [list(row) for row in self.rotation]
-        self._fill_dimensions(part, device)
+    def dimensions(self) -> dict[str, float]:
+        """What the distance function takes beside the frame [m]."""
+        return {name: getattr(self, name) for name in self.dimension_names}
 
     def display_triangles(self) -> Triangles:
         """Triangles to draw, in the world, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
@@ -101,9 +103,6 @@ class Shape:
         vertices, faces = self.display_triangles()
         return trimesh.Trimesh(vertices=vertices, faces=faces, process=False)
 
-    def _fill_dimensions(self, part: Any, device: Any) -> None:
-        raise NotImplementedError
-
     def _local_display_triangles(self) -> Triangles:
         raise NotImplementedError
 
@@ -112,14 +111,13 @@ class Shape:
 class Plane(Shape):
     """Solid z < 0. ``display_size`` [m] is the size along x and y at which it is drawn; it acts everywhere."""
 
+    kind = "plane"
+
     display_size: tuple[float, float] = (0.6, 0.6)
 
     @property
     def smallest_radius(self) -> float:
         return math.inf
-
-    def _fill_dimensions(self, part: Any, device: Any) -> None:
-        part.kind = int(kinds.PLANE)
 
     def _local_display_triangles(self) -> Triangles:
         half = 0.5 * np.array([positive("Plane.display_size", size) for size in self.display_size])
@@ -131,16 +129,15 @@ class Plane(Shape):
 class Sphere(Shape):
     """A ball of ``radius`` [m]."""
 
+    kind = "sphere"
+    dimension_names = ("radius",)
+
     radius: float
     _lengths = ("radius",)
 
     @property
     def smallest_radius(self) -> float:
         return self.radius
-
-    def _fill_dimensions(self, part: Any, device: Any) -> None:
-        part.kind = int(kinds.SPHERE)
-        part.radius = self.radius
 
     def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
@@ -151,6 +148,9 @@ class Sphere(Shape):
 class Capsule(Shape):
     """All points within ``radius`` [m] of a segment along x that reaches ``half_length`` [m] to either side."""
 
+    kind = "capsule"
+    dimension_names = ("radius", "half_length")
+
     radius: float
     half_length: float
     _lengths = ("radius", "half_length")
@@ -158,11 +158,6 @@ class Capsule(Shape):
     @property
     def smallest_radius(self) -> float:
         return self.radius
-
-    def _fill_dimensions(self, part: Any, device: Any) -> None:
-        part.kind = int(kinds.CAPSULE)
-        part.radius = self.radius
-        part.half_length = self.half_length
 
     def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
@@ -172,6 +167,9 @@ class Capsule(Shape):
 @dataclass(frozen=True)
 class Torus(Shape):
     """A tube of ``radius`` [m] along a circle of ``major_radius`` [m] about z."""
+
+    kind = "torus"
+    dimension_names = ("radius", "major_radius")
 
     radius: float
     major_radius: float
@@ -186,11 +184,6 @@ class Torus(Shape):
     def smallest_radius(self) -> float:
         return self.radius
 
-    def _fill_dimensions(self, part: Any, device: Any) -> None:
-        part.kind = int(kinds.TORUS)
-        part.radius = self.radius
-        part.half_length = self.major_radius
-
     def _local_display_triangles(self) -> Triangles:
         angle = np.linspace(-1.0, 1.0, CIRCLE_COUNT // 2 + 1) * np.pi
         return swept(self.major_radius + self.radius * np.cos(angle), self.radius * np.sin(angle), 0.0)
@@ -200,10 +193,11 @@ class Torus(Shape):
 class _Dome(Shape):
     """What ``DomePunch`` and ``DomeCavity`` share: balls of ``radius`` with centres 2 ``half_length`` apart along x."""
 
+    dimension_names = ("radius", "half_length")
+
     radius: float
     half_length: float
     _lengths = ("radius",)
-    _kind: ClassVar[int]
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -212,11 +206,6 @@ class _Dome(Shape):
     @property
     def smallest_radius(self) -> float:
         return self.radius
-
-    def _fill_dimensions(self, part: Any, device: Any) -> None:
-        part.kind = self._kind
-        part.radius = self.radius
-        part.half_length = self.half_length
 
 
 @dataclass(frozen=True)
@@ -229,8 +218,9 @@ class DomePunch(_Dome):
         display_height: of the drawn walls above the centres [m]; None draws one radius.
     """
 
+    kind = "dome_punch"
+
     display_height: float | None = None
-    _kind = int(kinds.DOME_PUNCH)
 
     def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
@@ -252,6 +242,9 @@ class DomeOpening(Shape):
         display_depth: depth down to which the wall is drawn [m]; None draws one radius.
     """
 
+    kind = "dome_opening"
+    dimension_names = ("radius", "half_length", "edge_radius")
+
     radius: float
     half_length: float
     edge_radius: float
@@ -267,12 +260,6 @@ class DomeOpening(Shape):
     @property
     def smallest_radius(self) -> float:
         return self.edge_radius
-
-    def _fill_dimensions(self, part: Any, device: Any) -> None:
-        part.kind = int(kinds.DOME_OPENING)
-        part.radius = self.radius
-        part.half_length = self.half_length
-        part.edge_radius = self.edge_radius
 
     def _local_display_triangles(self) -> Triangles:
         rim = self.radius + self.edge_radius
@@ -313,7 +300,7 @@ class DomeCavity(_Dome):
         half_length: half the distance of the balls' centres [m]; zero gives a hemispherical hollow.
     """
 
-    _kind = int(kinds.DOME_CAVITY)
+    kind = "dome_cavity"
 
     def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi

@@ -1,4 +1,4 @@
-"""A rigid tool, and the arrays that tell the device of all tools of a run."""
+"""A rigid tool: its shape, and how it moves."""
 
 from __future__ import annotations
 
@@ -76,9 +76,10 @@ class Tool:
 
         from ..kernels.contact.tool_distance import sample_distance_kernel
         from .device import build_device_tools
+        from .sampling import sample_meshes
 
         points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
-        tools = build_device_tools([self], wp.float64, device)
+        tools = build_device_tools([self], wp.float64, device, sample_meshes([self], device))
         distance = wp.zeros(len(points), dtype=wp.float64, device=device)
         normal = wp.zeros(len(points), dtype=wp.vec3d, device=device)
         wp.launch(

@@ -1,4 +1,4 @@
-"""Laws of the sheet on their own: tables on the device against the curves, friction against its path on the host."""
+"""Curves and sliders on the device: tables against the curves, friction against its path on the host."""
 
 import numpy as np
 import pytest
@@ -7,13 +7,11 @@ import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weavesim.engine.frequencies import hourglass_coefficients
-from weavesim.engine.model import CURVE_PIECE_COUNT
 from weavesim.fabric.bending import BendingCurve
 from weavesim.fabric.curve import tabulate
-from weavesim.fabric.fabric import Stabilisation
+from weavesim.fabric.device import CURVE_PIECE_COUNT
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.fabric.shear import LARGEST_SHEAR_ANGLE, LinearShear, MomentCurve, ShearFriction
+from weavesim.fabric.shear import LARGEST_SHEAR_ANGLE, MomentCurve, ShearFriction
 from weavesim.kernels.curve import curve_energy, curve_struct, odd_curve, slide
 from weavesim.kernels.lanes import lane_types
 
@@ -111,26 +109,6 @@ def test_locking_branch_keeps_stiffening(curve):
     _, tangent, _ = on_device(curve.moment, LARGEST_SHEAR_ANGLE, beyond)
     assert tangent.min() >= curve.locking_stiffness * (1.0 - 1e-6)
 
-
-def test_linear_law_is_equation_four():
-    """Half of t G_12 sin cos: the tensor component of the strain, not the angle."""
-    law = LinearShear(modulus=3.0e6)
-    assert law.moment(np.array(0.3), 1e-3) == pytest.approx(0.5 * 1e-3 * 3.0e6 * np.sin(0.3) * np.cos(0.3))
-    assert law.moment(np.array(1e-6), 1e-3) == pytest.approx(0.5 * 1e-3 * 3.0e6 * 1e-6)
-
-
-def test_in_plane_stabilisation_knows_nothing_of_the_yarns():
-    fabric = glass_polypropylene()
-    stiffer = fabric.unit_cell.model_copy(update={"warp_modulus": 100.0 * fabric.unit_cell.warp_modulus})
-    changed = fabric.model_copy(update={"unit_cell": stiffer})
-    assert hourglass_coefficients(changed) == hourglass_coefficients(fabric)
-    shear = fabric.with_linear_shear(1.0e6), fabric.with_linear_shear(2.0e6)
-    assert hourglass_coefficients(shear[1])[0] == pytest.approx(2.0 * hourglass_coefficients(shear[0])[0])
-    none = fabric.model_copy(update={"stabilisation": Stabilisation(in_plane=0.0, warping=0.0, director=0.0)})
-    assert hourglass_coefficients(none) == (0.0, 0.0, 0.0)
-
-
-# --- friction ---------------------------------------------------------------------------------------------------------
 
 WIDE = lane_types(wp.float64, 16)
 

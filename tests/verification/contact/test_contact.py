@@ -7,15 +7,16 @@ import trimesh
 from tests.support.runs import one_sheet_run
 from weavesim.engine.model import CONTACT_SHARE
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import Stroke
 from weavesim.run.relaxation import relax
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.sampling import exact_distance, sampled_distance
 from weavesim.tools.shapes import Plane, Sphere
 from weavesim.tools.tool import Tool
 
@@ -130,13 +131,13 @@ def test_sampled_distance_converges_with_its_spacing(manual):
     ball = trimesh.creation.icosphere(subdivisions=5, radius=RADIUS)
     for spacing in spacings:
         shape = MeshShape.from_triangles(ball.vertices, ball.faces, spacing=spacing, reach=0.012)
-        error = np.abs(Tool("ball", shape).distance(points)[0] - shape.surface.exact_distance(points))
+        error = np.abs(Tool("ball", shape).distance(points)[0] - exact_distance(shape.surface, points))
         means.append(np.sqrt(np.mean(error**2)))
         # curved by 1/R in two directions, the innermost points most; and kinked at the edges of the facets,
         # where linear interpolation errs by a quarter of the kink times the spacing in either direction
         kink = ball.face_adjacency_angles.max()
         assert error.max() < spacing**2 / (4.0 * (RADIUS - 1e-3)) + 0.5 * kink * spacing
-        reported = shape.surface.sampled().mean_error
+        reported = sampled_distance(shape.surface).mean_error
         assert means[-1] == pytest.approx(reported, rel=0.3)
         rows.append([f"{1e3 * spacing:g}", 1e6 * means[-1], 1e6 * error.max(), 1e6 * reported])
     orders = np.log2(np.array(means[:-1]) / means[1:])

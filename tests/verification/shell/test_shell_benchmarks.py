@@ -7,11 +7,11 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from tests.support.runs import one_sheet_run
-from weavesim.errors import InputError, RunError
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
+from weavesim.kernels.rows import MotionRow
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
 from weavesim.run.relaxation import relax
@@ -49,8 +49,6 @@ def at_rest(blank, laws, free, *, tolerance=1e-4, gravity=(0.0, 0.0, 0.0), run=0
     assert energies["kinetic"] < 1e-3 * energies["internal"]
     return simulation
 
-
-# --- strip rolled up --------------------------------------------------------------------------------------------------
 
 ROLL_LENGTH, ROLL_WIDTH, ROLL_BENDING = 0.2, 0.01, 1.0e-4
 
@@ -122,8 +120,6 @@ def test_roll_up_converges(fabric, manual):
     )  # fmt: skip
     assert min(*orders, *gap_orders) > 1.8
 
-
-# --- heavy elastica ---------------------------------------------------------------------------------------------------
 
 ELASTICA_LENGTH, GRAVITY = 0.2, 9.81
 ELASTICA_TIPS = {4.0: (0.8901, 0.4252), 10.0: (0.6564, 0.7002), 49.0: (0.2482, 0.9068)}
@@ -203,9 +199,8 @@ def test_heavy_elastica_converges(fabric, manual):
         assert orders[0] > 1.5
 
 
-# --- plate ------------------------------------------------------------------------------------------------------------
-
 PLATE_SIDE = 1.0
+
 # w D / q a^4 in the middle of a thin square plate with nu = 0.3 (Timoshenko and Woinowsky-Krieger, tables 8 and 35)
 PLATE_VALUES = {"clamped": 0.00126532, "simply supported": 0.00406235}
 
@@ -288,8 +283,6 @@ def test_plate_converges(support, fabric, manual):
     assert skewed == pytest.approx(PLATE_VALUES[support], rel=0.02)
 
 
-# --- pinched hemisphere -----------------------------------------------------------------------------------------------
-
 # Published displacements under unit loads: 0.0940 (MacNeal and Harder 1985), 0.0930 (Simo, Fox and Rifai 1989)
 HEMISPHERE_PUBLISHED = (0.0930, 0.0940)
 
@@ -347,9 +340,6 @@ def test_pinched_hemisphere_converges(fabric, manual):
     )
 
 
-# --- loads and relaxation themselves ----------------------------------------------------------------------------------
-
-
 def test_work_of_a_load_on_a_free_sheet(fabric):
     """Without supports a constant force is free fall, and a couple that no element resists turns its director."""
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
@@ -380,37 +370,8 @@ def test_work_of_a_load_on_a_free_sheet(fabric):
         moved, np.tile([0.5, 0.0, -5.0 / 6.0], (len(mass), 1)) * time**3 / 1e-3, rtol=5e-4, atol=0
     )
     # half a step old
-    spin = simulation.model.read_motion(simulation.state.motion)[3, : blank.node_count, 1]
+    spin = simulation.model.read_motion(simulation.state.motion)[MotionRow.spin.vector, : blank.node_count, 1]
     np.testing.assert_allclose(spin, 1e-3 * 0.5 * (time - 5e-6) ** 2 / 1e-3, rtol=5e-4)
     energies = simulation.frame.energies
     assert energies["load_work"] == pytest.approx(0.5 * mass.sum() * 34.0 * (0.5 * time**2 / 1e-3) ** 2, rel=5e-3)
     assert abs(energies["balance_error"]) < 5e-4 * energies["load_work"]
-
-
-def test_relaxation_gives_up_with_a_reason(fabric):
-    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
-    laws = fabric(shear=LinearShear(modulus=1e6), bending=IsotropicBending(modulus=1e6), transverse_shear_modulus=1e6)
-    simulation = one_sheet_run(
-        name="fall", blank=blank, fabric=laws, duration=1.0, dynamics=Dynamics(gravity=(0.0, 0.0, -9.81)),
-        threads=1, precision="float64",
-    )  # fmt: skip
-    with pytest.raises(RunError, match="after 2000 steps .* move freely never comes to rest"):
-        relax(simulation, largest_step_count=2000)
-    with pytest.raises(InputError, match="tolerance = 0"):
-        relax(simulation, tolerance=0.0)
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"force": np.zeros((3, 3))}, r"force has shape \(3, 3\); finite values of shape \(25, 3\)"),
-        ({"couple": np.full((25, 3), np.nan)}, "couple .* finite"),
-        ({"times": (0.0, 1.0)}, "2 times and 1 shares|times"),
-        ({"times": (1.0, 0.0), "shares": (0.0, 1.0)}, "must increase"),
-        ({"shares": (np.inf,)}, "finite"),
-    ],
-)
-def test_bad_loads_are_refused(given, message, fabric):
-    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
-    with pytest.raises(InputError, match=message):
-        one_sheet_run(name="bad", blank=blank, fabric=fabric(), duration=1.0, loads=NodalLoads(**given))

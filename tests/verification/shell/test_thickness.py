@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from tests.support.loops import SQUARE, UP
 from tests.support.runs import one_sheet_run
-from weavesim.errors import InputError
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
@@ -18,9 +18,6 @@ from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.tools.shapes import Plane, rotation_matrix
 from weavesim.tools.tool import Tool
-
-SQUARE = Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.05)
-UP = np.tile([0.0, 0.0, 1.0], (SQUARE.node_count, 1))
 
 
 def fields_at(shell, angle: float, stretch: float) -> dict[str, float]:
@@ -55,21 +52,6 @@ def test_tension_flattens_the_crossovers_by_what_the_contact_element_gives(sheet
     assert closing > 0.005
     expected = fabric.thickness / stretched["area_ratio"] / (1.0 + closing)
     assert stretched["thickness"] == pytest.approx(expected, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("update", "message"),
-    [
-        ({"fibre_areal_density": 0.4}, "needed together"),
-        ({"fibre_areal_density": 0.9, "fibre_density": 2550.0}, "at most the areal density"),
-        ({"fibre_areal_density": 0.7, "fibre_density": 2.55}, "more than round fibres can"),
-        ({"thickening": 1.5}, "thickening"),
-        ({"crossover_modulus": 0.0}, "crossover_modulus"),
-    ],
-)
-def test_bad_compaction_is_refused(update, message):
-    with pytest.raises(InputError, match=message):
-        glass_polypropylene().model_copy(update={"compaction": Compaction(**update)})
 
 
 def squeezed(contact_thickness: str, **given) -> Simulation:

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from tests.support.runs import one_sheet_run
-from weavesim.errors import InputError
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
-from weavesim.process.strokes import SmoothStroke, Stroke
+from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
@@ -157,54 +156,3 @@ def test_symmetry_halves_the_force():
         simulation.run()
         forces.append(simulation.frame.support_force[1, 0])
     assert forces[0] == pytest.approx(0.5 * forces[1], rel=1e-6)
-
-
-PULL = SmoothStroke.ramped(1e-3, speed=1.0, ramp_time=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: Support("grip", np.array([0.5])), "indices of one or more nodes"),
-        (lambda: Support("grip", np.array([], dtype=int)), "indices of one or more nodes"),
-        (lambda: Support("grip", [1, 2, 1]), "named twice"),
-        (lambda: Support("grip", [1], displacements="xw"), 'give some of "xyz"'),
-        (lambda: Drive(PULL, (np.nan, 0.0, 0.0)), "finite values"),
-        (lambda: Drive(PULL, (1.0, 0.0)), "finite values"),
-        (lambda: Drive(0.5, (1.0, 0.0, 0.0)), "must be a SmoothStroke or a Stroke"),
-        (lambda: Support("grip", [1, 2], (Drive(PULL, np.ones((3, 3))),)), "3 directions for 2 nodes"),
-        (lambda: Support("grip", [1, 2], (Drive(PULL, (0.0, 1.0, 0.0)),), displacements="xz"), "driven or free"),
-        (lambda: Support("grip", [1], (Drive(Stroke((0.0,), (1e-3,)), (1.0, 0.0, 0.0)),)), "must start from 0"),
-        (lambda: SmoothStroke((0.0, 1.0), (0.0, 1.0), (0.0,)), "2 times and 1 speeds"),
-        (lambda: SmoothStroke((0.0, 1.0), (0.0, 1.0), (0.0, np.inf)), "must be finite"),
-        (lambda: PULL.and_back(rest=-1.0), "must not be negative"),
-        (lambda: strip([Support("grip", [66])], duration=1.0), "counted from 0"),
-        (lambda: strip([Support("a", [1, 2]), Support("b", [2, 3])], duration=1.0), "node 2 is held by a too"),
-        (lambda: strip([Support("a", [1]), Support("a", [3])], duration=1.0), "empty or taken"),
-        (lambda: strip(["grip"], duration=1.0), "an instance of Support"),
-        (
-            lambda: strip([Support("a", [0, 7], (Drive(PULL, (1.0, 1.0, 0.0)),))], duration=1.0, symmetry=("y",)),
-            "off the symmetry plane y = 0",
-        ),
-    ],
-)
-def test_nonsense_is_refused(make, message):
-    with pytest.raises(InputError, match=message):
-        make()
-
-
-def test_smooth_stroke_is_smooth_and_ends_where_it_should():
-    stroke = SmoothStroke.ramped(-0.01, speed=0.5, ramp_time=4e-3, start_time=1e-3)
-    drive = Drive(stroke, (1.0, 0.0, 0.0))
-    assert stroke.duration == pytest.approx(1e-3 + 0.02 + 4e-3)
-    times = np.linspace(-1e-3, stroke.duration + 1e-3, 4001)
-    way = np.array([drive.at(t) for t in times])
-    speed = np.gradient(way, times)
-    assert way[0] == 0.0 and way[-1] == pytest.approx(-0.01, abs=1e-15)
-    assert speed.min() == pytest.approx(-0.5, rel=1e-6)
-    # 0.5 m/s within 4 ms, at most 1.5 times as steep as the mean
-    assert np.abs(np.gradient(speed, times)).max() == pytest.approx(1.5 * 0.5 / 4e-3, rel=1e-2)
-    there_and_back = stroke.and_back(rest=2e-3)
-    assert there_and_back.duration == pytest.approx(0.001 + 2.0 * 0.024 + 2e-3)
-    assert there_and_back.displacements[-1] == 0.0
-    assert Drive(Stroke((0.0, 1.0), (0.0, 0.3)), (1.0, 0.0, 0.0)).initial_speed == pytest.approx(0.3)

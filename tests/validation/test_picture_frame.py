@@ -1,29 +1,18 @@
-"""The fabric tests as a user runs them, on coarse meshes: files, summary, and numbers that are known."""
+"""The picture frame as a user runs it, on a coarse mesh: files, summary, and numbers that are known."""
 
-import csv
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp
 
+from tests.support.tables import columns
 from weavesim.errors import InputError
-from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.run.simulation import Simulation
-from weavesim.scenes import bias_extension, cantilever, picture_frame
-from weavesim.scenes.bias_extension import BiasExtensionParameters
-from weavesim.scenes.cantilever import CantileverParameters
+from weavesim.scenes import picture_frame
 from weavesim.scenes.picture_frame import PictureFrameParameters
-
-
-def columns(path) -> dict[str, np.ndarray]:
-    with open(path, newline="") as file:
-        rows = list(csv.DictReader(file))
-    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
 
 
 @pytest.fixture(scope="module")
@@ -145,100 +134,12 @@ def test_misaligned_yarns_are_stretched_as_the_frame_says():
     assert force > 1.2 * curves.columns["closed_form_force_n"][-1]
 
 
-@pytest.fixture(scope="module")
-def bias_test(tmp_path_factory):
-    out = tmp_path_factory.mktemp("bias_extension")
-    return out, bias_extension.run(BiasExtensionParameters(out=out, mesh_size=0.0125, speed=0.5, frames=30, threads=1))
-
-
-def test_bias_extension_has_its_three_zones(bias_test):
-    out, summary = bias_test
-    assert summary["kinematic_angle_deg"] == pytest.approx(40.0, abs=1e-3)
-    # eight elements across: the zones' edges take one of them, the study of the verification manual refines
-    assert 33.0 < summary["zone_c_angle_deg"] < 40.5
-    assert summary["zone_b_angle_deg"] == pytest.approx(0.5 * summary["zone_c_angle_deg"], rel=0.05)
-    assert abs(summary["zone_a_angle_deg"]) < 1.0
-    assert 0.7 < summary["force_ratio"] < 1.1
-    assert summary["energy_balance_error"] < 0.01
-    table = columns(out / "bias_extension.csv")
-    early = np.argmin(np.abs(table["kinematic_angle_deg"] - 10.0))
-    assert table["zone_c_angle_deg"][early] == pytest.approx(table["kinematic_angle_deg"][early], rel=0.05)
-    assert {path.name for path in (out / "pictures").iterdir()} >= {"force.png", "zones.png"}
-
-
-def test_zones_of_the_bias_extension_fill_the_strip():
-    parameters = BiasExtensionParameters(length=0.25, width=0.1)
-    x, y = np.meshgrid(np.linspace(-0.125, 0.125, 1001), np.linspace(-0.05, 0.05, 401), indexing="ij")
-    zone = bias_extension.zones(parameters, np.stack([x, y], axis=-1))
-    areas = [np.mean(zone == k) * 0.25 * 0.1 for k in range(3)]
-    np.testing.assert_allclose(areas, bias_extension.zone_areas(parameters), rtol=0.02)
-    assert sum(bias_extension.zone_areas(parameters)) == pytest.approx(0.025)
-
-
-@pytest.mark.parametrize("yarn", ["warp", "weft"])
-def test_cantilever_gives_the_bending_stiffness_back(tmp_path, yarn):
-    summary = cantilever.run(CantileverParameters(out=tmp_path, mesh_size=0.01, width=0.02, yarn=yarn, threads=1))
-    assert summary["elastica_over_input"] == pytest.approx(1.0, abs=0.01)
-    # the formula itself is about 5 % off the elastica at this angle
-    assert summary["peirce_over_input"] == pytest.approx(1.057, abs=0.012)
-    assert summary["chord_angle_deg"] == pytest.approx(41.5, abs=0.2)
-    # at rest the clamp carries the weight, in the double precision that is this scene's default
-    weight = 0.743 * 9.81 * 1e-3 * summary["overhang_mm"] * 0.02
-    assert summary["support_force_n"]["clamp"][2] == pytest.approx(weight, rel=1e-3)
-    assert summary["outcome"] == "finished" and (tmp_path / "pictures" / "chord_angle.png").exists()
-
-
-def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_friction():
-    """Along the weft, whose stiffness is one number, it still does."""
-    rubbing = BendingCurve.from_kawabata(1.0e-3, 2.0e-2)
-    softening = BendingCurve(curvature=(0.0, 5.0, 20.0), moment_values=(0.0, 5.0e-3, 1.0e-2))
-    for along, across, yarn, comparable in (
-        (rubbing, 1.0e-3, "warp", False), (softening, 1.0e-3, "warp", False), (softening, 1.0e-3, "weft", True),
-        (BendingCurve.straight(1.0e-3), softening, "warp", True), (1.0e-3, rubbing, "weft", False),
-    ):  # fmt: skip
-        fabric = glass_polypropylene().model_copy(
-            update={"bending": YarnBending(warp=along, weft=across, twist=1.0e-3)}
-        )
-        parameters = CantileverParameters(mesh_size=0.02, width=0.02, yarn=yarn, threads=1, length=0.06)
-        simulation = Simulation(cantilever.cantilever(parameters, fabric))
-        x = simulation.blank.node_position
-        hanging = SimpleNamespace(
-            blank=simulation.blank, frame=SimpleNamespace(position=x - np.outer(x[:, 0], [0, 0, 0.5]))
-        )
-        found = cantilever.findings(parameters, fabric, hanging)
-        for name in ("peirce_over_input", "elastica_over_input"):
-            assert (found[name] is not None) == comparable
-        assert found["elastica_bending_stiffness_nm"] > 0.0
-
-
-@pytest.mark.parametrize("load", [1.0, 8.0, 50.0])
-def test_heavy_elastica_against_a_boundary_value_problem(load):
-    """theta'' = -load (1 - s) cos(theta), clamped at s = 0, no moment at s = 1."""
-    s = np.linspace(0.0, 1.0, 401)
-    guess = np.zeros((4, len(s)))
-    for part in np.linspace(0.1, 1.0, 10) * load:
-        solution = solve_bvp(
-            lambda s, y, part=part: np.array([y[1], -part * (1.0 - s) * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])]),
-            lambda a, b: np.array([a[0], b[1], a[2], a[3]]), s, guess, tol=1e-9, max_nodes=50_000,
-        )  # fmt: skip
-        assert solution.success
-        s, guess = solution.x, solution.y
-    angle = float(np.arctan2(solution.y[3, -1], solution.y[2, -1]))
-    assert cantilever.elastica_stiffness(angle, 1.0, 1.0) == pytest.approx(1.0 / load, rel=1e-5)
-    found_load, found_angle = cantilever.heavy_elastica(float(solution.y[0, -1]))
-    assert found_load == pytest.approx(load, rel=1e-5)
-    assert found_angle == pytest.approx(angle, rel=1e-6)
-
-
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: BiasExtensionParameters(length=0.15, width=0.1), "at least twice the width"),
-        (lambda: BiasExtensionParameters(mesh_size=0.02), "at least 8 elements across .* at most 0.0125 m"),
         (lambda: picture_frame.picture_frame(PictureFrameParameters(fabric="cotton")), "cotton.*choose one of"),
         (lambda: picture_frame.picture_frame(PictureFrameParameters(yarn_tension=1e9)), "a stretch of 5 % gives only"),
         (lambda: PictureFrameParameters(largest_angle=85.0), "largest_angle"),
-        (lambda: CantileverParameters(yarn="bias"), "yarn"),
     ],
 )
 def test_nonsense_is_refused(make, message):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ..checks import NotNegative, Parameters, positive_number
-from .curve import check_curve, interpolate, measured_columns
+from .curve import Column, check_curve, interpolate, measured_columns
 
 
 class IsotropicBending(Parameters):
@@ -61,9 +60,9 @@ class BendingCurve(Parameters):
     @classmethod
     def from_loading_and_unloading(
         cls,
-        curvature: Sequence[float],
-        loading: Sequence[float],
-        unloading: Sequence[float],
+        curvature: Column,
+        loading: Column,
+        unloading: Column,
         *,
         friction_stiffness: float,
     ) -> BendingCurve:
@@ -143,7 +142,7 @@ class YarnBending(Parameters):
 
     @model_validator(mode="after")
     def _is_stable(self) -> Self:
-        if self.curved:
+        if isinstance(self.warp, BendingCurve) or isinstance(self.weft, BendingCurve):
             if self.coupling != 0.0:
                 raise ValueError(f"coupling = {self.coupling:.4g} N m: must be 0 where a family has a curve")
         elif self.coupling**2 > self.warp * self.weft:

@@ -85,13 +85,15 @@ UNIT_CELLS: dict[str, Callable[[], UnitCell]] = {
 def assumed_fabric(unit_cell: str) -> Fabric:
     """The glass/polypropylene fabric with another of ``UNIT_CELLS``: no such fabric was measured."""
     fabric, cell = glass_polypropylene(), UNIT_CELLS[unit_cell]()
+    shear = fabric.shear
+    assert isinstance(shear, MomentCurve)
     # locking may be a tenth as stiff as the softer yarns
     largest = LARGEST_LOCKING_SHARE * min(cell.yarn_stiffness_per_width)
-    locking = min(fabric.shear.locking_stiffness, 0.1 * largest)
+    locking = min(shear.locking_stiffness, 0.1 * largest)
     return fabric.model_copy(
         update={
             "name": f"assumed {unit_cell.replace('-', ' ')} of glass/polypropylene", "unit_cell": cell,
-            "shear": fabric.shear.model_copy(update={"locking_stiffness": locking}),
+            "shear": shear.model_copy(update={"locking_stiffness": locking}),
             "source": f"none; all but the unit cell as in {fabric.name!r}", "assumed": ("everything",),
         }
     )  # fmt: skip

@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 
 from ..checks import NotNegative, Parameters, Positive, at_most, positive_number
 from ..errors import InputError
-from .curve import check_curve, interpolate, measured_columns
+from .curve import Column, check_curve, interpolate, measured_columns
 
 # Curves are tabulated up to here [rad].
 LARGEST_SHEAR_ANGLE = 0.5 * math.pi
@@ -105,8 +105,8 @@ class MomentCurve(Parameters):
     @classmethod
     def from_picture_frame(
         cls,
-        angle: Sequence[float],
-        machine_force: Sequence[float],
+        angle: Column,
+        machine_force: Column,
         *,
         frame_side: float,
         fabric_side: float | None = None,
@@ -131,8 +131,8 @@ class MomentCurve(Parameters):
     @classmethod
     def from_normalised_force(
         cls,
-        angle: Sequence[float],
-        force_per_length: Sequence[float],
+        angle: Column,
+        force_per_length: Column,
         *,
         convention: Literal["frame side", "fabric area"],
         frame_side: float | None = None,
@@ -164,7 +164,7 @@ class MomentCurve(Parameters):
 
     @classmethod
     def from_loading_and_unloading(
-        cls, angle: Sequence[float], loading: Sequence[float], unloading: Sequence[float], **locking: float
+        cls, angle: Column, loading: Column, unloading: Column, **locking: float
     ) -> MomentCurve:
         """The elastic curve of a measured loop: its middle. ``ShearFriction`` has the other half.
 
@@ -222,9 +222,9 @@ class ShearFriction(Parameters):
     @classmethod
     def from_loading_and_unloading(
         cls,
-        angle: Sequence[float],
-        loading: Sequence[float],
-        unloading: Sequence[float],
+        angle: Column,
+        loading: Column,
+        unloading: Column,
         *,
         stiffness: float,
         crossover_friction_length: float = 0.0,

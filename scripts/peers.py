@@ -107,8 +107,8 @@ class Problem:
 
 def fabric_of(name: str) -> Any:
     """The Fabric of one of ``FABRICS``."""
+    from weavesim.fabric.cell.weaves import PlainWeave
     from weavesim.fabric.presets import glass_polypropylene
-    from weavesim.fabric.weaves import PlainWeave
     from weavesim.scenes.hemisphere import cloth
 
     if name == "cloth":

@@ -3,9 +3,9 @@
 import numpy as np
 
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.kernels.rows import CornerRow, MotionRow
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank

@@ -19,7 +19,7 @@ from tests.support.registered_cells import CELLS, KnottedNet, Registered
 from weavesim.engine.stepper import STEP_SAFETY
 from weavesim.errors import InputError
 from weavesim.fabric.cell import UnitCell
-from weavesim.fabric.membrane import LinearMembrane
+from weavesim.fabric.cell.membrane import LinearMembrane
 from weavesim.fabric.presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
 from weavesim.fabric.response import respond
 from weavesim.kernels.rows import MotionRow

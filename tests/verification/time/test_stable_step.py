@@ -7,10 +7,10 @@ import scipy.linalg
 from weavesim.engine.stepper import STEP_SAFETY
 from weavesim.errors import InputError
 from weavesim.fabric.bending import IsotropicBending, YarnBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import LinearShear, MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.kernels.rows import MotionRow
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank

@@ -11,11 +11,11 @@ import trimesh
 from weavesim.engine.state import State
 from weavesim.errors import RunError
 from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.cell.membrane import LinearMembrane
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
-from weavesim.fabric.membrane import LinearMembrane
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.fabric.shear import LinearShear, MomentCurve, ShearFriction
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.kernels.lanes import CPU_LANE_COUNT
 from weavesim.kernels.rows import MotionRow
 from weavesim.process.dynamics import Dynamics

@@ -41,7 +41,7 @@ def _double_dome(mesh_size: float) -> Callable[..., Any]:
     def build(**options: Any):
         from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 
-        return double_dome(DoubleDomeParameters(mesh_size=mesh_size, **options))
+        return _ready(double_dome(DoubleDomeParameters(mesh_size=mesh_size, **options)))
 
     return build
 
@@ -49,25 +49,36 @@ def _double_dome(mesh_size: float) -> Callable[..., Any]:
 def _hemisphere(**options: Any):
     from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
 
-    return hemisphere(HemisphereParameters(**options), "low-bending")
+    return _ready(hemisphere(HemisphereParameters(**options), "low-bending"))
+
+
+def _ready(made: Any) -> Any:
+    """A scene's set-up as a simulation. The scenes of 0.1 return simulations: ``against`` measures those too."""
+    from weavesim import Simulation
+
+    return made if isinstance(made, Simulation) else Simulation(made)
 
 
 def _patch(side: int) -> Callable[..., Any]:
     """A free square of ``side`` x ``side`` elements of 5 mm, stretched, sheared and thrown, that meets no tool."""
 
     def build(**options: Any):
-        from weavesim.fabric.presets import glass_polypropylene
-        from weavesim.run.simulation import Simulation
-        from weavesim.sheet.blank import Blank
+        from weavesim import Blank, Simulation
+        from weavesim.fabric import glass_polypropylene
 
         size = min(0.005, 19.0 / side)
         blank = Blank.rectangle((0.0, 0.0), (side * size, side * size), size)
         x, y, _ = blank.node_position.T
         wave = 20.0 * np.pi
         velocity = np.column_stack([np.sin(wave * y), np.sin(wave * x), np.sin(wave * x) * np.sin(wave * y)])
-        return Simulation(
-            name="patch", blank=blank, fabric=glass_polypropylene(), duration=1.0, initial_velocity=velocity, **options
-        )
+        try:
+            from weavesim.engine.setup import Setup, Solver
+            from weavesim.sheet.sheet import Sheet
+        except ImportError:  # 0.1, for ``against``
+            options |= {"blank": blank, "fabric": glass_polypropylene(), "initial_velocity": velocity}
+            return Simulation(name="patch", duration=1.0, **options)
+        sheet = Sheet(blank, glass_polypropylene(), initial_velocity=velocity)
+        return Simulation(Setup("patch", sheets=(sheet,), duration=1.0, solver=Solver(**options)))
 
     return build
 
@@ -89,7 +100,7 @@ DEFAULT_CASES = tuple(name for name in CASES if name != "patch_1m")
 
 def warm_up(simulation: Any) -> None:
     """Steps before the clock starts, up to 4,000: the sheet is in motion, and that of a double dome meets its tools."""
-    simulation.stepper.advance(int(np.clip(2_000_000 // simulation.blank.element_count, 5, 200)))
+    simulation.stepper.advance(int(np.clip(2_000_000 // simulation.setup.sheet.blank.element_count, 5, 200)))
 
 
 # --- measuring one simulation -----------------------------------------------------------------------------------------
@@ -138,10 +149,10 @@ def output_frame(simulation: Any, seconds: float) -> float:
         observers = (ResultFolder(folder), RunLog(Path(folder)))
         for observer in observers:
             observer.start(simulation.info)
-        for index in range(simulation.frame_count + 1):
+        for index in range(simulation.setup.frame_count + 1):
             if index == 1:  # what the first one prepares is not counted
                 started = time.perf_counter()
-            time_now = simulation.duration * index / simulation.frame_count
+            time_now = simulation.setup.duration * index / simulation.setup.frame_count
             frame = replace(simulation.ledger.frame(index), time=time_now)
             simulation.ledger.penetration(frame)
             for observer in observers:
@@ -167,14 +178,14 @@ def _repeat(work: Callable[[], object], seconds: float) -> float:
 
 def state_bytes(simulation: Any) -> float:
     """Allocated bytes per element of all arrays that constants and state of a run live in."""
-    return sum(array.capacity for array in simulation.stepper.arrays()) / simulation.blank.element_count
+    return sum(array.capacity for array in simulation.stepper.arrays()) / simulation.setup.sheet.blank.element_count
 
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
     from weavesim.kernels.rows import CellReportRow, MotionRow
 
-    model = simulation.stepper.model
+    model = simulation.stepper.model.sheet
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
     flat = 4 * 4 + size * (4 + 2 + 1)
     if not model.sheet_traits.flat:
@@ -240,10 +251,10 @@ def worker(case: str, precisions: str, threads: str, device: str, seconds: float
             for _, simulation, _, times in variants:
                 times.append(seconds_per_step(simulation, seconds))
         for thread_count, simulation, setup, times in variants:
-            count, step = simulation.blank.element_count, min(times)
+            count, step = simulation.setup.sheet.blank.element_count, min(times)
             rows.append(
                 {
-                    "case": case, "elements": count, "nodes": simulation.blank.node_count, "precision": precision,
+                    "case": case, "elements": count, "nodes": simulation.setup.sheet.blank.node_count, "precision": precision,
                     "threads": thread_count, "device": device, "avx512": avx512,
                     "lanes": simulation.stepper.model.lane_count,
                     "setup_s": setup - simulation.stepper.loading_time,
@@ -349,8 +360,8 @@ def law_variants() -> dict[str, Any]:
 
     base = glass_polypropylene()
 
-    def changed(motion: Dynamics | None = None, **update: Any) -> tuple[Any, Any]:
-        return base.model_copy(update=update), motion
+    def changed(dynamics: Dynamics | None = None, **update: Any) -> tuple[Any, Any]:
+        return base.model_copy(update=update), dynamics
 
     stiff = base.bending.stiffness(base.thickness)
     curve = BendingCurve(curvature=(0.0, 10.0, 50.0), moment_values=(0.0, 8.0 * stiff, 25.0 * stiff))
@@ -388,14 +399,12 @@ def laws(
     parameters = DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1)
     variants = law_variants()
     simulations = []
-    for fabric, motion in variants.values():
-        simulation = double_dome(parameters, fabric)
-        if motion is not None:
-            simulation = Simulation(
-                name="double_dome", blank=simulation.blank, fabric=fabric, tools=simulation.tools,
-                duration=simulation.duration, symmetry=simulation.symmetry, motion=motion,
-                precision=precision, threads=1,
-            )  # fmt: skip
+    for fabric, dynamics in variants.values():
+        setup = double_dome(parameters, fabric)
+        if dynamics is not None:
+            (world,) = setup.worlds
+            setup = setup.model_copy(update={"worlds": (world.model_copy(update={"dynamics": dynamics}),)})
+        simulation = Simulation(setup)
         warm_up(simulation)
         simulations.append(simulation)
     times = np.array([[seconds_per_step(simulation, seconds) for simulation in simulations] for _ in range(turns)])
@@ -430,7 +439,7 @@ benchmark = importlib.util.module_from_spec(specification)
 specification.loader.exec_module(benchmark)
 clock = time.process_time if threads == "1" else time.perf_counter
 simulation = benchmark.CASES[case](precision=precision, threads=int(threads))
-stepper, count = simulation.stepper, simulation.blank.element_count
+stepper, count = simulation.stepper, simulation.setup.sheet.blank.element_count
 benchmark.warm_up(simulation)
 print(count, flush=True)
 for line in sys.stdin:

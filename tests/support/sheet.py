@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import LinearShear
 from weavesim.kernels.rows import CornerRow, MotionRow
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
 POSITION, DIRECTOR, REMAINDER = MotionRow.position.vector, MotionRow.director.vector, MotionRow.remainder.vector
@@ -34,24 +34,24 @@ class Sheet:
     """
 
     def __init__(self, blank: Blank, fabric: Fabric, *, precision: str = "float64", lane_count: int = 1) -> None:
-        self.simulation = Simulation(
+        self.simulation = one_sheet_run(
             name="test", blank=blank, fabric=fabric, duration=1.0, precision=precision, lane_count=lane_count, threads=1
         )
         self.node_count = blank.node_count
         self._quads = blank.quads
-        self._start = self.simulation.model.initial_motion()
+        self._start = self.simulation.model.sheet.initial_motion()
 
     def place(self, position: np.ndarray, director: np.ndarray, *, fresh: bool = True) -> None:
         """Set positions (n, 3) [m] and unit directors (n, 3); ``fresh`` unit cells start from rest."""
         motion = self._start.copy()
         motion[POSITION, : self.node_count], motion[DIRECTOR, : self.node_count] = position, director
-        held = motion.astype(self.simulation.precision.numpy)
+        held = motion.astype(self.simulation.model.precision.numpy)
         motion[REMAINDER] += motion[POSITION] - held[POSITION]
-        model, state = self.simulation.model, self.simulation.state
+        model, state = self.simulation.model.sheet, self.simulation.state.sheet
         model.write_motion(state.motion, motion)
         if fresh:
-            self.simulation.state.cell_unknowns.zero_()
-            self.simulation.state.slip.zero_()
+            self.simulation.state.sheet.cell_unknowns.zero_()
+            self.simulation.state.sheet.slip.zero_()
         # a run takes the nodes' mean shear angles from the step before; here they belong to these positions
         self.simulation.stepper.evaluate()
         angle = self._corners()[2, 0, 0]

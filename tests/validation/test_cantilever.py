@@ -39,9 +39,9 @@ def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_fri
         )
         parameters = CantileverParameters(mesh_size=0.02, width=0.02, yarn=yarn, threads=1, length=0.06)
         simulation = cantilever.cantilever(parameters, fabric)
-        x = simulation.blank.node_position
+        x = simulation.setup.sheet.blank.node_position
         hanging = SimpleNamespace(
-            blank=simulation.blank, frame=SimpleNamespace(position=x - np.outer(x[:, 0], [0, 0, 0.5]))
+            blank=simulation.setup.sheet.blank, frame=SimpleNamespace(position=x - np.outer(x[:, 0], [0, 0, 0.5]))
         )
         found = cantilever.findings(parameters, fabric, hanging)
         for name in ("peirce_over_input", "elastica_over_input"):

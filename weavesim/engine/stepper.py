@@ -83,10 +83,8 @@ class Stepper:
     def load(self) -> None:
         """Load the kernels of the run, and compile those that are not cached."""
         started = time.perf_counter()
-        for sheet in self.model.sheets:
-            compile_missing(
-                KernelSet.of_sheet(self.model.setup, sheet.fabric.unit_cell, sheet.sheet_traits, sheet.node_traits)
-            )
+        for kernel_set in self.kernel_sets:
+            compile_missing(kernel_set)
         for kernel in self.kernels:
             load_kernel(kernel, self.model.device)
         self.loading_time = time.perf_counter() - started
@@ -98,6 +96,15 @@ class Stepper:
         clock = self.state.clock.numpy()
         clock[ClockEntry.mean_step] = 0.5 * clock[ClockEntry.step]
         self.state.clock.assign(clock)
+
+    @property
+    def kernel_sets(self) -> list[KernelSet]:
+        """What decides the kernels of every sheet, those of its ledger included."""
+        setup = self.model.setup
+        return [
+            KernelSet.of_sheet(setup, sheet.fabric.unit_cell, sheet.sheet_traits, sheet.node_traits)
+            for sheet in self.model.sheets
+        ]
 
     @property
     def kernels(self) -> list[wp.Kernel]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Self
 
@@ -82,11 +83,8 @@ class Sheet(Parameters):
         Raises:
             InputError: a plane that no node lies on, or a node that a support drives off its plane.
         """
-        symmetry.hold(self.blank, np.ones((self.blank.node_count, 6), dtype=bool))
         for plane in symmetry.planes:
-            on_plane = ~Symmetry((plane,)).hold(self.blank, np.ones((self.blank.node_count, 6), dtype=bool))[
-                :, AXES[plane]
-            ]
+            on_plane = symmetry.held_nodes(self.blank, plane)
             for support in self.supports:
                 for k in range(len(support.drives)):
                     if support.directions(k)[on_plane[support.nodes], AXES[plane]].any():
@@ -102,8 +100,8 @@ class Sheet(Parameters):
             return self.blank
         cosine, sine = np.cos(np.radians(self.orientation)), np.sin(np.radians(self.orientation))
         warp, weft = self.blank.warp_direction, self.blank.weft_direction
-        return self.blank.model_copy(
-            update={"warp_direction": cosine * warp + sine * weft, "weft_direction": cosine * weft - sine * warp}
+        return replace(
+            self.blank, warp_direction=cosine * warp + sine * weft, weft_direction=cosine * weft - sine * warp
         )
 
     @property

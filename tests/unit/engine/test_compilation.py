@@ -11,6 +11,7 @@ from importlib import import_module
 import pytest
 import warp as wp
 
+from tests.support.runs import one_sheet_run
 from weavesim.app.command_line import SCENES
 from weavesim.device import Precision
 from weavesim.engine import compilation
@@ -45,17 +46,18 @@ def made(name: str, precision: str) -> list[Simulation]:
     module = import_module(f"weavesim.scenes.{SCENES[name].module}")
     options = {"precision": precision, "threads": 2}
     if name == "double-dome":
-        return [module.double_dome(module.DoubleDomeParameters(mesh_size=0.02, **options))]
+        return [Simulation(module.double_dome(module.DoubleDomeParameters(mesh_size=0.02, **options)))]
     if name == "hemisphere":
-        return [module.hemisphere(module.HemisphereParameters(mesh_size=0.02, **options), "low-bending")]
+        return [Simulation(module.hemisphere(module.HemisphereParameters(mesh_size=0.02, **options), "low-bending"))]
     make = getattr(module, name.replace("-", "_"))
-    return [make(getattr(module, SCENES[name].parameters)(**options))]
+    return [Simulation(make(getattr(module, SCENES[name].parameters)(**options)))]
 
 
 def launched_by(simulation: Simulation) -> list[wp.Kernel]:
     """All that a run launches once its tools are sampled."""
-    distance = [command.kernel for command in simulation.ledger._tool_distances]
-    return [*simulation.stepper.kernels, simulation.ledger._kernel, *distance]
+    (ledger,) = simulation.ledger.sheets
+    distance = [command.kernel for command in ledger._tool_distances]
+    return [*simulation.stepper.kernels, ledger._kernel, *distance]
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -76,14 +78,14 @@ def test_all_scenes_are_compiled_ahead():
 def small_run(**given) -> Simulation:
     blank = Blank.rectangle((-0.01, -0.01), (0.01, 0.01), 0.005)
     settings = {"fabric": glass_polypropylene(), "threads": 1, "lane_count": 1}
-    return Simulation(name="small", blank=blank, duration=1e-3, **(settings | given))
+    return one_sheet_run(name="small", blank=blank, duration=1e-3, **(settings | given))
 
 
 RUNS = {
     "no tools": lambda: {},
     "other laws": lambda: {
         "fabric": assumed_fabric("twill").model_copy(update={"shear": LinearShear(modulus=1e6)}),
-        "motion": Dynamics(contact_thickness="current"), "threads": 2,
+        "dynamics": Dynamics(contact_thickness="current"), "threads": 2,
         "tools": [Tool("plane", Plane(origin=(0.0, 0.0, -0.01)))],
     },
 }  # fmt: skip
@@ -92,13 +94,13 @@ RUNS = {
 @pytest.mark.parametrize("name", RUNS)
 def test_a_run_takes_all_of_its_set_and_nothing_else(name):
     simulation = small_run(**RUNS[name]())
-    kernel_set = simulation.stepper.kernel_set
+    (kernel_set,) = simulation.stepper.kernel_sets
     assert {id(kernel) for kernel in launched_by(simulation)} == {id(kernel) for kernel in kernel_set.kernels()}
     assert pickle.loads(pickle.dumps(kernel_set)) == kernel_set
 
 
 def test_what_is_loaded_is_not_missing():
-    kernel_set = small_run().stepper.kernel_set
+    (kernel_set,) = small_run().stepper.kernel_sets
     compile_kernels(kernel_set, process_count=1)
     assert missing(kernel_set) == []
 
@@ -138,11 +140,11 @@ def test_the_command_line_compiles_side_by_side_what_is_missing(monkeypatch, tmp
 def test_runs_look_for_their_kernels_before_they_load_them(monkeypatch):
     asked = []
     monkeypatch.setattr("weavesim.engine.stepper.compile_missing", asked.append)
-    monkeypatch.setattr("weavesim.run.simulation.compile_missing", asked.append)
+    monkeypatch.setattr("weavesim.engine.model.compile_missing", asked.append)
     ball = Sphere(radius=0.01).display_mesh()
     mesh = MeshShape.from_triangles(ball.vertices, ball.faces, spacing=2e-3, origin=(0.0, 0.0, -0.012))
     simulation = small_run(tools=[Tool("ball", mesh)])
-    assert asked == [MeshKernelSet("cpu"), simulation.stepper.kernel_set]
+    assert asked == [MeshKernelSet("cpu"), *simulation.stepper.kernel_sets]
 
 
 def test_what_is_loaded_is_not_compiled_again_by_its_launch(tmp_path):

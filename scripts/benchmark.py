@@ -254,7 +254,8 @@ def worker(case: str, precisions: str, threads: str, device: str, seconds: float
             count, step = simulation.setup.sheet.blank.element_count, min(times)
             rows.append(
                 {
-                    "case": case, "elements": count, "nodes": simulation.setup.sheet.blank.node_count, "precision": precision,
+                    "case": case, "elements": count, "nodes": simulation.setup.sheet.blank.node_count,
+                    "precision": precision,
                     "threads": thread_count, "device": device, "avx512": avx512,
                     "lanes": simulation.stepper.model.lane_count,
                     "setup_s": setup - simulation.stepper.loading_time,

@@ -1,7 +1,6 @@
 """How a step is shared out to threads and tiles, and what it launches."""
 
 import platform
-from dataclasses import fields
 
 import numpy as np
 import pytest

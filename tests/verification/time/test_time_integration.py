@@ -1,7 +1,6 @@
 """Momentum, energy, repeatability of runs."""
 
 import re
-from dataclasses import fields
 from functools import partial
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 import trimesh
 
 from tests.support.runs import one_sheet_run
-from weavesim.engine.state import State
 from weavesim.errors import RunError
 from weavesim.fabric.bending import BendingCurve, YarnBending
 from weavesim.fabric.cell.membrane import LinearMembrane

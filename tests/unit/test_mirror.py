@@ -37,6 +37,8 @@ TESTED_ELSEWHERE = {
     "kernels/stepping/supports.py": "verification/time/test_supports.py",
     "kernels/stepping/tools.py": "unit/tools/test_motion.py",
     "weavesim/engine/model.py": "unit/run/test_simulation.py",
+    "weavesim/engine/setup.py": "unit/run/test_simulation.py",
+    "weavesim/sheet/sheet.py": "unit/run/test_simulation.py",
     "weavesim/engine/layout.py": "unit/kernels/test_lanes.py",
     "weavesim/engine/state.py": "verification/time/test_time_integration.py",
     "weavesim/arrays.py": "unit/test_checks.py",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.support.registered_cells import TautNet
-from tests.support.small_run import small_run
+from tests.support.runs import small_run
 from weavesim.errors import InputError, RunError
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.tools.mesh_tool import MeshShape

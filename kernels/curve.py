@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from .lanes import div, fill, larger, magnitude, mul, spread, where_positive
+from .lanes import div, magnitude, mul, spread, where_positive  # noqa: F401 - operators of lanes
 
 
 @cache
@@ -85,3 +85,9 @@ def slide(strain: Any, slip: Any, spring_before: Any, stiffness: Any, limit: Any
     new_spring = strain - new_slip
     mean_force = (strain.dtype(0.5) * stiffness) * (spring_before + new_spring)
     return new_slip, new_spring, mean_force * (new_slip - slip)
+
+
+@wp.func
+def spring_energy(stiffness: Any, spring: Any):
+    """psi of the spring before a slider [J/m^2]."""
+    return (spring.dtype(0.5) * stiffness) * (spring * spring)

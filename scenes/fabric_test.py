@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from weavesim.fabric import Fabric
-from weavesim.fabric_file import FABRIC_HELP, resolve_fabric
-from weavesim.parameters import NotNegative, Positive
-from weavesim.run_options import RunOptions
-from weavesim.unit_cell import respond
+from weavesim.app.options import RunOptions
+from weavesim.checks import NotNegative, Positive
+from weavesim.fabric.fabric import Fabric
+from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
+from weavesim.fabric.response import respond
 
 # Nothing but the fabric damps a test. A yarn that rattles between slack and taut gains energy near the largest stable
 # step, because its stiffness jumps there; at this share of it the little damping that a test has is enough.

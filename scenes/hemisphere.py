@@ -14,17 +14,23 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from weavesim.blank import Blank
-from weavesim.fabric import Fabric, IsotropicBending, MomentCurve, Stabilisation, UnitCell
-from weavesim.measures import close_pairs, rim_folds
-from weavesim.model import MotionParameters
+from weavesim.app.options import RunOptions
+from weavesim.app.run_into_folder import run_into_folder
+from weavesim.checks import NotNegative, Positive
+from weavesim.engine.setup import Setup
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
+from weavesim.fabric.fabric import Fabric, Stabilisation
+from weavesim.fabric.shear import MomentCurve
+from weavesim.measures.folds import rim_folds
+from weavesim.measures.proximity import close_pairs
 from weavesim.output import ResultFolder
-from weavesim.parameters import NotNegative, Positive
-from weavesim.run_options import RunOptions
-from weavesim.session import run_into_folder
-from weavesim.shapes import Sphere
-from weavesim.simulation import Simulation
-from weavesim.tool import Tool
+from weavesim.process.dynamics import Dynamics
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
+from weavesim.tools.shapes import Sphere
+from weavesim.tools.tool import Tool
 
 GRAVITY = 9.81
 CASES = ("low-bending", "high-bending")
@@ -71,7 +77,7 @@ def cloth(case: str) -> Fabric:
         name=f"cloth with {case.replace('-', ' ')}",
         areal_density=0.3,
         thickness=thickness,
-        unit_cell=UnitCell(
+        unit_cell=PlainWeave(
             warp_modulus=modulus,
             weft_modulus=modulus,
             contact_modulus=1.0e6,
@@ -100,29 +106,21 @@ def cloth(case: str) -> Fabric:
     )
 
 
-def hemisphere(parameters: HemisphereParameters, case: str) -> Simulation:
-    """A ready simulation of one case: the cloth lies on the ball's top and is let go."""
+def hemisphere(parameters: HemisphereParameters, case: str) -> Setup:
+    """One case: the cloth lies on the ball's top and is let go."""
     fabric = cloth(case)
     half = 0.5 * parameters.side
     blank = Blank.rectangle(
         (-half, -half), (half, half), parameters.mesh_size, height=parameters.radius + 0.5 * fabric.thickness
     )
-    return Simulation(
-        name="hemisphere",
-        blank=blank,
-        fabric=fabric,
+    return Setup(
+        "hemisphere",
+        sheets=(Sheet(blank, fabric, initial_velocity=unevenness(blank, parameters.seed)),),
         tools=(Tool("hemisphere", Sphere(parameters.radius), friction=parameters.friction),),
+        dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         duration=parameters.duration,
-        motion=MotionParameters(
-            gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING
-        ),
-        initial_velocity=unevenness(blank, parameters.seed),
-        device=parameters.device,
-        precision=parameters.precision,
-        threads=parameters.threads,
-        time_step=parameters.time_step,
-        target_step=parameters.target_step,
         frame_count=parameters.frames,
+        solver=parameters.solver(),
     )
 
 
@@ -166,7 +164,7 @@ def run(parameters: HemisphereParameters) -> dict[str, Any]:
     summaries: dict[str, Any] = {}
     for case, folder in folders.items():
         summaries[case] = run_into_folder(
-            lambda case=case: hemisphere(parameters, case),
+            lambda case=case: Simulation(hemisphere(parameters, case)),
             folder,
             setup={**parameters.model_dump(mode="json"), "case": case},
             measure=lambda simulation: wrinkles(parameters, simulation),

@@ -40,7 +40,7 @@ def _double_dome(mesh_size: float) -> Callable[..., Any]:
     def build(**options: Any):
         from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 
-        return double_dome(DoubleDomeParameters(mesh_size=mesh_size, **options))
+        return _ready(double_dome(DoubleDomeParameters(mesh_size=mesh_size, **options)))
 
     return build
 
@@ -48,25 +48,36 @@ def _double_dome(mesh_size: float) -> Callable[..., Any]:
 def _hemisphere(**options: Any):
     from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
 
-    return hemisphere(HemisphereParameters(**options), "low-bending")
+    return _ready(hemisphere(HemisphereParameters(**options), "low-bending"))
+
+
+def _ready(made: Any) -> Any:
+    """A scene's set-up as a simulation. The scenes of 0.1 return simulations: ``against`` measures those too."""
+    from weavesim import Simulation
+
+    return made if isinstance(made, Simulation) else Simulation(made)
 
 
 def _patch(side: int) -> Callable[..., Any]:
     """A free square of ``side`` x ``side`` elements of 5 mm, stretched, sheared and thrown, that meets no tool."""
 
     def build(**options: Any):
-        from weavesim.blank import Blank
+        from weavesim import Blank, Simulation
         from weavesim.fabric import glass_polypropylene
-        from weavesim.simulation import Simulation
 
         size = min(0.005, 19.0 / side)
         blank = Blank.rectangle((0.0, 0.0), (side * size, side * size), size)
         x, y, _ = blank.node_position.T
         wave = 20.0 * np.pi
         velocity = np.column_stack([np.sin(wave * y), np.sin(wave * x), np.sin(wave * x) * np.sin(wave * y)])
-        return Simulation(
-            name="patch", blank=blank, fabric=glass_polypropylene(), duration=1.0, initial_velocity=velocity, **options
-        )
+        try:
+            from weavesim.engine.setup import Setup, Solver
+            from weavesim.sheet.sheet import Sheet
+        except ImportError:  # 0.1, for ``against``
+            options |= {"blank": blank, "fabric": glass_polypropylene(), "initial_velocity": velocity}
+            return Simulation(name="patch", duration=1.0, **options)
+        sheet = Sheet(blank, glass_polypropylene(), initial_velocity=velocity)
+        return Simulation(Setup("patch", sheets=(sheet,), duration=1.0, solver=Solver(**options)))
 
     return build
 
@@ -129,14 +140,14 @@ def output_frame(simulation: Any, seconds: float) -> float:
 
     At most as many as a run has, four at least, over about ``seconds``.
     """
+    from weavesim.app.progress import RunLog
     from weavesim.output import ResultFolder
-    from weavesim.progress import RunLog
-    from weavesim.recording import Outcome
+    from weavesim.run.frame import Outcome
 
     with TemporaryDirectory() as folder:
         observers = (ResultFolder(folder), RunLog(Path(folder)))
         for observer in observers:
-            observer.start(simulation)
+            observer.start(simulation.info)
         for index in range(simulation.frame_count + 1):
             if index == 1:  # what the first one prepares is not counted
                 started = time.perf_counter()
@@ -171,7 +182,7 @@ def state_bytes(simulation: Any) -> float:
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
-    from weavesim.kernels.element import CELL_REPORT_ROWS, MOTION_ROW_COUNT
+    from weavesim.kernels.rows import CellReportRow, MotionRow
 
     model = simulation.stepper.model
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
@@ -179,11 +190,11 @@ def moved_bytes(simulation: Any) -> float:
     if not model.sheet_traits.flat:
         flat += size * 8
     element_reads = flat + per_node * size * (3 * 3 + 1)
-    element_own = 2 * size * (model.cell_law.unknown_count + len(CELL_REPORT_ROWS))
+    element_own = 2 * size * (model.cell_law.unknown_count + CellReportRow.row_count())
     corners = size * (24 + 4)
     slots = model.nodes.corner_offset.shape[0]
     node_constants = 4 * slots + 4 + size * 4
-    node_motion = 2 * size * (MOTION_ROW_COUNT + len(model.node_report_rows) + 3 * model.tool_count)
+    node_motion = 2 * size * (MotionRow.row_count() + len(model.node_report_rows) + 3 * model.tool_count)
     return element_reads + element_own + 2 * corners + per_node * (node_constants + node_motion)
 
 
@@ -341,15 +352,15 @@ def _key(row: dict[str, Any]) -> tuple[Any, ...]:
 
 def law_variants() -> dict[str, Any]:
     """Fabrics that differ from the default one in one law."""
-    from weavesim.bending import BendingCurve
-    from weavesim.fabric import UNIT_CELLS, YarnBending, glass_polypropylene
-    from weavesim.model import MotionParameters
-    from weavesim.shear import ShearFriction
+    from weavesim.fabric.bending import BendingCurve, YarnBending
+    from weavesim.fabric.presets import UNIT_CELLS, glass_polypropylene
+    from weavesim.fabric.shear import ShearFriction
+    from weavesim.process.dynamics import Dynamics
 
     base = glass_polypropylene()
 
-    def changed(motion: MotionParameters | None = None, **update: Any) -> tuple[Any, Any]:
-        return base.model_copy(update=update), motion
+    def changed(dynamics: Dynamics | None = None, **update: Any) -> tuple[Any, Any]:
+        return base.model_copy(update=update), dynamics
 
     stiff = base.bending.stiffness(base.thickness)
     curve = BendingCurve(curvature=(0.0, 10.0, 50.0), moment_values=(0.0, 8.0 * stiff, 25.0 * stiff))
@@ -365,7 +376,7 @@ def law_variants() -> dict[str, Any]:
         "bending curves": changed(bending=YarnBending(warp=curve, weft=curve, twist=0.5 * stiff)),
         "bending friction": changed(bending=YarnBending(warp=rubbing, weft=rubbing, twist=0.5 * stiff)),
         "no in-plane bending of yarns": changed(in_plane_bending_stiffness=0.0),
-        "tools meet the current thickness": changed(MotionParameters(contact_thickness="current")),
+        "tools meet the current thickness": changed(Dynamics(contact_thickness="current")),
     }
     for name, cell in UNIT_CELLS.items():
         if name != "plain-weave":
@@ -381,20 +392,18 @@ def laws(
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
 ) -> None:
     """Time per element and step of every law and unit cell in the double dome, on one thread."""
+    from weavesim.run.simulation import Simulation
     from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
-    from weavesim.simulation import Simulation
 
     parameters = DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1)
     variants = law_variants()
     simulations = []
-    for fabric, motion in variants.values():
-        simulation = double_dome(parameters, fabric)
-        if motion is not None:
-            simulation = Simulation(
-                name="double_dome", blank=simulation.blank, fabric=fabric, tools=simulation.tools,
-                duration=simulation.duration, symmetry=simulation.symmetry, motion=motion,
-                precision=precision, threads=1,
-            )  # fmt: skip
+    for fabric, dynamics in variants.values():
+        setup = double_dome(parameters, fabric)
+        if dynamics is not None:
+            (world,) = setup.worlds
+            setup = setup.model_copy(update={"worlds": (world.model_copy(update={"dynamics": dynamics}),)})
+        simulation = Simulation(setup)
         warm_up(simulation)
         simulations.append(simulation)
     times = np.array([[seconds_per_step(simulation, seconds) for simulation in simulations] for _ in range(turns)])

@@ -1,6 +1,6 @@
 """Pull a woven fabric in its bias direction; ``--help`` lists the options."""
 
-from weavesim.command_line import main
+from weavesim.app.command_line import main
 
 if __name__ == "__main__":
     main("bias-extension")

@@ -1,6 +1,6 @@
 """Let a strip of woven fabric hang over an edge; ``--help`` lists the options."""
 
-from weavesim.command_line import main
+from weavesim.app.command_line import main
 
 if __name__ == "__main__":
     main("cantilever")

@@ -1,6 +1,6 @@
 """Form a woven blank over a double dome; ``--help`` lists the options."""
 
-from weavesim.command_line import main
+from weavesim.app.command_line import main
 
 if __name__ == "__main__":
     main("double-dome")

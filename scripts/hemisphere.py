@@ -1,6 +1,6 @@
 """Let a square cloth fall on a hemisphere; ``--help`` lists the options."""
 
-from weavesim.command_line import main
+from weavesim.app.command_line import main
 
 if __name__ == "__main__":
     main("hemisphere")

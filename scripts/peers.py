@@ -107,8 +107,8 @@ class Problem:
 
 def fabric_of(name: str) -> Any:
     """The Fabric of one of ``FABRICS``."""
-    from weavesim.cells import UnitCell
-    from weavesim.fabric import glass_polypropylene
+    from weavesim.fabric.cell.weaves import PlainWeave
+    from weavesim.fabric.presets import glass_polypropylene
     from weavesim.scenes.hemisphere import cloth
 
     if name == "cloth":
@@ -117,14 +117,14 @@ def fabric_of(name: str) -> Any:
     if name == "glass":
         return fabric
     return fabric.model_copy(
-        update={"unit_cell": UnitCell.straight(stiffness_per_width=fabric.unit_cell.yarn_stiffness_per_width[0])}
+        update={"unit_cell": PlainWeave.straight(stiffness_per_width=fabric.unit_cell.yarn_stiffness_per_width[0])}
     )
 
 
 def make_problem(fabric_name: str, quads_per_side: int, duration: float) -> Problem:
     """The scene hemisphere with one of ``FABRICS``, on a mesh of ``quads_per_side`` squared elements."""
+    from weavesim.fabric.response import respond
     from weavesim.scenes.hemisphere import GRAVITY, unevenness
-    from weavesim.unit_cell import respond
 
     fabric = fabric_of(fabric_name)
     parameters, blank = _scene(quads_per_side, fabric.thickness)
@@ -149,8 +149,8 @@ def make_problem(fabric_name: str, quads_per_side: int, duration: float) -> Prob
 
 
 def _scene(quads_per_side: int, thickness: float) -> tuple[Any, Any]:
-    from weavesim.blank import Blank
     from weavesim.scenes.hemisphere import HemisphereParameters
+    from weavesim.sheet.blank import Blank
 
     parameters = HemisphereParameters()
     half = 0.5 * parameters.side
@@ -225,27 +225,26 @@ class WeavesimRun:
     """weavesim on one thread; ``state`` is positions and velocities of the nodes."""
 
     def __init__(self, problem: Problem, precision: str, device: str) -> None:
-        from weavesim.model import MotionParameters
+        from weavesim.engine.setup import Setup, Solver
+        from weavesim.process.dynamics import Dynamics
+        from weavesim.run.simulation import Simulation
         from weavesim.scenes.hemisphere import DIRECTOR_DAMPING
-        from weavesim.shapes import Sphere
-        from weavesim.simulation import Simulation
-        from weavesim.tool import Tool
+        from weavesim.sheet.sheet import Sheet
+        from weavesim.tools.shapes import Sphere
+        from weavesim.tools.tool import Tool
 
         _, blank = _scene(math.isqrt(len(problem.quads)), problem.thickness)
-        self._simulation = Simulation(
-            name="peers",
-            blank=blank,
-            fabric=fabric_of(problem.fabric),
+        setup = Setup(
+            "peers",
+            sheets=(Sheet(blank, fabric_of(problem.fabric), initial_velocity=problem.velocity),),
             tools=(Tool("ball", Sphere(problem.radius), friction=problem.friction),),
-            duration=problem.duration,
-            motion=MotionParameters(
+            dynamics=Dynamics(
                 gravity=(0.0, 0.0, -problem.gravity), damping=problem.damping, director_damping=DIRECTOR_DAMPING
             ),
-            initial_velocity=problem.velocity,
-            device=device,
-            precision=precision,
-            threads=1,
+            duration=problem.duration,
+            solver=Solver(device=device, precision=precision, threads=1),
         )
+        self._simulation = Simulation(setup)
         self.element_count, self.element, self.iterations = len(problem.quads), "quadrilaterals", None
         self._duration, self._block_count = problem.duration, 1
 
@@ -261,7 +260,7 @@ class WeavesimRun:
 
     def advance(self) -> None:
         """Some blocks of steps, more of them each time, and none beyond the end but the last."""
-        from weavesim.stepper import REFRESH_INTERVAL
+        from weavesim.engine.stepper import REFRESH_INTERVAL
 
         stepper, remaining = self._simulation.stepper, self._duration - self.time
         left = math.ceil(remaining / (REFRESH_INTERVAL * float(self._simulation.state.step)))
@@ -270,9 +269,11 @@ class WeavesimRun:
 
     def state(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities, (node_count, 3)."""
+        from weavesim.kernels.rows import MotionRow
+
         rows = self._simulation.model.read_motion(self._simulation.state.motion)
         count = self._simulation.blank.node_count
-        return rows[0, :count], rows[1, :count]
+        return rows[MotionRow.position.vector, :count], rows[MotionRow.velocity.vector, :count]
 
 
 class NewtonRun:

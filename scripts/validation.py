@@ -20,12 +20,16 @@ from typing import Any
 import numpy as np
 
 from weavesim import __version__
-from weavesim.fabric import Fabric, IsotropicBending, glass_polypropylene
-from weavesim.measures import checkerboard, draw_in, integrated_yarn_stretch, shear_angle_at, ten_points
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.fabric import Fabric
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.measures.angles import shear_angle_at, ten_points
+from weavesim.measures.border import draw_in, integrated_yarn_stretch
+from weavesim.measures.zigzag import checkerboard
 from weavesim.output.files import replacing
+from weavesim.run.simulation import Simulation
 from weavesim.scenes.double_dome import BLANK_LENGTH, BLANK_WIDTH, DoubleDomeParameters, double_dome, expected_draw_in
 from weavesim.scenes.hemisphere import CASES, HemisphereParameters, hemisphere, wrinkles
-from weavesim.simulation import Simulation
 
 DOCUMENTS = Path(__file__).resolve().parent.parent / "docs"
 POINTS = ten_points(0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH)
@@ -93,11 +97,11 @@ def measure(simulation: Simulation, parameters: DoubleDomeParameters) -> dict[st
     angle = frame.fields["shear_angle"]
     zigzag = checkerboard(blank, angle)
     stretch = {"x": frame.fields["warp_stretch"], "y": frame.fields["weft_stretch"]}
-    share = 4.0 * 0.5 ** (2 - len(simulation.symmetry)) if simulation.symmetry else 1.0
+    share = 1.0 / simulation.info.sheet.symmetry.share
     return {
         **simulation.summary(),
         **expected_draw_in(parameters, simulation),
-        "angles": np.asarray(shear_angle_at(blank, angle, POINTS, simulation.symmetry)),
+        "angles": np.asarray(shear_angle_at(blank, angle, POINTS, simulation.info.sheet.symmetry)),
         "draw_in": np.array([1e3 * draw_in(blank, frame.position, along) for along in "xy"]),
         "lengthening": np.array([1e3 * integrated_yarn_stretch(blank, stretch[along], along) for along in "xy"]),
         "checkerboard_rms": zigzag.rms,
@@ -109,7 +113,7 @@ def measure(simulation: Simulation, parameters: DoubleDomeParameters) -> dict[st
 def run(variant: Variant) -> dict[str, Any]:
     parameters = DoubleDomeParameters(**variant.parameters)
     fabric = variant.change(glass_polypropylene()) if variant.change else None
-    simulation = double_dome(parameters, fabric)
+    simulation = Simulation(double_dome(parameters, fabric))
     simulation.run()
     result = measure(simulation, parameters)
     print(f"{variant.title}: {np.round(result['angles'], 2)}, {result['wall_time_s']:.1f} s", flush=True)
@@ -227,7 +231,8 @@ def page(runs: dict[str, dict[str, Any]]) -> str:
         "9: on the long straight flank of this tool the yarns cross the die entry squarely and cannot shear. The "
         "benchmark's tool is another, whose drawing the paper does not give.",
         "## What the answer depends on",
-        "The values of the glass/polypropylene preset that no source gives are assumed (`weavesim/fabric.py`). This is "
+        "The values of the glass/polypropylene preset that no source gives are assumed "
+        "(`weavesim/fabric/presets.py`). This is "
         "how much each matters, all at 5 mm. The two readings of the published shear curve differ by "
         f"{angle_change(base, moment)[1]:.1f}° at most.",
         table(header, [angle_row("default", base)] + [angle_row(v.title, runs[n]) for n, v in SENSITIVITY.items()]),
@@ -250,7 +255,7 @@ def hemisphere_page() -> tuple[str, list[str]]:
     for case in CASES:
         for title, values in HEMISPHERE_VARIANTS.items():
             parameters = HemisphereParameters(**values)
-            simulation = hemisphere(parameters, case)
+            simulation = Simulation(hemisphere(parameters, case))
             simulation.run()
             result = {**simulation.summary(), **wrinkles(parameters, simulation)}
             results[case, title] = result

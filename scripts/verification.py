@@ -45,7 +45,7 @@ def table(columns: list[str], rows: list[list[str]]) -> str:
 
 def write_page(records: Path) -> int:
     """docs/verification.md and its pictures from the records; the number of cases."""
-    from tests.verification.manual import CHAPTERS
+    from tests.support.manual import CHAPTERS
 
     cases = [json.loads(path.read_text()) for path in sorted(records.glob("*.json"))]
     parts = [HEAD.format(date=datetime.date.today().isoformat(), case_count=len(cases))]

@@ -1,5 +1,5 @@
 """``python -m weavesim``."""
 
-from .command_line import main
+from .app.command_line import main
 
 main()

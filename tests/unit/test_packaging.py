@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 import weavesim
+from tests.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("weavesim", "kernels", "scenes")
 NOT_SOURCE = shutil.ignore_patterns("__pycache__", "*.egg-info")
 

@@ -7,8 +7,9 @@ import pytest
 import scipy.optimize
 
 from weavesim.errors import InputError
-from weavesim.fabric import UnitCell, glass_polypropylene
-from weavesim.unit_cell import UnitCellResponse, respond
+from weavesim.fabric.cell.weaves import PlainWeave
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.response import UnitCellResponse, respond
 
 INCREMENT_COUNT = 50
 
@@ -30,7 +31,7 @@ class HalfCell:
 def half_cell(cells, stretch, **options) -> HalfCell:
     """``respond`` for plain weaves: F_1 = 2 L_2 n_1, Pi = 2 L_1 L_2 psi, K_kl = dF_k/du_l."""
     response = respond(cells, stretch, **options)
-    spacing = np.array([cell.half_spacing for cell in ([cells] if isinstance(cells, UnitCell) else cells)])
+    spacing = np.array([cell.half_spacing for cell in ([cells] if isinstance(cells, PlainWeave) else cells)])
     across = 2.0 * spacing[:, ::-1]
     stiffness = response.tangent[:, :2, :2] * across[:, :, None] / spacing[:, None, :]
     assert np.all(response.moment == 0.0)
@@ -47,7 +48,7 @@ def half_cell(cells, stretch, **options) -> HalfCell:
     )
 
 
-def random_cell(rng: np.random.Generator, **given) -> UnitCell:
+def random_cell(rng: np.random.Generator, **given) -> PlainWeave:
     """A cell with stiffnesses over orders of magnitude and crimp from slight to steep."""
     half_spacing = 10.0 ** rng.uniform(-3.2, -2.2, 2)
     area = 10.0 ** rng.uniform(-7.0, -5.5, 2)
@@ -63,10 +64,10 @@ def random_cell(rng: np.random.Generator, **given) -> UnitCell:
         "warp_crimp_share": rng.uniform(0.1, 0.9),
         "contact": str(rng.choice(["bilateral", "unilateral"])),
     }  # fmt: skip
-    return UnitCell(**(values | given))
+    return PlainWeave(**(values | given))
 
 
-def swapped(cell: UnitCell) -> UnitCell:
+def swapped(cell: PlainWeave) -> PlainWeave:
     """The same cell with warp and weft exchanged."""
     values = cell.model_dump()
     exchanged = {
@@ -74,7 +75,7 @@ def swapped(cell: UnitCell) -> UnitCell:
         for name, value in values.items()
         if name != "warp_crimp_share"
     }
-    return UnitCell(**exchanged, warp_crimp_share=1.0 - cell.warp_crimp_share)
+    return PlainWeave(**exchanged, warp_crimp_share=1.0 - cell.warp_crimp_share)
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ class Reference:
     unilateral: np.ndarray
 
     @classmethod
-    def of(cls, cells: list[UnitCell]) -> "Reference":
+    def of(cls, cells: list[PlainWeave]) -> "Reference":
         def rows(name):
             return np.array([getattr(cell, name) for cell in cells], dtype=float)
 
@@ -343,7 +344,7 @@ def test_swapping_warp_and_weft_swaps_the_answer():
     )
 
 
-def sawtooth_cell(**given) -> UnitCell:
+def sawtooth_cell(**given) -> PlainWeave:
     """Pin-jointed yarns: no bending stiffness at all."""
     rng = np.random.default_rng(2)
     return random_cell(rng, **({"warp_second_moment": 0.0, "weft_second_moment": 0.0, "contact": "bilateral"} | given))
@@ -423,7 +424,7 @@ def test_yarns_without_crimp_are_two_straight_bars():
 
 
 def test_linear_membrane_of_straight_yarns():
-    cell = UnitCell.straight(stiffness_per_width=2.0e4, spacing=0.004)
+    cell = PlainWeave.straight(stiffness_per_width=2.0e4, spacing=0.004)
     stretch = np.array([[1.02, 0.97], [0.8, 1.1]])
     assert np.allclose(half_cell(cell, stretch).force_per_width, 2.0e4 * (stretch - 1.0), rtol=1e-9)
 
@@ -450,8 +451,8 @@ def test_unilateral_contact_lets_yarns_separate():
     cell = random_cell(rng, contact="unilateral", **both)
     euler = cell.euler_stiffness
     compressive = {"warp_compressive_stiffness": 2.0 * euler[0], "weft_compressive_stiffness": 2.0 * euler[1]}
-    unilateral = UnitCell(**(cell.model_dump() | compressive))
-    bilateral = UnitCell(**(unilateral.model_dump() | {"contact": "bilateral"}))
+    unilateral = PlainWeave(**(cell.model_dump() | compressive))
+    bilateral = PlainWeave(**(unilateral.model_dump() | {"contact": "bilateral"}))
     pulled = [[1.05, 1.03]]
     assert np.allclose(half_cell(unilateral, pulled).force, half_cell(bilateral, pulled).force, rtol=1e-12)
     pushed = [[0.9, 0.85]]
@@ -469,7 +470,7 @@ def test_unilateral_contact_lets_yarns_separate():
 
 @pytest.mark.parametrize("contact", ["bilateral", "unilateral"])
 def test_single_precision_converges_for_the_preset(contact):
-    cell = UnitCell(**(glass_polypropylene().unit_cell.model_dump() | {"contact": contact}))
+    cell = PlainWeave(**(glass_polypropylene().unit_cell.model_dump() | {"contact": contact}))
     warp, weft = np.meshgrid(np.linspace(0.5, 1.3, 33), np.linspace(0.5, 1.3, 33))
     stretch = np.column_stack([warp.ravel(), weft.ravel()])
     single, double = half_cell(cell, stretch, precision="float32"), half_cell(cell, stretch)
@@ -483,7 +484,7 @@ def test_single_precision_converges_for_the_preset(contact):
 def test_stiff_compression_is_warned_of():
     cell = glass_polypropylene().unit_cell
     assert cell.warnings() == []
-    stiff = UnitCell(**(cell.model_dump() | {"weft_compressive_stiffness": 2.0 * cell.euler_stiffness[1]}))
+    stiff = PlainWeave(**(cell.model_dump() | {"weft_compressive_stiffness": 2.0 * cell.euler_stiffness[1]}))
     assert len(stiff.warnings()) == 1
     assert "weft" in stiff.warnings()[0]
 

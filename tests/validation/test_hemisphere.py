@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from weavesim.blank import Blank
 from weavesim.scenes.hemisphere import CASES, UNEVENNESS, HemisphereParameters, run, unevenness
+from weavesim.sheet.blank import Blank
 
 
 @pytest.fixture(scope="module")

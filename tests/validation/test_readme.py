@@ -3,15 +3,15 @@
 import importlib
 import re
 import shlex
-from pathlib import Path
 
 import pytest
 import typer
 from typer.testing import CliRunner
 
-from weavesim.command_line import SCENES, scene_command
+from tests.support.paths import ROOT
+from weavesim.app.command_line import SCENES, scene_command
 
-README = Path(__file__).resolve().parents[2] / "README.md"
+README = ROOT / "README.md"
 COMMANDS = re.findall(
     r"(?:python scripts/(\w+)\.py|weavesim ([a-z]+-[a-z-]+))([^#`\n]*)", README.read_text(encoding="utf-8")
 )

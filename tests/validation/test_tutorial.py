@@ -2,11 +2,12 @@
 
 import re
 import runpy
-from pathlib import Path
 
 import pytest
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "tutorial_unit_cell.md"
+from tests.support.paths import ROOT
+
+PAGE = ROOT / "docs" / "tutorial_unit_cell.md"
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 from .files import write_summary
 from .film import Film
 from .folder import ResultFolder
-from .report import Report, write_report
+from .report.page import Report, write_report
 from .series import ParaViewSeries
 from .tables import History, load_measured_angles, load_measured_outline
 

@@ -5,18 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
 from ..errors import InputError
-from ..measures import yarn_components, yarn_vectors
-from ..recording import Frame, Outcome
+from ..measures.angles import yarn_components, yarn_vectors
+from ..run.frame import Frame, Outcome, RunInfo
 from .files import replacing, write_text
-
-if TYPE_CHECKING:
-    from ..simulation import Simulation
 
 _VTK_QUAD = 9
 _VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uint8": "UInt8"}
@@ -47,10 +43,10 @@ class ParaViewSeries:
         self._every = every
         self._last: Frame | None = None
 
-    def start(self, simulation: Simulation) -> None:
-        self._blank = simulation.blank
+    def start(self, info: RunInfo) -> None:
+        self._blank = info.sheet.blank
         self._yarn_components = yarn_components(self._blank)
-        self._interval = simulation.duration / 30.0
+        self._interval = info.duration / 30.0
         self._next_time = 0.0
         self._written: list[tuple[float, str]] = []
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -121,7 +117,7 @@ def write_quads(
         point_data, cell_data: by name, (count,) or (count, component_count); float32 or float64.
     """
     count = len(quads)
-    cells = {
+    cells: dict[str, np.ndarray] = {
         "connectivity": quads.astype(np.int32),
         "offsets": np.arange(4, 4 * count + 1, 4, dtype=np.int32),
         "types": np.full(count, _VTK_QUAD, dtype=np.uint8),
@@ -133,9 +129,10 @@ def write_quads(
         f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{_BYTE_ORDER}" header_type="UInt64">',
         f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">',
     ]
-    for section, arrays in (
-        ("Points", {"Points": points}), ("Cells", cells), ("PointData", point_data), ("CellData", cell_data),
-    ):  # fmt: skip
+    sections: dict[str, Mapping[str, np.ndarray]] = {
+        "Points": {"Points": points}, "Cells": cells, "PointData": point_data, "CellData": cell_data,
+    }  # fmt: skip
+    for section, arrays in sections.items():
         lines.append(f"<{section}>")
         for name, values in arrays.items():
             shape = "" if values.ndim == 1 or section == "Cells" else f' NumberOfComponents="{values.shape[1]}"'

@@ -7,9 +7,10 @@ import pytest
 import trimesh
 
 from weavesim.errors import InputError
-from weavesim.mesh_shape import MeshShape, MeshSurface
-from weavesim.shapes import DomeOpening, DomePunch, Sphere, rotation_matrix
-from weavesim.tool import Tool
+from weavesim.tools.mesh_tool import MeshShape, MeshSurface
+from weavesim.tools.sampling import exact_distance, sampled_distance
+from weavesim.tools.shapes import DomeOpening, DomePunch, Sphere, rotation_matrix
+from weavesim.tools.tool import Tool
 
 RADIUS = 0.05
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=RADIUS)
@@ -65,19 +66,18 @@ def test_sampled_ball_is_the_ball_within_facets_and_samples(ball):
 
 
 def test_measured_error_is_that_of_independent_points(ball):
-    sampled = ball.surface.sampled("cpu")
+    sampled = sampled_distance(ball.surface)
     points = shell_points(0.002)
-    error = distance(ball, points)[0] - ball.surface.exact_distance(points)
-    assert ball.distance_error == sampled.largest_error
+    error = distance(ball, points)[0] - exact_distance(ball.surface, points)
     assert 0.5 * sampled.largest_error < np.abs(error).max() < 1.5 * sampled.largest_error
     assert sampled.mean_error < sampled.usual_error < sampled.largest_error < 0.05e-3
     assert np.sqrt(np.mean(error**2)) == pytest.approx(sampled.mean_error, rel=0.3)
-    assert any("distance sampled every 1.2 mm" in line for line in ball.surface.notes())
+    assert "ball: distance sampled every 1.2 mm" in sampled.note("ball")
 
 
 def test_finer_samples_have_a_smaller_error():
     coarse, fine = (MeshShape.from_triangles(BALL.vertices, BALL.faces, spacing=h) for h in (0.004, 0.002))
-    assert fine.surface.sampled().mean_error < 0.4 * coarse.surface.sampled().mean_error
+    assert sampled_distance(fine.surface).mean_error < 0.4 * sampled_distance(coarse.surface).mean_error
 
 
 def test_open_half_of_a_ball_agrees_with_the_whole_ball(ball):
@@ -92,7 +92,7 @@ def test_open_half_of_a_ball_agrees_with_the_whole_ball(ball):
 
 
 def test_inside_and_far_outside_have_the_right_sign(ball):
-    reach = ball.surface.sampled().reach
+    reach = sampled_distance(ball.surface).reach
     value, _ = distance(ball, np.array([[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.0, 1.0], [0.055, 0.055, 0.055]]))
     np.testing.assert_allclose(value[:2], -reach, rtol=1e-6)
     # beyond the box: the reach and the way to the box
@@ -121,7 +121,7 @@ def test_no_false_inside_beyond_an_open_border(flat):
     random = np.random.default_rng(2)
     points = random.uniform(-1.0, 1.0, (20_000, 3)) * (0.112, 0.112, 0.008)
     value, _ = distance(flat, points)
-    reach = flat.surface.sampled().reach
+    reach = sampled_distance(flat.surface).reach
     inside = (np.abs(points[:, :2]).max(axis=1) < 0.1) & (points[:, 2] < 0.0)
     # a column below the sheet, down to the end of the box
     over = np.maximum(np.abs(points) - (0.1, 0.1, np.inf), 0.0)
@@ -155,7 +155,7 @@ def test_sheet_of_the_die_has_the_distance_of_the_die():
     kept = np.all(np.abs(points) < (0.1, 0.07, 0.024), axis=1)
     value, normal = distance(shape, points[kept])
     exact, exact_normal = distance(die, points[kept])
-    spacing = shape.surface.sampled().spacing
+    spacing = sampled_distance(shape.surface).spacing
     assert spacing <= 0.00105
     # rounding of 10 mm: facets sag by 5e-5 m at most, samples add h^2 / 4 r
     assert np.abs(value - exact).max() < 5e-5 + spacing**2 / (4 * 0.01)
@@ -206,13 +206,13 @@ def test_half_and_quarter_meshes_are_mirrored():
     mirrored = MeshSurface(quarter.vertices, quarter.faces, mirror=("x", "y"))
     assert mirrored.closed and mirrored.cut_planes == []
     points = shell_points(0.004, 500)
-    np.testing.assert_allclose(mirrored.exact_distance(points), whole.exact_distance(points), atol=1e-7)
+    np.testing.assert_allclose(exact_distance(mirrored, points), exact_distance(whole, points), atol=1e-7)
     # a capped half: its cut face goes
     half = trimesh.creation.box((0.1, 0.1, 0.1), transform=trimesh.transformations.translation_matrix((0.05, 0, 0)))
     box = MeshSurface(half.vertices, half.faces, mirror=("x",))
     assert box.closed
     np.testing.assert_allclose(
-        box.exact_distance(np.array([[0.0, 0.0, 0.04], [0.08, 0, 0]])), [-0.01, -0.02], atol=1e-7
+        exact_distance(box, np.array([[0.0, 0.0, 0.04], [0.08, 0, 0]])), [-0.01, -0.02], atol=1e-7
     )
 
 
@@ -241,8 +241,8 @@ def test_patches_that_only_touch_are_one_sheet():
     surface = MeshSurface(vertices, np.concatenate([faces, other[:, ::-1] + len(left)]), side=(0.0, 0.0, 1.0))
     assert surface.open_edge_count == 3 * 10 + 3 * 7
     points = np.column_stack([np.linspace(-0.01, 0.01, 200), np.full(200, 0.0123), np.full(200, -0.003)])
-    np.testing.assert_allclose(surface.exact_distance(points), -0.003, atol=1e-7)
-    np.testing.assert_allclose(surface.exact_distance(-points), 0.003, atol=1e-7)
+    np.testing.assert_allclose(exact_distance(surface, points), -0.003, atol=1e-7)
+    np.testing.assert_allclose(exact_distance(surface, -points), 0.003, atol=1e-7)
 
 
 def test_triangle_soup_is_welded():
@@ -324,7 +324,7 @@ def _with(vertices, row, value):
         (lambda v, f: MeshSurface(v, f, spacing=-1.0), "spacing"),
         (lambda v, f: MeshSurface(v, f, spacing=0.1), "a tenth of the size"),
         (lambda v, f: MeshSurface(v, f, spacing=0.001, reach=0.002), "four times the spacing"),
-        (lambda v, f: MeshSurface(v, f, spacing=1e-5, reach=0.1).sampled(), "at least"),
+        (lambda v, f: sampled_distance(MeshSurface(v, f, spacing=1e-5, reach=0.1)), "at least"),
         (lambda v, f: MeshSurface(BALL.vertices, BALL.faces[1:]), "close its holes"),
         (lambda v, f: MeshSurface(BALL.vertices, BALL.faces[1:], side=(0.0, 0.0, 1.0)), "close its holes"),
         (lambda v, f: MeshShape.from_file("tool.stl", unit_scale=0.0), "unit_scale"),

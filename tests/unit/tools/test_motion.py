@@ -9,18 +9,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weavesim.errors import InputError
-from weavesim.kernels.node import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP
-from weavesim.kernels.tool_motion import tool_motion_kernel
-from weavesim.motion import Driven, Fixed, Stroke
-from weavesim.shapes import Plane
-from weavesim.tool import Tool, build_device_tools
+from weavesim.kernels.rows import ClockEntry
+from weavesim.kernels.stepping.tools import tool_motion_kernel
+from weavesim.process.strokes import Fixed, ForceDriven, Stroke
+from weavesim.tools.device import build_device_tools
+from weavesim.tools.shapes import Plane
+from weavesim.tools.tool import Tool
 
 
 def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0)):
     """Displacement and velocity after each step, (step_count, tool_count), and the device's arrays."""
     device = build_device_tools(tools, wp.float64, "cpu")
-    clock = np.zeros(CLOCK_LENGTH)
-    clock[int(CLOCK_STEP)] = clock[int(CLOCK_MEAN_STEP)] = step
+    clock = np.zeros(ClockEntry.row_count())
+    clock[ClockEntry.step] = clock[ClockEntry.mean_step] = step
     clock = wp.array(clock, dtype=wp.float64, device="cpu")
     # each tool feels the reaction in two blocks
     half = np.tile(0.5 * np.array(reaction), (len(tools), 2, 1))
@@ -96,7 +97,7 @@ def test_driven_tool_falls_as_newton_says():
     mass, force, along, step, count = 2.0, 100.0, -30.0, 1e-4, 500
     axis = np.array([0.6, 0.0, -0.8])
     reaction = along * axis + 7.0 * np.array([0.8, 0.0, 0.6])  # the sideways part does nothing
-    displacement, velocity, device = run([tool(Driven.constant(force, mass), axis)], step, count, reaction)
+    displacement, velocity, device = run([tool(ForceDriven.constant(force, mass), axis)], step, count, reaction)
     acceleration = (force + along) / mass
     n = np.arange(1, count + 1)
     np.testing.assert_allclose(velocity[:, 0], acceleration * n * step, rtol=1e-12)
@@ -110,7 +111,7 @@ def test_driven_tool_falls_as_newton_says():
 
 
 def test_driven_force_follows_its_curve():
-    motion = Driven.constant(10.0, 4.0, ramp_time=0.02)
+    motion = ForceDriven.constant(10.0, 4.0, ramp_time=0.02)
     _, velocity, _ = run([tool(motion)], 1e-4, 400)
     # momentum is the force's integral: half of the ramp, then all
     assert 4.0 * velocity[199, 0] == pytest.approx(0.5 * 10.0 * 0.02, rel=0.01)
@@ -122,7 +123,7 @@ def test_device_arrays_hold_what_the_tools_say(real):
     punch = Tool(
         "punch", Plane(origin=(0.1, 0.2, 0.3)), Stroke((0.0, 0.5), (0.01, 0.06)), friction=0.3, axis=(0, 0, -2)
     )
-    holder = Tool("blank_holder", Plane(), Driven((0.0,), (50.0,), 3.0), friction=0.1)
+    holder = Tool("blank_holder", Plane(), ForceDriven((0.0,), (50.0,), 3.0), friction=0.1)
     device = build_device_tools([punch, holder], real, "cpu")
     record = device.tool.numpy()
     np.testing.assert_allclose(record["friction"], [0.3, 0.1], rtol=1e-6)
@@ -152,8 +153,8 @@ def test_no_tools_make_empty_arrays():
         (lambda: Stroke.smooth(0.0, 1.0, 0.1), "Fixed"),
         (lambda: Stroke.smooth(0.1, -1.0, 0.1), "speed"),
         (lambda: Stroke.smooth(0.1, 1.0, -0.1), "must not be negative"),
-        (lambda: Driven((0.0,), (1.0,), 0.0), "Driven.mass"),
-        (lambda: Tool("punch", Plane(), "down"), "Fixed, Stroke or Driven"),
+        (lambda: ForceDriven((0.0,), (1.0,), 0.0), "ForceDriven.mass"),
+        (lambda: Tool("punch", Plane(), "down"), "Fixed, Stroke or ForceDriven"),
         (lambda: Tool("punch", "round"), "shape"),
         (lambda: Tool("punch", Plane(), friction=-0.1), "friction"),
         (lambda: Tool("punch", Plane(), axis=(0, 0, 0)), "axis"),

@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weavesim.errors import InputError
-from weavesim.kernels.distance import sample_distance_kernel
-from weavesim.shapes import (
+from weavesim.kernels.contact.tool_distance import sample_distance_kernel
+from weavesim.tools.device import build_device_tools
+from weavesim.tools.shapes import (
     IDENTITY,
     Capsule,
     DomeCavity,
@@ -23,7 +24,7 @@ from weavesim.shapes import (
     Union,
     rotation_matrix,
 )
-from weavesim.tool import Tool, build_device_tools
+from weavesim.tools.tool import Tool
 
 PUNCH = DomePunch(0.06, 0.085)
 OPENING = DomeOpening(0.0612, 0.085, 0.01)

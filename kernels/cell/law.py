@@ -1,0 +1,50 @@
+"""The contract of a unit cell: what it answers to the strains of an element (docs/theory.md, section 2)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+LARGEST_UNKNOWN_COUNT = 4
+
+
+@dataclass(frozen=True, eq=False)
+class CellLaw:
+    """One kind of unit cell, as the kernels use it: its parameters, its unknowns, and functions of lanes.
+
+    Every function gets the cell's struct and the strains (warp, weft, shear angle) first; q is a matrix with one row of
+    lanes per unknown.
+
+    Attributes:
+        name: for messages.
+        parameters: ``parameters(real)`` is the struct of the cell's constants in one precision.
+        unknown_count: number n of unknowns, 0 to 4.
+        energy_names: the parts of the energy, entries of the ledger.
+        depends_on_shear: False spares all that would be zero.
+        lane_by_lane: True if its functions take one lane after the other, so that wide kernels gain nothing.
+        stable_state_count: states whose tangents ``stable_tangent`` gives.
+        solve: (..., start q) -> q, n_1, n_2, m [N/m], pressure between warp and weft per reference
+            area [N/m^2], relative residual, iterations.
+        energies: (..., q, area) -> one row per part [J]; like ``tangent`` for kernels of one lane.
+        tangent: (..., q) -> derivatives of (n_1, n_2, m) at equilibrium: C11, C12, C22, C13, C23, C33 [N/m].
+        stable_tangent: (..., q, state) -> the same six, n_1, n_2, m and the pressure, with the yarns in tension: what
+            becomes of the cell as soon as it is pulled. Where one state does not tell, several are looked at.
+        snap_loss: (..., start q, q) -> energy that a jump to another equilibrium freed [J/m^2], 0 where none happened.
+    """
+
+    name: str
+    parameters: Callable[[type], Any]
+    unknown_count: int
+    energy_names: tuple[str, ...]
+    depends_on_shear: bool
+    lane_by_lane: bool
+    stable_state_count: int
+    solve: Any
+    energies: Any
+    tangent: Any
+    stable_tangent: Any
+    snap_loss: Any
+
+    @property
+    def row_count(self) -> int:
+        """Rows of the array of unknowns; a cell without unknowns has one that nobody reads."""
+        return max(self.unknown_count, 1)

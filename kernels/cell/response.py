@@ -1,0 +1,83 @@
+"""The unit cell alone, on arrays of stretches and shear angles: for tests, plots and calibration."""
+
+from functools import cache
+
+import warp as wp
+
+from ..lanes import div, lane_types, mul  # noqa: F401 - operators of lanes
+from ..rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
+from .law import CellLaw
+
+
+@cache
+def unit_cell_response_kernel(real: type, cell: CellLaw):
+    """Every item has a cell and its strains; the branch from rest is followed in equal increments."""
+    lanes = lane_types(real, 1).lanes
+    UnitCell, unknown_count, part_count = cell.parameters(real), cell.unknown_count, len(cell.energy_names)
+    Unknowns = wp.types.matrix((cell.row_count, 1), real)
+    solve, cell_energies, cell_tangent, snap_loss = cell.solve, cell.energies, cell.tangent, cell.snap_loss
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def unit_cell_response(
+        # In
+        cells: wp.array(dtype=UnitCell),
+        strain: wp.array2d(dtype=real),  # rows: see StrainRow
+        start: wp.array2d(dtype=real),  # unknowns at rest
+        increment_count: wp.int32,
+        # Out
+        unknowns: wp.array2d(dtype=real),
+        force: wp.array2d(dtype=real),  # rows: see CellForceRow
+        energy: wp.array2d(dtype=real),  # parts [J/m^2]
+        tangent: wp.array2d(dtype=real),  # rows: see TangentRow
+        convergence: wp.array2d(dtype=real),  # rows: see ConvergenceRow
+    ):
+        i = wp.tid()
+        parameters = cells[wp.min(i, cells.shape[0] - 1)]
+        q = Unknowns()
+        for k in range(unknown_count):
+            q[k, 0] = start[k, i]
+        strain1 = lanes()
+        strain2 = lanes()
+        angle = lanes()
+        force1 = lanes()
+        force2 = lanes()
+        moment = lanes()
+        pressure = lanes()
+        worst = real(0.0)
+        most = real(0.0)
+        lost = real(0.0)
+        for increment in range(increment_count):
+            share = real(increment + 1) / real(increment_count)
+            strain1 = lanes(share * strain[StrainRow.warp, i])
+            strain2 = lanes(share * strain[StrainRow.weft, i])
+            angle = lanes(share * strain[StrainRow.shear_angle, i])
+            before = q
+            q, force1, force2, moment, pressure, residual, iterations = solve(
+                parameters, strain1, strain2, angle, before
+            )
+            # written so that a NaN counts as the worst
+            worst = wp.where(residual[0] <= worst, worst, residual[0])
+            most = wp.max(most, iterations[0])
+            freed = snap_loss(parameters, strain1, strain2, angle, before, q)
+            lost = lost + freed[0]
+        parts = cell_energies(parameters, strain1, strain2, angle, q, lanes(real(1.0)))
+        c11, c12, c22, c13, c23, c33 = cell_tangent(parameters, strain1, strain2, angle, q)
+        for k in range(unknown_count):
+            unknowns[k, i] = q[k, 0]
+        for k in range(part_count):
+            energy[k, i] = parts[k, 0]
+        force[CellForceRow.warp, i] = force1[0]
+        force[CellForceRow.weft, i] = force2[0]
+        force[CellForceRow.moment, i] = moment[0]
+        force[CellForceRow.crossover_pressure, i] = pressure[0]
+        tangent[TangentRow.c11, i] = c11[0]
+        tangent[TangentRow.c12, i] = c12[0]
+        tangent[TangentRow.c22, i] = c22[0]
+        tangent[TangentRow.c13, i] = c13[0]
+        tangent[TangentRow.c23, i] = c23[0]
+        tangent[TangentRow.c33, i] = c33[0]
+        convergence[ConvergenceRow.worst_residual, i] = worst
+        convergence[ConvergenceRow.most_iterations, i] = most
+        convergence[ConvergenceRow.snap_loss, i] = lost
+
+    return unit_cell_response

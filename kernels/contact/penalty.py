@@ -1,0 +1,40 @@
+"""Contact of a node with a tool: penalty force, dashpot, friction spring (docs/theory.md, section 6)."""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from ..lanes import div, dot, fill, lane_types, larger, mul, scale, square_root, where_positive  # noqa: F401 - operators of lanes
+
+
+@cache
+def touch_struct(real: type, lane_count: int):
+    """What the nodes keep of the tools from step to step, and what they do to them; all is written."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Touch:
+        friction: wp.array2d(dtype=types.lanes)  # tangential spring of each tool [m], three rows each
+        gap: wp.array2d(dtype=real)  # [tool, block]: way before any node can touch [m]; none if not positive
+        reaction: wp.array2d(dtype=types.vec3)  # [tool, block]: force of the sheet on the tool [N]
+
+    return Touch
+
+
+@wp.func
+def normal_force(penetration: Any, approach: Any, stiffness: Any, damping_time: Any):
+    """Penalty force and its damped total, never pulling; ``approach`` > 0 where the sheet moves into the tool."""
+    zero = fill(penetration, 0.0)
+    spring = stiffness * larger(penetration, zero)
+    total = where_positive(penetration, larger(spring + damping_time * (stiffness * approach), zero), zero)
+    return spring, total
+
+
+@wp.func
+def friction_spring(trial: Any, stiffness: Any, limit: Any):
+    """Coulomb return mapping: the tangential spring, shortened until its force is within the limit."""
+    force = stiffness * square_root(dot(trial, trial))
+    # padding nodes have neither force nor limit, and no spring
+    slid = limit / larger(force, fill(force, 1.0e-30))
+    return scale(where_positive(limit - force, fill(force, 1.0), slid), trial)

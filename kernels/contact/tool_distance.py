@@ -1,0 +1,141 @@
+"""Signed distance and outward normal of rigid tools (docs/theory.md, section 6). Negative inside the tool.
+
+A tool is a union of parts, each an analytic shape or a sampled volume in its own frame.
+"""
+
+from functools import cache
+
+import warp as wp
+
+from ..lanes import lane_types, where_positive
+from .tool_shapes import SHAPE_KINDS, part_struct
+
+
+@cache
+def tool_struct(real: type):
+    """One tool: its parts, friction and frame at zero displacement."""
+    vec3 = wp.types.vector(3, real)
+
+    @wp.struct
+    class Tool:
+        first_part: wp.int32
+        part_count: wp.int32
+        axis: vec3  # unit direction of the motion
+        friction: real  # Coulomb coefficient
+        blind_distance: real  # up to it the distance may jump as points move; beyond, it changes no more than they move
+
+    return Tool
+
+
+@cache
+def tool_set_struct(real: type):
+    """All tools and where they are now."""
+    Tool, ToolPart = tool_struct(real), part_struct(real)
+
+    @wp.struct
+    class Tools:
+        tool: wp.array(dtype=Tool)
+        part: wp.array(dtype=ToolPart)
+        displacement: wp.array(dtype=wp.float64)  # along each tool's axis [m]
+        velocity: wp.array(dtype=wp.float64)  # [m/s]
+
+    return Tools
+
+
+@cache
+def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...]):
+    """wp.func (part, points in its frame) -> (signed distance, outward normal), for parts of ``shape_kinds``.
+
+    A part of any other kind is a mistake of the host: its distance is no number, which stops a run.
+    """
+    unknown = [name for name in shape_kinds if name not in SHAPE_KINDS]
+    if unknown:
+        raise ValueError(f"no distance function of {', '.join(unknown)}; there are {', '.join(SHAPE_KINDS)}")
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+    ToolPart = part_struct(real)
+    kinds = tuple(SHAPE_KINDS[name] for name in shape_kinds)
+
+    @wp.func
+    def part_distance(part: ToolPart, p: lanes3):
+        distance = lanes(real(wp.nan))
+        normal = lanes3()
+        for k in range(wp.static(len(kinds))):
+            if part.kind == wp.static(kinds[k].number):
+                distance, normal = wp.static(kinds[k].distance)(part, p)
+        return distance, normal
+
+    return part_distance
+
+
+@cache
+def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...], rotated: bool):
+    """wp.func (parts, tool, displacement, x) -> (signed distance, outward normal), for lanes of points.
+
+    It knows no other kinds of parts than ``shape_kinds``, and rotated ones only if ``rotated``.
+    """
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+    Tool, ToolPart = tool_struct(real), part_struct(real)
+    part_distance = part_distance_function(real, lane_count, shape_kinds)
+
+    @wp.func
+    def tool_distance(parts: wp.array(dtype=ToolPart), tool: Tool, displacement: real, x: lanes3):
+        distance = lanes()
+        normal = lanes3()
+        for k in range(tool.part_count):
+            part = parts[tool.first_part + k]
+            centre = part.origin + displacement * tool.axis
+            p = wp.matrix_from_rows(x[0] - lanes(centre[0]), x[1] - lanes(centre[1]), x[2] - lanes(centre[2]))
+            if wp.static(rotated):
+                p = wp.transpose(part.rotation) * p
+            part_d, part_n = part_distance(part, p)
+            if wp.static(rotated):
+                part_n = part.rotation * part_n
+            if k == 0:
+                distance = part_d
+                normal = part_n
+            else:
+                nearer = distance - part_d
+                distance = where_positive(nearer, part_d, distance)
+                for c in range(3):
+                    normal[c] = where_positive(nearer, part_n[c], normal[c])
+        return distance, normal
+
+    return tool_distance
+
+
+@cache
+def sample_distance_kernel(real: type, lane_count: int):
+    """Kernel that evaluates one tool at points given one per entry; the last block of lanes repeats the last point."""
+    types = lane_types(real, lane_count)
+    lanes3, vec3 = types.lanes3, types.vec3
+    Tool, ToolPart = tool_struct(real), part_struct(real)
+    tool_distance = tool_distance_function(real, lane_count, tuple(SHAPE_KINDS), True)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def sample_distance(
+        # In
+        tools: wp.array(dtype=Tool),
+        parts: wp.array(dtype=ToolPart),
+        tool_index: wp.int32,
+        displacement: real,
+        points: wp.array(dtype=vec3),
+        # Out
+        distance: wp.array(dtype=real),
+        normal: wp.array(dtype=vec3),
+    ):
+        first = wp.tid() * lane_count
+        last = points.shape[0] - 1
+        x = lanes3()
+        for i in range(lane_count):
+            point = points[wp.min(first + i, last)]
+            for c in range(3):
+                x[c, i] = point[c]
+        d, n = tool_distance(parts, tools[tool_index], displacement, x)
+        for i in range(lane_count):
+            if first + i <= last:
+                distance[first + i] = d[i]
+                normal[first + i] = vec3(n[0, i], n[1, i], n[2, i])
+
+    return sample_distance

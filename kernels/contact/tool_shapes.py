@@ -1,0 +1,199 @@
+"""Signed distance and outward normal of every kind of part that a tool is made of: one function each, in one registry.
+
+A function takes the part and points in the part's frame, and is negative inside. A new kind is a function and an entry
+in ``SHAPE_KINDS``; a dimension that no other has is a field of the struct too.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import Any
+
+import warp as wp
+
+from ..lanes import (  # noqa: F401 - operators of lanes
+    div,
+    fill,
+    larger,
+    magnitude,
+    mul,
+    smaller,
+    spread,
+    square_root,
+    where_positive,
+)
+from .mesh_distance import volume_distance
+
+
+@cache
+def part_struct(real: type):
+    """One part of a tool: kind, frame and dimensions [m]."""
+    vec3 = wp.types.vector(3, real)
+
+    @wp.struct
+    class ToolPart:
+        kind: wp.int32  # ShapeKind.number
+        origin: vec3
+        rotation: wp.types.matrix((3, 3), real)  # columns: the part's axes in the world
+        radius: real
+        major_radius: real
+        half_length: real
+        edge_radius: real
+        volume: wp.uint64  # id of a wp.Volume in the part's frame
+        lower: vec3  # box of the volume; outside it the distance is at least that to the box
+        upper: vec3
+        reach: real  # value used outside the volume [m]
+
+    return ToolPart
+
+
+@wp.func
+def stadium_profile(x: Any, y: Any, half_length: Any):
+    """Distance to a segment along x in the plan view, and the two components of its vector."""
+    zero = fill(x, 0.0)
+    over = larger(magnitude(x) - spread(x, half_length), zero)
+    along = where_positive(x, over, -over)
+    return square_root(along * along + y * y), along, y
+
+
+@wp.func
+def safe_inverse(length: Any):
+    tiny = fill(length, 1.0e-12)
+    return fill(length, 1.0) / larger(length, tiny)
+
+
+@wp.func
+def segment_distance(x: Any, y: Any, z: Any, half_length: Any, radius: Any):
+    """Distance and normal of all points within ``radius`` of the segment |x| <= half_length."""
+    out, along, across = stadium_profile(x, y, half_length)
+    length = square_root(out * out + z * z)
+    inverse = safe_inverse(length)
+    distance = length - spread(x, radius)
+    return distance, wp.matrix_from_rows(along * inverse, across * inverse, z * inverse)
+
+
+@wp.func
+def plane_distance(part: Any, p: Any):
+    """Solid z < 0."""
+    zero = fill(p[2], 0.0)
+    return p[2], wp.matrix_from_rows(zero, zero, fill(p[2], 1.0))
+
+
+@wp.func
+def sphere_distance(part: Any, p: Any):
+    """A ball about the origin."""
+    return segment_distance(p[0], p[1], p[2], part.radius.dtype(0.0), part.radius)
+
+
+@wp.func
+def capsule_distance(part: Any, p: Any):
+    """All points within ``radius`` of a segment along x."""
+    return segment_distance(p[0], p[1], p[2], part.half_length, part.radius)
+
+
+@wp.func
+def dome_punch_distance(part: Any, p: Any):
+    """Lower half of a capsule along x, extruded to z = +infinity."""
+    return segment_distance(p[0], p[1], smaller(p[2], fill(p[2], 0.0)), part.half_length, part.radius)
+
+
+@wp.func
+def torus_distance(part: Any, p: Any):
+    """A tube along a circle about z."""
+    x = p[0]
+    y = p[1]
+    z = p[2]
+    out = square_root(x * x + y * y)
+    a = out - spread(x, part.major_radius)
+    length = square_root(a * a + z * z)
+    inverse = safe_inverse(length)
+    inverse_out = safe_inverse(out)
+    distance = length - spread(x, part.radius)
+    return distance, wp.matrix_from_rows(a * inverse * x * inverse_out, a * inverse * y * inverse_out, z * inverse)
+
+
+@wp.func
+def dome_opening_distance(part: Any, p: Any):
+    """Plate z < 0 with an opening around a segment along x, its upper edge rounded."""
+    x = p[0]
+    z = p[2]
+    zero = fill(x, 0.0)
+    one = fill(x, 1.0)
+    out, along, across = stadium_profile(x, p[1], part.half_length)
+    inverse_out = safe_inverse(out)
+    edge = spread(x, part.edge_radius)
+    # coordinates from the centre of the edge circle: a < 0 over the opening, b > 0 above
+    a = out - spread(x, part.radius + part.edge_radius)
+    b = z + edge
+    wall = smaller(a, zero)
+    top = larger(b, zero)
+    corner = square_root(wall * wall + top * top)
+    # in the corner quadrant the rounded edge; elsewhere inside the solid the nearer of wall and top
+    rounded = corner - edge
+    inner = larger(-a, b) - edge
+    distance = where_positive(corner, rounded, inner)
+    inverse_corner = safe_inverse(corner)
+    wall_nearer = where_positive(-a - b, one, zero)
+    normal_out = where_positive(corner, wall * inverse_corner, -wall_nearer)
+    normal_up = where_positive(corner, top * inverse_corner, one - wall_nearer)
+    return distance, wp.matrix_from_rows(normal_out * along * inverse_out, normal_out * across * inverse_out, normal_up)
+
+
+@wp.func
+def dome_cavity_distance(part: Any, p: Any):
+    """Block z < 0 with a hollow, the lower half of a capsule along x."""
+    x = p[0]
+    z = p[2]
+    zero = fill(x, 0.0)
+    one = fill(x, 1.0)
+    out, along, across = stadium_profile(x, p[1], part.half_length)
+    inverse_out = safe_inverse(out)
+    # below the top: the hollow, or the top itself where that is nearer
+    deep = square_root(out * out + z * z)
+    inverse_deep = safe_inverse(deep)
+    hollow = spread(x, part.radius) - deep
+    top_nearer = z - hollow
+    # above it: the rim, or the top beside it
+    wall = larger(spread(x, part.radius) - out, zero)
+    high = square_root(wall * wall + z * z)
+    inverse_high = safe_inverse(high)
+    distance = where_positive(z, high, larger(hollow, z))
+    normal_out = where_positive(
+        z, -(wall * inverse_high) * inverse_out, where_positive(top_nearer, zero, -inverse_deep)
+    )
+    normal_up = where_positive(z, z * inverse_high, where_positive(top_nearer, one, -(z * inverse_deep)))
+    return distance, wp.matrix_from_rows(normal_out * along, normal_out * across, normal_up)
+
+
+@dataclass(frozen=True)
+class ShapeKind:
+    """A kind of part.
+
+    Attributes:
+        number: of the kind, as the kernels know it.
+        distance: Warp function (part, points as rows of lanes) -> (distance, normals as rows of lanes).
+        dimensions: fields of the part that it reads beside the frame.
+    """
+
+    number: int
+    distance: wp.Function
+    dimensions: tuple[str, ...] = ()
+
+
+_distances = {
+    "plane": (plane_distance,),
+    "sphere": (sphere_distance, "radius"),
+    "capsule": (capsule_distance, "radius", "half_length"),
+    "torus": (torus_distance, "radius", "major_radius"),
+    "dome_punch": (dome_punch_distance, "radius", "half_length"),
+    "dome_opening": (dome_opening_distance, "radius", "half_length", "edge_radius"),
+    "dome_cavity": (dome_cavity_distance, "radius", "half_length"),
+    "volume": (volume_distance, "volume", "lower", "upper", "reach"),
+}
+SHAPE_KINDS: Mapping[str, ShapeKind] = MappingProxyType(
+    {
+        name: ShapeKind(number, distance, tuple(dimensions))
+        for number, (name, (distance, *dimensions)) in enumerate(_distances.items())
+    }
+)

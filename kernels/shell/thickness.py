@@ -1,0 +1,27 @@
+"""The sheet's own compressive stiffness along its yarns, and its current thickness."""
+
+from typing import Any
+
+import warp as wp
+
+from ..lanes import div, fill, mul, power, where_positive  # noqa: F401 - operators of lanes
+
+# --- compression ------------------------------------------------------------------------------------------------------
+
+
+@wp.func
+def compressive_force(laws: Any, stretch: Any):
+    """Resistance of the sheet itself to a yarn that is pushed together [N/m]; psi = 1/2 k min(stretch - 1, 0)^2."""
+    shortening = stretch - fill(stretch, 1.0)
+    return laws.compressive_stiffness * where_positive(shortening, fill(stretch, 0.0), shortening)
+
+
+# --- thickness --------------------------------------------------------------------------------------------------------
+
+
+@wp.func
+def current_thickness(laws: Any, area_ratio: Any, crossover_pressure: Any):
+    """t = t_0 J^-n / (1 + p/E_c) [m], with the pressure p of the crossovers."""
+    pressed = where_positive(crossover_pressure, crossover_pressure, fill(area_ratio, 0.0))
+    flattened = fill(area_ratio, 1.0) + laws.inverse_crossover_modulus * pressed
+    return laws.thickness * power(area_ratio, -laws.thickening) / flattened

@@ -1,0 +1,63 @@
+"""What the processor is asked for: a barrier between threads, and the treatment of subnormal numbers."""
+
+import warp as wp
+
+
+# Spinning answers within a microsecond while every thread has a core. Where threads share cores, the one that waits
+# gives its core away after a while (a pause is up to 140 cycles): soon enough to be cheap, not so often that the
+# scheduler gives whole slices to others (docs/decisions/0017).
+@wp.func_native("""
+    int *p = &wp::index(counter, 0);
+    const int arrived = __atomic_add_fetch(p, 1, __ATOMIC_ACQ_REL);
+    const int target = ((arrived + thread_count - 1) / thread_count) * thread_count;
+    for (int spin = 0; __atomic_load_n(p, __ATOMIC_ACQUIRE) < target; ++spin) {
+#if defined(__x86_64__)
+        __builtin_ia32_pause();
+#if defined(__linux__)
+        if (spin > 400 && spin % 64 == 0) {
+            extern int give_core_away() __asm__("sched_yield");
+            give_core_away();
+        }
+#endif
+#endif
+    }
+""")
+def wait_for_all(counter: wp.array(dtype=wp.int32), thread_count: wp.int32): ...
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def barrier(counter: wp.array(dtype=wp.int32), thread_count: wp.int32):
+    """Launched once by each of ``thread_count`` threads; the counter starts at 0 and is reset between replays."""
+    wait_for_all(counter, thread_count)
+
+
+@wp.func_native("""
+#if defined(__x86_64__)
+    const unsigned int flush_results_and_inputs = 0x8040;
+    unsigned int mode = __builtin_ia32_stmxcsr();
+    const int before = mode & flush_results_and_inputs;
+    mode &= ~flush_results_and_inputs;
+    mode |= wanted & flush_results_and_inputs;
+    __builtin_ia32_ldmxcsr(mode);
+    return before;
+#else
+    return 0;
+#endif
+""")
+def switch_flushing(wanted: wp.int32) -> wp.int32:
+    """Set how this thread treats subnormal numbers; how it did before."""
+
+
+FLUSH = wp.constant(0x8040)
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def flush_subnormals(before: wp.array(dtype=wp.int32)):
+    """From here on this thread rounds subnormal numbers to zero; a single thread."""
+    before[0] = switch_flushing(FLUSH)
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def restore_subnormals(before: wp.array(dtype=wp.int32)):
+    """As it was before ``flush_subnormals``."""
+    previous = switch_flushing(before[0])  # noqa: F841

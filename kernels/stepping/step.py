@@ -1,0 +1,82 @@
+"""The next time step, and the end of an output interval on a GPU."""
+
+from functools import cache
+
+import warp as wp
+
+from ..lanes import lane_types
+from ..rows import ClockEntry
+
+# A step that shrinks goes to this share of the limit, so that it need not shrink again at once.
+STEP_MARGIN = wp.constant(0.98)
+# A step grows by one factor per refresh as soon as the limit is the other one above it.
+STEP_GROWTH = wp.constant(1.02)
+STEP_SLACK = wp.constant(1.05)
+
+
+@cache
+def partial_maximum_kernel(real: type):
+    """Largest entry of each group; a NaN becomes infinity, so that the step shrinks to nothing and the run stops."""
+    lanes = lane_types(real, 1).lanes
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def partial_maximum(group_size: wp.int32, values: wp.array(dtype=lanes), maxima: wp.array(dtype=real)):
+        group = wp.tid()
+        largest = real(0.0)
+        for i in range(group * group_size, wp.min((group + 1) * group_size, values.shape[0])):
+            value = values[i][0]
+            # written so that a NaN, and infinity after it, stays
+            largest = wp.where(value <= largest, largest, wp.where(value == value, value, real(wp.inf)))
+        maxima[group] = largest
+
+    return partial_maximum
+
+
+@cache
+def set_step_kernel(real: type):
+    """The next time step: kept as long as it is stable and not far below what is, for every change costs energy.
+
+    Central differences with a constant step keep an energy of their own; each change of the step breaks it, and since
+    the stable step follows the state, the breaks add up.
+    """
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def set_step(
+        maxima: wp.array(dtype=real),
+        safety: wp.float64,
+        largest_step: wp.float64,
+        clock: wp.array(dtype=wp.float64),
+    ):
+        largest = real(0.0)
+        for i in range(maxima.shape[0]):
+            largest = wp.where(maxima[i] <= largest, largest, maxima[i])
+        stable = safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest))
+        old = clock[ClockEntry.step]
+        new = old
+        if not wp.min(stable, largest_step) >= old:  # a NaN shrinks the step too, and so stops the run
+            new = wp.min(wp.float64(STEP_MARGIN) * stable, largest_step)
+        elif stable > wp.float64(STEP_SLACK) * old:
+            new = wp.min(wp.float64(STEP_GROWTH) * old, largest_step)
+        clock[ClockEntry.step] = new
+        clock[ClockEntry.mean_step] = wp.float64(0.5) * (old + new)
+
+    return set_step
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def look_at_clock(
+    # In
+    done: wp.int32,  # blocks since the last look
+    largest_block_count: wp.int32,
+    target: wp.array(dtype=wp.float64),  # time at which the interval ends [s]
+    clock: wp.array(dtype=wp.float64),
+    # Out
+    block_count: wp.array(dtype=wp.int32),
+    running: wp.array(dtype=wp.int32),
+):
+    """A single thread; the first end of a block at or beyond the target ends the interval, and so does a lost state."""
+    block_count[0] = block_count[0] + done
+    step = clock[ClockEntry.step]
+    # comparisons with NaN are false
+    alive = step > wp.float64(0.0) and wp.isfinite(step)
+    running[0] = wp.where(alive and clock[ClockEntry.time] < target[0] and block_count[0] < largest_block_count, 1, 0)

@@ -1,0 +1,110 @@
+"""Rigid tools: sum the reactions in a fixed order, move by a stroke curve or by a force, advance the clock."""
+
+from functools import cache
+
+import warp as wp
+
+from ..rows import ClockEntry, ToolWorkRow
+
+STROKE = wp.constant(0)
+FORCE = wp.constant(1)
+
+
+@wp.struct
+class ToolDrive:
+    """Motion law of one tool; its curve is a run of knots in the common arrays."""
+
+    kind: wp.int32
+    first_knot: wp.int32
+    knot_count: wp.int32
+    mass: wp.float64  # [kg], of a force-driven tool
+
+
+@wp.func
+def curve_value(
+    curve_time: wp.array(dtype=wp.float64), curve_value: wp.array(dtype=wp.float64), drive: ToolDrive, time: wp.float64
+):
+    """Piecewise linear in time, constant beyond its ends."""
+    low = drive.first_knot
+    high = drive.first_knot + drive.knot_count - 1
+    result = curve_value[high]
+    if time <= curve_time[low]:
+        result = curve_value[low]
+    elif time < curve_time[high]:
+        while high - low > 1:
+            middle = (low + high) / 2
+            if curve_time[middle] <= time:
+                low = middle
+            else:
+                high = middle
+        share = (time - curve_time[low]) / (curve_time[high] - curve_time[low])
+        result = curve_value[low] + share * (curve_value[high] - curve_value[low])
+    return result
+
+
+@cache
+def partial_sum_kernel(real: type):
+    """Sum ``group_size`` neighbouring reactions, so that the last sum stays short on many nodes."""
+    vec3 = wp.types.vector(3, real)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def partial_sums(group_size: wp.int32, values: wp.array2d(dtype=vec3), sums: wp.array2d(dtype=vec3)):
+        tool, group = wp.tid()
+        total = vec3()
+        for i in range(group * group_size, wp.min((group + 1) * group_size, values.shape[1])):
+            total += values[tool, i]
+        sums[tool, group] = total
+
+    return partial_sums
+
+
+@cache
+def tool_motion_kernel(real: type):
+    """Kernel of a single thread per step, between the node kernel and the next step."""
+    vec3 = wp.types.vector(3, real)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def tool_motion(
+        # In
+        drives: wp.array(dtype=ToolDrive),
+        axis: wp.array(dtype=wp.vec3d),
+        curve_times: wp.array(dtype=wp.float64),
+        curve_values: wp.array(dtype=wp.float64),
+        reactions: wp.array2d(dtype=vec3),
+        # Out
+        clock: wp.array(dtype=wp.float64),
+        displacement: wp.array(dtype=wp.float64),
+        velocity: wp.array(dtype=wp.float64),
+        total_reaction: wp.array(dtype=wp.vec3d),
+        work: wp.array2d(dtype=wp.float64),  # rows: see ToolWorkRow
+    ):
+        step = clock[ClockEntry.step]
+        next_time = clock[ClockEntry.time] + step
+        for k in range(drives.shape[0]):
+            drive = drives[k]
+            total = wp.vec3d()
+            for i in range(reactions.shape[1]):
+                value = reactions[k, i]
+                total += wp.vec3d(wp.float64(value[0]), wp.float64(value[1]), wp.float64(value[2]))
+            total_reaction[k] = total
+            along = wp.dot(total, axis[k])
+            old = displacement[k]
+            old_velocity = velocity[k]
+            drive_force = wp.float64(0.0)
+            new = curve_value(curve_times, curve_values, drive, next_time)
+            if drive.kind == FORCE:
+                drive_force = curve_value(curve_times, curve_values, drive, clock[ClockEntry.time])
+                new_velocity = velocity[k] + clock[ClockEntry.mean_step] * (drive_force + along) / drive.mass
+                velocity[k] = new_velocity
+                new = old + step * new_velocity
+            else:
+                velocity[k] = (new - old) / step
+            displacement[k] = new
+            # forces are those of the present, between two half steps: like the nodes, the tool goes the mean of both
+            way = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
+            work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * way
+            work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * way
+        clock[ClockEntry.time] = next_time
+        clock[ClockEntry.mean_step] = step
+
+    return tool_motion

@@ -1,0 +1,182 @@
+"""The command line: options made from a parameter class, messages and exit codes."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Annotated, Literal
+
+import pytest
+from pydantic import Field
+
+from tests.support.paths import ROOT
+from weavesim import __version__
+from weavesim.app import command_line
+from weavesim.app.options import RunOptions
+from weavesim.device import Precision, resolve_device
+from weavesim.engine import compilation
+from weavesim.errors import RunError
+
+# In which a script finds this checkout, installed or not.
+CHECKOUT = {**os.environ, "PYTHONPATH": str(ROOT)}
+COMMON_OPTIONS = ("--mesh-size", "--device", "--precision", "--threads", "--out")
+
+
+class ToyParameters(RunOptions):
+    part: Literal["quarter", "full"] = Field(default="quarter", description="how much of it")
+    holder_gap: Annotated[float, Field(gt=0.0)] | None = Field(default=None, description="gap [m]")
+    mirror: bool = Field(default=True, description="show the whole")
+    out: Path = Path("toy")
+
+
+@pytest.fixture
+def weavesim_command(monkeypatch, capsys):
+    """Runs the command line with a toy scene in the place of the double dome: (exit code, stdout, stderr)."""
+
+    def call(*arguments: str, run=lambda parameters: {}) -> tuple[int, str, str]:
+        toy = SimpleNamespace(DoubleDomeParameters=ToyParameters, run=run)
+        monkeypatch.setattr(command_line, "import_module", lambda *names: toy)
+        monkeypatch.setattr(sys, "argv", ["weavesim", *arguments])
+        with pytest.raises(SystemExit) as ending:
+            command_line.main()
+        captured = capsys.readouterr()
+        return ending.value.code or 0, captured.out, captured.err
+
+    return call
+
+
+def test_help_lists_the_scenes(weavesim_command):
+    code, out, _ = weavesim_command("--help")
+    assert code == 0
+    assert all(name in out for name in command_line.SCENES)
+
+
+def test_version(weavesim_command):
+    assert weavesim_command("--version")[:2] == (0, f"weavesim {__version__}\n")
+
+
+def test_devices_are_listed(weavesim_command):
+    code, out, _ = weavesim_command("devices")
+    assert code == 0 and out.startswith("cpu:") and "Compiled kernels:" in out
+
+
+def test_scene_help_has_every_field(weavesim_command):
+    code, out, _ = weavesim_command("double-dome", "--help")
+    assert code == 0
+    assert all(option in out for option in (*COMMON_OPTIONS, "--part", "--holder-gap", "--no-mirror"))
+    assert "quarter" in out and "how much of it" in out and "gap [m]" in out
+
+
+def test_no_option_of_a_real_scene_is_cut_in_a_narrow_terminal():
+    script = ROOT / "scripts" / "double_dome.py"
+    out = subprocess.run(
+        [sys.executable, script, "--help"],
+        env={**os.environ, "COLUMNS": "80"},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    for option in (
+        "--blank-holder-force",
+        "--measured-outline",
+        "--punch-speed",
+        "--tools-are-cut",
+        "glass-polypropylene",
+    ):
+        assert option in out.replace("glass-\n", "glass-").replace(" " * 34, "")
+    assert "\\[" not in out and "…" not in out
+
+
+def test_options_reach_the_scene(weavesim_command):
+    seen = []
+    arguments = ["--mesh-size=0.01", "--precision=float64", "--threads=2", "--part=full", "--holder-gap=1e-3"]
+    code, out, _ = weavesim_command(
+        "double-dome", *arguments, "--no-mirror", run=lambda parameters: seen.append(parameters) or {}
+    )
+    assert code == 0 and "Results are in toy" in out
+    expected = ToyParameters(
+        mesh_size=0.01, precision=Precision.DOUBLE, threads=2, part="full", holder_gap=1e-3, mirror=False
+    )
+    assert seen == [expected]
+    assert seen[0].model_fields_set == expected.model_fields_set
+
+
+def test_compilation_is_announced_before_it_starts(weavesim_command, monkeypatch):
+    missing, compiled = [[0, 2, 5]], []
+    monkeypatch.setattr(compilation, "missing", lambda kernel_set: missing[0])
+    monkeypatch.setattr(compilation, "_compile", lambda kernel_set, indices, process_count: compiled.append(indices))
+
+    def run(parameters):
+        compilation.compile_missing(compilation.MeshKernelSet("cpu"))
+        return {}
+
+    code, _, err = weavesim_command("double-dome", run=run)
+    assert code == 0 and err.startswith("double-dome: compiling 3 kernels") and compiled == [[0, 2, 5]]
+    missing[0] = []
+    assert weavesim_command("double-dome", run=run)[2] == "" and len(compiled) == 1
+
+
+def test_report_is_pointed_at(weavesim_command, tmp_path):
+    def run(parameters):
+        (parameters.out / "report.html").write_text("")
+        return {"outcome": "finished"}
+
+    code, out, _ = weavesim_command("double-dome", "--out", str(tmp_path), run=run)
+    assert code == 0 and str(tmp_path / "report.html") in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--mesh-size", "-1"], "mesh_size = -1.0"),
+        (["--mesh-size", "nan"], "mesh_size"),
+        (["--mesh-size", "5"], "write 0.005 for 5 mm"),
+        (["--mesh-size", "fine"], "--mesh-size"),
+        (["--threads", "0"], "threads"),
+        (["--precision", "float16"], "float32"),
+        (["--part", "third"], "third"),
+        (["--holder-gap", "0"], "holder_gap"),
+        (["--colour", "red"], "--colour"),
+    ],
+)
+def test_bad_option_is_told_before_the_run(weavesim_command, arguments, message):
+    started = []
+    code, _, err = weavesim_command("double-dome", *arguments, run=started.append)
+    assert code == 2 and message in err and started == []
+
+
+def test_unknown_device_is_told(weavesim_command):
+    code, _, err = weavesim_command("double-dome", "--device", "cuda:99", run=lambda p: resolve_device(p.device))
+    assert code == 2 and "choose one of cpu" in err and "Traceback" not in err
+
+
+def test_run_that_had_to_stop_exits_with_1(weavesim_command):
+    def run(parameters):
+        raise RunError("element 7 is not finite")
+
+    code, _, err = weavesim_command("double-dome", run=run)
+    assert (code, err) == (1, "weavesim: element 7 is not finite\n")
+    assert weavesim_command("double-dome", run=lambda parameters: {"outcome": "not finite"})[0] == 1
+
+
+def test_interrupt_exits_with_130(weavesim_command):
+    def run(parameters):
+        raise KeyboardInterrupt
+
+    code, out, _ = weavesim_command("double-dome", run=run)
+    assert code == 130 and "Interrupted" in out
+    assert weavesim_command("double-dome", run=lambda parameters: {"outcome": "interrupted"})[0] == 130
+
+
+def test_unknown_command_exits_with_2(weavesim_command):
+    code, _, err = weavesim_command("triple-dome")
+    assert code == 2 and "triple-dome" in err
+
+
+@pytest.mark.parametrize("scene", command_line.SCENES)
+def test_scene_script_offers_the_common_options(scene):
+    script = ROOT / "scripts" / f"{scene.replace('-', '_')}.py"
+    done = subprocess.run([sys.executable, script, "--help"], capture_output=True, text=True, env=CHECKOUT)
+    assert done.returncode == 0, done.stderr
+    assert all(option in done.stdout for option in COMMON_OPTIONS)

@@ -1,0 +1,169 @@
+"""Kernels compiled ahead are those that runs launch."""
+
+import logging
+import os
+import pickle
+import subprocess
+import sys
+from dataclasses import replace
+from importlib import import_module
+
+import pytest
+import warp as wp
+
+from tests.support.runs import one_sheet_run
+from weavesim.app.command_line import SCENES
+from weavesim.device import Precision
+from weavesim.engine import compilation
+from weavesim.engine.compilation import (
+    SCENE_TRAITS,
+    KernelSet,
+    MeshKernelSet,
+    compile_kernels,
+    compile_missing,
+    missing,
+    side_by_side,
+)
+from weavesim.errors import InputError
+from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
+from weavesim.fabric.shear import LinearShear
+from weavesim.kernels.stepping.supports import support_motion_kernel
+from weavesim.process.dynamics import Dynamics
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.shapes import Plane, Sphere
+from weavesim.tools.tool import Tool
+
+# Kernels that every run takes and that compile in a second each.
+SMALL = KernelSet(
+    glass_polypropylene().unit_cell, (), (), Precision.SINGLE, "cpu", 1, tools=False, driven=False, threaded=False
+)
+
+
+def made(name: str, precision: str) -> list[Simulation]:
+    """The simulations of a scene's default set-up on its coarsest sensible mesh, on two threads."""
+    module = import_module(f"weavesim.scenes.{SCENES[name].module}")
+    options = {"precision": precision, "threads": 2}
+    if name == "double-dome":
+        return [Simulation(module.double_dome(module.DoubleDomeParameters(mesh_size=0.02, **options)))]
+    if name == "hemisphere":
+        return [Simulation(module.hemisphere(module.HemisphereParameters(mesh_size=0.02, **options), "low-bending"))]
+    make = getattr(module, name.replace("-", "_"))
+    return [Simulation(make(getattr(module, SCENES[name].parameters)(**options)))]
+
+
+def launched_by(simulation: Simulation) -> list[wp.Kernel]:
+    """All that a run launches once its tools are sampled."""
+    distance = [command.kernel for command in simulation.ledger._tool_distances]
+    return [*simulation.stepper.kernels, simulation.ledger._kernel, *distance]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_scene_launches_nothing_else(name, precision):
+    ahead = KernelSet.of_scenes(Precision(precision), scene=name).kernels()
+    for simulation in made(name, precision):
+        launched = launched_by(simulation)
+        assert len(launched) >= 9
+        assert all(any(kernel is other for other in ahead) for kernel in launched)
+
+
+def test_all_scenes_are_compiled_ahead():
+    assert set(SCENE_TRAITS) == set(SCENES)
+    everything = KernelSet.of_scenes().kernels()
+    assert all(kernel in everything for name in SCENES for kernel in KernelSet.of_scenes(scene=name).kernels())
+
+
+def small_run(**given) -> Simulation:
+    blank = Blank.rectangle((-0.01, -0.01), (0.01, 0.01), 0.005)
+    settings = {"fabric": glass_polypropylene(), "threads": 1, "lane_count": 1}
+    return one_sheet_run(name="small", blank=blank, duration=1e-3, **(settings | given))
+
+
+RUNS = {
+    "no tools": lambda: {},
+    "other laws": lambda: {
+        "fabric": assumed_fabric("twill").model_copy(update={"shear": LinearShear(modulus=1e6)}),
+        "dynamics": Dynamics(contact_thickness="current"), "threads": 2,
+        "tools": [Tool("plane", Plane(origin=(0.0, 0.0, -0.01)))],
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_takes_all_of_its_set_and_nothing_else(name):
+    simulation = small_run(**RUNS[name]())
+    kernel_set = simulation.stepper.kernel_set
+    assert {id(kernel) for kernel in launched_by(simulation)} == {id(kernel) for kernel in kernel_set.kernels()}
+    assert pickle.loads(pickle.dumps(kernel_set)) == kernel_set
+
+
+def test_what_is_loaded_is_not_missing():
+    kernel_set = small_run().stepper.kernel_set
+    compile_kernels(kernel_set, process_count=1)
+    assert missing(kernel_set) == []
+
+
+def test_nothing_is_said_or_compiled_if_all_is_cached(monkeypatch, caplog):
+    caplog.set_level(logging.INFO, "weavesim")
+    compile_kernels(SMALL, process_count=1)
+    monkeypatch.setattr(compilation, "ProcessPoolExecutor", None)
+    said = []
+    with side_by_side(said.append):
+        compile_missing(SMALL)
+    assert said == [] and caplog.messages == []
+
+
+def test_a_program_is_told_but_starts_no_processes(monkeypatch, caplog, tmp_path):
+    monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path))
+    monkeypatch.setattr(compilation, "ProcessPoolExecutor", None)
+    caplog.set_level(logging.INFO, "weavesim")
+    assert missing(SMALL) == list(range(len(SMALL.kernels())))
+    compile_missing(SMALL)
+    assert caplog.messages == [f"{len(SMALL.kernels())} kernels are not in the cache and are compiled first"]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_line_compiles_side_by_side_what_is_missing(monkeypatch, tmp_path):
+    monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path / wp.config.version))
+    monkeypatch.setattr(compilation, "available_threads", lambda: 2)
+    said = []
+    with side_by_side(said.append):
+        compile_missing(SMALL)
+        compile_missing(SMALL)
+    assert said == [len(SMALL.kernels())] and missing(SMALL) == []
+    driven = replace(SMALL, driven=True)
+    assert [driven.kernels()[index] for index in missing(driven)] == [support_motion_kernel(wp.float32)]
+
+
+def test_runs_look_for_their_kernels_before_they_load_them(monkeypatch):
+    asked = []
+    monkeypatch.setattr("weavesim.engine.stepper.compile_missing", asked.append)
+    monkeypatch.setattr("weavesim.run.simulation.compile_missing", asked.append)
+    ball = Sphere(radius=0.01).display_mesh()
+    mesh = MeshShape.from_triangles(ball.vertices, ball.faces, spacing=2e-3, origin=(0.0, 0.0, -0.012))
+    simulation = small_run(tools=[Tool("ball", mesh)])
+    assert asked == [MeshKernelSet("cpu"), simulation.stepper.kernel_set]
+
+
+def test_what_is_loaded_is_not_compiled_again_by_its_launch(tmp_path):
+    code = """
+import warp as wp
+from weavesim.device import initialise, is_compiled, load_kernel
+from weavesim.kernels.stepping.machine import barrier
+initialise()
+assert not is_compiled(barrier, wp.get_device("cpu"))
+load_kernel(barrier, wp.get_device("cpu"))
+assert is_compiled(barrier, wp.get_device("cpu"))
+wp.launch(barrier, dim=1, inputs=[wp.zeros(1, dtype=wp.int32, device="cpu"), 1], device="cpu")
+"""
+    environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True)
+    assert len(list(tmp_path.glob("*/*/wp_*barrier*"))) == 1
+
+
+def test_unknown_unit_cell_or_scene_is_refused_with_those_there_are():
+    with pytest.raises(InputError, match="plain-weave"):
+        KernelSet.of_scenes(unit_cell="felt")
+    with pytest.raises(InputError, match="double-dome"):
+        KernelSet.of_scenes(scene="triple-dome")

@@ -1,0 +1,257 @@
+"""How a step is shared out to threads and tiles, and what it launches."""
+
+import platform
+from dataclasses import fields
+
+import numpy as np
+import pytest
+import warp as wp
+
+from tests.support.runs import one_sheet_run
+from weavesim.device import load_kernel
+from weavesim.engine import stepper as stepper_module
+from weavesim.engine.stepper import REFRESH_INTERVAL
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.kernels.rows import MOTION_VECTORS, ClockEntry, MotionRow
+from weavesim.kernels.stepping.machine import flush_subnormals, restore_subnormals
+from weavesim.kernels.stepping.step import look_at_clock
+from weavesim.process.strokes import Stroke
+from weavesim.process.supports import Drive, Support
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+
+LANES = 16
+
+
+def free_sheet(monkeypatch, **given) -> Simulation:
+    """On a CPU, but launched as on a GPU: one lane, and tiles of the whole sheet."""
+    monkeypatch.setattr(stepper_module, "TILE_SIZE", 10**9)
+    blank = Blank.rectangle((0.0, 0.0), (0.05, 0.05), 0.005)
+    settings = {"lane_count": 1, "threads": 1, "duration": 1.0}
+    return one_sheet_run(name="free", blank=blank, fabric=glass_polypropylene(), **(settings | given))
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_a_step_is_three_launches(monkeypatch, driven):
+    """Elements, nodes, tools and clock; one more where supports are driven, three every ``REFRESH_INTERVAL`` steps."""
+    drive = Drive(Stroke((0.0, 1.0), (0.0, 0.01)), (1.0, 0.0, 0.0))
+    supports = (Support("edge", np.arange(11), drives=(drive,)),) if driven else ()
+    simulation = free_sheet(monkeypatch, supports=supports)
+    launched = []
+    monkeypatch.setattr(wp, "launch", lambda kernel, **given: launched.append(kernel.key))
+    stepper = simulation.stepper
+    stepper._block(stepper._parts(1), 0)
+    assert len(launched) == (4 if driven else 3) * REFRESH_INTERVAL + 3
+    assert len(set(launched)) == (7 if driven else 6)
+
+
+def test_stepping_does_not_wait_for_the_device(monkeypatch):
+    simulation = free_sheet(monkeypatch)
+    simulation.stepper.advance(1)  # records
+    replayed = []
+    for name in ("launch", "copy", "synchronize", "synchronize_device", "synchronize_stream"):
+        monkeypatch.setattr(wp, name, lambda *given, name=name, **more: pytest.fail(f"wp.{name} between two frames"))
+    monkeypatch.setattr(wp.array, "numpy", lambda self: pytest.fail("an array was read between two frames"))
+    monkeypatch.setattr(wp, "capture_launch", lambda graph: replayed.append(graph))
+    simulation.stepper.advance(7)
+    assert len(replayed) == 7 and simulation.stepper.step_count == 8 * REFRESH_INTERVAL
+
+
+def thrown_sheet(monkeypatch, **given) -> Simulation:
+    """A free sheet in motion, whose step starts a tenth of the stable one and grows."""
+    x, y = np.meshgrid(np.arange(11), np.arange(11))
+    velocity = np.column_stack([np.zeros(121), np.zeros(121), np.sin(x * y).ravel()])
+    simulation = free_sheet(monkeypatch, initial_velocity=velocity, **given)
+    clock = simulation.state.clock.numpy()
+    clock[ClockEntry.step] *= 0.1
+    simulation.state.clock.assign(clock)
+    return simulation
+
+
+def arrived(simulation: Simulation) -> tuple[int, bytes, bytes]:
+    """Steps, clock and motion, to the last bit."""
+    return simulation.stepper.step_count, *(getattr(simulation.state, k).numpy().tobytes() for k in ("clock", "motion"))
+
+
+INTERVAL_BLOCK_COUNT = 60
+
+
+@pytest.fixture
+def block_by_block(monkeypatch, device):
+    """A target between two ends of blocks, the device, and the sheet at the first of them that reaches it."""
+    simulation = thrown_sheet(monkeypatch, device=device)
+    for _ in range(INTERVAL_BLOCK_COUNT):
+        before = simulation.state.time
+        simulation.stepper.advance(1)
+    assert simulation.state.step > 2.5 * thrown_sheet(monkeypatch, device=device).state.step
+    return 0.5 * (before + simulation.state.time), device, arrived(simulation)
+
+
+def test_an_interval_ends_at_the_first_block_that_reaches_it(monkeypatch, block_by_block):
+    target, device, expected = block_by_block
+    simulation = thrown_sheet(monkeypatch, device=device)
+    simulation.stepper.launches_intervals = False
+    simulation.stepper.advance_to(target)
+    assert arrived(simulation) == expected
+    simulation.stepper.advance_to(target)
+    assert arrived(simulation) == expected
+
+
+@pytest.mark.parametrize("largest", [stepper_module.LARGEST_INTERVAL, 7])
+def test_an_interval_of_one_launch_ends_there_too(monkeypatch, block_by_block, largest):
+    """On a CPU the loop is recorded as on a GPU, and replayed natively."""
+    target, device, expected = block_by_block
+    monkeypatch.setattr(stepper_module, "LARGEST_INTERVAL", largest)
+    simulation = thrown_sheet(monkeypatch, device=device)
+    load_kernel(look_at_clock, simulation.model.device)
+    launched, launch = [], wp.capture_launch
+    monkeypatch.setattr(wp, "capture_launch", lambda graph: [launched.append(graph), launch(graph)])
+    simulation.stepper.launches_intervals = True
+    simulation.stepper.advance_to(target)
+    assert arrived(simulation) == expected
+    assert len(launched) == -(-INTERVAL_BLOCK_COUNT // largest)
+    simulation.stepper.set_damping(0.0, 0.0)
+    simulation.stepper.advance_to(2.0 * target)
+    assert simulation.state.time - 2.0 * target < REFRESH_INTERVAL * simulation.state.step
+
+
+@pytest.mark.gpu
+def test_a_gpu_launches_whole_intervals(monkeypatch):
+    there, here = (thrown_sheet(monkeypatch, device=device) for device in ("cuda:0", "cpu"))
+    assert there.stepper.launches_intervals == wp.is_conditional_graph_supported()
+    for target in (1.0e-4, 3.0e-4):
+        for simulation in (there, here):
+            simulation.stepper.advance_to(target)
+        assert there.stepper.step_count == here.stepper.step_count
+        assert there.state.time == pytest.approx(here.state.time, rel=1e-6)
+        motion = [
+            simulation.model.read_motion(simulation.state.motion)[MotionRow.position.vector]
+            for simulation in (there, here)
+        ]
+        assert np.abs(motion[0] - motion[1]).max() < 1e-6
+
+
+@pytest.mark.parametrize("lane_count", [1, LANES])
+@pytest.mark.parametrize("row", MOTION_VECTORS)
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("launches_intervals", [False, True])
+def test_a_lost_state_ends_the_interval(monkeypatch, lane_count, row, value, launches_intervals):
+    """Looking at the step is enough, for it is lost too."""
+    simulation = thrown_sheet(monkeypatch, lane_count=lane_count)
+    load_kernel(look_at_clock, simulation.model.device)
+    simulation.stepper.launches_intervals = launches_intervals
+    motion = simulation.model.read_motion(simulation.state.motion)
+    motion[MOTION_VECTORS.index(row), 60, 1] = value
+    simulation.model.write_motion(simulation.state.motion, motion)
+    simulation.stepper.advance_to(1.0)
+    # that of the first block, or of the first turn of several
+    assert simulation.stepper.step_count <= (1 if launches_intervals else 50) * REFRESH_INTERVAL
+    assert simulation._find_failure()
+
+
+def test_an_interval_ends_when_it_is_told_to(monkeypatch):
+    simulation = thrown_sheet(monkeypatch)
+    answers = iter([False, False, True])
+    simulation.stepper.advance_to(1.0, lambda: next(answers))
+    assert simulation.state.time < 1.0 and next(answers, None) is None
+
+
+class EveryCount:
+    """Takes one number of threads after the other."""
+
+    def __init__(self, counts: tuple[int, ...]) -> None:
+        self.counts, self.count, self.used = counts, counts[0], []
+
+    def block_count(self) -> int:
+        return 2
+
+    def report(self, block_count: int, seconds: float) -> None:
+        self.used.append(self.count)
+        self.count = self.counts[len(self.used) % len(self.counts)]
+
+
+def test_threads_may_change_during_a_run(monkeypatch):
+    fixed = thrown_sheet(monkeypatch, lane_count=LANES)
+    fixed.stepper.advance(12)
+    changing = thrown_sheet(monkeypatch, lane_count=LANES, threads=3)
+    changing.stepper._choice = EveryCount((1, 2, 3))
+    changing.stepper.advance(12)
+    assert changing.stepper._choice.used == [1, 2, 3, 1, 2, 3]
+    assert arrived(changing) == arrived(fixed)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_large_sheets_record_a_step_instead_of_a_block(monkeypatch, threads):
+    block = thrown_sheet(monkeypatch, threads=threads)
+    block.stepper.advance(3)
+    step = thrown_sheet(monkeypatch, threads=threads)
+    monkeypatch.setattr(stepper_module, "LARGEST_RECORDED_TILE_COUNT", 0)
+    launched, launch = [], wp.capture_launch
+    monkeypatch.setattr(wp, "capture_launch", lambda graph: [launched.append(graph), launch(graph)])
+    step.stepper.advance(3)
+    assert len(launched) == 3 * (REFRESH_INTERVAL + 1) * threads and len(set(map(id, launched))) == 2 * threads
+    assert arrived(step) == arrived(block)
+
+
+def test_no_number_of_threads_given_means_all_that_may_be_fastest(monkeypatch):
+    monkeypatch.setattr("weavesim.device.available_threads", lambda: 6)
+    assert free_sheet(monkeypatch, threads=None).thread_counts == (1, 2, 4, 6)
+    assert free_sheet(monkeypatch, threads=3).thread_counts == (3,)
+    simulation = free_sheet(monkeypatch, threads=None, duration=1e-3, frame_count=2)
+    simulation.run()
+    assert simulation.summary()["threads"] in (1, 2, 4, 6)
+
+
+def test_phases_can_be_timed_and_change_nothing(monkeypatch):
+    simulation = thrown_sheet(monkeypatch)
+    simulation.stepper.advance(2)
+    state = simulation.state
+
+    def everything() -> dict[str, bytes]:
+        # the forces at the corners are of the last step, and nothing later reads them
+        names = {field.name for field in fields(state)} - {"corner_force"}
+        return {name: getattr(state, name).numpy().tobytes() for name in names}
+
+    before = everything()
+    phases = simulation.stepper.phases(3)
+    assert list(phases) == ["copy", "elements", "nodes and contact", "tools", "stable step (every 20th)"]
+    state.corner_force.zero_()
+    phases["copy"]()
+    assert np.abs(state.corner_force.numpy()).max() == 0.0
+    for phase in phases.values():
+        phase()
+    assert np.abs(state.corner_force.numpy()).max() > 0.0
+    assert everything() == before
+
+
+def test_arrays_are_all_of_the_state_once(monkeypatch):
+    simulation = free_sheet(monkeypatch)
+    arrays = simulation.stepper.arrays()
+    pointers = [array.ptr for array in arrays]
+    assert len(set(pointers)) == len(pointers)
+    state = simulation.state
+    for array in (state.motion, state.corner_force, state.clock, simulation.model.elements.area):
+        assert array.ptr in pointers
+
+
+def test_subnormal_numbers_become_zero_until_that_is_restored():
+    """On x86, where they cost a hundred times as much."""
+    before = wp.zeros(1, dtype=wp.int32, device="cpu")
+    product = wp.zeros(3, dtype=wp.float32, device="cpu")
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def multiply(small: wp.float32, place: int, result: wp.array(dtype=wp.float32)):
+        result[place] = small * small
+
+    def launch(place: int) -> None:
+        wp.launch(multiply, dim=1, inputs=[wp.float32(1.0e-20), place], outputs=[product], device="cpu")
+
+    launch(0)
+    wp.launch(flush_subnormals, dim=1, outputs=[before], device="cpu")
+    launch(1)
+    wp.launch(restore_subnormals, dim=1, inputs=[before], device="cpu")
+    launch(2)
+    expected = np.float32(1.0e-20) ** 2
+    assert expected > 0.0
+    flushed = 0.0 if platform.machine().lower() in ("x86_64", "amd64") else expected
+    assert product.numpy().tolist() == [expected, flushed, expected]

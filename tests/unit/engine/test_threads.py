@@ -1,0 +1,121 @@
+"""The number of threads that a run takes, on machines whose speed is known."""
+
+from collections.abc import Callable
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from weavesim.engine.threads import LOOK, REST, STAY, ThreadChoice
+
+
+class Machine:
+    """Works at a known speed: ``cost(count, time)`` are seconds per block."""
+
+    def __init__(self, counts: tuple[int, ...], cost: Callable[[int, float], float]) -> None:
+        self.choice, self.cost = ThreadChoice(counts), cost
+        self.time, self.blocks = 0.0, 0
+        self.used: list[tuple[float, int, int]] = []  # time, threads, blocks
+
+    def run(self, seconds: float, largest_block_count: int = 10**9) -> "Machine":
+        end = self.time + seconds
+        while self.time < end:
+            count = self.choice.count
+            blocks = min(self.choice.block_count(), largest_block_count)
+            took = blocks * self.cost(count, self.time)
+            self.used.append((self.time, count, blocks))
+            self.time += took
+            self.blocks += blocks
+            self.choice.report(blocks, took)
+        return self
+
+    def share(self, count: int, since: float = 0.0) -> float:
+        """Of the blocks since a time, those on ``count`` threads."""
+        later = [(used, blocks) for time, used, blocks in self.used if time >= since]
+        return sum(blocks for used, blocks in later if used == count) / sum(blocks for _, blocks in later)
+
+
+# Costs that fall up to one number and rise beyond it, from sheets of a hundred to a million elements.
+FACTORS = st.lists(st.floats(1.05, 3.0), min_size=1, max_size=5)
+
+
+@given(FACTORS, st.data(), st.floats(1e-5, 2.0))
+def test_the_fastest_is_found_and_looking_costs_little(factors, data, scale):
+    best = data.draw(st.integers(0, len(factors)))
+    costs = [scale]
+    for index, factor in enumerate(factors):
+        costs.append(costs[-1] / factor if index < best else costs[-1] * factor)
+    counts = tuple(2**index for index in range(len(costs)))
+    by_count = dict(zip(counts, costs, strict=True))
+    machine = Machine(counts, lambda count, time: by_count[count]).run(3.0 * (len(counts) + 2) * max(STAY, scale))
+    # by now all that is worth a look has had one
+    started, blocks = machine.time, machine.blocks
+    machine.run(200.0 * max(1.0, scale))
+    ideal = (machine.blocks - blocks) * costs[best]
+    assert machine.share(counts[best], started) > 0.5
+    # of two neighbours each may take one per cent, and a look begins before it is paid
+    assert machine.time - started < 1.021 * ideal + 2.0 * 3.0 * max(LOOK, costs[best])
+    assert machine.choice.most_used == counts[best]
+    assert {used for _, used, _ in machine.used} <= set(counts)
+
+
+@given(st.floats(1e-4, 0.02), st.floats(1.5, 8.0))
+def test_load_of_others_is_left_alone_and_forgotten_when_it_ends(cost, slowdown):
+    def loaded(count: int, time: float) -> float:
+        return cost * {1: 1.0, 2: slowdown if 20.0 <= time < 60.0 else 0.55}[count]
+
+    machine = Machine((1, 2), loaded).run(20.0)
+    assert machine.share(2) > 0.97
+    machine.run(40.0)
+    assert machine.share(1, 21.0 + 4.0 * cost * slowdown) > 0.95
+    machine.run(60.0)
+    # the next look comes when the last one is paid
+    wait = REST + 150.0 * (LOOK + cost) * slowdown
+    machine.run(wait + 20.0)
+    assert machine.share(2, 60.0 + wait) > 0.97
+
+
+def test_one_slow_turn_changes_nothing():
+    machine = Machine((1, 2), lambda count, time: 0.001 * (2.0 / count) * (2.5 if 5.0 <= time < 5.04 else 1.0))
+    machine.run(30.0)
+    assert machine.share(2, 0.5) > 0.97
+
+
+def test_a_lucky_look_is_forgotten():
+    """Two threads are slow here, but for looks that happen to find both cores free."""
+
+    def bursts(count: int, time: float) -> float:
+        lucky = count == 2 and time % 2.0 < 0.2
+        return 1e-3 * (1.0 if count == 1 else 0.5 if lucky else 6.0)
+
+    machine = Machine((1, 2), bursts).run(200.0)
+    assert sum(blocks * bursts(count, time) for time, count, blocks in machine.used if count == 2) < 0.1 * 200.0
+
+
+def test_short_replays_count_together():
+    """As where a run is advanced block by block, or frames are close together."""
+    machine = Machine((1, 2), lambda count, time: 1e-4 * (2.0 / count)).run(10.0, largest_block_count=1)
+    assert machine.share(2) > 0.97
+
+
+def test_a_sheet_too_small_for_threads_stays_on_one():
+    machine = Machine((1, 2, 4, 8, 16), lambda count, time: 1e-4 * (1.0 + 0.5 * count)).run(10.0)
+    assert machine.share(1) > 0.96 and {count for _, count, _ in machine.used} == {1, 2}
+
+
+def test_more_threads_are_tried_as_long_as_they_pay():
+    machine = Machine((1, 2, 4, 6), lambda count, time: 1e-2 / count).run(10.0)
+    assert list(dict.fromkeys(count for _, count, _ in machine.used)) == [1, 2, 4, 6]
+    assert machine.share(6, 0.2) > 0.96
+    assert machine.share(6) > 0.97
+
+
+def test_a_given_number_stays():
+    machine = Machine((3,), lambda count, time: 1e-3 * (1.0 + time)).run(5.0)
+    assert machine.share(3) == 1.0 and machine.choice.most_used == 3
+    # a run listens to Ctrl-C between two turns
+    assert max(blocks * 1e-3 * (1.0 + time) for time, _, blocks in machine.used) < 3.0 * STAY
+
+
+def test_before_the_first_turn_nothing_is_known():
+    choice = ThreadChoice((1, 2))
+    assert choice.block_count() == 1 and choice.count == choice.most_used == 1

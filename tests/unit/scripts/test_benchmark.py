@@ -1,0 +1,35 @@
+"""The benchmark runs, and says what it measured; how fast anything is, no test asks."""
+
+import json
+import subprocess
+import sys
+
+from tests.support.paths import ROOT
+
+SCRIPT = ROOT / "scripts" / "benchmark.py"
+
+
+def benchmark(*arguments: str) -> str:
+    """What it prints."""
+    command = [sys.executable, str(SCRIPT), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def test_rates_are_told_with_their_problem_and_beside_earlier_ones(tmp_path):
+    file = tmp_path / "rates.json"
+    what = ("rates", "--case", "double_dome_10mm", "--precision", "float32", "--threads", "1,2")
+    length = ("--seconds", "0.01", "--turns", "1")
+    benchmark(*what, *length, "--json", str(file))
+    rows = json.loads(file.read_text())["rows"]
+    assert [row["threads"] for row in rows] == [1, 2]
+    for row in rows:
+        assert row["elements"] == 322
+        assert abs(row["rate"] * row["step_us"] * 1e-6 - row["elements"]) < 1e-6
+        assert 200 < row["state_bytes"] <= 400
+        assert row["state_bytes"] < row["moved_bytes"] < 1000
+    assert set(rows[0]["phases_us"]) == {
+        "elements", "nodes and contact", "tools", "stable step (every 20th)", "output frame",
+    }  # fmt: skip
+    table = benchmark(*what, *length, "--compare", str(file))
+    assert "ratio to before" in table
+    assert table.count("| double_dome_10mm | 322 | float32 | cpu |") == 2

@@ -1,0 +1,161 @@
+"""Sheet meshes: what is built, and which mistakes are told before a run."""
+
+import numpy as np
+import pytest
+
+from weavesim.errors import InputError
+from weavesim.sheet.blank import Blank
+
+SQUARES = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
+NODES = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]) * 0.01
+
+
+def test_rectangle_has_the_wished_elements():
+    blank = Blank.rectangle((-0.1, 0.0), (0.1, 0.05), 0.01, height=0.002)
+    assert (blank.node_count, blank.element_count) == (21 * 6, 20 * 5)
+    assert np.allclose(blank.node_position.min(axis=0), [-0.1, 0.0, 0.002])
+    assert np.allclose(blank.node_position.max(axis=0), [0.1, 0.05, 0.002])
+    assert np.allclose(blank.material_coordinates, blank.node_position[:, :2])
+    assert np.allclose(blank.initial_director, [0.0, 0.0, 1.0])
+
+
+def test_sides_are_divided_evenly():
+    blank = Blank.rectangle((0.0, 0.0), (0.1, 0.1), (0.03, 0.3))
+    assert blank.element_count == 3
+    assert np.allclose(blank.element_centres()[:, 0], [0.1 / 6, 0.05, 0.5 / 6])
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, -45.0, 90.0])
+def test_yarns_follow_their_angle_whatever_the_mesh(angle):
+    blank = Blank.rectangle((0.0, 0.0), (0.04, 0.03), 0.01, yarn_angle=angle, distortion=0.3)
+    radians = np.deg2rad(angle)
+    assert np.allclose(blank.warp_direction, [np.cos(radians), np.sin(radians), 0.0])
+    assert np.allclose(blank.weft_direction, [-np.sin(radians), np.cos(radians), 0.0])
+
+
+def test_distortion_moves_inner_nodes_only_and_repeats():
+    plain = Blank.rectangle((0.0, 0.0), (0.04, 0.04), 0.01)
+    one, two, other = (Blank.rectangle((0.0, 0.0), (0.04, 0.04), 0.01, distortion=0.3, seed=seed) for seed in (1, 1, 2))
+    assert np.array_equal(one.node_position, two.node_position)
+    assert not np.array_equal(one.node_position, other.node_position)
+    rim = plain.boundary_loop()
+    assert np.array_equal(one.node_position[rim], plain.node_position[rim])
+
+
+def test_boundary_loop_goes_around_counter_clockwise():
+    blank = Blank.rectangle((0.0, 0.0), (0.05, 0.03), 0.01)
+    loop = blank.boundary_loop()
+    assert len(loop) == len(set(loop.tolist())) == 2 * (5 + 3)
+    x, y, _ = blank.node_position[loop].T
+    assert np.allclose(np.hypot(np.roll(x, -1) - x, np.roll(y, -1) - y), 0.01)
+    assert 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) == pytest.approx(0.05 * 0.03)
+
+
+def test_boundary_loop_of_a_sheet_with_a_hole_is_the_outline():
+    whole = Blank.rectangle((0.0, 0.0), (0.05, 0.05), 0.01)
+    inside = np.linalg.norm(whole.element_centres()[:, :2] - 0.025, axis=1) < 0.004
+    holed = Blank.from_mesh(whole.node_position, whole.quads[~inside])
+    assert holed.element_count == whole.element_count - 1
+    assert set(holed.boundary_loop().tolist()) == set(whole.boundary_loop().tolist())
+
+
+def test_arrays_cannot_be_changed():
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.01)
+    with pytest.raises(ValueError, match="read-only"):
+        blank.node_position[0, 0] = 1.0
+
+
+def test_yarns_of_a_curved_mesh_lie_in_its_elements():
+    flat = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005)
+    position = flat.node_position.copy()
+    position[:, 2] = 5.0 * (position[:, 0] ** 2 - position[:, 1] ** 2)
+    blank = Blank.from_mesh(position, flat.quads, yarn_angle=20.0)
+    corner = position[blank.quads]
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    for yarn in (blank.warp_direction, blank.weft_direction):
+        assert np.allclose(np.linalg.norm(yarn, axis=1), 1.0)
+        assert np.abs(np.einsum("ij,ij->i", yarn, normal)).max() < 1e-12
+    assert np.abs(np.einsum("ij,ij->i", blank.warp_direction, blank.weft_direction)).max() < 1e-12
+    assert np.allclose(np.linalg.norm(blank.initial_director, axis=1), 1.0)
+
+
+def changed(row: int, value) -> np.ndarray:
+    nodes = NODES.copy()
+    nodes[row] = value
+    return nodes
+
+
+@pytest.mark.parametrize(
+    ("nodes", "quads", "message"),
+    [
+        (changed(4, [np.nan, 0.0, 0.0]), SQUARES, r"node 4 is at .*nan.* must be finite"),
+        (changed(2, [np.inf, 0.0, 0.0]), SQUARES, r"node 2 .* must be finite"),
+        (NODES * 1e5, SQUARES, r"1000 times too big.*unit_scale=0.001"),
+        (NODES, SQUARES[:, ::-1] * [[1], [0]] + SQUARES * [[0], [1]], r"element.*flipped"),
+        (changed(4, [0.005, 0.0, 0.0]), SQUARES, r"degenerate or not convex, the first is element 0"),
+        (changed(4, NODES[1]), SQUARES, r"degenerate or not convex"),
+        (changed(4, [0.002, 0.002, 0.0]), SQUARES, r"not convex"),
+        (NODES, [[0, 1, 4, 4], [1, 2, 5, 4]], r"degenerate"),
+        (NODES, [[0, 1, 3, 4], [1, 2, 5, 4]], r"degenerate or not convex"),
+        (NODES, [[0, 1, 4, 9]], r"name nodes 0 to 9, there are 6"),
+        (NODES, [[0, 1, 4, -1]], r"name nodes -1"),
+        (NODES, np.empty((0, 4), dtype=int), r"m > 0"),
+        (NODES[:, :2], SQUARES, r"\(n, 3\)"),
+        (NODES, [[0, 1, 4]], r"\(m, 4\)"),
+        (NODES, np.vstack([SQUARES, SQUARES[:1]]), r"same direction by two elements"),
+    ],
+    ids=[
+        "NaN", "infinite", "millimetres", "flipped", "straight corner", "doubled node", "dented", "triangle", "crossed",
+        "node number", "negative node", "no elements", "two columns", "triangles", "doubled element",
+    ],
+)  # fmt: skip
+def test_bad_meshes_are_refused(nodes, quads, message):
+    with pytest.raises(InputError, match=message):
+        Blank.from_mesh(nodes, np.array(quads))
+
+
+def test_direct_construction_is_checked_too():
+    good = Blank.from_mesh(NODES, SQUARES)
+    with pytest.raises(InputError, match="must be finite"):
+        Blank(changed(0, [np.nan, 0.0, 0.0]), good.material_coordinates, good.quads, good.warp_direction,
+              good.weft_direction, good.initial_director)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "size"),
+    [((0, 0), (0.1, 0.1), 0.0), ((0, 0), (0.1, 0.1), -0.01), ((0, 0), (-0.1, 0.1), 0.01), ((0, 0), (np.nan, 1), 0.01)],
+)
+def test_bad_rectangles_are_refused(lower, upper, size):
+    with pytest.raises(InputError, match="finite and positive"):
+        Blank.rectangle(lower, upper, size)
+
+
+def test_warp_normal_to_the_sheet_is_refused():
+    with pytest.raises(InputError, match="normal to the sheet"):
+        Blank.from_mesh(NODES, SQUARES, warp_direction=np.array([0.0, 0.0, 1.0]))
+
+
+def test_file_of_quadrilaterals(tmp_path):
+    import meshio
+
+    path = tmp_path / "blank.vtk"
+    # one node that no element uses, and millimetres
+    points = np.vstack([NODES, [[9.0, 9.0, 0.0]]]) * 1000.0
+    meshio.Mesh(points, [("quad", SQUARES)]).write(path)
+    blank = Blank.from_file(path, unit_scale=0.001, yarn_angle=45.0)
+    assert (blank.node_count, blank.element_count) == (6, 2)
+    assert np.allclose(blank.node_position, NODES)
+    triangles = tmp_path / "triangles.vtk"
+    meshio.Mesh(NODES, [("triangle", SQUARES[:, :3])]).write(triangles)
+    with pytest.raises(InputError, match="triangle.*quadrilaterals are needed"):
+        Blank.from_file(triangles)
+
+
+def test_missing_and_unreadable_files_are_told(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        Blank.from_file(tmp_path / "nothing.vtk")
+    path = tmp_path / "broken.vtk"
+    path.write_text("this is no mesh")
+    with pytest.raises(InputError, match="cannot be read"):
+        Blank.from_file(path)

@@ -1,0 +1,107 @@
+"""Checked values: by place and by name, equal by content, the same through pickle and JSON, kinds told apart."""
+
+import json
+import pickle
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+from pydantic import SerializeAsAny
+
+from weavesim.arrays import BoolArray, FloatArray, IndexArray
+from weavesim.checks import Kinded, Parameters, Positive, json_schema
+from weavesim.errors import InputError
+
+
+class Body(Kinded):
+    is_kind: ClassVar[bool] = False
+    height: float = 0.0
+
+
+class Ball(Body):
+    positional = ("radius",)
+    radius: Positive
+
+
+class Pile(Body):
+    bodies: tuple[SerializeAsAny[Body], ...]
+
+
+class Box(Parameters):
+    positional = ("body", "values")
+    body: SerializeAsAny[Body]
+    values: FloatArray
+    nodes: IndexArray = ()
+    held: BoolArray | None = None
+
+
+def box() -> Box:
+    values = np.linspace(0.0, 1.0, 60).reshape(20, 3) / 3.0
+    return Box(Pile(bodies=(Ball(1.0), Pile(bodies=(Ball(2.0, height=0.1),)))), values, nodes=[3, 1])
+
+
+def test_values_by_place_are_those_by_name():
+    assert Ball(2.0) == Ball(radius=2.0)
+    assert Ball(2.0) != Ball(2.5) and Ball(2.0) != Pile(bodies=())
+
+
+@pytest.mark.parametrize("copied", [lambda b: pickle.loads(pickle.dumps(b)), lambda b: Box.from_json(b.to_json())])
+def test_pickle_and_json_give_an_equal_read_only_value(copied):
+    there = copied(box())
+    assert there == box() and hash(there) == hash(box()) and there.content_hash == box().content_hash
+    assert there.values.tobytes() == box().values.tobytes() and there.values.dtype == np.float64
+    with pytest.raises(ValueError, match="read-only"):
+        there.values[0, 0] = 1.0
+
+
+def test_hash_sees_every_number():
+    other = box().values.copy()
+    other[7, 1] = np.nextafter(other[7, 1], 1.0)
+    assert box().model_copy(update={"values": other}).content_hash != box().content_hash
+
+
+@given(arrays.arrays(np.float64, arrays.array_shapes(min_dims=1, max_dims=3, min_side=0)))
+def test_any_array_survives_json(values):
+    there = Box.from_json(Box(Ball(1.0), values).to_json()).values
+    assert there.shape == values.shape and there.tobytes() == values.tobytes()
+
+
+@given(st.lists(st.booleans(), max_size=50))
+def test_flags_survive_json(flags):
+    there = Box.from_json(Box(Ball(1.0), [0.0], held=np.array(flags, dtype=bool)).to_json()).held
+    assert there.dtype == bool and there.tolist() == flags
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Ball(-1.0), "radius = -1.0"),
+        (lambda: Ball(), "radius: is required"),
+        (lambda: Ball(1.0, 2.0), "2 values are given without a name"),
+        (lambda: Ball(1.0, radius=2.0), "radius is given twice"),
+        (lambda: Ball(True), "a number is needed, not true"),
+        (lambda: Body(), "kind = 'Body': one of Ball, Pile"),
+        (lambda: Box({"kind": "Cube"}, [1.0]), "kind = 'Cube': one of Ball, Pile"),
+        (lambda: Box(Ball(1.0), ["x"]), "an array of float64"),
+        (lambda: Box(Ball(1.0), [1.0], nodes=[0.5]), "an array of int32"),
+        (lambda: Box(Ball(1.0), [1.0], nodes=[2**40]), "beyond int32"),
+        (lambda: Box(Ball(1.0), {"shape": [3], "base64": "AAAA"}), "in base64"),
+        (lambda: Box.from_json("{"), "no JSON"),
+        (lambda: Box.from_json(box().to_json().replace('"radius": 2.0', '"radius": -2.0')), "radius = -2.0"),
+    ],
+)
+def test_bad_values_are_named(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_schema_knows_every_kind():
+    schema = json_schema(Box)
+    assert {"Ball", "Pile"} <= set(schema["$defs"])
+    assert schema["$defs"]["Ball"]["properties"]["kind"] == {"const": "Ball", "type": "string"}
+    text = json.dumps(schema)
+    for name in ("Ball", "Pile"):
+        assert f'{{"$ref": "#/$defs/{name}"}}' in text

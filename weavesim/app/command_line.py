@@ -1,0 +1,202 @@
+"""The ``weavesim`` command.
+
+A scene's options are made from its parameter class, so each is written once: name, type, default, limits and help. The
+scene itself is imported only when it is asked for, which keeps ``weavesim --help`` quick.
+
+Exit codes: 0 finished, 1 the run had to stop, 2 bad input, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+import types
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
+
+import typer
+
+from .. import __version__
+from ..device import Precision
+from ..errors import InputError, RunError
+from ..run.frame import Outcome
+
+EXIT_CODE_RUN_ERROR = 1
+EXIT_CODE_INPUT_ERROR = 2
+EXIT_CODE_INTERRUPTED = 130
+
+
+class Scene(NamedTuple):
+    """Where a scene lives: its module has the parameter class and ``run(parameters) -> summary``."""
+
+    module: str
+    parameters: str
+    help: str
+
+
+SCENES = {
+    "double-dome": Scene("double_dome", "DoubleDomeParameters", "Form a woven blank over a double dome."),
+    "hemisphere": Scene("hemisphere", "HemisphereParameters", "Let a square cloth fall on a hemisphere."),
+    "picture-frame": Scene("picture_frame", "PictureFrameParameters", "Shear a woven fabric in a picture frame."),
+    "bias-extension": Scene("bias_extension", "BiasExtensionParameters", "Pull a woven fabric in its bias direction."),
+    "cantilever": Scene("cantilever", "CantileverParameters", "Let a strip of woven fabric hang over an edge."),
+}
+application = typer.Typer(
+    help="Draping and forming of woven fabrics.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+
+def main(*leading: str) -> None:
+    """Run the command line: ``leading`` arguments, then those of the process. Ends with an exit code."""
+    try:
+        application(args=[*leading, *sys.argv[1:]], prog_name="weavesim")
+    except InputError as error:
+        _fail(error, EXIT_CODE_INPUT_ERROR)
+    except RunError as error:
+        _fail(error, EXIT_CODE_RUN_ERROR)
+
+
+def _fail(error: Exception, exit_code: int) -> None:
+    print(f"weavesim: {error}", file=sys.stderr)
+    sys.exit(exit_code)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"weavesim {__version__}")
+        raise typer.Exit
+
+
+@application.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@application.command()
+def devices() -> None:
+    """List what this machine can compute on."""
+    import warp as wp
+
+    from ..device import available_threads, cpu_features, initialise
+
+    initialise()
+    for device in wp.get_devices():
+        memory = f", {device.total_memory / 2**30:.0f} GiB" if device.is_cuda else f", {available_threads()} cores"
+        print(f"{device.alias}: {device.name}{memory}")
+    print(f"CPU features: {cpu_features() or 'not told by this system'}")
+    print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
+
+
+@application.command("compile")
+def compile_command(
+    precision: Annotated[list[Precision] | None, typer.Option(help="of the runs; may be repeated")] = None,
+    device: Annotated[str, typer.Option(help='where they compute: "cpu" or "cuda:0", "cuda:1", ...')] = "cpu",
+    unit_cell: Annotated[str, typer.Option(help="of the fabrics, as in a fabric file")] = "plain-weave",
+    scene: Annotated[str | None, typer.Option(help="only for this one [default: all]")] = None,
+    processes: Annotated[int | None, typer.Option(min=1, help="that compile side by side [default: cores]")] = None,
+) -> None:
+    """Compile all kernels that the scenes take as they are, so that the first run starts at once."""
+    import warp as wp
+
+    from ..engine.compilation import KernelSet, compile_kernels
+
+    for wanted in precision or [Precision.SINGLE]:
+        seconds = compile_kernels(KernelSet.of_scenes(wanted, device, unit_cell, scene), processes)
+        print(f"{wanted}, {device}, {unit_cell}: compiled within {seconds:.1f} s")
+    print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
+
+
+def _add_scene(name: str, scene: Scene) -> None:
+    # The options are not known before the scene is imported: everything behind its name goes to a command of its own.
+    @application.command(
+        name,
+        help=scene.help,
+        add_help_option=False,
+        context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+    )
+    def command(context: typer.Context) -> None:
+        module = import_module(f"weavesim.scenes.{scene.module}")
+        # plain help: boxed columns would cut the names of the options
+        scene_application = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+        scene_command(scene_application, name, getattr(module, scene.parameters), module.run, scene.help)
+        scene_application(args=context.args, prog_name=f"weavesim {name}")
+
+
+for _name, _scene in SCENES.items():
+    _add_scene(_name, _scene)
+
+
+def scene_command(
+    scene_application: typer.Typer, scene: str, parameters: Any, run: Callable[[Any], dict[str, Any]], text: str
+) -> None:
+    """Add a command whose options are the fields of ``parameters``, a subclass of ``RunOptions``.
+
+    It passes on what differs from the defaults, runs, says where to look, and exits with a code.
+    """
+    from .options import RunOptions
+
+    options = {
+        name: _option(name, field, "Run" if name in RunOptions.model_fields else "Scene")
+        for name, field in parameters.model_fields.items()
+    }
+
+    def command(**values: Any) -> None:
+        given = {name: value for name, value in values.items() if value != options[name].default}
+        checked = parameters(**given)
+        from ..engine.compilation import side_by_side
+
+        try:
+            with side_by_side(partial(_announce_compilation, scene)):
+                outcome = run(checked).get("outcome", Outcome.FINISHED.value)
+        except KeyboardInterrupt:
+            outcome = Outcome.INTERRUPTED.value
+        ending = {Outcome.FINISHED.value: "", Outcome.INTERRUPTED.value: "Interrupted; what was reached is kept. "}
+        print(f"{ending.get(outcome, 'Stopped early. ')}Results are in {checked.out}.")
+        for report in sorted(checked.out.rglob("report.html")):
+            print(f"Open {report} in a browser.")
+        if outcome == Outcome.INTERRUPTED.value:
+            raise typer.Exit(EXIT_CODE_INTERRUPTED)
+        if outcome != Outcome.FINISHED.value:
+            raise typer.Exit(EXIT_CODE_RUN_ERROR)
+
+    # Typer reads a command's options from its signature.
+    command.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
+    command.__annotations__ = {name: option.annotation for name, option in options.items()}
+    scene_application.command(help=text)(command)
+
+
+def _announce_compilation(scene: str, kernel_count: int) -> None:
+    kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
+    text = f"{scene}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
+    print(text, file=sys.stderr, flush=True)
+
+
+def _option(name: str, field: Any, panel: str) -> inspect.Parameter:
+    flag = "--" + name.replace("_", "-")
+    kind = _plain_type(field.annotation)
+    declaration = f"{flag}/--no-{flag[2:]}" if kind is bool else flag
+    option = typer.Option(declaration, help=field.description, rich_help_panel=panel)
+    default = inspect.Parameter.empty if field.is_required() else field.get_default(call_default_factory=True)
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])
+
+
+def _plain_type(annotation: Any) -> Any:
+    """``annotation`` without the limits that only the parameter class checks."""
+    if get_origin(annotation) is Annotated:
+        return _plain_type(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, types.UnionType):
+        return Union[tuple(_plain_type(part) for part in get_args(annotation))]  # noqa: UP007
+    return annotation
+
+
+if __name__ == "__main__":
+    main()

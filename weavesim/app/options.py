@@ -1,0 +1,50 @@
+"""Options that every scene shares: mesh size, where to compute, where to write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, field_validator
+
+from ..checks import Parameters, Positive
+from ..device import LARGEST_THREAD_COUNT, Precision
+from ..engine.setup import Solver
+
+LARGEST_MESH_SIZE_M = 0.5
+SMALLEST_MESH_SIZE_M = 1.0e-4
+
+
+class RunOptions(Parameters):
+    """Base of a scene's parameters; the command line makes one option of every field.
+
+    A scene sets its own defaults by declaring a field again. A field's ``description`` is the option's help.
+    """
+
+    mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
+    device: str = Field(default="cpu", description='where to compute: "cpu" or "cuda:0", "cuda:1", ...')
+    precision: Precision = Field(default=Precision.SINGLE, description="scalar type of state and kernels")
+    threads: Annotated[int, Field(ge=1, le=LARGEST_THREAD_COUNT)] | None = Field(
+        default=None, description="CPU threads; the result does not depend on them [default: the fastest, measured]"
+    )
+    time_step: Positive | None = Field(default=None, description="largest time step [s]; must be stable")
+    target_step: Positive | None = Field(
+        default=None, description="scale the mass until this time step is stable [s]; the added mass is reported"
+    )
+    out: Path = Field(default=Path("out"), description="folder for the results")
+
+    @field_validator("mesh_size")
+    @classmethod
+    def _is_in_metres(cls, value: float) -> float:
+        if value > LARGEST_MESH_SIZE_M:
+            raise ValueError(f"is in metres and at most {LARGEST_MESH_SIZE_M}: write 0.005 for 5 mm")
+        if value < SMALLEST_MESH_SIZE_M:
+            raise ValueError(f"is in metres and at least {SMALLEST_MESH_SIZE_M}: write 0.005 for 5 mm")
+        return value
+
+    def solver(self, **given: Any) -> Solver:
+        """Where and how to compute, as these options say; ``given`` are further values."""
+        return Solver(
+            device=self.device, precision=self.precision, threads=self.threads, time_step=self.time_step,
+            target_step=self.target_step, **given,
+        )  # fmt: skip

@@ -1,0 +1,221 @@
+"""Observers that tell a person how a run goes: a progress bar on the terminal, a log in the result folder."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import logging.handlers
+import platform
+import textwrap
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .. import __version__
+from ..errors import InputError
+from ..run.frame import Frame, Outcome, RunInfo
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress, TaskID
+
+LOG_NAME = "run.log"
+# Off a terminal, lines are spread evenly over a run.
+LINE_COUNT = 10
+
+
+def kinetic_ratio(energies: dict[str, float]) -> float | None:
+    """Kinetic over internal energy; None as long as the sheet stores none."""
+    internal = energies["internal"]
+    return energies["kinetic"] / internal if internal > 0.0 else None
+
+
+def clock_text(seconds: float) -> str:
+    """``seconds`` as minutes and seconds, or hours, minutes and seconds."""
+    minutes, second = divmod(round(seconds), 60)
+    hours, minute = divmod(minutes, 60)
+    return f"{hours}:{minute:02d}:{second:02d}" if hours else f"{minute}:{second:02d}"
+
+
+class ProgressBar:
+    """Shows stroke, time left and energies while a run goes; plain lines now and then where there is no terminal.
+
+    Warnings of the run are shown too. Writes to standard error, which leaves standard output to results.
+    """
+
+    def __init__(self, console: Console | None = None) -> None:
+        from rich.console import Console
+
+        self._console = console or Console(stderr=True, highlight=False)
+        self._progress: Progress | None = None
+        self._task: TaskID | None = None
+        self._handler: logging.Handler | None = None
+        self._name = ""
+        self._duration = 0.0
+        self._start = 0.0
+        self._line_index = -1
+
+    def start(self, info: RunInfo) -> None:
+        from rich.logging import RichHandler
+        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+
+        self._name = info.name.replace("_", " ")
+        self._duration = info.duration
+        self._start = time.perf_counter()
+        self._handler = RichHandler(logging.WARNING, self._console, show_time=False, show_path=False)
+        logging.getLogger("weavesim").addHandler(self._handler)
+        for warning in info.warnings:
+            self._print(f"warning: {warning}")
+        if self._console.is_terminal:
+            self._progress = Progress(
+                TextColumn("{task.description}"),
+                BarColumn(),
+                TaskProgressColumn(),
+                TextColumn("{task.fields[state]}"),
+                console=self._console,
+                # The computation wants the cores: redraw seldom.
+                refresh_per_second=2,
+            )
+            self._task = self._progress.add_task(self._name, total=self._duration, state="preparing")
+            self._progress.start()
+        else:
+            self._print(f"{info.element_count} elements, {info.node_count} nodes")
+
+    def frame(self, frame: Frame) -> None:
+        if frame.index == 0:
+            # The first steps wait for kernels to compile; the time left is to be that of the run itself.
+            self._start = time.perf_counter()
+        if self._progress is not None and self._task is not None:
+            self._progress.update(self._task, completed=frame.time, state=self._state(frame))
+            return
+        share = frame.time / self._duration
+        line_index = int(LINE_COUNT * share + 1e-6)
+        if line_index > self._line_index:
+            self._line_index = line_index
+            self._print(f"{share:4.0%}  {self._state(frame)}")
+
+    def finish(self, outcome: Outcome) -> None:
+        text = f"{outcome.value} after {clock_text(time.perf_counter() - self._start)}"
+        if self._progress is not None and self._task is not None:
+            self._progress.stop()
+            self._progress = None
+        self._print(text)
+        if self._handler is not None:
+            logging.getLogger("weavesim").removeHandler(self._handler)
+            self._handler = None
+
+    def _print(self, text: str) -> None:
+        self._console.print(f"{self._name}: {text}", markup=False, soft_wrap=True)
+
+    def _state(self, frame: Frame) -> str:
+        parts = [f"stroke {frame.stroke * 1e3:.1f} mm"]
+        if 0.0 < frame.time < self._duration:
+            elapsed = time.perf_counter() - self._start
+            parts.append(f"{clock_text(elapsed * (self._duration / frame.time - 1.0))} left")
+        ratio = kinetic_ratio(frame.energies)
+        if ratio is not None:
+            parts.append(f"kinetic/internal {ratio:.2%}")
+        return ", ".join(parts)
+
+
+class RunLog:
+    """Keeps ``run.log``: set-up, frames, warnings and the end of a run.
+
+    It collects what the package logs from its making on, but writes nothing before the run starts, so that bad input
+    leaves an older log alone.
+
+    Args:
+        folder: an existing folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = Path(folder) / LOG_NAME
+        self._logger = logging.getLogger("weavesim")
+        self._level_before = self._logger.level
+        self._logger.setLevel(logging.INFO)
+        self._file: logging.Handler | None = None
+        self._memory: logging.handlers.MemoryHandler | None = logging.handlers.MemoryHandler(
+            capacity=10_000, flushLevel=logging.CRITICAL + 1, flushOnClose=False
+        )
+        self._logger.addHandler(self._memory)
+
+    def start(self, info: RunInfo) -> None:
+        self._begin_file()
+        lines = [
+            f"weavesim {__version__}, Python {platform.python_version()}, {platform.platform()}",
+            f"{info.name}: {info.precision} on {info.device} with "
+            f"{' or '.join(map(str, info.thread_counts))} threads, "
+            f"duration {info.duration:g} s",
+        ]
+        for sheet in info.sheets:
+            blank, fabric = sheet.blank, sheet.fabric
+            if len(info.sheets) > 1:
+                lines.append(f"sheet {sheet.name}")
+            lines += [
+                f"blank: {blank.element_count} elements, {blank.node_count} nodes",
+                f"mirrored at: {', '.join(sheet.symmetry.planes) or 'no plane'}",
+                f"fabric: {fabric.name}, {fabric.areal_density:g} kg/m^2, thickness {fabric.thickness:g} m",
+            ]
+        for tool in info.tools:
+            # A stroke or a mesh can have thousands of numbers.
+            shape, motion = (textwrap.shorten(repr(part), 160) for part in (tool.shape, tool.motion))
+            lines.append(f"tool {tool.name}: {shape}, {motion}, friction {tool.friction:g}")
+        lines += info.notes
+        lines += [f"warning: {warning}" for warning in info.warnings]
+        for line in lines:
+            self._logger.info("%s", line)
+        self._tool_names = [tool.name for tool in info.tools]
+        self._start = time.perf_counter()
+
+    def frame(self, frame: Frame) -> None:
+        forces = ", ".join(
+            f"{name} {1e3 * way:.2f} mm ({x:.4g}, {y:.4g}, {z:.4g}) N"
+            for name, way, (x, y, z) in zip(self._tool_names, frame.tool_displacement, frame.tool_reaction, strict=True)
+        )
+        energies = ", ".join(f"{name} {value:.4g}" for name, value in frame.energies.items())
+        self._logger.info(
+            "frame %d: step %d, time %.6g s, stroke %.3f mm; %s; energies [J]: %s",
+            frame.index,
+            frame.step_count,
+            frame.time,
+            1e3 * frame.stroke,
+            forces or "no tools",
+            energies,
+        )
+
+    def finish(self, outcome: Outcome) -> None:
+        self._logger.info("%s after %.2f s", outcome.value, time.perf_counter() - self._start)
+        self.close()
+
+    def close(self) -> None:
+        """Stop logging; called by ``finish``, and needed only for a run that never started."""
+        for handler in (self._memory, self._file):
+            if handler is not None:
+                self._logger.removeHandler(handler)
+                with contextlib.suppress(OSError):
+                    handler.close()
+        self._memory = self._file = None
+        self._logger.setLevel(self._level_before)
+
+    def _begin_file(self) -> None:
+        try:
+            self._file = _PatientFileHandler(self.path, mode="w", encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"{self.path} cannot be written: {error.strerror}. Choose another folder.") from error
+        self._file.setFormatter(logging.Formatter("%(asctime)s %(levelname)-7s %(message)s"))
+        self._logger.addHandler(self._file)
+        if self._memory is not None:
+            self._memory.setTarget(self._file)
+            self._memory.flush()
+            self._logger.removeHandler(self._memory)
+            self._memory.close()
+            self._memory = None
+
+
+class _PatientFileHandler(logging.FileHandler):
+    """Gives up its file, but not the run, when the disk is full."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        logger = logging.getLogger("weavesim")
+        logger.removeHandler(self)
+        logger.warning("%s cannot be written any more; the run goes on without it.", self.baseFilename)

@@ -1,0 +1,320 @@
+"""Checked, immutable values: the one system of checks for all that a user gives.
+
+``Parameters`` is a frozen record that is checked when it is made, and says what is wrong by name. ``Kinded`` is the
+base of families such as shapes or laws, whose members JSON tells apart by ``kind``. Array fields have the
+types of ``arrays.py``.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator, Mapping
+from contextvars import ContextVar
+from functools import cached_property
+from typing import Annotated, Any, ClassVar, Self, get_args
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetJsonSchemaHandler,
+    SerializationInfo,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
+from pydantic_core import CoreSchema
+
+from .errors import InputError
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+def at_most(largest: float, hint: str) -> AfterValidator:
+    """An upper bound far above what makes sense, against values in a wrong unit: the ``hint`` says which is meant."""
+
+    def check(value: float) -> float:
+        if value > largest:
+            raise ValueError(f"at most {largest:.4g} is allowed: {hint}")
+        return value
+
+    return AfterValidator(check)
+
+
+def positive_number(name: str, value: Any, *, largest: float = float("inf"), hint: str = "") -> float:
+    """``value`` as a number above zero, for what is no field of a class.
+
+    Raises:
+        InputError: no number, not above zero, or more than ``largest``, which the ``hint`` explains.
+    """
+    if isinstance(value, bool | str | bytes):
+        raise InputError(f"{name} = {value!r}: a number above 0 is needed")
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {value!r}: a number above 0 is needed") from None
+    if not 0.0 < number < float("inf"):
+        raise InputError(f"{name} = {number:.6g}: a finite number above 0 is needed")
+    if number > largest:
+        raise InputError(f"{name} = {number:.6g}: at most {largest:.4g} is allowed: {hint}")
+    return number
+
+
+class Parameters(BaseModel):
+    """Immutable, checked values; a bad one raises InputError that names it.
+
+    Equality and hash are those of the content, arrays included. ``positional`` names the fields that may be given
+    without their names, in order.
+    """
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        arbitrary_types_allowed=True,
+        validate_default=True,
+        ignored_types=(cached_property,),
+    )
+
+    positional: ClassVar[tuple[str, ...]] = ()
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _true_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
+        items = value if isinstance(value, tuple | list) else (value,)
+        if info.field_name and any(isinstance(item, bool) for item in items):
+            types = set(_types(cls.model_fields[info.field_name].annotation))
+            if types & {int, float} and bool not in types:
+                raise ValueError("a number is needed, not true or false")
+        return value
+
+    def __init__(self, *arguments: Any, **values: Any) -> None:
+        names = self.positional[: len(arguments)]
+        if len(arguments) > len(names):
+            allowed = ", ".join(self.positional) or "none"
+            raise InputError(
+                f"{type(self).__name__}: {len(arguments)} values are given without a name; without one may be {allowed}"
+            )
+        if twice := sorted(set(names) & set(values)):
+            raise InputError(f"{type(self).__name__}: {', '.join(twice)} is given twice, by place and by name")
+        try:
+            super().__init__(**dict(zip(names, arguments, strict=True)), **values)
+        except ValidationError as error:
+            raise InputError(f"{type(self).__name__}: {_problems(error)}") from None
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with some values changed, checked like a new one.
+
+        Raises:
+            InputError: a value that is not allowed.
+        """
+        return type(self)(**{**{name: getattr(self, name) for name in type(self).model_fields}, **(update or {})})
+
+    def to_json(self) -> str:
+        """All values as JSON, from which ``from_json`` makes an equal one, to the last bit. Keys are sorted."""
+        return json.dumps(self.model_dump(mode="json"), sort_keys=True, allow_nan=False, ensure_ascii=False)
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> Self:
+        """The value that ``to_json`` wrote.
+
+        Raises:
+            InputError: text that is not JSON, or values that are not allowed; the message says where.
+        """
+        try:
+            return cls.model_validate(json.loads(text))
+        except ValidationError as error:
+            raise InputError(f"{cls.__name__}: {_problems(error)}") from None
+        except ValueError as error:
+            raise InputError(f"{cls.__name__}: no JSON ({error})") from None
+
+    @cached_property
+    def content_hash(self) -> str:
+        """SHA-256 of the class and all values, 64 hexadecimal digits; the same in every process."""
+        return hashlib.sha256(f"{type(self).__name__}\n{self.to_json()}".encode()).hexdigest()
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(_same(getattr(self, name), getattr(other, name)) for name in type(self).model_fields)
+
+    def __hash__(self) -> int:
+        return hash(self.content_hash)
+
+    def __setstate__(self, state: dict[Any, Any]) -> None:
+        super().__setstate__(state)
+        for value in self.__dict__.values():
+            if isinstance(value, np.ndarray):  # pickle forgets that it is read-only
+                value.setflags(write=False)
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.dtype == b.dtype and np.array_equal(a, b)
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(map(_same, a, b))
+    return bool(a == b)
+
+
+def _problems(error: ValidationError) -> str:
+    lines: dict[str, str] = {}
+    for problem in error.errors():
+        # a field that allows several types has one problem per type: the first says enough
+        field, *rest = problem["loc"] or ("",)
+        name = ".".join([str(field), *(str(part) for part in rest if isinstance(part, int))])
+        message = problem["msg"].removeprefix("Value error, ")
+        if problem["type"] == "missing":
+            lines.setdefault(name, f"{name}: is required")
+        elif isinstance(problem["input"], dict | np.ndarray):  # too long to show
+            lines.setdefault(name, f"{name}: {message}" if name else message)
+        else:
+            lines.setdefault(name, f"{name} = {problem['input']!r}: {message}" if name else message)
+    return "; ".join(lines.values())
+
+
+def _types(annotation: Any) -> Iterator[Any]:
+    """``annotation`` and all that it is made of."""
+    yield annotation
+    for part in get_args(annotation):
+        yield from _types(part)
+
+
+class Kinded(Parameters):
+    """Base of a family of values of several kinds, such as shapes: a direct subclass is a family.
+
+    In JSON a member is told by ``kind``, the name of its class. Every subclass of a family is registered when its
+    class is defined, so a kind of a user's own needs nothing else. ``is_kind = False`` in a class body leaves out
+    a class that only serves as a base. ``implied_kind`` of a family is what a table without a ``kind`` is.
+    """
+
+    is_kind: ClassVar[bool] = True
+    implied_kind: ClassVar[str | None] = None
+    _family: ClassVar[dict[str, type[Any]]]
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **settings: Any) -> None:
+        super().__pydantic_init_subclass__(**settings)
+        if Kinded in cls.__bases__:
+            cls._family = {}
+        elif cls.__dict__.get("is_kind", True):
+            cls._family[cls.__name__] = _kinds_by_name[cls.__name__] = cls
+
+    @classmethod
+    def kinds(cls) -> dict[str, type[Self]]:
+        """Kinds of the family by name, those that are ``cls`` or a subclass of it."""
+        return {name: kind for name, kind in cls._family.items() if issubclass(kind, cls)}
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _made_of_its_kind(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        if not isinstance(value, Mapping):
+            return handler(value)
+        implied = cls.implied_kind if Kinded in cls.__bases__ else None
+        name = value.get("kind", implied or cls.__name__)
+        if name not in cls.kinds():
+            raise ValueError(f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed")
+        kind, rest = cls.kinds()[name], {key: item for key, item in value.items() if key != "kind"}
+        return handler(rest) if kind is cls else kind(**rest)
+
+    @model_serializer(mode="wrap")
+    def _with_its_kind(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> dict[str, Any]:
+        return {"kind": type(self).__name__, **handler(self)} if info.mode == "json" else handler(self)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        if _described.get() is not cls:
+            return {_KINDS: list(cls.kinds())}  # families may contain themselves: ``json_schema`` puts references here
+        _described.set(None)
+        own = handler.resolve_ref_schema(handler(schema))
+        own["properties"] = {"kind": {"const": cls.__name__, "type": "string"}, **own.get("properties", {})}
+        own["required"] = ["kind", *own.get("required", [])]
+        return own
+
+
+# Stands in a schema for what is to refer to the kinds of these names.
+_KINDS = "x-kinds"
+# The kind whose own schema is being made.
+_described: ContextVar[type[Kinded] | None] = ContextVar("described", default=None)
+_kinds_by_name: dict[str, type[Kinded]] = {}
+
+
+def json_schema(cls: type[Parameters]) -> dict[str, Any]:
+    """JSON schema of what ``to_json`` of a class writes, with that of every kind of every family in it."""
+    definitions: dict[str, Any] = {}
+
+    def described(kind: type[Parameters]) -> dict[str, Any]:
+        _described.set(kind if issubclass(kind, Kinded) else None)
+        schema = kind.model_json_schema()
+        for name, definition in schema.pop("$defs", {}).items():
+            definitions.setdefault(name, linked(definition))
+        return linked(schema)
+
+    def linked(part: Any) -> Any:
+        if isinstance(part, list):
+            return [linked(item) for item in part]
+        if not isinstance(part, dict):
+            return part
+        if _KINDS not in part:
+            return {key: linked(item) for key, item in part.items()}
+        for name in part[_KINDS]:
+            if name not in definitions:
+                definitions[name] = {}  # a kind may contain itself
+                definitions[name] = described(_kinds_by_name[name])
+        return {"anyOf": [{"$ref": f"#/$defs/{name}"} for name in part[_KINDS]]}
+
+    schema = described(cls)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "$defs": definitions}
+
+
+# --- single values ----------------------------------------------------------------------------------------------------
+
+Vector = tuple[float, float, float]
+
+
+def positive(what: str, value: Any) -> float:
+    """``value`` as a float; InputError unless it is finite and above zero."""
+    number = finite(what, value)
+    if number <= 0.0:
+        raise InputError(f"{what} is {value}; it must be above zero.")
+    return number
+
+
+def finite(what: str, value: Any) -> float:
+    """``value`` as a float; InputError unless it is a finite number."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{what} is {value!r}; it must be a number.") from None
+    if not math.isfinite(number):
+        raise InputError(f"{what} is {value}; it must be finite.")
+    return number
+
+
+def vector(what: str, value: Any) -> Vector:
+    """``value`` as three finite floats; InputError otherwise."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != (3,) or not np.all(np.isfinite(array)):
+        raise InputError(f"{what} is {value!r}; it must be three finite numbers.")
+    return (float(array[0]), float(array[1]), float(array[2]))
+
+
+def unit_vector(what: str, value: Any) -> Vector:
+    """``value`` scaled to length one; InputError if it has no direction."""
+    array = np.array(vector(what, value))
+    length = float(np.linalg.norm(array))
+    if length < 1e-12:
+        raise InputError(f"{what} is {value!r}; it must not be zero, for it gives a direction.")
+    return vector(what, array / length)

@@ -1,0 +1,235 @@
+"""Compile the kernels of a run ahead of it, side by side in processes."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import signal
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import warp as wp
+
+from ..device import Precision, available_threads, initialise, is_compiled, load_kernel, resolve_device
+from ..errors import InputError
+from ..fabric.cell import UnitCell
+from ..fabric.presets import UNIT_CELLS
+from ..kernels.contact.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
+from ..kernels.contact.tool_distance import sample_distance_kernel
+from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
+from ..kernels.shell.energy import element_ledger_kernel
+from ..kernels.shell.force import element_force_kernel
+from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
+from ..kernels.shell.laws import SheetTraits
+from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
+from ..kernels.stepping.node import NodeTraits, node_motion_kernel
+from ..kernels.stepping.step import look_at_clock, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.supports import support_motion_kernel
+from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
+
+logger = logging.getLogger(__name__)
+# What the default set-ups of the scenes are; others are compiled when they run.
+SCENE_TRAITS: dict[str, tuple[SheetTraits, NodeTraits]] = {
+    "double-dome": (SheetTraits(), NodeTraits(shape_kinds=("dome_opening", "dome_punch"), rotated=True)),
+    "hemisphere": (SheetTraits(), NodeTraits(shape_kinds=("sphere",))),
+    "picture-frame": (SheetTraits(), NodeTraits(supported=True)),
+    "bias-extension": (SheetTraits(), NodeTraits(supported=True)),
+    "cantilever": (SheetTraits(), NodeTraits(supported=True)),
+}
+
+
+@dataclass(frozen=True)
+class KernelSet:
+    """What decides which kernels are taken; it can be sent to another process, kernels cannot.
+
+    Attributes:
+        unit_cell: of the fabric; kernels are made for its law, not for its numbers.
+        sheets, nodes: traits of one run, or of several.
+        precision: of the runs.
+        device: where they compute.
+        lane_count: elements per kernel thread.
+        tools: whether there are any.
+        driven: whether supports move.
+        threaded: whether a CPU may use several threads.
+        meshes: whether the distance to a triangle mesh is sampled.
+    """
+
+    unit_cell: UnitCell
+    sheets: tuple[SheetTraits, ...]
+    nodes: tuple[NodeTraits, ...]
+    precision: Precision
+    device: str
+    lane_count: int
+    tools: bool = True
+    driven: bool = True
+    threaded: bool = True
+    meshes: bool = False
+
+    @classmethod
+    def of_scenes(
+        cls,
+        precision: Precision = Precision.SINGLE,
+        device: str = "cpu",
+        unit_cell: str = "plain-weave",
+        scene: str | None = None,
+    ) -> Self:
+        """What a scene as it is takes, or all of them.
+
+        Args:
+            precision: of the runs.
+            device: where they compute.
+            unit_cell: a name of ``weavesim.fabric.UNIT_CELLS``.
+            scene: a name of ``SCENE_TRAITS``; None means all of them.
+
+        Raises:
+            InputError: no such unit cell, scene or device.
+        """
+        for what, name, known in (("unit cell", unit_cell, UNIT_CELLS), ("scene", scene, SCENE_TRAITS)):
+            if name is not None and name not in known:
+                raise InputError(f"{what} {name!r} is unknown: choose one of {', '.join(known)}")
+        lane_count = CPU_LANE_COUNT if resolve_device(device).is_cpu else GPU_LANE_COUNT
+        traits = [SCENE_TRAITS[scene]] if scene else list(SCENE_TRAITS.values())
+        sheets, nodes = (tuple(dict.fromkeys(kind)) for kind in zip(*traits, strict=True))
+        return cls(UNIT_CELLS[unit_cell](), sheets, nodes, precision, device, lane_count, meshes=True)
+
+    def kernels(self) -> list[wp.Kernel]:
+        """All kernels, roughly those first that take long to compile.
+
+        Raises:
+            InputError: no such device.
+        """
+        is_cpu = resolve_device(self.device).is_cpu
+        real, law, lane_count = self.precision.real, self.unit_cell.law(), self.lane_count
+        frequency_lanes = frequency_lane_count(lane_count, law)
+        return [
+            *(element_force_kernel(real, lane_count, law, sheet) for sheet in self.sheets),
+            *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
+            *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
+            *(element_ledger_kernel(real, law, sheet) for sheet in self.sheets),
+            *([sample_distance_kernel(real, 1)] if self.tools else []),
+            *(mesh_kernels() if self.meshes else []),
+            tool_motion_kernel(real),
+            *([support_motion_kernel(real)] if self.driven else []),
+            partial_sum_kernel(real),
+            partial_maximum_kernel(real),
+            set_step_kernel(real),
+            *([flush_subnormals, restore_subnormals] if is_cpu else [look_at_clock]),
+            *([barrier] if is_cpu and self.threaded else []),
+        ]
+
+
+@dataclass(frozen=True)
+class MeshKernelSet:
+    """What it takes to sample the distance to triangle meshes; see ``KernelSet``."""
+
+    device: str
+
+    def kernels(self) -> list[wp.Kernel]:
+        return mesh_kernels()
+
+
+def mesh_kernels() -> list[wp.Kernel]:
+    """Those that sample the distance to a triangle mesh."""
+    return [mesh_distance_kernel, volume_distance_kernel, fill_tiles_kernel]
+
+
+def missing(kernel_set: KernelSet | MeshKernelSet) -> list[int]:
+    """Which of the set's kernels are not in the cache; nothing is compiled to find out.
+
+    Raises:
+        InputError: no such device, or the cache cannot be written.
+    """
+    device = resolve_device(kernel_set.device)
+    return [index for index, kernel in enumerate(kernel_set.kernels()) if not is_compiled(kernel, device)]
+
+
+# What tells the user how many kernels are about to be compiled; None in a program that is not the command line.
+_announce: ContextVar[Callable[[int], None] | None] = ContextVar("_announce", default=None)
+
+
+@contextmanager
+def side_by_side(announce: Callable[[int], None]) -> Iterator[None]:
+    """Within it runs compile in processes side by side, and call ``announce`` with the number of kernels before.
+
+    Not for programs at large: a process starts by importing the program again, and would do all that stands there
+    without ``if __name__ == "__main__"``.
+    """
+    token = _announce.set(announce)
+    try:
+        yield
+    finally:
+        _announce.reset(token)
+
+
+def compile_missing(kernel_set: KernelSet | MeshKernelSet) -> None:
+    """Compile ahead of a run what is not in the cache, if that is wanted; else say that its start will do so.
+
+    Raises:
+        InputError: no such device, or the cache cannot be written.
+    """
+    indices, announce = missing(kernel_set), _announce.get()
+    if not indices:
+        return
+    logger.info("%d kernels are not in the cache and are compiled first", len(indices))
+    if announce:
+        announce(len(indices))
+        _compile(kernel_set, indices, available_threads())
+
+
+def compile_kernels(kernel_set: KernelSet | MeshKernelSet, process_count: int | None = None) -> float:
+    """Compile what is not in the cache yet.
+
+    Args:
+        kernel_set: what for.
+        process_count: that compile side by side; None takes one per core.
+
+    Returns:
+        Seconds that it took.
+
+    Raises:
+        InputError: no such device, or the cache cannot be written.
+    """
+    started = time.perf_counter()
+    _compile(kernel_set, missing(kernel_set), process_count or available_threads())
+    return time.perf_counter() - started
+
+
+def _compile(kernel_set: KernelSet | MeshKernelSet, indices: list[int], process_count: int) -> None:
+    process_count = min(process_count, len(indices))
+    if process_count <= 1:
+        for index in indices:
+            _load(kernel_set, index)
+        return
+    # Not threads: Warp's compiler does one kernel after the other as long as CPU_COMPILER_FLAGS sets an option of LLVM.
+    # A fresh interpreter each: a forked Warp would share its compiler with the others.
+    with ProcessPoolExecutor(
+        process_count,
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_prepare_process,
+        initargs=(_cache_folder(),),
+    ) as processes:
+        for done in [processes.submit(_load, kernel_set, index) for index in indices]:
+            done.result()
+
+
+def _cache_folder() -> str:
+    """The folder that Warp was given for its cache: it has added its version."""
+    folder = Path(str(wp.config.kernel_cache_dir))
+    return str(folder.parent if folder.name == wp.config.version else folder)
+
+
+def _prepare_process(cache_folder: str) -> None:
+    # Ctrl-C ends it at once and without a word, in the middle of a kernel
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    wp.config.kernel_cache_dir = cache_folder
+
+
+def _load(kernel_set: KernelSet | MeshKernelSet, index: int) -> None:
+    initialise()
+    load_kernel(kernel_set.kernels()[index], resolve_device(kernel_set.device))

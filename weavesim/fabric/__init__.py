@@ -1,0 +1,51 @@
+"""Fabrics: laws, unit cells, presets, files."""
+
+from .bending import BendingCurve, BendingLaw, FamilyBending, IsotropicBending, YarnBending
+from .cell import (
+    EnergyCell,
+    FloatWeave,
+    LinearMembrane,
+    PlainWeave,
+    SatinWeave,
+    TwillWeave,
+    UnidirectionalTape,
+    UnitCell,
+)
+from .compaction import Compaction
+from .device_form import DeviceForm, Tabulated
+from .fabric import Fabric, Stabilisation
+from .file import load_fabric, resolve_fabric
+from .presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
+from .shear import CrossoverFriction, LinearShear, MomentCurve, ShearFriction, ShearLaw
+
+__all__ = [
+    "BendingCurve",
+    "BendingLaw",
+    "Compaction",
+    "CrossoverFriction",
+    "DeviceForm",
+    "EnergyCell",
+    "Fabric",
+    "FamilyBending",
+    "FloatWeave",
+    "IsotropicBending",
+    "LinearMembrane",
+    "LinearShear",
+    "MomentCurve",
+    "PRESETS",
+    "PlainWeave",
+    "SatinWeave",
+    "ShearFriction",
+    "ShearLaw",
+    "Stabilisation",
+    "Tabulated",
+    "TwillWeave",
+    "UNIT_CELLS",
+    "UnidirectionalTape",
+    "UnitCell",
+    "YarnBending",
+    "assumed_fabric",
+    "glass_polypropylene",
+    "load_fabric",
+    "resolve_fabric",
+]

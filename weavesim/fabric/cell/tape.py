@@ -1,0 +1,92 @@
+"""Unit cell of a stitched unidirectional tape."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from ...checks import NotNegative, Positive
+from .contract import EnergyCell, UnitCell
+from .weaves import PlainWeave
+
+
+class UnidirectionalTape(EnergyCell):
+    """Stiff tows along the warp direction, held together by stitches that zigzag across them.
+
+    The stitches' two diagonals carry tension only, once their slack is used up; thread may slip from one to the other
+    against a stiffness. They depend on both stretches and on the shear angle.
+    """
+
+    unknown_count: ClassVar[int] = 1
+    part_names: ClassVar[tuple[str, ...]] = ("tow", "stitch", "tow_to_tow")
+
+    tow_stiffness: Positive = Field(description="E A of the tows over their spacing [N/m]")
+    tow_compressive_stiffness: NotNegative = Field(description="the same where they are pushed together [N/m]")
+    stitch_stiffness: NotNegative = Field(
+        description="k of the energy 1/2 k strain^2 per area of one diagonal in tension [N/m]"
+    )
+    slip_stiffness: Positive = Field(
+        description="of the energy 1/2 k slip^2 per area, where slip is the strain passed from one diagonal on [N/m]"
+    )
+    stitch_pitch: Positive = Field(description="distance that a diagonal covers along the tows [m]")
+    tow_spacing: Positive = Field(description="distance that a diagonal covers across the tows [m]")
+    stitch_slack: NotNegative = Field(default=0.0, description="strain of a diagonal at which it begins to pull")
+    transverse_stiffness: NotNegative = Field(
+        default=0.0, description="across tows pulled apart, without stitches [N/m]"
+    )
+    transverse_compressive_stiffness: NotNegative = Field(
+        default=0.0, description="across tows pushed together, without stitches [N/m]"
+    )
+
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {"stitched-tape": cls._glass_tows}
+
+    @classmethod
+    def _glass_tows(cls) -> Self:
+        """Tows as stiff as the glass/polypropylene yarns; all but that is assumed."""
+        tow = min(PlainWeave.glass_polypropylene().yarn_stiffness_per_width)
+        return cls(
+            tow_stiffness=tow, tow_compressive_stiffness=2.0e-4 * tow, stitch_stiffness=4.0e4, slip_stiffness=1.0e4,
+            stitch_pitch=5.2e-3, tow_spacing=5.2e-3, stitch_slack=0.01, transverse_stiffness=1.0e3,
+            transverse_compressive_stiffness=2.0e4,
+        )  # fmt: skip
+
+    def functions(self) -> dict[str, Any]:
+        from ...kernels.cell.energies import tape_energies
+
+        return {"parts": tape_energies}
+
+    @model_validator(mode="after")
+    def _holds_across(self) -> Self:
+        if self.stitch_stiffness == 0.0 and self.transverse_stiffness == 0.0:
+            raise ValueError(
+                "stitch_stiffness = 0, transverse_stiffness = 0: nothing holds the tows together, give one"
+            )
+        return self
+
+    @property
+    def _stitch_bounds(self) -> tuple[float, float, float]:
+        """Of the stitches alone, for both stretches and the angle [N/m].
+
+        A diagonal's strain changes by at most s per warp stretch, t per weft stretch, the smaller of both per angle,
+        with s and t the shares of its two legs; (sum a_i e_i)^2 is at most (sum a_i) (sum a_i e_i^2).
+        """
+        length = math.hypot(self.stitch_pitch, self.tow_spacing)
+        s, t = self.stitch_pitch / length, self.tow_spacing / length
+        r = min(s, t)
+        bound = 2.0 * self.stitch_stiffness * (s + t + r)
+        return bound * s, bound * t, bound * r
+
+    @property
+    def yarn_stiffness_per_width(self) -> tuple[float, float]:
+        along, across, _ = self._stitch_bounds
+        tow = max(self.tow_stiffness, self.tow_compressive_stiffness)
+        return tow + along, max(self.transverse_stiffness, self.transverse_compressive_stiffness) + across
+
+    @property
+    def shear_stiffness(self) -> float:
+        return self._stitch_bounds[2]

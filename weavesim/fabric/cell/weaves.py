@@ -1,0 +1,269 @@
+"""Unit cells of crossed yarns: plain weave, twill, satin (docs/theory.md, section 2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ...checks import NotNegative, Positive, Share
+from .contract import UNIT_CELL_TOLERANCE, EnergyCell, UnitCell
+
+if TYPE_CHECKING:
+    from ...device import Precision
+    from ...kernels.cell.law import CellLaw
+
+
+# Of the glass/polypropylene weave of the double-dome benchmark (the preset of that name has the source).
+GLASS_PITCH = 5.2e-3  # distance of the yarns [m]
+GLASS_YARN_STIFFNESS = 31.8e3  # E A [N]
+
+
+class CrossedYarns(UnitCell):
+    """Warp and weft beam that cross at a contact element: the paper's parameters, and four of our own with defaults.
+
+    A yarn's compressive stiffness E A_c defaults to the Euler-like 3 E I / l0^2: a yarn pushed together is a buckled
+    bundle, and a stiffer one gives the cell several equilibria (``warnings`` says so).
+    """
+
+    is_kind: ClassVar[bool] = False
+
+    warp_modulus: Positive = Field(description="Young's modulus of the warp yarn [Pa]")
+    weft_modulus: Positive = Field(description="Young's modulus of the weft yarn [Pa]")
+    contact_modulus: Positive = Field(description="Young's modulus E_3 of the contact element [Pa]")
+    warp_cross_section: Positive = Field(description="cross-section of the warp yarn [m^2]")
+    weft_cross_section: Positive = Field(description="cross-section of the weft yarn [m^2]")
+    contact_cross_section: Positive = Field(
+        description="cross-section A_3 of the contact element of the half cell [m^2]"
+    )
+    warp_second_moment: NotNegative = Field(description="second moment of area of the warp yarn [m^4]")
+    weft_second_moment: NotNegative = Field(description="second moment of area of the weft yarn [m^4]")
+    warp_half_spacing: Positive = Field(description="L_1, half distance between crossovers along the warp [m]")
+    weft_half_spacing: Positive = Field(description="L_2, half distance between crossovers along the weft [m]")
+    crossover_height: NotNegative = Field(description="L_3 = h_1 + h_2, distance of the yarn axes at the crossover [m]")
+    warp_crimp_share: Share = Field(default=0.5, description="h_1 / L_3")
+    warp_compressive_stiffness: NotNegative | None = Field(default=None, description="E A_c of the warp [N]")
+    weft_compressive_stiffness: NotNegative | None = Field(default=None, description="E A_c of the weft [N]")
+    contact: Literal["bilateral", "unilateral"] = Field(default="bilateral", description="may the yarns separate?")
+    contact_stiffness_value: Positive | None = Field(
+        default=None, description="E_3 A_3 / L_3 [N/m] given directly; needed where L_3 = 0"
+    )
+
+    @model_validator(mode="after")
+    def _contact_is_defined(self) -> Self:
+        if self.crossover_height == 0.0 and self.contact_stiffness_value is None:
+            raise ValueError("crossover_height = 0 leaves E_3 A_3 / L_3 undefined: give contact_stiffness_value [N/m]")
+        return self
+
+    @classmethod
+    def glass_polypropylene(cls, **changes: Any) -> Self:
+        """Yarns of the double-dome benchmark's commingled glass/polypropylene, some values changed by their names.
+
+        Pitch and E A are published; crimp, contact stiffness and yarn bending are assumed.
+        """
+        cross_section = 1.0e-6  # only the products E A and E I matter
+        modulus = GLASS_YARN_STIFFNESS / cross_section
+        yarn_bending = 1.5e-5  # E I [N m^2], as stiff as the sheet's bending over one pitch
+        values: dict[str, Any] = {
+            "warp_modulus": modulus, "weft_modulus": modulus, "contact_modulus": 10.0e6,
+            "warp_cross_section": cross_section, "weft_cross_section": cross_section, "contact_cross_section": 1.6e-5,
+            "warp_second_moment": yarn_bending / modulus, "weft_second_moment": yarn_bending / modulus,
+            "warp_half_spacing": 0.5 * GLASS_PITCH, "weft_half_spacing": 0.5 * GLASS_PITCH, "crossover_height": 0.6e-3,
+        }  # fmt: skip
+        return cls(**values | changes)
+
+    @property
+    def half_spacing(self) -> tuple[float, float]:
+        return self.warp_half_spacing, self.weft_half_spacing
+
+    @property
+    def crimp_height(self) -> tuple[float, float]:
+        return self.warp_crimp_share * self.crossover_height, (1.0 - self.warp_crimp_share) * self.crossover_height
+
+    @property
+    def chord_length(self) -> tuple[float, float]:
+        """l0 of warp and weft [m]."""
+        warp_height, weft_height = self.crimp_height
+        return math.hypot(self.warp_half_spacing, warp_height), math.hypot(self.weft_half_spacing, weft_height)
+
+    @property
+    def axial_stiffness(self) -> tuple[float, float]:
+        """E A of warp and weft in tension [N]."""
+        return self.warp_modulus * self.warp_cross_section, self.weft_modulus * self.weft_cross_section
+
+    @property
+    def bending_stiffness(self) -> tuple[float, float]:
+        """E I of warp and weft [N m^2]."""
+        return self.warp_modulus * self.warp_second_moment, self.weft_modulus * self.weft_second_moment
+
+    @property
+    def euler_stiffness(self) -> tuple[float, float]:
+        """3 E I / l0^2 of warp and weft [N], the largest compressive stiffness known to leave one equilibrium."""
+        (warp, weft), (warp_length, weft_length) = self.bending_stiffness, self.chord_length
+        return 3.0 * warp / warp_length**2, 3.0 * weft / weft_length**2
+
+    @property
+    def compressive_stiffness(self) -> tuple[float, float]:
+        """E A_c of warp and weft [N]."""
+        warp, weft = self.warp_compressive_stiffness, self.weft_compressive_stiffness
+        warp_euler, weft_euler = self.euler_stiffness
+        return warp_euler if warp is None else warp, weft_euler if weft is None else weft
+
+    @property
+    def contact_stiffness(self) -> float:
+        """E_3 A_3 / L_3 of the half cell [N/m]."""
+        if self.contact_stiffness_value is not None:
+            return self.contact_stiffness_value
+        return self.contact_modulus * self.contact_cross_section / self.crossover_height
+
+    @property
+    def crossover_modulus(self) -> float:
+        """Two half cells of stiffness E_3 A_3 / L_3 share the area of a crossover; they flatten by a share of L_3."""
+        if self.crossover_height == 0.0:
+            return math.inf
+        return 2.0 * self.contact_stiffness * self.crossover_height / self.crossover_area
+
+    @property
+    def yarn_stiffness_per_width(self) -> tuple[float, float]:
+        """E A over the spacing of the yarns: membrane stiffness of straight yarns [N/m]."""
+        return (
+            self.axial_stiffness[0] / (2.0 * self.weft_half_spacing),
+            self.axial_stiffness[1] / (2.0 * self.warp_half_spacing),
+        )
+
+    def warnings(self) -> list[str]:
+        """What a user should know before trusting this cell."""
+        return [
+            f"compressive stiffness of the {name} is {given:.4g} N, above the Euler-like {euler:.4g} N: the cell may "
+            "have several equilibria; the branch from stretch 1 is followed and what a snap frees is booked"
+            for name, given, euler in zip(
+                ("warp", "weft"), self.compressive_stiffness, self.euler_stiffness, strict=True
+            )
+            if given > euler * (1.0 + 1.0e-9)
+        ]
+
+
+class PlainWeave(CrossedYarns):
+    """Plain-weave unit cell of crossed beams, written by hand for lanes: the paper's cell."""
+
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {
+            "plain-weave": cls.glass_polypropylene,
+            "plain-weave-unilateral": partial(cls.glass_polypropylene, contact="unilateral"),
+        }
+
+    def law(self) -> CellLaw:
+        from ...kernels.cell.plain_weave import PLAIN_WEAVE
+
+        return PLAIN_WEAVE
+
+    def device_parameters(self, precision: Precision) -> Any:
+        import warp as wp
+
+        cell = self.law().parameters(precision.real)()
+        vec2 = wp.types.vector(2, precision.real)
+        length = np.array(self.chord_length)
+        cell.half_spacing = vec2(*self.half_spacing)
+        cell.crimp_height = vec2(*self.crimp_height)
+        cell.chord_length = vec2(*length)
+        cell.tensile_stiffness = vec2(*(self.axial_stiffness / length))
+        cell.compressive_stiffness = vec2(*(self.compressive_stiffness / length))
+        cell.rotation_stiffness = vec2(*(3.0 * np.array(self.bending_stiffness) / length))
+        cell.contact_stiffness = self.contact_stiffness
+        cell.unilateral = int(self.contact == "unilateral")
+        cell.tolerance = UNIT_CELL_TOLERANCE[precision.value]
+        # four roundings of each of the two parts whose sum is the elongation
+        cell.resolution = 4.0 * np.finfo(precision.numpy).eps / UNIT_CELL_TOLERANCE[precision.value]
+        cell.stiffness_floor = 1.0e-9 * max(self.axial_stiffness) / length.max()
+        cell.force_floor = 1.0e-9 * max(self.axial_stiffness)
+        return cell
+
+    @property
+    def crossover_area(self) -> float:
+        return 4.0 * self.warp_half_spacing * self.weft_half_spacing
+
+    @classmethod
+    def straight(cls, *, stiffness_per_width: float, spacing: float = 0.005, bending: float = 0.0) -> PlainWeave:
+        """Two straight, uncoupled yarn families of equal tensile and compressive stiffness: a linear membrane.
+
+        Args:
+            stiffness_per_width: E A over the yarn spacing [N/m].
+            spacing: distance of the yarns [m].
+            bending: E I of a yarn [N m^2].
+        """
+        axial = stiffness_per_width * spacing
+        return cls(
+            warp_modulus=axial, weft_modulus=axial, contact_modulus=1.0,
+            warp_cross_section=1.0, weft_cross_section=1.0, contact_cross_section=1.0,
+            warp_second_moment=bending / axial, weft_second_moment=bending / axial,
+            warp_half_spacing=0.5 * spacing, weft_half_spacing=0.5 * spacing, crossover_height=0.0,
+            warp_compressive_stiffness=axial, weft_compressive_stiffness=axial,
+            contact_stiffness_value=axial / spacing,
+        )  # fmt: skip
+
+
+class FloatWeave(CrossedYarns, EnergyCell):
+    """A weave whose yarns float over several others: crimped beams of the plain weave, in series with straight floats.
+
+    In a repeat of N crossovers every yarn changes sides twice; the beams are as long as in a plain weave, the other
+    N - 2 crossover distances are floats. N = 2 is the plain weave. Unknowns: the height changes at the crossover over
+    their scale, and the strains of the floats. The floats stay straight and level: an idealisation.
+    """
+
+    law_name: ClassVar[str] = "FloatWeave"
+    unknown_count: ClassVar[int] = 4
+    depends_on_shear: ClassVar[bool] = False
+    part_names: ClassVar[tuple[str, ...]] = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")
+
+    repeat: int = Field(ge=2, le=16, description="N, crossovers in a repeat along a yarn")
+
+    def functions(self) -> dict[str, Any]:
+        from ...kernels.cell.energies import floats_crossover_pressure, floats_energies
+
+        return {"parts": floats_energies, "crossover_pressure": floats_crossover_pressure}
+
+    def parameters(self) -> dict[str, float | tuple[float, ...]]:
+        return {
+            "half_spacing": self.half_spacing,
+            "crimp_height": self.crimp_height,
+            "chord_length": self.chord_length,
+            "float_length": tuple((0.5 * self.repeat - 1.0) * spacing for spacing in self.half_spacing),
+            "axial_stiffness": self.axial_stiffness,
+            "compressive_stiffness": self.compressive_stiffness,
+            "bending_stiffness": self.bending_stiffness,
+            "contact_stiffness": self.contact_stiffness,
+            "unilateral": float(self.contact == "unilateral"),
+            "height_scale": max(self.crossover_height, 0.05 * min(self.half_spacing)),
+            # per pair of half beams; 2 L_1 L_2 in a plain weave
+            "area": self.repeat * self.warp_half_spacing * self.weft_half_spacing,
+        }
+
+    @property
+    def crossover_area(self) -> float:
+        """Of a crossover at which the yarns are bent: those within floats carry nothing."""
+        return 2.0 * self.repeat * self.warp_half_spacing * self.weft_half_spacing
+
+
+class TwillWeave(FloatWeave):
+    """2/2 twill: over two, under two."""
+
+    repeat: Literal[4] = Field(default=4, description="N, crossovers in a repeat along a yarn")
+
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {"twill": cls.glass_polypropylene}
+
+
+class SatinWeave(FloatWeave):
+    """Satin of five or eight harnesses: over all but one."""
+
+    repeat: Literal[5, 8] = Field(default=5, description="N, the harnesses")
+
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {"satin-5": cls.glass_polypropylene, "satin-8": partial(cls.glass_polypropylene, repeat=8)}

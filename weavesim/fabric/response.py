@@ -1,0 +1,131 @@
+"""The response of any unit cell on its own, for any number of strains and cells at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from ..device import initialise, resolve_device, resolve_precision
+from ..errors import InputError
+from ..kernels.cell.response import unit_cell_response_kernel
+from ..kernels.rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
+from .cell import UnitCell
+
+# Rows of the symmetric tangent.
+TANGENT = (
+    (TangentRow.c11, TangentRow.c12, TangentRow.c13),
+    (TangentRow.c12, TangentRow.c22, TangentRow.c23),
+    (TangentRow.c13, TangentRow.c23, TangentRow.c33),
+)
+
+
+@dataclass(frozen=True)
+class UnitCellResponse:
+    """Answers for n strains; all per reference area or width.
+
+    Attributes:
+        unknowns: internal unknowns, (n, unknown_count); of the plain weave the height changes w_1, w_2 [m].
+        force_per_width: n_1, n_2, (n, 2) [N/m].
+        moment: m = dpsi/dgamma, (n,) [N/m].
+        crossover_force: pressing warp and weft together at a physical crossover, (n,) [N].
+        energy: parts of psi, (n, part_count) [J/m^2]; ``energy_names`` says which.
+        energy_names: names of the parts.
+        tangent: derivatives of (n_1, n_2, m) by (warp stretch, weft stretch, shear angle) with the unknowns in
+            equilibrium, (n, 3, 3) [N/m].
+        residual: largest relative residual on the path, (n,).
+        iterations: most Newton steps of one increment before its last, (n,).
+        snap_loss: energy freed by jumps to other equilibria on the path, (n,) [J/m^2].
+    """
+
+    unknowns: np.ndarray
+    force_per_width: np.ndarray
+    moment: np.ndarray
+    crossover_force: np.ndarray
+    energy: np.ndarray
+    energy_names: tuple[str, ...]
+    tangent: np.ndarray
+    residual: np.ndarray
+    iterations: np.ndarray
+    snap_loss: np.ndarray
+
+
+def respond(
+    cells: UnitCell | Sequence[UnitCell],
+    stretch: np.ndarray,
+    shear_angle: np.ndarray | float = 0.0,
+    *,
+    increment_count: int = 50,
+    start: np.ndarray | None = None,
+    precision: str = "float64",
+    device: str = "cpu",
+) -> UnitCellResponse:
+    """Follow each cell from rest to ``stretch`` and ``shear_angle`` in equal increments.
+
+    Args:
+        cells: one cell for all, or one per row of ``stretch``; all of one class.
+        stretch: of warp and weft, (n, 2).
+        shear_angle: one for all, or (n,) [rad]; less than a right angle.
+        start: first guess of the unknowns, (n, unknown_count); those of the cell at rest by default.
+
+    Raises:
+        InputError: strains that are not finite, stretches not positive, or shapes that do not fit.
+    """
+    initialise()
+    precision = resolve_precision(precision)
+    wp_device, real = resolve_device(device), precision.real
+    stretch = np.atleast_2d(np.asarray(stretch, dtype=float))
+    if stretch.ndim != 2 or stretch.shape[1] != 2 or not np.all(np.isfinite(stretch)) or stretch.min() <= 0.0:
+        raise InputError("stretch: an (n, 2) array of finite, positive stretches of warp and weft is needed")
+    if increment_count < 1:
+        raise InputError(f"increment_count = {increment_count}: at least 1 is needed")
+    count = len(stretch)
+    angle = np.asarray(shear_angle, dtype=float)
+    if angle.shape not in ((), (count,)) or not np.all(np.abs(angle) < 0.5 * np.pi):
+        raise InputError(f"shear_angle: one angle or {count} are needed, in radians and less than a right angle")
+    cells = [cells] if isinstance(cells, UnitCell) else list(cells)
+    if len(cells) not in (1, count):
+        raise InputError(f"{len(cells)} cells for {count} pairs of stretches: give one, or as many")
+    law = cells[0].law()
+    if any(cell.law() is not law for cell in cells):
+        raise InputError("cells of several classes were given: answer each class on its own")
+    if start is None:
+        start = np.array([cell.initial_unknowns for cell in cells])
+    first_guess = np.zeros((count, law.row_count))
+    first_guess[:, : law.unknown_count] = start
+    strain = np.empty((StrainRow.row_count(), count))
+    strain[[StrainRow.warp, StrainRow.weft]], strain[StrainRow.shear_angle] = stretch.T - 1.0, angle
+    row_counts = (
+        law.row_count, CellForceRow.row_count(), len(law.energy_names), TangentRow.row_count(),
+        ConvergenceRow.row_count(),
+    )  # fmt: skip
+    rows = [wp.zeros((n, count), dtype=real, device=wp_device) for n in row_counts]
+    wp.launch(
+        unit_cell_response_kernel(real, law),
+        dim=count,
+        inputs=[
+            wp.array(
+                [cell.device_parameters(precision) for cell in cells], dtype=law.parameters(real), device=wp_device
+            ),
+            wp.array(strain, dtype=real, device=wp_device),
+            wp.array(first_guess.T.copy(), dtype=real, device=wp_device),
+            increment_count,
+        ],
+        outputs=rows,
+        device=wp_device,
+    )
+    unknowns, force, energy, tangent, convergence = (row.numpy().astype(np.float64).T for row in rows)
+    return UnitCellResponse(
+        unknowns=unknowns[:, : law.unknown_count],
+        force_per_width=force[:, [CellForceRow.warp, CellForceRow.weft]],
+        moment=force[:, CellForceRow.moment],
+        crossover_force=force[:, CellForceRow.crossover_pressure] * np.array([cell.crossover_area for cell in cells]),
+        energy=energy,
+        energy_names=law.energy_names,
+        tangent=tangent[:, TANGENT],
+        residual=convergence[:, ConvergenceRow.worst_residual],
+        iterations=convergence[:, ConvergenceRow.most_iterations],
+        snap_loss=convergence[:, ConvergenceRow.snap_loss],
+    )

@@ -1,0 +1,191 @@
+"""A shear law by its measured curve, with the constructors that read the usual tests."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ...checks import NotNegative, Positive, positive_number
+from ...errors import InputError
+from ..curve import Column, check_curve, interpolate, measured_columns
+from ..device_form import DeviceForm, Tabulated
+from .law import LARGEST_SHEAR_ANGLE, ShearLaw, check_radians
+
+# Larger ones are in a wrong unit [m].
+LARGEST_FRAME_SIDE = 5.0
+
+
+class MomentCurve(ShearLaw):
+    """Shear moment per reference area m(gamma) [N/m] as a curve, odd in gamma, with a locking branch."""
+
+    angle: tuple[float, ...] = Field(description="increasing angles from 0 [rad]")
+    moment_values: tuple[float, ...] = Field(
+        description="m at these angles, without locking; beyond the last angle its end slope (never negative) "
+        "goes on [N/m]"
+    )
+    locking_angle: Positive = Field(default=math.radians(60.0), description="where the locking branch begins [rad]")
+    locking_stiffness: NotNegative = Field(
+        default=0.0,
+        description="slope dm/dgamma that locking adds, at most a tenth of the yarn stiffness per width [N/m]",
+    )
+    locking_width: Positive = Field(
+        default=math.radians(5.0), description="angle over which that slope builds up [rad]"
+    )
+
+    @model_validator(mode="after")
+    def _is_a_curve(self) -> Self:
+        check_curve(self.angle, self.moment_values, ("angles", "moments"), from_zero=True)
+        check_radians(self.angle)
+        if min(self.moment_values) < 0.0:
+            raise ValueError(
+                f"moments must not be negative (the smallest is {min(self.moment_values):.4g} N/m): shear may not "
+                "release energy; take the machine's own force and noise off a test"
+            )
+        return self
+
+    @classmethod
+    def from_polynomial(
+        cls, coefficients: Sequence[float], *, trusted_angle: float = math.radians(55.0), **locking: float
+    ) -> MomentCurve:
+        """m = c_1 gamma + c_2 gamma^2 + ... [N/m] for gamma > 0 in rad, ``coefficients`` from c_1 on.
+
+        Beyond ``trusted_angle`` [rad] the curve goes on along its end slope.
+        """
+        angle = np.linspace(0.0, trusted_angle, 221)
+        return cls(
+            angle=tuple(angle),
+            moment_values=tuple(np.polynomial.Polynomial((0.0, *coefficients))(angle)),
+            **locking,
+        )
+
+    @classmethod
+    def from_stress_polynomial(
+        cls,
+        tangent_coefficients: tuple[float, ...],
+        thickness: float,
+        *,
+        convention: Literal["yarn frame", "moment"] = "yarn frame",
+        trusted_angle: float = math.radians(55.0),
+        **locking: float,
+    ) -> MomentCurve:
+        """A published d tau / d gamma = c_0 + c_1 gamma + ... [Pa], gamma in rad.
+
+        convention "yarn frame": tau is a nominal shear stress over the yarn's current frame, m = t tau cos(gamma);
+        "moment": m = t tau. Beyond ``trusted_angle`` the curve goes on along its end slope.
+        """
+        angle = np.linspace(0.0, trusted_angle, 221)
+        stress = np.polynomial.Polynomial(tangent_coefficients).integ()(angle)
+        if convention not in ("yarn frame", "moment"):
+            raise InputError(f'convention = {convention!r}: "yarn frame" or "moment" is needed')
+        factor = np.cos(angle) if convention == "yarn frame" else 1.0
+        return cls(angle=tuple(angle), moment_values=tuple(thickness * stress * factor), **locking)
+
+    @classmethod
+    def from_picture_frame(
+        cls,
+        angle: Column,
+        machine_force: Column,
+        *,
+        frame_side: float,
+        fabric_side: float | None = None,
+        **locking: float,
+    ) -> MomentCurve:
+        """The raw curve of a picture-frame test, by the power of the machine: F d' = A m gamma'.
+
+        Args:
+            angle: shear angles from 0 [rad].
+            machine_force: force along the diagonal at these angles, that of the empty frame taken off [N].
+            frame_side: distance of the hinges L [m]; the diagonal is d = 2 L cos(pi/4 - gamma/2).
+            fabric_side: side of the sheared square of fabric [m]; the frame's if None.
+
+        Raises:
+            InputError: columns of unequal lengths or no numbers, sides that are not possible.
+        """
+        angle, force = measured_columns(angle=angle, machine_force=machine_force)
+        frame_side, fabric_side = _checked_sides(frame_side, frame_side if fabric_side is None else fabric_side)
+        moment = force * frame_side * np.sin(0.25 * math.pi - 0.5 * angle) / fabric_side**2
+        return cls(angle=tuple(angle), moment_values=tuple(moment), **locking)
+
+    @classmethod
+    def from_normalised_force(
+        cls,
+        angle: Column,
+        force_per_length: Column,
+        *,
+        convention: Literal["frame side", "fabric area"],
+        frame_side: float | None = None,
+        fabric_side: float | None = None,
+        **locking: float,
+    ) -> MomentCurve:
+        """A normalised picture-frame curve [N/m]; F_s = F/(2 cos(pi/4 - gamma/2)) is the shear force along a side.
+
+        Args:
+            angle: shear angles from 0 [rad].
+            force_per_length: the normalised force.
+            convention: "frame side": F_s / L_frame, so m = N cos(gamma) (L_frame/L_fabric)^2, both sides needed;
+                "fabric area": F_s L_frame / L_fabric^2, so m = N cos(gamma). Equal where the fabric fills the frame.
+            frame_side, fabric_side: L_frame and L_fabric [m].
+
+        Raises:
+            InputError: another convention, columns of unequal lengths or no numbers, sides that are not possible.
+        """
+        ratio = 1.0
+        if convention == "frame side":
+            if frame_side is None or fabric_side is None:
+                raise InputError('convention "frame side" needs frame_side and fabric_side [m]')
+            frame_side, fabric_side = _checked_sides(frame_side, fabric_side)
+            ratio = (frame_side / fabric_side) ** 2
+        elif convention != "fabric area":
+            raise InputError(f'convention = {convention!r}: "frame side" or "fabric area" is needed')
+        angle, force = measured_columns(angle=angle, force_per_length=force_per_length)
+        return cls(angle=tuple(angle), moment_values=tuple(force * np.cos(angle) * ratio), **locking)
+
+    @classmethod
+    def from_loading_and_unloading(
+        cls, angle: Column, loading: Column, unloading: Column, **locking: float
+    ) -> MomentCurve:
+        """The elastic curve of a measured loop: its middle. ``ShearFriction`` has the other half.
+
+        Args:
+            angle: from 0 [rad].
+            loading, unloading: moments per reference area on the way up and down [N/m].
+
+        Raises:
+            InputError: columns of unequal lengths or no numbers, or a middle below zero.
+        """
+        angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
+        return cls(angle=tuple(angle), moment_values=(0.0, *(0.5 * (up + down))[1:]), **locking)
+
+    def moment(self, angle: np.ndarray, thickness: float = 0.0) -> np.ndarray:
+        """m(gamma) [N/m], locking included."""
+        size = np.abs(angle)
+        x = np.maximum(size - self.locking_angle, 0.0)
+        width = self.locking_width
+        locking = self.locking_stiffness * np.where(x < width, x**2 / (2.0 * width), x - 0.5 * width)
+        return np.sign(angle) * (interpolate(self.angle, self.moment_values, size) + locking)
+
+    def device_form(self, thickness: float) -> DeviceForm:
+        table = Tabulated(lambda angle: self.moment(angle, thickness), LARGEST_SHEAR_ANGLE)
+        return DeviceForm({"curved_shear": True}, curves={"curve": table})
+
+    @property
+    def locking_slope(self) -> float:
+        return self.locking_stiffness
+
+    def locking_at_most(self, slope: float) -> Self:
+        return self.model_copy(update={"locking_stiffness": min(self.locking_stiffness, slope)})
+
+
+def _checked_sides(frame_side: float, fabric_side: float) -> tuple[float, float]:
+    """Sides of frame and fabric [m]; InputError if they are not possible."""
+    frame_side, fabric_side = (
+        positive_number(name, side, largest=LARGEST_FRAME_SIDE, hint="it is in metres, write 0.25 for 250 mm")
+        for name, side in (("frame_side", frame_side), ("fabric_side", fabric_side))
+    )
+    if fabric_side > frame_side:
+        raise InputError(f"fabric_side = {fabric_side:.4g} m: at most that of the frame, {frame_side:.4g} m")
+    return frame_side, fabric_side

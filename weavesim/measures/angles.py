@@ -1,0 +1,149 @@
+"""Shear angles at nodes and points, and yarn directions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import InputError
+from ..sheet.symmetry import WHOLE, Symmetry, on_plane, shear_angle_parity
+from ..sheet.topology import flat_areas, length_tolerance
+
+if TYPE_CHECKING:
+    from ..sheet.blank import Blank
+
+
+# ----------------------------------------------------------------------------------------------- angles at points
+
+
+def smoothed_shear_angle(blank: Blank, shear_angle: np.ndarray, symmetry: Symmetry = WHOLE) -> np.ndarray:
+    """Shear angle smoothed to the nodes for pictures and points: the mean by area around each, (node_count,) [rad].
+
+    On a symmetry plane the mirrored elements count as well, by their ``shear_angle_parity``.
+
+    The solver has a mean of its own (theory, "mean shear angle around a node"), in which all elements around a node
+    have the same weight: it is part of a bending energy, where it only has to be smooth and cheap to gather. A result
+    that is read off must not depend on how a mesh is graded, so here elements count by their area. On even meshes
+    both are the same.
+    """
+    return smoothed(blank, smoothing_weights(blank, symmetry), shear_angle)
+
+
+def smoothed(blank: Blank, weights: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """``values`` of the elements at the nodes by ``smoothing_weights`` of the blank, which many frames can share."""
+    return np.bincount(blank.quads.ravel(), (weights * values[:, None]).ravel(), blank.node_count)
+
+
+def smoothing_weights(blank: Blank, symmetry: Symmetry = WHOLE) -> np.ndarray:
+    """Share of each element in the smoothed shear angle of its corners, (element_count, 4)."""
+    area = flat_areas(blank)
+    weight = np.repeat(area[:, None], 4, axis=1)
+    share = np.ones_like(weight)
+    for plane in symmetry.planes:
+        sign = shear_angle_parity(blank, plane)
+        share = np.where(on_plane(blank, plane)[blank.quads], share * 0.5 * (1.0 + sign[:, None]), share)
+    total = np.bincount(blank.quads.ravel(), weight.ravel(), blank.node_count)
+    return weight * share / np.maximum(total, 1.0e-300)[blank.quads]
+
+
+def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Element that holds each flat point, (k,), and the bilinear weights of its four corners, (k, 4).
+
+    Raises:
+        InputError: a point outside the blank.
+    """
+    corners = blank.material_coordinates[blank.quads]
+    slack = 10.0 * length_tolerance(blank)
+    lower, upper = corners.min(axis=1) - slack, corners.max(axis=1) + slack
+    elements, weights = [], []
+    for point in np.atleast_2d(np.asarray(points, dtype=float)):
+        candidates = np.flatnonzero(np.all((point >= lower) & (point <= upper), axis=1))
+        local = np.zeros((len(candidates), 2))
+        shapes = np.full((len(candidates), 4), 0.25)
+        for _ in range(20):  # Newton on the bilinear map; exact after one step on parallelograms
+            r, s = local.T
+            shapes = 0.25 * np.stack(
+                [(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)], axis=1
+            )
+            by_r = 0.25 * np.stack([s - 1, 1 - s, 1 + s, -1 - s], axis=1)
+            by_s = 0.25 * np.stack([r - 1, -1 - r, 1 + r, 1 - r], axis=1)
+            corner = corners[candidates]
+            jacobian = np.stack([np.einsum("ec,ecx->ex", d, corner) for d in (by_r, by_s)], axis=2)
+            miss = point - np.einsum("ec,ecx->ex", shapes, corner)
+            determinant = jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]
+            solvable = np.abs(determinant) > 1.0e-300
+            step = (
+                np.stack(
+                    [
+                        jacobian[:, 1, 1] * miss[:, 0] - jacobian[:, 0, 1] * miss[:, 1],
+                        jacobian[:, 0, 0] * miss[:, 1] - jacobian[:, 1, 0] * miss[:, 0],
+                    ],
+                    axis=1,
+                )
+                / np.where(solvable, determinant, 1.0)[:, None]
+            )
+            local = np.clip(local + step, -3.0, 3.0)
+        outside = np.abs(local).max(axis=1, initial=0.0)
+        if not len(candidates) or outside[best := int(np.argmin(outside))] > 1.0 + 1.0e-3:
+            x, y = blank.material_coordinates.min(axis=0), blank.material_coordinates.max(axis=0)
+            raise InputError(
+                f"point ({point[0]:.6g}, {point[1]:.6g}) m lies outside the blank, which spans {x[0]:.6g} to "
+                f"{y[0]:.6g} m in x and {x[1]:.6g} to {y[1]:.6g} m in y; give a point on the flat blank"
+            )
+        elements.append(candidates[best])
+        weights.append(shapes[best])
+    return np.array(elements), np.array(weights)
+
+
+def shear_angle_at(blank: Blank, shear_angle: np.ndarray, points: np.ndarray, symmetry: Symmetry = WHOLE) -> np.ndarray:
+    """Absolute shear angle at material points, (k,) [degrees].
+
+    Rule: signed element values are averaged to the nodes by flat area, mirrored elements included
+    (``smoothed_shear_angle``), and interpolated bilinearly in the element that holds the point. Where symmetry makes
+    the angle odd it is zero, also at the corner of a border and a symmetry line.
+
+    Args:
+        shear_angle: one per element, (element_count,) [rad].
+        points: flat coordinates, (k, 2) [m].
+        symmetry: at which the computed part is mirrored.
+    """
+    element, weight = locate(blank, points)
+    nodal = smoothed_shear_angle(blank, shear_angle, symmetry)
+    return np.abs(np.rad2deg(np.einsum("kc,kc->k", weight, nodal[blank.quads[element]])))
+
+
+def ten_points(half_length: float, half_width: float) -> np.ndarray:
+    """Points 1 to 10 of the double dome, (10, 2) [m]: nine equal parts from (half_length, 0) to (0, half_width)."""
+    return np.linspace((half_length, 0.0), (0.0, half_width), 10)
+
+
+def yarn_vectors(
+    blank: Blank, position: np.ndarray, components: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Unit warp and weft directions at the element centres of the formed sheet, two of (element_count, 3).
+
+    Args:
+        blank: the flat sheet.
+        position: formed nodes, (node_count, 3) [m].
+        components: ``yarn_components(blank)``, for who takes the directions of many frames.
+    """
+    components = yarn_components(blank) if components is None else components
+    current = _sides(position[blank.quads])
+    warp, weft = (np.einsum("ea,eai->ei", component, current) for component in components)
+    return warp / np.linalg.norm(warp, axis=1, keepdims=True), weft / np.linalg.norm(weft, axis=1, keepdims=True)
+
+
+def yarn_components(blank: Blank) -> np.ndarray:
+    """Components of warp and weft direction along the two mean sides of each flat element, (2, element_count, 2)."""
+    along = _sides(blank.node_position[blank.quads])
+    metric = np.einsum("eai,ebi->eab", along, along)
+    return np.stack([
+        np.linalg.solve(metric, np.einsum("eai,ei->ea", along, direction)[:, :, None])[:, :, 0]
+        for direction in (blank.warp_direction, blank.weft_direction)
+    ])  # fmt: skip
+
+
+def _sides(corner: np.ndarray) -> np.ndarray:
+    return np.stack([corner[:, 1] + corner[:, 2] - corner[:, 0] - corner[:, 3],
+                     corner[:, 2] + corner[:, 3] - corner[:, 0] - corner[:, 1]], axis=1)  # fmt: skip

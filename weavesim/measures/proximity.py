@@ -1,0 +1,77 @@
+"""Parts of a sheet that come close to each other."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from ..errors import InputError
+
+
+def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int:
+    """Number of pairs of a node and an element closer than ``distance`` [m] that are not neighbours.
+
+    A pair is neighbouring if one or two element edges lead from the node to a corner of the element. An element is
+    taken as two triangles.
+
+    Args:
+        position: formed nodes, (node_count, 3) [m].
+        quads: (element_count, 4).
+    """
+    if not distance > 0.0:
+        raise InputError(f"distance of close pairs is {distance} m; it must be positive")
+    corners = position[quads]
+    centre = corners.mean(axis=1)
+    reach = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1) + distance
+    origin, size = position.min(axis=0), reach.max()
+
+    # nodes by cell; an element looks in the 27 cells around its centre
+    node_cell, element_cell = (np.floor((points - origin) / size).astype(np.int64) + 1 for points in (position, centre))
+    stride = node_cell.max(axis=0) + 3
+    node_key, element_key = ((c[:, 0] * stride[1] + c[:, 1]) * stride[2] + c[:, 2] for c in (node_cell, element_cell))
+    order = np.argsort(node_key, kind="stable")
+    ranked = node_key[order]
+    elements, nodes = [], []
+    for shift in product((-1, 0, 1), repeat=3):
+        step = (shift[0] * stride[1] + shift[1]) * stride[2] + shift[2]
+        first, last = (np.searchsorted(ranked, element_key + step, side=side) for side in ("left", "right"))
+        element, place = _join(np.arange(len(quads)), first, last)
+        node = order[place]
+        near = np.sum((position[node] - centre[element]) ** 2, axis=1) < reach[element] ** 2
+        elements.append(element[near])
+        nodes.append(node[near])
+    element, node = np.concatenate(elements), np.concatenate(nodes)
+    far = ~np.isin(element * len(position) + node, _neighbour_keys(quads, len(position)))
+    element, node = element[far], node[far]
+    if len(node) == 0:
+        return 0
+    from trimesh.triangles import closest_point  # takes half a second to import, and a good sheet never needs it
+
+    gap = np.full(len(node), np.inf)
+    for triangle in ((0, 1, 2), (0, 2, 3)):
+        nearest = closest_point(corners[element][:, triangle], position[node])
+        gap = np.minimum(gap, np.linalg.norm(nearest - position[node], axis=1))
+    return int((gap < distance).sum())
+
+
+def _join(left: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Every (left[i], j) with first[i] <= j < last[i]."""
+    count = last - first
+    ends = np.cumsum(count)
+    within = np.arange(int(count.sum())) - np.repeat(ends - count, count)
+    return np.repeat(left, count), np.repeat(first, count) + within
+
+
+def _neighbour_keys(quads: np.ndarray, node_count: int) -> np.ndarray:
+    """Keys element * node_count + node of all nodes that at most two element edges join to a corner of the element."""
+    edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]).astype(np.int64)
+    itself = np.repeat(np.arange(node_count), 2).reshape(-1, 2)
+    edges = np.unique(np.concatenate([edges, edges[:, ::-1], itself]), axis=0)
+    element, reached = np.repeat(np.arange(len(quads)), 4), quads.ravel().astype(np.int64)
+    for _ in range(2):
+        first, last = (np.searchsorted(edges[:, 0], reached, side=side) for side in ("left", "right"))
+        element, place = _join(element, first, last)
+        keys = np.unique(element * node_count + edges[place, 1])
+        element, reached = np.divmod(keys, node_count)
+    return keys

@@ -1,0 +1,73 @@
+"""Shear angles at material points."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...measures.angles import shear_angle_at
+from ...run.frame import Frame
+from ...sheet.symmetry import WHOLE, Symmetry
+from ..colours import LARGEST_SHOWN_ANGLE
+from .style import ACCENT, INK, MEASURED, add_legend, colour_map, new_axes, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ...sheet.blank import Blank
+
+
+# --------------------------------------------------------------------------------------------------- point angles
+
+
+def point_angles(
+    blank: Blank,
+    frame: Frame,
+    points: np.ndarray,
+    symmetry: Symmetry = WHOLE,
+    measured_angles: tuple[np.ndarray, np.ndarray] | None = None,
+) -> Figure:
+    """Shear angle at material points (k, 2) [m], and where they lie on the flat blank."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patheffects import Normal, Stroke
+
+    angles = shear_angle_at(blank, frame.fields["shear_angle"], points, symmetry)
+    number = np.arange(1, len(angles) + 1)
+    figure = new_figure(12.0, 4.6)
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.3, 1.0))
+    chart = new_axes(figure, grid[0, 0], title=f"Shear angle at the {len(angles)} points", xlabel="point")
+    chart.set(ylabel="shear angle [degrees]", xticks=number)
+    chart.bar(number, angles, width=0.62, color="#d9d0f3", edgecolor=ACCENT, linewidth=1.2, label="computed")
+    highest = float(angles.max(initial=1.0))
+    if measured_angles is not None:
+        chart.plot(*measured_angles, "D", color=MEASURED, markersize=6, label="measured")
+        highest = max(highest, float(measured_angles[1].max()))
+        add_legend(chart, loc="upper left")
+    measured = dict(zip(*measured_angles, strict=True)) if measured_angles is not None else {}
+    for n, angle in zip(number.tolist(), angles, strict=True):
+        beside = measured.get(n, -1.0)
+        top = max(angle, beside + 0.015 * highest) if abs(beside - angle) < 0.05 * highest else angle
+        chart.text(n, top + 0.012 * highest, f"{angle:.1f}", ha="center", va="bottom", fontsize=8.5)
+    chart.set_ylim(0.0, 1.14 * highest)
+    chart.grid(axis="x", visible=False)
+
+    plan = new_axes(figure, grid[0, 1], aspect="equal", title="Where they lie on the flat blank")
+    plan.set(xlabel="material x [mm]", ylabel="material y [mm]")
+    element_angles = np.abs(np.rad2deg(frame.fields["shear_angle"]))
+    colours = colour_map()(np.clip(element_angles / LARGEST_SHOWN_ANGLE, 0.0, 1.0))
+    flat = 1.0e3 * blank.material_coordinates
+    plan.add_collection(PolyCollection(flat[blank.quads], facecolors=colours, edgecolors=colours, linewidths=0.3))
+    place = 1.0e3 * np.asarray(points)
+    marker: Any = {"markerfacecolor": INK, "markeredgecolor": "white", "markersize": 6}
+    plan.plot(*place.T, "o-", color="white", linewidth=1.0, clip_on=False, **marker)
+    for n, (x, y) in zip(number.tolist(), place, strict=True):
+        plan.annotate(
+            str(n), (x, y), (6, 5), textcoords="offset points", weight="bold", fontsize=9, color="white",
+            path_effects=[Stroke(linewidth=2.2, foreground=INK), Normal()],
+        )  # fmt: skip
+    margin = 0.04 * np.ptp(flat, axis=0).max()
+    plan.set(xlim=(flat[:, 0].min() - margin, flat[:, 0].max() + margin))
+    plan.set(ylim=(flat[:, 1].min() - margin, flat[:, 1].max() + margin))
+    plan.grid(visible=False)
+    return figure

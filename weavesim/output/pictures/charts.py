@@ -1,0 +1,129 @@
+"""Charts of forces, energies and the numbers of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...sheet.symmetry import WHOLE, Symmetry
+from ..tables import History
+from .style import FAINT, INK, LINE_COLOURS, PART_NAMES, add_legend, new_axes, new_figure, words
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ...tools.tool import Tool
+    from ..curves import Chart
+
+
+def tool_forces(history: History, tools: Sequence[Tool], symmetry: Symmetry = WHOLE) -> Figure:
+    """Force between the sheet and each tool along the tool's axis, against the stroke."""
+    figure = new_figure(9.0, 4.4)
+    chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {PART_NAMES[symmetry.share]}")
+    chart.set(xlabel="stroke [mm]", ylabel="force along the tool's axis [N]")
+    for k, tool in enumerate(tools):
+        force = np.abs(history.tool_reaction[:, k] @ np.asarray(tool.axis, dtype=float))
+        colour = LINE_COLOURS[k % len(LINE_COLOURS)]
+        chart.plot(*_against(history, force), color=colour, label=words(tool.name))
+    _name_progress(chart, history)
+    chart.set_ylim(bottom=0.0)
+    chart.margins(x=0.0)
+    add_legend(chart, loc="upper left")
+    return figure
+
+
+def chart_of(chart: Chart, columns: Mapping[str, np.ndarray]) -> Figure:
+    """Computed columns as lines, expected ones dashed on top."""
+    figure = new_figure(9.0, 4.4)
+    axes = new_axes(figure, 1, 1, 1, title=chart.title, xlabel=chart.x[1], ylabel=chart.y_label)
+    x = columns[chart.x[0]]
+    for k, (name, label) in enumerate(chart.computed.items()):
+        axes.plot(x, columns[name], color=LINE_COLOURS[k % len(LINE_COLOURS)], label=label)
+    for k, (name, label) in enumerate(chart.expected.items()):
+        colour = LINE_COLOURS[k % len(LINE_COLOURS)] if len(chart.expected) > 1 else INK
+        axes.plot(x, columns[name], color=colour, linestyle=(0, (4, 3)), linewidth=1.4, label=label)
+    axes.margins(x=0.0)
+    add_legend(axes, loc="best")
+    return figure
+
+
+def drive_forces(history: History) -> Figure:
+    """Force of the supports on the sheet along each of their drives, against its displacement."""
+    figure = new_figure(9.0, 4.4)
+    chart = new_axes(figure, 1, 1, 1, title="Forces of the supports")
+    chart.set(xlabel="displacement of the drive [mm]", ylabel="force along the drive [N]")
+    for k, name in enumerate(history.drive_names):
+        way, force = 1.0e3 * history.drive_displacement[:, k], history.drive_force[:, k]
+        chart.plot(way, force, color=LINE_COLOURS[k % len(LINE_COLOURS)], label=words(name))
+    chart.axhline(0.0, color=FAINT, linewidth=1.0)
+    add_legend(chart, loc="best")
+    return figure
+
+
+def energies(history: History) -> Figure:
+    """Where the supplied work goes, every energy on a logarithmic scale, and the ratios that judge a run."""
+    from ...run.ledger import SUMS, SUPPLIED
+
+    figure = new_figure(15.5, 4.8)
+    book = history.energies
+    size = {name: float(np.abs(values).max(initial=0.0)) for name, values in book.items()}
+    largest = max(size.values(), default=0.0) or 1.0
+    parts = [name for name in book if name not in (*SUPPLIED, *SUMS)]
+    parts.sort(key=lambda name: -size[name])
+    shown = [name for name in parts if size[name] > 0.004 * largest]
+    colour = {name: LINE_COLOURS[i % len(LINE_COLOURS)] for i, name in enumerate(parts)}
+
+    stack = new_axes(figure, 1, 3, 1, title="Where the work goes", ylabel="energy [J]")
+    below = np.zeros(history.frame_count)
+    for name in shown:
+        place, above = _against(history, below + np.maximum(book[name], 0.0))
+        stack.fill_between(place, below, above, facecolor=colour[name], alpha=0.8, linewidth=0.0, label=words(name))
+        below = above
+    if "supplied" in book:
+        stack.plot(*_against(history, book["supplied"]), color=INK, linestyle=(0, (4, 2)), label="supplied work")
+    stack.set_ylim(bottom=0.0)
+    if shown:
+        handles, labels = stack.get_legend_handles_labels()
+        stack.legend(handles[::-1], labels[::-1], loc="upper left", frameon=False, fontsize=9)
+
+    every = new_axes(figure, 1, 3, 2, title="Every stored and lost energy", ylabel="energy [J]", yscale="log")
+    for i, name in enumerate(parts):
+        if size[name] > 1.0e-6 * largest:
+            values = np.where(book[name] > 0.0, book[name], np.nan)
+            style = ("-", "--")[i // len(LINE_COLOURS) % 2]
+            every.plot(*_against(history, values), style, color=colour[name], linewidth=1.5, label=words(name))
+    every.set_ylim(1.0e-6 * largest, 2.0 * largest)
+    add_legend(every, loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+    ratios = new_axes(figure, 1, 3, 3, title="Ratios that judge the run", ylabel="[%]", yscale="log")
+    for name, over, label in (
+        ("kinetic", "internal", "kinetic over internal energy"),
+        ("hourglass", "internal", "hourglass over internal energy"),
+        ("damping_loss", "supplied", "damping loss over supplied work"),
+        ("balance_error", "supplied", "balance error over supplied work"),
+    ):
+        if name in book and over in book:
+            base = np.where(np.abs(book[over]) > 1.0e-3 * size[over], np.abs(book[over]), np.nan)
+            values = 100.0 * np.abs(book[name]) / base
+            chosen = LINE_COLOURS[len(ratios.lines)]
+            ratios.plot(*_against(history, np.where(values > 0.0, values, np.nan)), color=chosen, label=label)
+    ratios.set_ylim(1.0e-4, 1.0e5)  # the upper decades hold the legend
+    add_legend(ratios, loc="upper right", bbox_to_anchor=(1.0, 1.0))
+    for chart in (stack, every, ratios):
+        _name_progress(chart, history)
+        chart.margins(x=0.0)
+    return figure
+
+
+def _against(history: History, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values over the stroke [mm], or over time [ms] where nothing is pressed."""
+    if np.ptp(history.stroke) > 0.0:
+        return 1.0e3 * history.stroke, values
+    return 1.0e3 * history.time, values
+
+
+def _name_progress(chart: Axes, history: History) -> None:
+    chart.set_xlabel("stroke [mm]" if np.ptp(history.stroke) > 0.0 else "time [ms]")

@@ -1,0 +1,65 @@
+"""Sections through sheet and tools."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...measures.border import symmetry_line, whole_outline
+from ...run.frame import Frame
+from ...sheet.symmetry import WHOLE, Symmetry
+from .style import INK, LINE_COLOURS, add_legend, new_axes, new_figure, words
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ...sheet.blank import Blank
+    from ...tools.tool import Tool
+
+
+def sections(blank: Blank, frame: Frame, tools: Sequence[Tool], thickness: float, symmetry: Symmetry = WHOLE) -> Figure:
+    """The formed sheet, in its thickness, and the tools, cut along both symmetry lines."""
+    from matplotlib.collections import LineCollection
+
+    figure = new_figure(12.0, 5.6)
+    for row, along in enumerate("xy"):
+        title = f"Section along {along} ({'y' if along == 'x' else 'x'} = 0)"
+        chart = new_axes(figure, 2, 1, row + 1, aspect="equal", title=title, xlabel=f"{along} [mm]", ylabel="z [mm]")
+        line = symmetry_line(blank, along)
+        plane = 1.0e3 * line.of(frame.position)[:, [row, 2]]
+        tangent = np.gradient(plane, axis=0)
+        across = 0.5e3 * thickness * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+        across /= np.linalg.norm(tangent, axis=1, keepdims=True)
+        reach = np.abs(1.0e3 * whole_outline(blank, blank.material_coordinates, symmetry)[:, row]).max()
+        for k, tool in enumerate(tools):
+            cut = _cut(*tool.display_triangles(), 1 - row)
+            if len(cut):
+                shift = float(frame.tool_displacement[k]) * np.asarray(tool.axis, dtype=float)
+                colour = LINE_COLOURS[k % len(LINE_COLOURS)]
+                pieces = 1.0e3 * (cut + shift)[:, :, [row, 2]]
+                label = words(tool.name)
+                chart.add_collection(LineCollection(list(pieces), colors=colour, linewidths=1.3, label=label))
+        for factor in (1.0, -1.0) if along in symmetry.planes else (1.0,):
+            side = np.concatenate([plane + across, (plane - across)[::-1]]) * (factor, 1.0)
+            name = "sheet" if factor > 0.0 else None
+            chart.fill(*side.T, facecolor=INK, edgecolor=INK, linewidth=0.4, label=name, zorder=3)
+        depth = np.ptp(plane[:, 1])
+        chart.set(xlim=(-1.04 * reach, 1.04 * reach))
+        chart.set(ylim=(plane[:, 1].min() - 0.12 * depth - 6.0, plane[:, 1].max() + 0.12 * depth + 12.0))
+        if row == 0:
+            add_legend(chart, loc="center left", bbox_to_anchor=(1.01, 0.5))
+    return figure
+
+
+def _cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:
+    """Lines in which triangles meet the plane through the origin normal to ``axis``, (k, 2, 3) [m]."""
+    corner = vertices[faces]
+    place = corner[:, :, axis] - 1.0e-7  # beside vertices that lie on the plane
+    crossed = (place > 0.0) != np.roll(place > 0.0, -1, axis=1)
+    triangle = np.flatnonzero(crossed.any(axis=1))
+    side = np.argsort(~crossed[triangle], axis=1, kind="stable")[:, :2]
+    start, end = (triangle[:, None], side), (triangle[:, None], (side + 1) % 3)
+    share = place[start] / (place[start] - place[end])
+    return corner[start] + share[:, :, None] * (corner[end] - corner[start])

@@ -1,0 +1,162 @@
+"""Views of the formed sheet."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...measures.border import MaterialLine, outline, whole_outline
+from ...run.frame import Frame
+from ...sheet.symmetry import WHOLE, Symmetry
+from ..colours import LARGEST_SHOWN_ANGLE
+from .style import INK, colour_map, new_axes, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ...sheet.blank import Blank
+
+# At most this many yarn lines across the longer side of the part.
+_LARGEST_YARN_COUNT = 50
+
+# --------------------------------------------------------------------------------------------------- formed sheet
+
+
+def formed_sheet(blank: Blank, frame: Frame, symmetry: Symmetry = WHOLE) -> Figure:
+    """The whole part, oblique and in plan, coloured by the angle of each element, with lines along the yarns."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    angle = np.abs(np.rad2deg(frame.fields["shear_angle"]))
+    spacing, lines = yarn_lines(blank, symmetry)
+    corners = symmetry.mirrored(frame.position[blank.quads])
+    segments = symmetry.mirrored(lines.of(frame.position).reshape(-1, 2, 3))
+    angles = np.tile(angle, len(symmetry.mirror_factors))
+
+    border = frame.position[outline(blank, symmetry).node, 2]
+    turned = float(border.mean()) > float(frame.position[:, 2].mean())  # a bowl is clearer seen as a dome
+    turn = np.array([1.0, -1.0, -1.0] if turned else [1.0, 1.0, 1.0])
+    figure = new_figure(13.0, 5.0)
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.12, 1.0))
+    views = (
+        (grid[0, 0], "Formed sheet" + (", turned over" if turned else ""), (-58.0, 36.0), turn),
+        (grid[0, 1], "From above", (-90.0, 90.0), np.ones(3)),
+    )
+    axes = [
+        _draw_view(new_axes(figure, place, title=title), direction, corners * flip, segments * flip, angles)
+        for place, title, direction, flip in views
+    ]
+    bar = figure.colorbar(
+        ScalarMappable(Normalize(0.0, LARGEST_SHOWN_ANGLE), colour_map()),
+        ax=axes,
+        location="bottom",
+        shrink=0.5,
+        aspect=45,
+        pad=0.02,
+        extend="max" if angle.max() > LARGEST_SHOWN_ANGLE else "neither",
+    )
+    bar.outline.set_visible(False)
+    lines_text = f"lines follow the yarns, one each {1.0e3 * spacing:g} mm" if spacing else "strokes follow the yarns"
+    text = f"Shear angle of each element [degrees], largest {angle.max():.1f}°   ·   {lines_text}"
+    bar.set_label(text, color=INK, fontsize=9.5)
+    bar.ax.axvline(min(angle.max(), LARGEST_SHOWN_ANGLE), color="white", linewidth=2.5)
+    bar.ax.axvline(min(angle.max(), LARGEST_SHOWN_ANGLE), color=INK, linewidth=1.2)
+    return figure
+
+
+def yarn_lines(blank: Blank, symmetry: Symmetry) -> tuple[float, MaterialLine]:
+    """Distance of the lines [m], and their pieces: each two following points are one segment.
+
+    With one yarn direction all over the flat blank the lines run on from element to element; else (distance 0) every
+    element has one stroke per family through its centre.
+    """
+    directions = (blank.warp_direction[:, :2], blank.weft_direction[:, :2])
+    corner = blank.material_coordinates[blank.quads]
+    if max(float(np.ptp(direction, axis=0).max()) for direction in directions) > 1.0e-9:
+        families: list[tuple[np.ndarray, np.ndarray]] = [
+            (
+                np.einsum("eci,ei->ec", corner - corner.mean(axis=1, keepdims=True), direction[:, ::-1] * (-1, 1)),
+                np.zeros(1),
+            )
+            for direction in directions
+        ]
+        spacing = 0.0
+    else:
+        whole = whole_outline(blank, blank.material_coordinates, symmetry)
+        rough = float(np.ptp(whole, axis=0).max()) / _LARGEST_YARN_COUNT
+        power = 10.0 ** np.floor(np.log10(rough))
+        spacing = float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= rough))
+        families = []
+        for direction in directions:
+            place = corner @ np.array([-direction[0, 1], direction[0, 0]])
+            first, last = np.floor(place.min() / spacing) - 1, np.ceil(place.max() / spacing)
+            families.append((place, (np.arange(first, last + 1) + 0.5) * spacing))
+    start, end, share = [], [], []
+    for place, levels in families:
+        for level in levels:
+            above = place >= level
+            crossed = above != np.roll(above, -1, axis=1)
+            element = np.flatnonzero(crossed.sum(axis=1) == 2)
+            side = np.argsort(~crossed[element], axis=1, kind="stable")[:, :2]
+            a, b = place[element[:, None], side], place[element[:, None], (side + 1) % 4]
+            start.append(blank.quads[element[:, None], side].ravel())
+            end.append(blank.quads[element[:, None], (side + 1) % 4].ravel())
+            share.append(((level - a) / (b - a)).ravel())
+    return spacing, MaterialLine(np.concatenate(start), np.concatenate(end), np.concatenate(share))
+
+
+def _draw_view(
+    axes: Axes,
+    direction: tuple[float, float],
+    corners: np.ndarray,
+    segments: np.ndarray,
+    angles: np.ndarray,
+) -> Axes:
+    """Painter's algorithm: elements and yarn segments in one collection, far ones first."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgba
+
+    azimuth, elevation = np.deg2rad(direction)
+    to_eye = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    screen = np.stack([right, np.cross(to_eye, right)], axis=1) * 1.0e3
+    light = to_eye + 0.55 * right + np.array([0.0, 0.0, 0.35])
+    light /= np.linalg.norm(light)
+
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1.0e-300)
+    facing = np.sign(normal @ to_eye)[:, None] * normal
+    shade = 0.74 + 0.26 * np.clip(facing @ light, 0.0, 1.0)
+    faces = np.ones((len(corners), 4))
+    faces[:, :3] = colour_map()(np.clip(angles / LARGEST_SHOWN_ANGLE, 0.0, 1.0))[:, :3] * shade[:, None]
+
+    size = float(np.sqrt(np.median(np.linalg.norm(np.cross(
+        corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1)) / 2.0))  # fmt: skip
+    strokes = segments[:, [0, 1, 1, 0]]
+    depth = np.concatenate([corners.mean(axis=1) @ to_eye, strokes.mean(axis=1) @ to_eye + size])
+    polygons = np.concatenate([corners, strokes]) @ screen
+    edges = np.concatenate([faces, np.tile(to_rgba("white", 0.55), (len(strokes), 1))])
+    colours = np.concatenate([faces, np.zeros((len(strokes), 4))])
+    widths = np.concatenate([np.full(len(corners), 0.35), np.full(len(strokes), 0.7)])
+    order = np.argsort(depth, kind="stable")
+    sorted_polygons: Any = polygons[order]  # Matplotlib's types know lists only
+    axes.add_collection(
+        PolyCollection(
+            sorted_polygons,
+            facecolors=colours[order],
+            edgecolors=edges[order],
+            linewidths=widths[order],
+            joinstyle="round",
+        )
+    )
+    flat = corners.reshape(-1, 3) @ screen
+    margin = 0.02 * np.ptp(flat, axis=0).max()
+    axes.set(xlim=(flat[:, 0].min() - margin, flat[:, 0].max() + margin))
+    axes.set(ylim=(flat[:, 1].min() - margin, flat[:, 1].max() + margin), aspect="equal")
+    if elevation > 1.5:
+        axes.set(xlabel="x [mm]", ylabel="y [mm]")
+    else:
+        axes.set_axis_off()
+    return axes

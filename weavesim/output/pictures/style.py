@@ -1,0 +1,86 @@
+"""How all pictures look, and how they are written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..colours import colour_table, encoded
+from ..files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+INK, GREY, FAINT, ACCENT, MEASURED = "#23262d", "#6b7280", "#9aa1ad", "#5b3fb5", "#d1495b"
+LINE_COLOURS = ("#5b3fb5", "#e07a1f", "#1f8a70", "#d1495b", "#3b82c4", "#a05d1a", "#7a7f8a", "#b5479b", "#5a8f29")
+_STYLE: Any = {
+    "font.size": 9.5,
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "axes.titlesize": 11,
+    "axes.titleweight": "bold",
+    "axes.titlecolor": INK,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e6e8ec",
+    "grid.linewidth": 0.8,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "legend.frameon": False,
+    "legend.fontsize": 9,
+    "lines.linewidth": 1.8,
+    "lines.solid_capstyle": "round",
+}
+# By the computed share of the part.
+PART_NAMES = {1.0: "the part", 0.5: "the computed half", 0.25: "the computed quarter"}
+_RESOLUTION = 150
+
+
+def write_picture(figure: Figure, path: str | Path) -> None:
+    """Write the figure, as the ending of ``path`` says, with 150 dots per inch."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    # laid out here: savefig would draw all of it once more only to have that done
+    FigureCanvasAgg(figure)
+    figure.set_dpi(_RESOLUTION)
+    if (engine := figure.get_layout_engine()) is not None:
+        engine.execute(figure)
+        figure.set_layout_engine(None)
+    with replacing(Path(path)) as temporary:
+        figure.savefig(temporary, dpi=_RESOLUTION, facecolor="white")
+
+
+def new_figure(width: float, height: float) -> Figure:
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    with rc_context(_STYLE):
+        return Figure(figsize=(width, height), layout="constrained")
+
+
+def new_axes(figure: Figure, *place: Any, **settings: Any) -> Axes:
+    from matplotlib import rc_context
+
+    with rc_context(_STYLE):
+        return figure.add_subplot(*place, **settings)
+
+
+def add_legend(axes: Axes, **settings: Any) -> None:
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(frameon=False, fontsize=9, **settings)
+
+
+def colour_map() -> Any:
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(encoded(colour_table()), name="shear angle")
+
+
+def words(name: str) -> str:
+    return name.replace("_", " ")

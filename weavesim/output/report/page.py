@@ -1,0 +1,81 @@
+"""One HTML file about a run, with its pictures inside: it opens anywhere, without a network."""
+
+from __future__ import annotations
+
+import base64
+import math
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..files import write_text
+
+# Endings of summary names that are units.
+_UNITS = {
+    "deg": "°", "mm": "mm", "s": "s", "j": "J", "n": "N", "m": "m", "pa": "Pa", "kg": "kg", "per_second": "1/s",
+}  # fmt: skip
+# Longer lists, such as the knots of a curve, are shown by their ends.
+_LONGEST_LIST = 12
+
+
+@dataclass(frozen=True)
+class Report:
+    """Contents of the page.
+
+    Attributes:
+        title, subtitle: heading, and one line below it.
+        headline: (label, value) of the few numbers to see first.
+        warnings: what a reader must know before believing the rest.
+        pictures: (PNG file, caption).
+        tables: by heading; a name that ends in a unit (``_mm``, ``_deg``, ...) is shown with it.
+    """
+
+    title: str
+    subtitle: str
+    headline: Sequence[tuple[str, str]] = ()
+    warnings: Sequence[str] = ()
+    pictures: Sequence[tuple[Path, str]] = ()
+    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+def write_report(path: str | Path, report: Report) -> None:
+    """Write the page."""
+    from importlib.resources import files
+
+    from jinja2 import Environment, StrictUndefined
+
+    pictures = [(base64.b64encode(file.read_bytes()).decode("ascii"), caption) for file, caption in report.pictures]
+    tables = [
+        (title, [_labelled(name, value) for name, value in rows.items()]) for title, rows in report.tables.items()
+    ]
+    page = files(__package__).joinpath("template.html").read_text(encoding="utf-8")
+    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(page)
+    write_text(Path(path), template.render(report=report, pictures=pictures, tables=tables))
+
+
+def _labelled(name: str, value: Any) -> tuple[str, str]:
+    for ending, unit in _UNITS.items():
+        if name.endswith(f"_{ending}"):
+            return name[: -len(ending) - 1].replace("_", " "), f"{shown(value)}{'' if unit == '°' else ' '}{unit}"
+    return name.replace("_", " "), shown(value)
+
+
+def shown(value: Any) -> str:
+    """A value as a person reads it: four significant digits, and a dash for what is not a number."""
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\u202f") if abs(value) >= 10_000 else str(value)
+    if isinstance(value, float):
+        return f"{value:,.0f}".replace(",", "\u202f") if 1.0e4 <= abs(value) < 1.0e12 else f"{value:.4g}"
+    if isinstance(value, Mapping):
+        return ", ".join(f"{str(key).replace('_', ' ')} {shown(entry)}" for key, entry in value.items())
+    if isinstance(value, list | tuple) and len(value) > _LONGEST_LIST:
+        return f"{len(value)} values from {shown(value[0])} to {shown(value[-1])}"
+    if isinstance(value, list | tuple):
+        return ", ".join(map(shown, value))
+    return textwrap.shorten(str(value), 300)

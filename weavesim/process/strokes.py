@@ -1,0 +1,218 @@
+"""How a tool moves along its axis (fixed, by a prescribed stroke, or by a force), and how a support is driven."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..checks import finite, positive
+from ..errors import InputError
+
+# Knots of each smooth ramp: the speed of the piecewise linear stroke then changes by less than 0.4 % at a knot.
+RAMP_KNOT_COUNT = 400
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A tool that stays where it is."""
+
+    def curve(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times [s] and displacements along the axis [m]."""
+        return np.zeros(1), np.zeros(1)
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Displacement along the axis prescribed in time: linear between the knots, constant before and after them.
+
+    Attributes:
+        times: increasing [s].
+        displacements: one per time [m].
+    """
+
+    times: tuple[float, ...]
+    displacements: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        _check_curve(self, "displacements")
+
+    @property
+    def duration(self) -> float:
+        """Time of the last knot [s]."""
+        return self.times[-1]
+
+    @classmethod
+    def smooth(cls, distance: float, speed: float, ramp_time: float, start_time: float = 0.0) -> Stroke:
+        """Constant speed with a smooth start and stop.
+
+        The speed follows 3s^2 - 2s^3 over each ramp, so that the acceleration has no jump. A ramp too long for the
+        distance is shortened to ``distance / speed``.
+
+        Args:
+            distance: of the whole stroke [m]; negative moves against the axis.
+            speed: between the ramps [m/s], positive.
+            ramp_time: of the start, and of the stop [s]; zero gives a constant speed at once.
+            start_time: rest before the stroke [s].
+
+        Returns:
+            A stroke of duration ``start_time + |distance| / speed + ramp_time``.
+        """
+        distance = finite("distance of the stroke", distance)
+        speed = positive("speed of the stroke", speed)
+        ramp_time = finite("ramp_time of the stroke", ramp_time)
+        start_time = finite("start_time of the stroke", start_time)
+        if distance == 0.0 or ramp_time < 0.0 or start_time < 0.0:
+            raise InputError(
+                f"Stroke.smooth is given distance {distance} m, ramp_time {ramp_time} s and start_time {start_time} s; "
+                "the distance must not be zero and the times must not be negative. A tool at rest is Fixed()."
+            )
+        ramp_time = min(ramp_time, abs(distance) / speed)
+        end = abs(distance) / speed + ramp_time
+        if ramp_time > 0.0:
+            s = np.linspace(0.0, 1.0, RAMP_KNOT_COUNT + 1)
+            rise = speed * ramp_time * (s**3 - 0.5 * s**4)
+            times = np.concatenate([ramp_time * s, (end - ramp_time * s)[::-1]])
+            way = np.concatenate([rise, (abs(distance) - rise)[::-1]])
+            keep = np.append(True, np.diff(times) > 1e-9 * end)  # the ramps may meet
+            times, way = times[keep], way[keep]
+        else:
+            times, way = np.array([0.0, end]), np.array([0.0, abs(distance)])
+        return cls(tuple((start_time + times).tolist()), tuple((math.copysign(1.0, distance) * way).tolist()))
+
+    def curve(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times [s] and displacements along the axis [m]."""
+        return np.array(self.times), np.array(self.displacements)
+
+
+@dataclass(frozen=True)
+class ForceDriven:
+    """A tool that a force moves along its axis, such as a blank holder under pressure.
+
+    Attributes:
+        times: increasing [s].
+        forces: along the axis, one per time [N]; linear between the knots, constant before and after them.
+        mass: that the force moves [kg].
+    """
+
+    times: tuple[float, ...]
+    forces: tuple[float, ...]
+    mass: float
+
+    def __post_init__(self) -> None:
+        _check_curve(self, "forces")
+        object.__setattr__(self, "mass", positive("ForceDriven.mass", self.mass))
+
+    @classmethod
+    def constant(cls, force: float, mass: float, ramp_time: float = 0.0) -> ForceDriven:
+        """A force [N] along the axis that is reached at ``ramp_time`` [s] and then kept."""
+        if ramp_time > 0.0:
+            return cls((0.0, ramp_time), (0.0, force), mass)
+        return cls((0.0,), (force,), mass)
+
+    def curve(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times [s] and forces along the axis [N]."""
+        return np.array(self.times), np.array(self.forces)
+
+
+@dataclass(frozen=True)
+class SmoothStroke:
+    """Displacement prescribed in time without a jump of the speed, for supports.
+
+    Cubic between the knots (Hermite), constant before and after them. A support moves the sheet itself, and every jump
+    of its speed would send a wave of tension through the yarns; contact softens those of a tool.
+
+    Attributes:
+        times: increasing [s].
+        displacements: one per time [m].
+        speeds: one per time [m/s].
+    """
+
+    times: tuple[float, ...]
+    displacements: tuple[float, ...]
+    speeds: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        _check_curve(self, "displacements")
+        speeds = _numbers("SmoothStroke.speeds", self.speeds)
+        if len(speeds) != len(self.times):
+            raise InputError(f"SmoothStroke has {len(self.times)} times and {len(speeds)} speeds; it needs as many.")
+        object.__setattr__(self, "speeds", tuple(speeds))
+
+    @property
+    def duration(self) -> float:
+        """Time of the last knot [s]."""
+        return self.times[-1]
+
+    @classmethod
+    def ramped(cls, distance: float, speed: float, ramp_time: float, start_time: float = 0.0) -> SmoothStroke:
+        """The motion of ``Stroke.smooth``, which has the meaning of the arguments, with a continuous speed."""
+        knots = Stroke.smooth(distance, speed, ramp_time, start_time)
+        end = knots.duration - start_time
+        ramp_time = min(ramp_time, abs(distance) / speed)
+        # knots on the straight part too: what is mapped from this stroke need not be straight there
+        straight = np.linspace(ramp_time, end - ramp_time, RAMP_KNOT_COUNT + 2)[1:-1]
+        times = np.unique(np.concatenate([np.array(knots.times) - start_time, straight]))
+        times = times[np.append(True, np.diff(times) > 1e-9 * end)]
+        if ramp_time > 0.0:
+            share = np.clip(np.minimum(times, end - times) / ramp_time, 0.0, 1.0)
+            speeds = speed * share**2 * (3.0 - 2.0 * share)
+        else:
+            speeds = np.full(len(times), speed)
+        way = np.interp(start_time + times, knots.times, np.abs(knots.displacements))
+        sign = math.copysign(1.0, distance)
+        return cls(*(tuple(v.tolist()) for v in (start_time + times, sign * way, sign * speeds)))
+
+    def mapped(
+        self, value: Callable[[np.ndarray], np.ndarray], slope: Callable[[np.ndarray], np.ndarray]
+    ) -> SmoothStroke:
+        """The stroke f(s) of a support that moves along with this one.
+
+        Args:
+            value: f, of displacements [m], to displacements [m].
+            slope: its derivative.
+        """
+        way = np.array(self.displacements)
+        return SmoothStroke(self.times, tuple(value(way)), tuple(slope(way) * np.array(self.speeds)))
+
+    def and_back(self, rest: float = 0.0) -> SmoothStroke:
+        """This stroke, ``rest`` [s] at its end, and the same way back."""
+        rest = finite("rest of the stroke", rest)
+        if rest < 0.0:
+            raise InputError(f"SmoothStroke.and_back is given a rest of {rest} s; it must not be negative.")
+        later = tuple(2.0 * self.duration + rest - time for time in self.times[::-1])
+        skip = 0 if rest > 0.0 else 1
+        return SmoothStroke(
+            self.times + later[skip:],
+            self.displacements + self.displacements[::-1][skip:],
+            self.speeds + tuple(-speed for speed in self.speeds[::-1])[skip:],
+        )
+
+
+Motion = Fixed | Stroke | ForceDriven
+
+
+def _check_curve(motion: Stroke | ForceDriven | SmoothStroke, values_name: str) -> None:
+    name = type(motion).__name__
+    times = _numbers(f"{name}.times", motion.times)
+    values = _numbers(f"{name}.{values_name}", getattr(motion, values_name))
+    if len(times) == 0 or len(times) != len(values):
+        raise InputError(
+            f"{name} has {len(times)} times and {len(values)} {values_name}; it needs as many of one as of the other, "
+            "and at least one."
+        )
+    late = np.flatnonzero(np.diff(times) <= 0.0)
+    if len(late):
+        k = int(late[0])
+        raise InputError(f"{name}.times goes from {times[k]} s to {times[k + 1]} s; times must increase.")
+    object.__setattr__(motion, "times", tuple(times))
+    object.__setattr__(motion, values_name, tuple(values))
+
+
+def _numbers(what: str, values: Sequence[float]) -> list[float]:
+    try:
+        return [finite(f"entry of {what}", value) for value in values]
+    except TypeError:
+        raise InputError(f"{what} is {values!r}; it must be a list of numbers.") from None

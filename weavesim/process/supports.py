@@ -1,0 +1,148 @@
+"""Supports: groups of nodes that are held and perhaps driven, such as grips and frames, and the force on each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InputError
+from .strokes import SmoothStroke, Stroke
+
+
+@dataclass(frozen=True)
+class Drive:
+    """One prescribed motion of a support.
+
+    Attributes:
+        motion: s(t) [m]; a ``Stroke`` has a jump of its speed at every knot, a ``SmoothStroke`` has none.
+        direction: displacement of the nodes over s: one vector (3,) for all, or (node_count, 3), one per node of the
+            support. Not scaled to length one: a node of direction (0, 0.5, 0) moves half as far as s along y.
+    """
+
+    motion: SmoothStroke | Stroke
+    direction: np.ndarray
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.motion, SmoothStroke | Stroke):
+            raise InputError(f"drive: motion is {self.motion!r}; it must be a SmoothStroke or a Stroke.")
+        try:
+            direction = np.array(self.direction, dtype=np.float64)
+        except (TypeError, ValueError):
+            direction = np.empty(0)
+        if direction.ndim not in (1, 2) or direction.shape[-1] != 3 or not np.isfinite(direction).all():
+            raise InputError(
+                f"drive: direction has shape {direction.shape}; finite values, (3,) or (node_count, 3), are needed."
+            )
+        direction.setflags(write=False)
+        object.__setattr__(self, "direction", direction)
+
+    def pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Start of every cubic piece (n,) [s], and c0 to c3 of its polynomial in the time since then, (n, 4) [m]."""
+        times, value = np.array(self.motion.times), np.array(self.motion.displacements)
+        pieces = np.zeros((len(times), 4))
+        pieces[:, 0] = value
+        h, rise = np.diff(times), np.diff(value) / np.diff(times)
+        if isinstance(self.motion, SmoothStroke):
+            v0, v1 = self.motion.speeds[:-1], self.motion.speeds[1:]
+            pieces[:-1, 1] = v0
+            pieces[:-1, 2] = (3.0 * rise - np.multiply(2.0, v0) - v1) / h
+            pieces[:-1, 3] = (np.add(v0, v1) - 2.0 * rise) / h**2
+        else:
+            pieces[:-1, 1] = rise
+        return times, pieces
+
+    def at(self, time: float) -> float:
+        """s [m] at ``time`` [s]."""
+        start, pieces = self.pieces()
+        k = max(int(np.searchsorted(start, time, side="right")) - 1, 0)
+        return float(np.polynomial.polynomial.polyval(max(time - start[k], 0.0), pieces[k]))
+
+    @property
+    def initial_speed(self) -> float:
+        """ds/dt just after time zero [m/s]."""
+        start, pieces = self.pieces()
+        k = int(np.searchsorted(start, 0.0, side="right")) - 1
+        if k < 0:
+            return 0.0
+        return float(np.polynomial.Polynomial(pieces[k]).deriv()(0.0 - start[k]))
+
+
+@dataclass(frozen=True)
+class Support:
+    """Nodes that follow x = x0 + sum of s_k(t) times direction_k, and whose holding force is an output.
+
+    Without a drive they stay where they are. The force of the support on the sheet, and that along each drive (the
+    work per unit of s, at all nodes), are in every frame: ``Frame.support_force`` and ``Frame.drive_force``.
+
+    Attributes:
+        name: of the outputs.
+        nodes: indices, each once (k,).
+        drives: whose displacements are added.
+        displacements: the components that are held or driven, any of "xyz".
+        rotations: the axes about which the directors must not turn, any of "xyz".
+    """
+
+    name: str
+    nodes: np.ndarray
+    drives: tuple[Drive, ...] = ()
+    displacements: str = "xyz"
+    rotations: str = "xyz"
+
+    def __post_init__(self) -> None:
+        nodes = np.array(self.nodes)
+        if nodes.ndim != 1 or not len(nodes) or not np.issubdtype(nodes.dtype, np.integer):
+            raise InputError(
+                f"support {self.name}: nodes are {self.nodes!r}; indices of one or more nodes are needed "
+                "(np.flatnonzero makes them from a mask)."
+            )
+        if len(np.unique(nodes)) < len(nodes):
+            raise InputError(f"support {self.name}: a node is named twice; each may be there once.")
+        object.__setattr__(self, "nodes", nodes.astype(np.int64))
+        self.nodes.setflags(write=False)
+        object.__setattr__(self, "drives", tuple(self.drives))
+        for label in ("displacements", "rotations"):
+            value = getattr(self, label)
+            if not isinstance(value, str) or set(value) - set("xyz"):
+                raise InputError(f'support {self.name}: {label} is {value!r}; give some of "xyz", or "".')
+        for k, drive in enumerate(self.drives):
+            if not isinstance(drive, Drive):
+                raise InputError(f"support {self.name}: drive {k} is {drive!r}; it must be a Drive.")
+            if drive.direction.ndim == 2 and len(drive.direction) != len(nodes):
+                raise InputError(
+                    f"support {self.name}: drive {k} has {len(drive.direction)} directions for {len(nodes)} nodes; one "
+                    "per node, or one for all, is needed."
+                )
+            for axis, component in zip("xyz", np.atleast_2d(drive.direction).T, strict=True):
+                if component.any() and axis not in self.displacements:
+                    raise InputError(
+                        f"support {self.name}: drive {k} moves nodes along {axis}, but its displacements "
+                        f"({self.displacements!r}) leave {axis} free; a component is driven or free."
+                    )
+            if abs(drive.at(0.0)) > 1.0e-12 * np.abs(drive.motion.displacements).max():
+                raise InputError(
+                    f"support {self.name}: drive {k} is at {drive.at(0.0):.4g} m at time zero; the blank is where the "
+                    "nodes are at rest, so it must start from 0."
+                )
+
+    @property
+    def held(self) -> np.ndarray:
+        """The components that it holds, x, y, z and the rotations about them, (6,) bool."""
+        return np.array([axis in held for held in (self.displacements, self.rotations) for axis in "xyz"])
+
+    def directions(self, k: int) -> np.ndarray:
+        """Direction of drive ``k`` at every node of the support, (node_count, 3)."""
+        return np.broadcast_to(self.drives[k].direction, (len(self.nodes), 3))
+
+
+def prescribe_start(supports: Sequence[Support], velocity: np.ndarray | None, node_count: int) -> np.ndarray | None:
+    """Initial velocities (node_count, 3) [m/s] with those of the supports in the components that they hold."""
+    if not supports:
+        return velocity
+    velocity = np.zeros((node_count, 3)) if velocity is None else velocity.copy()
+    for support in supports:
+        start = sum((d.initial_speed * support.directions(k) for k, d in enumerate(support.drives)), np.zeros(3))
+        held = support.held[:3]
+        velocity[np.ix_(support.nodes, held)] = np.broadcast_to(start, (len(support.nodes), 3))[:, held]
+    return velocity

@@ -1,0 +1,208 @@
+"""What the observers of a run get: what is run, its frames, and how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING, Protocol, TypeVar
+
+import numpy as np
+
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from ..fabric.fabric import Fabric
+    from ..process.supports import Support
+    from ..sheet.blank import Blank
+    from ..sheet.symmetry import Symmetry
+    from ..tools.tool import Tool
+
+
+OfSheet = TypeVar("OfSheet")
+
+
+@dataclass(frozen=True)
+class SheetInfo:
+    """One sheet of a run.
+
+    Attributes:
+        name: of its outputs, unique in the run.
+        blank: the flat sheet.
+        fabric: its laws.
+        symmetry: planes at which it is cut.
+        tools: places of the tools of its world among those of the run.
+        supports: places of its supports among those of the run.
+    """
+
+    name: str
+    blank: Blank
+    fabric: Fabric
+    symmetry: Symmetry
+    tools: tuple[int, ...] = ()
+    supports: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """What is run, for its observers. Everything is known before the first frame.
+
+    Attributes:
+        name: of the result files.
+        sheets: in the order of all frames.
+        tools: in the order of all frames.
+        supports: in the order of all frames.
+        duration: time at which the run ends [s].
+        frame_count: frames after the first.
+        device: "cpu", "cuda:0", ...
+        precision: "float32" or "float64".
+        thread_counts: CPU threads that may be used.
+        internal_energies: names of the entries of the ledger whose sum is the internal energy.
+        warnings: what a user should know; the run adds to this list until it ends.
+        notes: what was found about the input.
+    """
+
+    name: str
+    sheets: tuple[SheetInfo, ...]
+    tools: tuple[Tool, ...]
+    supports: tuple[Support, ...]
+    duration: float
+    frame_count: int
+    device: str = "cpu"
+    precision: str = "float32"
+    thread_counts: tuple[int, ...] = (1,)
+    internal_energies: tuple[str, ...] = ()
+    warnings: list[str] = field(default_factory=list)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def sheet(self) -> SheetInfo:
+        """The sheet of a run that has one.
+
+        Raises:
+            InputError: the run has several.
+        """
+        return only_sheet(self.sheets)
+
+    @property
+    def element_count(self) -> int:
+        """Elements of all sheets."""
+        return sum(sheet.blank.element_count for sheet in self.sheets)
+
+    @property
+    def node_count(self) -> int:
+        """Nodes of all sheets."""
+        return sum(sheet.blank.node_count for sheet in self.sheets)
+
+    def tools_of(self, sheet: SheetInfo) -> tuple[Tool, ...]:
+        """The tools that a sheet may touch."""
+        return tuple(self.tools[place] for place in sheet.tools)
+
+
+@dataclass(frozen=True)
+class SheetFrame:
+    """State of one sheet at one instant. SI units; float64 copies on the host.
+
+    Attributes:
+        name: of the sheet.
+        position: nodes, (node_count, 3) [m].
+        director: unit directors, (node_count, 3).
+        fields: one value per element, (element_count,): shear_angle [rad], warp_stretch, weft_stretch,
+            warp_force and weft_force [N/m], crossover_pressure between warp and weft per reference area [N/m^2],
+            crossover_force [N] (if the cell has a crossover_area), area_ratio,
+            shear_moment (elastic and friction, without in-plane bending) [N/m], thickness [m],
+            fibre_volume_fraction (if the fabric gives its fibre content), unit_cell_residual (worst so far),
+            unit_cell_iterations, unit_cell_failed (0 or 1).
+        energies: the entries of the ledger that belong to one sheet [J], by name.
+    """
+
+    name: str
+    position: np.ndarray
+    director: np.ndarray
+    fields: dict[str, np.ndarray]
+    energies: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """State of a run at one instant. SI units; float64 copies on the host.
+
+    Attributes:
+        index: number of the frame, 0 for the undeformed state.
+        step_count: time steps done.
+        time: [s].
+        stroke: displacement of the leading tool along its axis, without tools that of the first drive [m].
+        sheets: in the order of the set-up.
+        tool_displacement: along each tool's axis, (tool_count,) [m].
+        tool_reaction: force of the sheets on each tool, (tool_count, 3) [N].
+        energies: every entry of the ledger [J], by name, summed over the sheets.
+        support_force: force of each support on its sheet, (support_count, 3) [N]: it holds against all other forces on
+            its nodes and accelerates their mass.
+        drive_displacement: of every drive of every support, in order, (drive_count,) [m].
+        drive_force: of the support on the sheet along each drive, (drive_count,) [N]: its work per unit of the drive's
+            displacement.
+    """
+
+    index: int
+    step_count: int
+    time: float
+    stroke: float
+    sheets: tuple[SheetFrame, ...]
+    tool_displacement: np.ndarray
+    tool_reaction: np.ndarray
+    energies: dict[str, float]
+    support_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    drive_displacement: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    drive_force: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def sheet(self) -> SheetFrame:
+        """The sheet of a run that has one.
+
+        Raises:
+            InputError: the run has several.
+        """
+        return only_sheet(self.sheets)
+
+    @property
+    def position(self) -> np.ndarray:
+        """``position`` of the only sheet."""
+        return self.sheet.position
+
+    @property
+    def director(self) -> np.ndarray:
+        """``director`` of the only sheet."""
+        return self.sheet.director
+
+    @property
+    def fields(self) -> dict[str, np.ndarray]:
+        """``fields`` of the only sheet."""
+        return self.sheet.fields
+
+
+def only_sheet(sheets: tuple[OfSheet, ...]) -> OfSheet:
+    """What there is of the sheet of a run that has one.
+
+    Raises:
+        InputError: the run has several.
+    """
+    if len(sheets) != 1:
+        raise InputError(f"this run has {len(sheets)} sheets: take one of them from the tuple ``sheets``")
+    return sheets[0]
+
+
+class Outcome(Enum):
+    """How a run ended."""
+
+    FINISHED = "finished"
+    INTERRUPTED = "interrupted"
+    NOT_FINITE = "not finite"
+
+
+class Observer(Protocol):
+    """Receives the frames of a run; a file-writing observer leaves a readable file at every ``finish``."""
+
+    def start(self, info: RunInfo) -> None: ...
+
+    def frame(self, frame: Frame) -> None: ...
+
+    def finish(self, outcome: Outcome) -> None: ...

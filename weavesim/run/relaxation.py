@@ -1,0 +1,204 @@
+"""Static equilibrium by dynamic relaxation: the sheet moves until damping has brought it to rest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InputError, RunError
+from ..kernels.rows import ClockEntry, LoadRow, MotionRow, NodeReportRow
+from ..process.strokes import ForceDriven
+from .simulation import Simulation
+
+# Stops of the motion from which the lowest frequency is taken, before viscous damping takes over.
+STOP_COUNT = 3
+# Critically damped, every vibration falls by exp(-w t): after this w t the frequency is measured anew.
+LONGEST_DECAY = 30.0
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """How a relaxation ended.
+
+    Attributes:
+        residual: sum of the unbalanced nodal forces over that of the applied ones.
+        step_count: time steps of the relaxation.
+        frequency: lowest angular frequency that it found [rad/s].
+    """
+
+    residual: float
+    step_count: int
+    frequency: float
+
+
+def relax(simulation: Simulation, *, tolerance: float = 1.0e-3, largest_step_count: int = 500_000) -> Equilibrium:
+    """Bring a simulation to rest under the loads, supports and tools of the present instant.
+
+    First by kinetic damping: the sheet moves freely until its kinetic energy passes a peak, where it is stopped. From
+    rest to the peak is a quarter of a period, which gives the lowest frequency w. Then mass-proportional damping at the
+    rate 2 w, critical for that frequency, takes out all vibrations at the same rate. Neither changes a static answer
+    (friction apart, which remembers the path); what they take is booked as ``damping_loss``.
+
+    It may follow ``simulation.run()``, which brings loads and tools to where they stay, or replace it. At the end a
+    frame is taken: ``simulation.frame``, and the last entry of ``simulation.history``.
+
+    Args:
+        simulation: on any device.
+        tolerance: on ``Equilibrium.residual``. The applied forces are the larger of loads with weight, and of the
+            reactions of supports and tools; couples count over the largest extent of the blank.
+        largest_step_count: after which to give up.
+
+    Raises:
+        InputError: a tolerance or a number of steps that is not positive.
+        RunError: no rest within ``largest_step_count`` steps, or the state became non-finite.
+    """
+    if not tolerance > 0.0 or largest_step_count < 1:
+        raise InputError(
+            f"relax: tolerance = {tolerance} and largest_step_count = {largest_step_count}; both must be positive"
+        )
+    relaxation = _Relaxation(simulation, tolerance, largest_step_count)
+    given = simulation.model.motion
+    try:
+        while relaxation.residual > tolerance:
+            relaxation.find_frequency()
+            relaxation.damp()
+    finally:
+        simulation.stepper.set_damping(given.damping, given.director_damping)
+    simulation.take_frame()
+    return Equilibrium(relaxation.residual, relaxation.step_count, relaxation.frequency)
+
+
+class _Relaxation:
+    def __init__(self, simulation: Simulation, tolerance: float, largest_step_count: int) -> None:
+        self.simulation, self.tolerance, self.largest_step_count = simulation, tolerance, largest_step_count
+        self.first_step, self.residual, self.frequency = simulation.stepper.step_count, math.inf, 0.0
+        self.damping = 0.0
+        self.driven = np.array([isinstance(tool.motion, ForceDriven) for tool in simulation.tools], dtype=bool)
+        self.extent = np.ptp(simulation.blank.node_position, axis=0).max()
+
+    @property
+    def step_count(self) -> int:
+        return self.simulation.stepper.step_count - self.first_step
+
+    def set_damping(self, rate: float) -> None:
+        self.damping = rate
+        self.simulation.stepper.set_damping(rate, rate)
+
+    def advance(self) -> None:
+        if self.step_count >= self.largest_step_count:
+            raise RunError(
+                f"relax: after {self.step_count} steps the residual is {self.residual:.3g} of the applied forces, "
+                f"above {self.tolerance:g}: give more steps or a larger tolerance; a sheet that may move freely never "
+                "comes to rest, and the rounding of stiff sheets under small loads may keep the residual up (float64 "
+                "has more digits)"
+            )
+        self.simulation.stepper.advance(1)
+
+    def find_frequency(self) -> None:
+        """Kinetic damping, until the motion has been stopped a few times or is at rest."""
+        self.set_damping(0.0)
+        longest = 0.0
+        for _ in range(STOP_COUNT):
+            start, previous = self.simulation.state.time, -1.0
+            while (kinetic := self.kinetic()) > previous:
+                previous = kinetic
+                self.advance()
+            if not math.isfinite(kinetic):
+                raise RunError(f"relax: the state became non-finite after {self.step_count} steps")
+            longest = max(longest, self.simulation.state.time - start)
+            self.stop()
+            if self.residual <= self.tolerance:
+                break
+        # near rest only rounding moves, and fast: what was found in motion counts
+        found = 0.5 * math.pi / longest
+        self.frequency = min(self.frequency, found) if self.frequency else found
+
+    def damp(self) -> None:
+        """Critical damping of the lowest frequency, until the sheet is at rest or that frequency is in doubt."""
+        if self.residual <= self.tolerance:
+            return
+        self.set_damping(2.0 * self.frequency)
+        end = self.simulation.state.time + LONGEST_DECAY / self.frequency
+        block = 1
+        while self.residual > self.tolerance and self.simulation.state.time < end:
+            for _ in range(block):
+                self.advance()
+            self.look()
+            block = min(block + 1, 20)
+        self.stop()
+
+    def kinetic(self) -> float:
+        """Kinetic energy of the free components half a step ago [J]."""
+        model, free = self.simulation.model, self.simulation.free
+        velocity, spin = self.rates(self.simulation.state.motion)
+        return 0.5 * float(
+            model.node_mass @ np.square(velocity * free[:, :3]).sum(axis=1)
+            + model.node_inertia @ np.square(spin).sum(axis=1)
+        )
+
+    def rates(self, motion) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities and spins of a motion array."""
+        vectors = self.simulation.model.read_motion(motion)[:, : self.simulation.blank.node_count].astype(np.float64)
+        return vectors[MotionRow.velocity.vector], vectors[MotionRow.spin.vector]
+
+    def look(self):
+        """Find the residual. Returns velocities and spins of half a step ago, and their changes in the next step."""
+        simulation = self.simulation
+        model, stepper, state, free = simulation.model, simulation.stepper, simulation.state, simulation.free[:, :3]
+        mean_step = float(state.clock.numpy()[ClockEntry.mean_step])
+        ahead = stepper.look_ahead()
+        velocity, spin = self.rates(state.motion)
+        next_velocity, next_spin = self.rates(ahead.motion)
+        change, turn = next_velocity - velocity, next_spin - spin
+
+        def total(forces: np.ndarray, couples: np.ndarray) -> float:
+            return float(np.linalg.norm(forces, axis=1).sum() + np.linalg.norm(couples, axis=1).sum() / self.extent)
+
+        # without the force of the damping, which vanishes with the motion
+        acceleration = change / mean_step + self.damping * np.where(free, velocity + 0.5 * change, 0.0)
+        turning = turn / mean_step + self.damping * (spin + 0.5 * turn)
+        unbalanced = total(model.node_mass[:, None] * acceleration, model.node_inertia[:, None] * turning)
+        loads = np.zeros((LoadRow.row_count(), simulation.blank.node_count, 3))
+        if model.loads is not None:
+            loads += model.loads.share(state.time) * model.loads.arrays(simulation.blank.node_count)
+        loads[LoadRow.force] += model.node_mass[:, None] * np.array(model.motion.gravity)
+        # what supports and tools bear
+        borne = np.linalg.norm(np.where(free, 0.0, stepper.nodal_forces() + loads[LoadRow.force]), axis=1).sum()
+        borne += np.linalg.norm(stepper.tools.total_reaction.numpy(), axis=1).sum() if len(self.driven) else 0.0
+        self.residual = unbalanced / max(total(*loads), float(borne), 1.0e-300)
+        if not math.isfinite(self.residual):
+            raise RunError(f"relax: the state became non-finite after {self.step_count} steps")
+        return ahead, velocity, change, spin, turn
+
+    def stop(self) -> None:
+        """Take the motion out and book its energy as damped.
+
+        The velocities become those of half a step before a start from rest. With zeros the coming half step would be a
+        whole one, and vibrations near the stable limit would grow from stop to stop.
+        """
+        ahead, velocity, change, spin, turn = self.look()
+        model, state, tools = self.simulation.model, self.simulation.state, self.simulation.stepper.tools
+        count, free = self.simulation.blank.node_count, self.simulation.free[:, :3]
+        # works up to this instant, as the ledger takes them; the next step counts from rest
+        report = state.node_report.numpy()
+        works = [row for row, name in enumerate(model.node_report_rows) if not name.startswith("half_thickness")]
+        report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
+        damped = report[NodeReportRow.damping_loss, :count]
+        damped += 0.5 * (
+            model.node_mass * ((velocity * (velocity + change) + 0.25 * change**2) * free).sum(axis=1)
+            + model.node_inertia * (spin * (spin + turn) + 0.25 * turn**2).sum(axis=1)
+        )
+        motion = model.read_motion(state.motion)
+        motion[MotionRow.velocity.vector, :count][free] = -0.5 * change[free]
+        motion[MotionRow.spin.vector, :count] = -0.5 * turn
+        if self.driven.any():
+            speed = tools.velocity.numpy()
+            next_speed = ahead.tool_velocity.numpy()
+            mass = np.array([getattr(tool.motion, "mass", 0.0) for tool in self.simulation.tools])
+            # no node moves a tool: any one of them may book its loss
+            damped[0] += 0.125 * float(mass @ np.square(speed + next_speed))
+            tools.velocity.assign(np.where(self.driven, 0.5 * (speed - next_speed), speed))
+        state.node_report.assign(report)
+        model.write_motion(state.motion, motion)

@@ -1,0 +1,263 @@
+"""The sheet before it is formed: a quadrilateral mesh with yarn directions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+
+# A one-point quadrilateral keeps its sign of area in the four corner triangles while it is convex.
+_LARGEST_EXTENT_M = 20.0
+
+
+@dataclass(frozen=True)
+class Blank:
+    """Immutable sheet mesh. Check happens at construction.
+
+    Attributes:
+        node_position: initial nodes, (node_count, 3) [m].
+        material_coordinates: flat coordinates, (node_count, 2) [m].
+        quads: corner nodes of each element, counter-clockwise seen from the top side, (element_count, 4).
+        warp_direction, weft_direction: unit yarn directions at the element centres, (element_count, 3).
+        initial_director: unit normals of the nodes, (node_count, 3).
+    """
+
+    node_position: np.ndarray
+    material_coordinates: np.ndarray
+    quads: np.ndarray
+    warp_direction: np.ndarray
+    weft_direction: np.ndarray
+    initial_director: np.ndarray
+
+    def __post_init__(self) -> None:
+        for name in ("node_position", "material_coordinates", "warp_direction", "weft_direction", "initial_director"):
+            array = np.ascontiguousarray(getattr(self, name), dtype=np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        quads = np.ascontiguousarray(self.quads, dtype=np.int32)
+        quads.setflags(write=False)
+        object.__setattr__(self, "quads", quads)
+        _check_mesh(self.node_position, quads)
+
+    @property
+    def node_count(self) -> int:
+        return len(self.node_position)
+
+    @property
+    def element_count(self) -> int:
+        return len(self.quads)
+
+    def element_centres(self) -> np.ndarray:
+        """Initial centres of the elements, (element_count, 3) [m]."""
+        return self.node_position[self.quads].mean(axis=1)
+
+    def boundary_loop(self) -> np.ndarray:
+        """Nodes of the longest closed outline, in order, counter-clockwise, (k,)."""
+        edges = np.concatenate([self.quads[:, [i, (i + 1) % 4]] for i in range(4)])
+        undirected, inverse, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+        following = dict(edges[count[inverse.ravel()] == 1].tolist())
+        loops = []
+        while following:
+            start, node = following.popitem()
+            loop = [start]
+            while node != start:
+                loop.append(node)
+                node = following.pop(node)
+            loops.append(loop)
+        return np.array(max(loops, key=len), dtype=np.int32)
+
+    @classmethod
+    def rectangle(
+        cls,
+        lower: tuple[float, float],
+        upper: tuple[float, float],
+        element_size: float | tuple[float, float],
+        *,
+        yarn_angle: float = 0.0,
+        height: float = 0.0,
+        distortion: float = 0.0,
+        seed: int = 0,
+    ) -> Blank:
+        """A flat rectangle in the plane z = ``height``, in about square elements.
+
+        Args:
+            lower, upper: opposite corners (x, y) [m].
+            element_size: aimed edge length [m]; the sides are divided evenly.
+            yarn_angle: angle from the x axis to the warp [degrees]; the weft is 90 degrees further.
+            distortion: random shift of the inner nodes, as a share of the element size (below 0.4).
+
+        Raises:
+            InputError: sizes that are not positive, or not finite.
+        """
+        size = np.broadcast_to(np.asarray(element_size, dtype=float), 2)
+        extent = np.subtract(upper, lower)
+        if not np.all(np.isfinite([*lower, *upper, *size])) or np.any(extent <= 0.0) or np.any(size <= 0.0):
+            raise InputError(
+                f"blank from {lower} to {upper} m with elements of {element_size} m: sides and element size must be "
+                "finite and positive"
+            )
+        count = np.maximum(1, np.rint(extent / size)).astype(int)
+        x, y = (np.linspace(lower[i], upper[i], count[i] + 1) for i in range(2))
+        plan = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+        if distortion:
+            shift = np.random.default_rng(seed).uniform(-distortion, distortion, plan.shape) * extent / count
+            plan[1:-1, 1:-1] += shift[1:-1, 1:-1]
+        index = np.arange(plan.shape[0] * plan.shape[1]).reshape(plan.shape[:2])
+        quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
+        plan = plan.reshape(-1, 2)
+        position = np.column_stack([plan, np.full(len(plan), height)])
+        return cls.from_mesh(position, quads, yarn_angle=yarn_angle)
+
+    @classmethod
+    def fitted(
+        cls,
+        outline: np.ndarray,
+        element_size: float,
+        *,
+        mesh_angle: float = 0.0,
+        yarn_angle: float = 0.0,
+        height: float = 0.0,
+        distortion: float = 0.0,
+        seed: int = 0,
+    ) -> Blank:
+        """A flat sheet of any outline without corners that point inwards, the mesh at any angle to outline and yarns.
+
+        Square elements in the inside, one layer of others along the outline; corners and sides are met exactly.
+
+        Args:
+            outline: corners in order, (k, 2) [m]; a curve is given by many corners, each of a small turn.
+            element_size: edge length in the inside [m].
+            mesh_angle: angle from the x axis to the edges of the elements [degrees].
+            yarn_angle: angle from the x axis to the warp [degrees].
+            height: z of all nodes [m].
+            distortion: random shift of the inner nodes, as a share of the element size (below 0.4).
+            seed: of that shift.
+
+        Raises:
+            InputError: an outline that crosses itself or has a corner that points inwards; elements too large for it.
+        """
+        from .fitted_mesh import fitted_mesh
+
+        plan, quads = fitted_mesh(outline, element_size, mesh_angle=mesh_angle, distortion=distortion, seed=seed)
+        return cls.from_mesh(np.column_stack([plan, np.full(len(plan), height)]), quads, yarn_angle=yarn_angle)
+
+    @classmethod
+    def disc(cls, radius: float, element_size: float, **options: Any) -> Blank:
+        """A flat disc around the origin [m], as a polygon of 720 sides; ``options`` are those of ``fitted``."""
+        angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+        return cls.fitted(radius * np.column_stack([np.cos(angle), np.sin(angle)]), element_size, **options)
+
+    @classmethod
+    def from_mesh(
+        cls,
+        node_position: np.ndarray,
+        quads: np.ndarray,
+        *,
+        yarn_angle: float = 0.0,
+        warp_direction: np.ndarray | None = None,
+        material_coordinates: np.ndarray | None = None,
+    ) -> Blank:
+        """Any quadrilateral mesh, flat or curved.
+
+        The warp is the projection onto each element of ``warp_direction`` ((3,) or (element_count, 3)), by default of
+        the direction at ``yarn_angle`` degrees from x in the xy plane. ``material_coordinates`` default to x and y.
+
+        Raises:
+            InputError: NaN, degenerate or flipped elements, a mesh that looks as if it were in millimetres.
+        """
+        position = np.asarray(node_position, dtype=np.float64)
+        quads = np.asarray(quads, dtype=np.int32)
+        _check_mesh(position, quads)
+        normal = np.cross(position[quads[:, 2]] - position[quads[:, 0]], position[quads[:, 3]] - position[quads[:, 1]])
+        director = np.zeros_like(position)
+        for corner in range(4):
+            np.add.at(director, quads[:, corner], normal)
+        director[np.linalg.norm(director, axis=1) == 0.0] = (0.0, 0.0, 1.0)
+        director /= np.linalg.norm(director, axis=1, keepdims=True)
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        if warp_direction is None:
+            angle = np.deg2rad(yarn_angle)
+            warp_direction = np.array([np.cos(angle), np.sin(angle), 0.0])
+        wished = np.broadcast_to(np.asarray(warp_direction, dtype=float), normal.shape)
+        warp = wished - np.einsum("ij,ij->i", wished, normal)[:, None] * normal
+        length = np.linalg.norm(warp, axis=1, keepdims=True)
+        if np.any(length < 1.0e-6):
+            raise InputError(
+                f"warp direction of element {int(np.argmin(length))} is normal to the sheet: give one that is not"
+            )
+        warp /= length
+        return cls(
+            node_position=position,
+            material_coordinates=position[:, :2] if material_coordinates is None else material_coordinates,
+            quads=quads,
+            warp_direction=warp,
+            weft_direction=np.cross(normal, warp),
+            initial_director=director,
+        )
+
+    @classmethod
+    def from_file(cls, path: str | Path, *, unit_scale: float = 1.0, yarn_angle: float = 0.0) -> Blank:
+        """Quadrilaterals of any file that meshio reads; ``unit_scale`` turns its unit into metres (0.001 for mm).
+
+        Raises:
+            InputError: missing or unreadable file, no quadrilaterals, or a bad mesh (see ``from_mesh``).
+        """
+        import meshio
+
+        try:
+            mesh = meshio.read(path)
+        except (OSError, SystemExit, meshio.ReadError, ValueError) as error:
+            raise InputError(f"blank mesh {path}: cannot be read ({error}); give a file that meshio knows") from None
+        quads = mesh.cells_dict.get("quad")
+        if quads is None:
+            raise InputError(f"blank mesh {path}: holds {sorted(mesh.cells_dict)}, but quadrilaterals are needed")
+        points = np.asarray(mesh.points, dtype=float) * unit_scale
+        points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
+        used, quads = np.unique(quads, return_inverse=True)
+        return cls.from_mesh(points[used], quads.reshape(-1, 4), yarn_angle=yarn_angle)
+
+
+def _check_mesh(position: np.ndarray, quads: np.ndarray) -> None:
+    if position.ndim != 2 or position.shape[1] != 3 or quads.ndim != 2 or quads.shape[1:] != (4,) or not len(quads):
+        raise InputError(
+            f"blank mesh: nodes {position.shape} and elements {quads.shape}; (n, 3) and (m, 4), m > 0 are needed"
+        )
+    if quads.min() < 0 or quads.max() >= len(position):
+        raise InputError(f"blank mesh: elements name nodes {quads.min()} to {quads.max()}, there are {len(position)}")
+    if not np.all(np.isfinite(position)):
+        node = int(np.argmin(np.all(np.isfinite(position), axis=1)))
+        raise InputError(f"blank mesh: node {node} is at {position[node]}; coordinates must be finite")
+    extent = np.ptp(position, axis=0).max()
+    if extent > _LARGEST_EXTENT_M:
+        raise InputError(
+            f"blank mesh: it is {extent:.4g} m wide, as a blank of {extent:.4g} mm read as metres would be "
+            "(1000 times too big); scale it to metres (unit_scale=0.001)"
+        )
+    corner = position[quads]
+    mean_normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    size = np.linalg.norm(mean_normal, axis=1)
+    mean_normal /= np.maximum(size, 1.0e-300)[:, None]
+    edge = np.roll(corner, -1, axis=1) - corner
+    doubled = np.einsum("eij,ej->ei", np.cross(np.roll(edge, 1, axis=1), edge), mean_normal)
+    longest = np.square(np.linalg.norm(edge, axis=2).max(axis=1))
+    bad = (doubled.min(axis=1) <= 1.0e-4 * longest) | (size <= 1.0e-4 * longest)
+    if np.any(bad):
+        element = int(np.argmax(bad))
+        raise InputError(
+            f"blank mesh: {int(bad.sum())} elements are degenerate or not convex, the first is element {element} with "
+            f"nodes {quads[element].tolist()} at {corner[element].round(6).tolist()}; every corner angle must lie "
+            "between 0 and 180 degrees"
+        )
+    # an edge as one number: sorting those is ten times as fast as sorting pairs
+    edges = quads.astype(np.int64) * len(position) + np.roll(quads, -1, axis=1)
+    key, count = np.unique(edges, return_counts=True)
+    if np.any(count > 1):
+        a, b = divmod(int(key[np.argmax(count > 1)]), len(position))
+        raise InputError(
+            f"blank mesh: the edge from node {a} to node {b} is walked in the same direction by two elements, so one "
+            "of them is flipped (or three elements meet there); order the corners of all elements counter-clockwise"
+        )

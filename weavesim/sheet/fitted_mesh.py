@@ -1,0 +1,315 @@
+"""Quadrilaterals that fill an outline, with the direction of the mesh free of the outline's own.
+
+A regular grid, turned by any angle, is kept well inside the outline; one layer of quadrilaterals joins its staircase
+edge to the outline, and what lies near that layer is smoothed. So the mesh direction in the inside is exact, and
+nothing of a staircase is left at the edge.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import InputError
+
+# A vertex where the outline turns by more than this becomes a node; gentler ones are taken as parts of a curve [rad].
+CORNER_TURN = np.deg2rad(15.0)
+# Where the outline turns left by more than this, one element fills the corner; elsewhere two meet in it [rad].
+FILLED_TURN = np.deg2rad(60.0)
+# Nodes of the grid keep this distance from the outline, in element sizes.
+LEAST_DISTANCE = 0.6
+# Nodes up to this distance from the outline are smoothed, in element sizes.
+SMOOTHED_DISTANCE = 3.0
+SMOOTHING_COUNT = 60
+# Distortion leaves no element below this quality, unless it was worse before.
+CAREFUL_QUALITY = 0.4
+# Smallest sine of a corner angle that is accepted; forces of flatter elements are poor.
+LEAST_QUALITY = 0.2
+
+
+def fitted_mesh(
+    outline: np.ndarray, element_size: float, *, mesh_angle: float = 0.0, distortion: float = 0.0, seed: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (n, 2) [m] and quadrilaterals (m, 4) that fill a polygon without corners that point inwards.
+
+    Args:
+        outline: corners in order, (k, 2) [m].
+        element_size: edge length of the regular inside [m].
+        mesh_angle: from the x axis to the grid [degrees].
+        distortion: random shift of the inner nodes, as a share of the element size.
+        seed: of the shift.
+
+    Raises:
+        InputError: an outline that crosses itself, that is too small for the elements, or whose corners they cannot
+            fill well.
+    """
+    outline = _checked_outline(outline)
+    if not (np.isfinite(element_size) and element_size > 0.0 and np.isfinite(mesh_angle) and 0.0 <= distortion < 0.4):
+        raise InputError(
+            f"fitted mesh: element size {element_size} m, mesh angle {mesh_angle} degrees, distortion {distortion}; "
+            "a positive size, a finite angle and a distortion from 0 to 0.4 are needed"
+        )
+    cosine, sine = np.cos(np.deg2rad(mesh_angle)), np.sin(np.deg2rad(mesh_angle))
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    centre = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
+    # in the frame of the grid, in element sizes
+    border = Outline((outline - centre) @ turn / element_size)
+    if border.turn.min() < -CORNER_TURN:
+        at = outline[border.turn.argmin()]
+        raise InputError(
+            f"fitted mesh: the outline has a corner at ({at[0]:.4g}, {at[1]:.4g}) m that points into the sheet; "
+            "outlines without such corners can be filled, mesh others elsewhere (Blank.from_file)"
+        )
+    node, quads = _inner_grid(border)
+    node, quads, on_border = _join(node, quads, border)
+    node = _smoothed(node, quads, border, on_border)
+    if distortion:
+        shift = np.random.default_rng(seed).uniform(-distortion, distortion, node.shape)
+        node = _careful(node, node + shift * ~on_border[:, None], quads)
+    quality = corner_sines(node, quads)
+    if quality.min() < LEAST_QUALITY:
+        where = (node[quads[np.argmin(quality)]].mean(axis=0) * element_size) @ turn.T + centre
+        raise InputError(
+            f"fitted mesh: an element near ({where[0]:.4g}, {where[1]:.4g}) m has a corner angle with the sine "
+            f"{quality.min():.2f}, below {LEAST_QUALITY}; take smaller elements than {element_size} m, less distortion "
+            f"than {distortion}, or an outline without sharp corners"
+        )
+    return node * element_size @ turn.T + centre, quads
+
+
+def corner_sines(node: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Smallest sine of the corner angles of each element (its scaled Jacobian), negative where not convex, (m,)."""
+    corner = node[quads]
+    out, back = np.roll(corner, -1, axis=1) - corner, np.roll(corner, 1, axis=1) - corner
+    size = np.linalg.norm(out, axis=2) * np.linalg.norm(back, axis=2)
+    return (_cross(out, back) / size).min(axis=1)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def _checked_outline(outline: np.ndarray) -> np.ndarray:
+    """The corners counter-clockwise, (k, 2)."""
+    outline = np.asarray(outline, dtype=np.float64)
+    if outline.ndim != 2 or outline.shape[1:] != (2,) or len(outline) < 3 or not np.isfinite(outline).all():
+        raise InputError(f"fitted mesh: outline of shape {outline.shape}; (k, 2) finite coordinates, k > 2, are needed")
+    side = np.roll(outline, -1, axis=0) - outline
+    if np.any(np.linalg.norm(side, axis=1) < 1e-9 * np.ptp(outline, axis=0).max()):
+        raise InputError("fitted mesh: two corners of the outline coincide; give each once, the last one too")
+    # sides i and j cross where the ends of each lie on different sides of the other
+    start, end = outline, np.roll(outline, -1, axis=0)
+    across = np.sign(_cross(side[:, None], start[None] - start[:, None])) * np.sign(
+        _cross(side[:, None], end[None] - start[:, None])
+    )
+    if np.any((across < 0.0) & (across.T < 0.0)):
+        i, j = np.argwhere((across < 0.0) & (across.T < 0.0))[0]
+        raise InputError(f"fitted mesh: sides {i} and {j} of the outline cross; order the corners around it")
+    return outline if _cross(start, end).sum() > 0.0 else outline[::-1]
+
+
+class Outline:
+    """A closed polygon, counter-clockwise, with its arc length."""
+
+    def __init__(self, vertex: np.ndarray) -> None:
+        self.vertex = vertex
+        self.side = np.roll(vertex, -1, axis=0) - vertex
+        self.side_length = np.linalg.norm(self.side, axis=1)
+        self.start = np.concatenate([[0.0], np.cumsum(self.side_length)])
+        before = np.roll(self.side, 1, axis=0)
+        self.turn = np.arctan2(_cross(before, self.side), np.einsum("ij,ij->i", before, self.side))
+        self.corner = np.flatnonzero(np.abs(self.turn) > CORNER_TURN)
+
+    @property
+    def length(self) -> float:
+        return float(self.start[-1])
+
+    def nearest(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Signed distance of points (n, 2), positive inside, and the arc length of the nearest point of the outline."""
+        from_start = point[:, None] - self.vertex
+        share = np.clip((from_start * self.side).sum(axis=2) / np.square(self.side_length), 0.0, 1.0)
+        distance = np.linalg.norm(from_start - share[..., None] * self.side, axis=2)
+        side = distance.argmin(axis=1)
+        row = np.arange(len(point))
+        # crossings of a ray in the direction of x
+        y, low, high = point[:, 1:], self.vertex[:, 1], np.roll(self.vertex[:, 1], -1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crossing = self.vertex[:, 0] + (y - low) / (high - low) * self.side[:, 0]
+        inside = (((low > y) != (high > y)) & (point[:, :1] < crossing)).sum(axis=1) % 2 == 1
+        return (
+            np.where(inside, 1.0, -1.0) * distance[row, side],
+            self.start[side] + share[row, side] * self.side_length[side],
+        )
+
+    def point(self, arc: np.ndarray) -> np.ndarray:
+        """Points at arc lengths, (n, 2)."""
+        arc = np.mod(arc, self.length)
+        side = np.clip(np.searchsorted(self.start, arc, side="right") - 1, 0, len(self.vertex) - 1)
+        return self.vertex[side] + ((arc - self.start[side]) / self.side_length[side])[:, None] * self.side[side]
+
+
+def _inner_grid(border: Outline) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and unit squares well inside, without squares that hang on by a single corner."""
+    reach = np.ceil(np.abs(border.vertex).max(axis=0)).astype(int)
+    x, y = (np.arange(-r, r + 1) for r in reach)
+    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).astype(float)
+    distance, _ = border.nearest(grid.reshape(-1, 2))
+    good = (distance >= LEAST_DISTANCE).reshape(grid.shape[:2])
+    kept = np.zeros((len(x) + 1, len(y) + 1), dtype=bool)  # with a rim of squares that are not kept
+    kept[1:-1, 1:-1] = good[:-1, :-1] & good[1:, :-1] & good[1:, 1:] & good[:-1, 1:]
+    while True:
+        a, b, c, d = kept[:-1, :-1], kept[1:, :-1], kept[1:, 1:], kept[:-1, 1:]
+        touching = np.argwhere((a & c & ~b & ~d) | (b & d & ~a & ~c))
+        # a square with one neighbour at most is a needle of the staircase
+        neighbours = np.zeros(kept.shape, dtype=int)
+        for axis in range(2):
+            for shift in (1, -1):
+                neighbours += np.roll(kept, shift, axis=axis)
+        needles = kept & (neighbours < 2)
+        if not len(touching) and not needles.any():
+            break
+        kept &= ~needles
+        for i, j in touching:
+            kept[i : i + 2, j : j + 2] = False
+    kept = _largest_part(kept)[1:-1, 1:-1]
+    if not kept.any():
+        raise InputError(
+            "fitted mesh: fewer than two by two elements fit into the outline; take smaller ones, at most about a "
+            "quarter of its width"
+        )
+    index = np.arange(grid.shape[0] * grid.shape[1]).reshape(grid.shape[:2])
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1)[kept]
+    used, quads = np.unique(quads, return_inverse=True)
+    return grid.reshape(-1, 2)[used], quads.reshape(-1, 4)
+
+
+def _largest_part(kept: np.ndarray) -> np.ndarray:
+    """The largest set of squares that hang together by their edges."""
+    label = np.where(kept, np.arange(1, kept.size + 1).reshape(kept.shape), 0)
+    while True:
+        spread = label.copy()
+        for axis in range(2):
+            for shift in (1, -1):
+                spread = np.maximum(spread, np.roll(label, shift, axis=axis))
+        spread *= kept
+        if np.array_equal(spread, label):
+            break
+        label = spread
+    values, counts = np.unique(label[kept], return_counts=True)
+    return label == values[counts.argmax()] if len(values) else kept
+
+
+def _join(node: np.ndarray, quads: np.ndarray, border: Outline) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The grid with a layer of quadrilaterals between its staircase and the outline; which nodes lie on the outline."""
+    stair = _staircase(quads)
+    arc = _ordered(border.nearest(node[stair])[1], border.length)
+    held = np.zeros(len(stair), dtype=bool)
+    filled = np.zeros(len(stair), dtype=bool)
+    before, after = np.roll(stair, 1), np.roll(stair, -1)
+    # 1 where one square ends, 0 along an edge, -1 where the staircase steps out again
+    step = _cross(node[stair] - node[before], node[after] - node[stair])
+    position = border.start[:-1]
+    for corner in border.corner:
+        fill = border.turn[corner] > FILLED_TURN
+        gap = np.linalg.norm(node[stair] - border.vertex[corner], axis=1)
+        gap = np.where(held, np.inf, gap - (0.5 * step if fill else 0.0))
+        i = int(gap.argmin())
+        held[i], filled[i] = True, fill and step[i] > 0.0
+        arc[i] = position[corner] + border.length * round((arc[i] - position[corner]) / border.length)
+    # one entry per node on the outline: a filled corner has one before and one after it
+    times = np.where(filled, 3, 1)
+    owner = np.repeat(stair, times)
+    place = np.cumsum(times) - 1 - filled
+    entry_arc, entry_held = np.repeat(arc, times), np.zeros(len(owner), dtype=bool)
+    entry_held[place] = held
+    for i in place[filled]:
+        entry_arc[i - 1] -= 1.0
+        entry_arc[(i + 1) % len(owner)] += 1.0
+    # starting at a corner, if there is one
+    first = int(entry_held.argmax())
+    entry_arc[:first] += border.length
+    owner, entry_arc, entry_held = (np.roll(values, -first) for values in (owner, entry_arc, entry_held))
+    place = np.mod(place - first, len(owner))
+    entry_arc = _spread(entry_arc, entry_held, border.length)
+    first_border = len(node)
+    border_node = first_border + np.arange(len(owner))
+    following = np.roll(np.arange(len(owner)), -1)
+    edge = owner != owner[following]
+    layer = np.column_stack([owner, border_node, border_node[following], owner[following]])[edge]
+    fill = np.column_stack([
+        owner[place], border_node[place - 1], border_node[place], border_node[(place + 1) % len(owner)]
+    ])[filled]  # fmt: skip
+    node = np.concatenate([node, border.point(entry_arc)])
+    on_border = np.arange(len(node)) >= first_border
+    return node, np.concatenate([quads, layer, fill]), on_border
+
+
+def _staircase(quads: np.ndarray) -> np.ndarray:
+    """Nodes of the outer edge, in order, counter-clockwise."""
+    edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)])
+    known = set(map(tuple, edges.tolist()))
+    following = {a: b for a, b in known if (b, a) not in known}
+    loop = [next(iter(following))]
+    while (node := following[loop[-1]]) != loop[0]:
+        loop.append(node)
+    if len(loop) != len(following):
+        raise InputError(
+            "fitted mesh: the elements leave a hole inside the outline, or it is too narrow; take smaller elements"
+        )
+    return np.array(loop)
+
+
+def _ordered(arc: np.ndarray, length: float) -> np.ndarray:
+    """Arc lengths of successive points without the jump of a full turn."""
+    step = np.diff(arc)
+    return arc - length * np.concatenate([[0], np.cumsum(np.rint(step / length))])
+
+
+def _spread(arc: np.ndarray, held: np.ndarray, length: float) -> np.ndarray:
+    """Arc lengths in order, evened out between those that are held, (n,); the next round goes on a ``length`` later."""
+    count = len(arc)
+    anchors = np.flatnonzero(held)
+    for begin, end in zip(anchors, [*anchors[1:], anchors[0] + count] if len(anchors) else [], strict=True):
+        inside = slice(begin + 1, end)
+        low, high = arc[begin], arc[end % count] + (length if end == count else 0.0)
+        if high - low < 0.5 * (end - begin):
+            raise InputError(
+                "fitted mesh: two corners of the outline are too close together for the elements; take smaller ones"
+            )
+        arc[inside] = np.clip(arc[inside], low, high)
+    arc = np.maximum.accumulate(arc)
+    for _ in range(SMOOTHING_COUNT):
+        before, after = np.roll(arc, 1), np.roll(arc, -1)
+        before[0] -= length
+        after[-1] += length
+        arc = np.where(held, arc, 0.5 * (before + after))
+    return arc
+
+
+def _smoothed(node: np.ndarray, quads: np.ndarray, border: Outline, on_border: np.ndarray) -> np.ndarray:
+    """Inner nodes near the outline moved into the middle of their neighbours."""
+    distance, _ = border.nearest(node)
+    moved = ~on_border & (distance < SMOOTHED_DISTANCE)
+    edges = np.unique(np.sort(np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]), axis=1), axis=0)
+    edges = np.concatenate([edges, edges[:, ::-1]])
+    edges = edges[moved[edges[:, 0]]]
+    count = np.maximum(np.bincount(edges[:, 0], minlength=len(node)), 1)[:, None]
+    for _ in range(SMOOTHING_COUNT):
+        total = np.stack(
+            [np.bincount(edges[:, 0], weights=node[edges[:, 1], c], minlength=len(node)) for c in range(2)], axis=1
+        )
+        node = np.where(moved[:, None], total / count, node)
+    return node
+
+
+def _careful(node: np.ndarray, wished: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """``wished`` places, but less of the way, or none of it, where an element would become poor by it."""
+    before = corner_sines(node, quads)
+    for share in (0.5, 0.5, 0.5, 0.0):
+        after = corner_sines(wished, quads)
+        worse = quads[(after < CAREFUL_QUALITY) & (after < before)].ravel()
+        if not len(worse):
+            break
+        worse = np.unique(worse)
+        wished = wished.copy()
+        wished[worse] = node[worse] + share * (wished[worse] - node[worse])
+    return wished

@@ -1,0 +1,23 @@
+"""Sizes of a mesh and sums over it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .blank import Blank
+
+# Lengths below this share of the blank count as zero when a node is tested for lying on a line.
+_RELATIVE_TOLERANCE = 1.0e-6
+
+
+def length_tolerance(blank: Blank) -> float:
+    return _RELATIVE_TOLERANCE * float(np.ptp(blank.material_coordinates, axis=0).max())
+
+
+def flat_areas(blank: Blank) -> np.ndarray:
+    corner = blank.material_coordinates[blank.quads]
+    p, q = corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]
+    return 0.5 * np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])

@@ -1,0 +1,166 @@
+"""Tools as the kernels take them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from ..errors import InputError
+from ..kernels.contact.tool_distance import tool_struct
+from ..kernels.contact.tool_shapes import SHAPE_KINDS, part_struct
+from ..kernels.stepping.tools import FORCE, STROKE, ToolDrive
+from ..process.strokes import ForceDriven
+from .mesh_tool import MeshShape
+from .sampling import SampledDistance, Samples
+from .shapes import IDENTITY, Shape
+from .tool import Tool
+
+
+@dataclass(frozen=True)
+class DeviceTools:
+    """Tools as the kernels take them; arrays on one device.
+
+    Attributes:
+        tool: ``kernels.contact.tool_distance.tool_struct(real)``, (tool_count,).
+        part: ``kernels.contact.tool_shapes.part_struct(real)``, (part_count,), all parts of all tools.
+        drive: ``kernels.stepping.tools.ToolDrive``, (tool_count,).
+        axis: directions of motion, (tool_count,) of vec3d.
+        curve_times, curve_values: knots of all motions [s], [m] or [N], (knot_count,) of float64.
+        displacement: along each axis, (tool_count,) of float64 [m]; its value at time zero.
+        velocity: likewise [m/s].
+        total_reaction: force of the sheet on each tool, (tool_count,) of vec3d [N].
+        work: rows: work of the tool on the sheet, work of the driving force; (2, tool_count) of float64 [J].
+        samples: keeps the sampled volumes alive that ``part`` refers to.
+        shape_kinds: of all parts, in alphabetical order; see kernels/contact/tool_shapes.py.
+        rotated: True if some part is.
+    """
+
+    tool: wp.array
+    part: wp.array
+    drive: wp.array
+    axis: wp.array
+    curve_times: wp.array
+    curve_values: wp.array
+    displacement: wp.array
+    velocity: wp.array
+    total_reaction: wp.array
+    work: wp.array
+    samples: tuple[SampledDistance, ...]
+    shape_kinds: tuple[str, ...]
+    rotated: bool
+
+    @property
+    def count(self) -> int:
+        return self.tool.shape[0]
+
+
+def build_device_tools(
+    tools: Sequence[Tool], real: type, device: str, samples: Samples = MappingProxyType({})
+) -> DeviceTools:
+    """Arrays for ``node_motion_kernel`` and ``tool_motion_kernel``.
+
+    Args:
+        tools: in the order of every array; may be empty.
+        real: wp.float32 or wp.float64, of distances and frames.
+        device: Warp's name of it.
+        samples: of all meshes among the tools' parts, on the same device; see ``sample_meshes``.
+
+    Raises:
+        InputError: a part is of no kind that the kernels know, or lacks a dimension of it.
+    """
+    parts = [part for tool in tools for part in tool.shape.parts()]
+    curves = [tool.motion.curve() for tool in tools]
+
+    def array(data: list | np.ndarray, dtype: type) -> wp.array:
+        return wp.array(data, dtype=dtype, device=device) if len(data) else wp.empty(0, dtype=dtype, device=device)
+
+    return DeviceTools(
+        tool=array(_tool_data(tools, real, samples), tool_struct(real)),
+        part=array([_part_data(part, real, samples) for part in parts], part_struct(real)),
+        drive=array(_drives(tools, curves), ToolDrive),
+        axis=array([tool.axis for tool in tools], wp.vec3d),
+        curve_times=array(np.concatenate([np.empty(0), *(times for times, _ in curves)]), wp.float64),
+        curve_values=array(np.concatenate([np.empty(0), *(values for _, values in curves)]), wp.float64),
+        displacement=array([_at_start(tool, *curve)[0] for tool, curve in zip(tools, curves, strict=True)], wp.float64),
+        velocity=array([_at_start(tool, *curve)[1] for tool, curve in zip(tools, curves, strict=True)], wp.float64),
+        total_reaction=wp.zeros(len(tools), dtype=wp.vec3d, device=device),
+        work=wp.zeros((2, len(tools)), dtype=wp.float64, device=device),
+        samples=tuple(samples.values()),
+        shape_kinds=tuple(sorted({part.kind for part in parts})),
+        rotated=any(part.rotation != IDENTITY for part in parts),
+    )
+
+
+def _tool_data(tools: Sequence[Tool], real: type, samples: Samples) -> list[Any]:
+    result: list[Any] = []
+    first_part = 0
+    for tool in tools:
+        parts = tool.shape.parts()
+        data = tool_struct(real)()
+        data.first_part = first_part
+        data.part_count = len(parts)
+        data.axis = tool.axis
+        data.friction = tool.friction
+        # samples are cut to their reach, and have a side of which the box's outside knows nothing
+        reaches = [samples[part.surface].reach for part in parts if isinstance(part, MeshShape)]
+        data.blind_distance = max(reaches, default=0.0)
+        first_part += len(parts)
+        result.append(data)
+    return result
+
+
+def _part_data(part: Shape, real: type, samples: Samples) -> Any:
+    """Kind, frame and dimensions of a part as a Warp ``ToolPart``."""
+    known = SHAPE_KINDS.get(part.kind)
+    if known is None:
+        raise InputError(
+            f"{type(part).__name__} is of the kind {part.kind!r}, which has no distance function; "
+            f"there are {', '.join(SHAPE_KINDS)} (kernels/contact/tool_shapes.py)"
+        )
+    dimensions = samples[part.surface].dimensions() if isinstance(part, MeshShape) else part.dimensions()
+    if set(dimensions) != set(known.dimensions):
+        raise InputError(
+            f"{type(part).__name__} states the dimensions {', '.join(dimensions) or 'none'}, but the distance of the "
+            f"kind {part.kind!r} takes {', '.join(known.dimensions) or 'none'}: state these in its dimensions()"
+        )
+    data = part_struct(real)()
+    data.kind = known.number
+    data.origin = part.origin
+    data.rotation = [list(row) for row in part.rotation]
+    for name, value in dimensions.items():
+        setattr(data, name, value)
+    return data
+
+
+def _drives(tools: Sequence[Tool], curves: Sequence[tuple[np.ndarray, np.ndarray]]) -> list[Any]:
+    result: list[Any] = []
+    first_knot = 0
+    for tool, (times, _) in zip(tools, curves, strict=True):
+        drive = ToolDrive()
+        drive.kind = int(FORCE if isinstance(tool.motion, ForceDriven) else STROKE)
+        drive.first_knot = first_knot
+        drive.knot_count = len(times)
+        drive.mass = tool.motion.mass if isinstance(tool.motion, ForceDriven) else 0.0
+        first_knot += len(times)
+        result.append(drive)
+    return result
+
+
+def _at_start(tool: Tool, times: np.ndarray, displacements: np.ndarray) -> tuple[float, float]:
+    """Displacement [m] and velocity [m/s] at time zero."""
+    if isinstance(tool.motion, ForceDriven):
+        return 0.0, 0.0
+    return float(np.interp(0.0, times, displacements)), _initial_velocity(times, displacements)
+
+
+def _initial_velocity(times: np.ndarray, displacements: np.ndarray) -> float:
+    """Slope of the stroke just after time zero [m/s]."""
+    k = int(np.searchsorted(times, 0.0, side="right"))
+    if k == 0 or k == len(times):
+        return 0.0
+    return float((displacements[k] - displacements[k - 1]) / (times[k] - times[k - 1]))

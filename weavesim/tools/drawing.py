@@ -1,0 +1,52 @@
+"""Triangles to draw tools with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    pass
+
+Triangles = tuple[np.ndarray, np.ndarray]
+
+# Facets of a drawn full circle; divisible by four, so that the quarter points are hit.
+CIRCLE_COUNT = 96
+
+# --- drawing ----------------------------------------------------------------------------------------------------------
+
+
+def stadium_rings(out: Sequence[float] | np.ndarray, z: Sequence[float] | np.ndarray, half_length: float) -> np.ndarray:
+    """Stadium-shaped rings, ``out`` away from the segment along x and ``z`` high; (ring_count, point_count, 3)."""
+    right = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
+    left = (right if half_length > 0.0 else right[1:-1]) + np.pi
+    angle = np.concatenate([right, left])
+    shift = np.concatenate([np.full(len(right), half_length), np.full(len(left), -half_length)])
+    plan = np.array(out)[:, None, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    plan[:, :, 0] += shift
+    return np.concatenate([plan, np.broadcast_to(np.array(z)[:, None, None], (*plan.shape[:2], 1))], axis=2)
+
+
+def ring_triangles(rings: np.ndarray, capped: bool = False) -> Triangles:
+    """Triangles between neighbouring closed rings; outward for rings that run upwards around a solid."""
+    ring_count, point_count = rings.shape[:2]
+    index = np.arange(ring_count * point_count).reshape(ring_count, point_count)
+    a, b = index[:-1], np.roll(index[:-1], -1, axis=1)
+    c, d = np.roll(index[1:], -1, axis=1), index[1:]
+    faces = np.concatenate([np.stack([a, b, c], axis=-1).reshape(-1, 3), np.stack([a, c, d], axis=-1).reshape(-1, 3)])
+    vertices = rings.reshape(-1, 3)
+    if capped:  # vertices of its own, so that shading stays sharp at the rim
+        first = len(vertices)
+        fan = np.arange(1, point_count - 1)
+        cap = np.column_stack([np.full(len(fan), first), first + fan, first + fan + 1])
+        vertices, faces = np.concatenate([vertices, rings[-1]]), np.concatenate([faces, cap])
+    # poles and the ends of a ridge are rings of coincident points: drop their empty triangles
+    p, q, r = (vertices[faces[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(q - p, r - p), axis=1)
+    return vertices, faces[area > 1e-9 * area.max()]
+
+
+def swept(out: np.ndarray, z: np.ndarray, half_length: float, capped: bool = False) -> Triangles:
+    return ring_triangles(stadium_rings(out, z, half_length), capped)

@@ -1,0 +1,277 @@
+"""A tool shape from a triangle mesh: checked, and made solid where it is an open sheet.
+
+A forming tool from CAD is often an open sheet: it has a side that faces the fabric, not an inside. It is made solid by
+extruding it away from that side, farther than the sampled box reaches. The distance is then that of a closed body
+everywhere: behind the sheet it is negative, and beyond an open border it is positive, on either side of the sheet's
+level, because the border has become a wall. ``sampling.py`` samples it for the kernels.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from ..checks import Vector, positive, unit_vector
+from ..errors import InputError
+from .mesh_repair import (
+    SEAM,
+    WELD,
+    check_size,
+    checked_triangles,
+    directed_border,
+    ends_at,
+    extruded,
+    mirrored_mesh,
+    neighbours,
+    open_border,
+    oriented,
+    triangle_areas,
+    turned_outwards,
+    welded,
+)
+from .shapes import Shape, Triangles
+
+# Edges sharper than this [rad] are edges, not the facets of a rounding.
+SHARP = math.radians(50.0)
+
+
+class MeshSurface:
+    """A checked triangle mesh, in the mesh's own frame [m].
+
+    Attributes:
+        vertices: (n, 3), faces: (m, 3), as given, cleaned, mirrored, and facing outwards or to ``side``.
+        closed: whether the mesh encloses a body. If not, it is a sheet that faces ``side``.
+        side: unit direction from the sheet to the fabric, None for a closed mesh.
+        solid_vertices, solid_faces: the closed body whose distance is sampled.
+        open_edge_count: edges of the border of a sheet.
+        cut_planes: "x", "y": planes at which the mesh ends, as a half model does.
+        removed_triangle_count: degenerate triangles that were left out.
+        smallest_radius: of the convex roundings, estimated from the facets [m]; sharp edges do not count.
+        spacing, reach: of the samples, as given [m]; None leaves the choice to ``sampling.py``.
+        first_spacing: of the samples, unless it takes too many [m].
+    """
+
+    def __init__(
+        self,
+        vertices: Any,
+        faces: Any,
+        *,
+        name: str = "mesh",
+        side: Any = None,
+        mirror: Sequence[str] = (),
+        spacing: float | None = None,
+        reach: float | None = None,
+    ) -> None:
+        self.name = name
+        vertices, faces = checked_triangles(name, vertices, faces)
+        size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+        for plane in mirror:
+            vertices, faces = mirrored_mesh(name, vertices, faces, plane, SEAM * size)
+        vertices, faces = welded(vertices, faces, WELD * size)
+        keep = triangle_areas(vertices, faces) > (WELD * size) ** 2
+        if not np.any(keep):
+            raise InputError(f"{name}: all {len(faces)} triangles are degenerate; export the tool's mesh again.")
+        self.removed_triangle_count = int(np.count_nonzero(~keep))
+        self.vertices, faces = vertices, faces[keep]
+        self.cut_planes = [plane for plane in "xy" if ends_at(vertices[:, "xy".index(plane)], SEAM * size)]
+        border = open_border(self.vertices, faces, SEAM * size)
+        self.closed = len(border) == 0
+        self.open_edge_count = len(border)
+        faces, component = oriented(faces)
+        p, q, r = (self.vertices[faces[:, k]] for k in range(3))
+        normal = np.cross(q - p, r - p)
+        area = np.linalg.norm(normal, axis=1)
+        if self.closed:
+            self.side: Vector | None = None
+            # the volume tells inside from outside
+            self.faces = faces if np.einsum("ij,ij->", p, np.cross(q, r)) > 0.0 else faces[:, ::-1]
+        else:
+            mean = normal.sum(axis=0)
+            if side is None and np.linalg.norm(mean) < 0.02 * area.sum():
+                raise InputError(
+                    f"{name} is an open sheet ({len(border)} open edges) whose triangles face all ways. If it should "
+                    "enclose a body, close its holes; if not, give the direction from the sheet to the fabric as side, "
+                    "for example (0, 0, 1)."
+                )
+            self.side = unit_vector(f"{name}: side", mean if side is None else side)
+            self.faces = turned_outwards(faces, component, normal @ np.array(self.side), area)
+            p, q, r = (self.vertices[self.faces[:, k]] for k in range(3))
+            if (np.cross(q - p, r - p) @ np.array(self.side)).sum() < 0.02 * area.sum():
+                raise InputError(
+                    f"{name} is an open sheet ({len(border)} open edges) that is seen edge-on, or from both sides "
+                    f"alike, along side = {self.side}. Give another direction from the sheet to the fabric as side; "
+                    "if the mesh should enclose a body, close its holes."
+                )
+        self.smallest_radius = _smallest_radius(self.vertices, self.faces)
+        self.spacing = None if spacing is None else positive(f"{name}: spacing", spacing)
+        chosen = float(np.clip(self.smallest_radius / 10.0, size / 1500.0, size / 150.0))
+        self.first_spacing = chosen if self.spacing is None else self.spacing
+        self.reach = None if reach is None else positive(f"{name}: reach", reach)
+        if self.reach is not None and not 4.0 * self.first_spacing <= self.reach <= size:
+            raise InputError(
+                f"{name}: reach is {self.reach} m; it must be at least four times the spacing, "
+                f"{4.0 * self.first_spacing:.4g} m, and at most the size of the mesh, {size:.4g} m."
+            )
+        if self.first_spacing > 0.1 * size:
+            raise InputError(f"{name}: spacing is {spacing} m; it must be at most a tenth of the size, {size:.4g} m.")
+        self.solid_vertices, self.solid_faces = vertices, self.faces
+        if not self.closed:
+            # far enough for the lower end to stay out of the sampled box by more than any reach
+            depth = float(np.ptp(vertices @ np.array(self.side))) + 3.0 * size
+            self.solid_vertices, self.solid_faces = extruded(
+                vertices, self.faces, directed_border(border, self.faces), -depth * np.array(self.side)
+            )
+
+    def notes(self) -> list[str]:
+        """What a log should say about the mesh."""
+        lines = [f"{self.name}: {len(self.faces)} triangles, {'closed' if self.closed else 'open sheet'}"]
+        if self.removed_triangle_count:
+            lines.append(f"{self.name}: {self.removed_triangle_count} degenerate triangles removed")
+        if self.side is not None:
+            lines.append(f"{self.name}: faces ({', '.join(f'{c:.3g}' for c in self.side)}), solid behind it")
+        for plane in self.cut_planes:
+            lines.append(f'{self.name}: ends at {plane} = 0; if it was cut there, give mirror=("{plane}",)')
+        return lines
+
+
+@dataclass(frozen=True, eq=False)
+class MeshShape(Shape):
+    """A shape bounded by a triangle mesh.
+
+    Attributes:
+        surface: the checked mesh, in the shape's own frame.
+    """
+
+    kind: ClassVar[str] = "volume"
+
+    surface: MeshSurface = field(repr=False)
+
+    @classmethod
+    def from_file(cls, path: str | os.PathLike[str], *, unit_scale: float = 1.0, **options: Any) -> Self:
+        """Read STL, OBJ, PLY or any other format that trimesh reads.
+
+        Args:
+            path: of the file.
+            unit_scale: metres per unit of the file: 1 for metres, 0.001 for millimetres.
+            **options: those of ``from_triangles``.
+
+        Raises:
+            InputError: the file cannot be read, or the mesh cannot be used.
+        """
+        unit_scale = positive("unit_scale", unit_scale)
+        path = Path(path)
+        if not path.is_file():
+            raise InputError(f"tool mesh {path} does not exist; give the path of an STL, OBJ or PLY file.")
+        import trimesh
+
+        try:
+            mesh = trimesh.load_mesh(path, process=False)
+            vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
+        except Exception as error:  # every format's reader raises exceptions of its own
+            raise InputError(
+                f"tool mesh {path} cannot be read ({type(error).__name__}: {error}); "
+                "give a triangle mesh, for example in STL, OBJ or PLY."
+            ) from error
+        check_size(f"tool mesh {path}", vertices, unit_scale)
+        return cls.from_triangles(unit_scale * vertices, faces, name=f"tool mesh {path}", **options)
+
+    @classmethod
+    def from_triangles(
+        cls,
+        vertices: Any,
+        faces: Any,
+        *,
+        name: str = "tool mesh",
+        side: Any = None,
+        mirror: Sequence[str] = (),
+        spacing: float | None = None,
+        reach: float | None = None,
+        origin: Any = (0.0, 0.0, 0.0),
+        rotation: Any = None,
+    ) -> Self:
+        """A shape from vertices (n, 3) [m] and triangles (m, 3).
+
+        Args:
+            vertices: [m].
+            faces: three vertex indices each.
+            name: for messages.
+            side: of an open sheet, the direction from it to the fabric, in the mesh's frame. By default the mean of
+                its triangles' normals. A closed mesh needs none.
+            mirror: "x" or "y" or both, for a mesh that was cut at x = 0 or y = 0: the other half is added. Without it
+                the cut is a wall of the tool.
+            spacing: of the samples of the distance [m]; by default a tenth of the smallest rounding, if the number of
+                samples allows.
+            reach: distances are sampled up to it [m], at least four and by default six times the spacing. A node that
+                gets deeper than this is no longer pushed out.
+            origin: where the mesh's origin lies [m].
+            rotation: 3 x 3, columns: the mesh's axes in the world.
+
+        Raises:
+            InputError: no triangles, vertices that are not finite, or a size that no tool has.
+        """
+        surface = MeshSurface(vertices, faces, name=name, side=side, mirror=mirror, spacing=spacing, reach=reach)
+        frame = {} if rotation is None else {"rotation": rotation}
+        return cls(surface=surface, origin=origin, **frame)
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.surface.smallest_radius
+
+    def _local_display_triangles(self) -> Triangles:
+        return self.surface.vertices, self.surface.faces
+
+
+# --- checks and repairs -----------------------------------------------------------------------------------------------
+
+
+def _smallest_radius(vertices: np.ndarray, faces: np.ndarray) -> float:
+    """Radius that a twentieth of the convex, rounded area undercuts [m]; infinite where nothing is rounded.
+
+    Per face the second fundamental form that fits best the turn of the vertex normals along its three edges.
+    """
+    corners = vertices[faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * np.linalg.norm(normal, axis=1)
+    normal /= 2.0 * area[:, None]
+    pairs = neighbours(faces) // 3
+    sharp = np.einsum("ij,ij->i", normal[pairs[:, 0]], normal[pairs[:, 1]]) < math.cos(SHARP)
+    # a vertex at a sharp edge has no normal: its faces do not count
+    rounded_vertex = np.ones(len(vertices), dtype=bool)
+    rounded_vertex[faces[np.unique(pairs[sharp])].ravel()] = False
+    vertex_normal = np.zeros_like(vertices)
+    for k in range(3):
+        u, v = corners[:, (k + 1) % 3] - corners[:, k], corners[:, (k + 2) % 3] - corners[:, k]
+        angle = np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ij,ij->i", u, v))
+        np.add.at(vertex_normal, faces[:, k], angle[:, None] * normal)
+    vertex_normal /= np.maximum(np.linalg.norm(vertex_normal, axis=1, keepdims=True), 1e-30)
+    axis = corners[:, 1] - corners[:, 0]
+    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    other = np.cross(normal, axis)
+    rows, right = [], []
+    for k in range(3):
+        edge = corners[:, (k + 1) % 3] - corners[:, k]
+        turn = vertex_normal[faces[:, (k + 1) % 3]] - vertex_normal[faces[:, k]]
+        s, t = np.einsum("ij,ij->i", edge, axis), np.einsum("ij,ij->i", edge, other)
+        zero = np.zeros_like(s)
+        rows += [np.stack([s, t, zero], axis=-1), np.stack([zero, s, t], axis=-1)]
+        right += [np.einsum("ij,ij->i", turn, axis), np.einsum("ij,ij->i", turn, other)]
+    matrix, turned = np.stack(rows, axis=1), np.stack(right, axis=1)
+    usable = np.all(rounded_vertex[faces], axis=1) & (area > 1e-6 * area.max())
+    if not np.any(usable):
+        return math.inf
+    xx, xy, yy = np.einsum("ijk,ik->ij", np.linalg.pinv(matrix[usable]), turned[usable]).T
+    curvature = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    convex = curvature > 0.5 / size
+    if not np.any(convex):
+        return math.inf
+    radius, weight = 1.0 / curvature[convex], area[usable][convex]
+    order = np.argsort(radius)
+    share = np.cumsum(weight[order]) / weight.sum()
+    return float(radius[order][np.searchsorted(share, 0.05)])

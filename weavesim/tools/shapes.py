@@ -1,0 +1,343 @@
+"""Shapes of rigid tools: analytic signed distances and their unions, each placed by an origin and a rotation.
+
+A shape is solid where its distance is negative. ``kernels/contact/tool_shapes.py`` holds the formula of each kind; a
+shape names its kind, states its dimensions, and draws itself.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..checks import Vector, finite, positive, unit_vector, vector
+from ..errors import InputError
+from .drawing import CIRCLE_COUNT, Triangles, ring_triangles, stadium_rings, swept
+
+if TYPE_CHECKING:
+    import trimesh
+
+Matrix = tuple[Vector, Vector, Vector]
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+def rotation_matrix(axis: Any, angle: float) -> Matrix:
+    """Rotation by ``angle`` [rad] about ``axis``; its columns are the turned coordinate axes."""
+    x, y, z = unit_vector("axis of the rotation", axis)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    matrix = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
+    # sin(pi) is not quite zero: half a turn shall be one
+    return _matrix(np.where(np.abs(matrix) < 1.0e-15, 0.0, matrix))
+
+
+def _matrix(value: Any) -> Matrix:
+    rows = [vector("row of the rotation", row) for row in value]
+    array = np.array(rows)
+    if array.shape != (3, 3) or np.abs(array @ array.T - np.eye(3)).max() > 1e-6 or np.linalg.det(array) < 0.0:
+        raise InputError(
+            f"rotation is {value!r}; it must be a 3 x 3 rotation matrix (orthonormal columns, right-handed), "
+            "for example weavesim.tools.rotation_matrix((0, 1, 0), angle)."
+        )
+    return (rows[0], rows[1], rows[2])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shape:
+    """A shape with its own frame: a point p of it lies at ``origin + rotation @ p`` while the tool has not moved.
+
+    Attributes:
+        origin: [m].
+        rotation: 3 x 3, its columns are the shape's axes in the world.
+        kind: name of the distance function in ``kernels/contact/tool_shapes.py``.
+        dimension_names: attributes that it takes.
+    """
+
+    kind: ClassVar[str] = ""
+    dimension_names: ClassVar[tuple[str, ...]] = ()
+
+    origin: Vector = (0.0, 0.0, 0.0)
+    rotation: Matrix = IDENTITY
+
+    # Names of the fields that must be positive lengths [m].
+    _lengths: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "origin", vector("origin", self.origin))
+        object.__setattr__(self, "rotation", _matrix(self.rotation))
+        for name in self._lengths:
+            object.__setattr__(self, name, positive(f"{type(self).__name__}.{name}", getattr(self, name)))
+
+    @property
+    def smallest_radius(self) -> float:
+        """Smallest convex radius that a sheet may be bent over [m]; infinite for a plane."""
+        raise NotImplementedError
+
+    def parts(self) -> tuple[Shape, ...]:
+        """The shapes of this union, all in one frame; a single shape is its own only part."""
+        return (self,)
+
+    def placed(self, origin: Any, rotation: Any = IDENTITY) -> Shape:
+        """This shape, moved as a whole: turned by ``rotation`` about the world's origin, then shifted by ``origin``."""
+        turn = np.array(_matrix(rotation))
+        return replace(
+            self,
+            origin=vector("origin", turn @ np.array(self.origin) + np.array(vector("origin", origin))),
+            rotation=_matrix(turn @ np.array(self.rotation)),
+        )
+
+    def dimensions(self) -> dict[str, float]:
+        """What the distance function takes beside the frame [m]."""
+        return {name: getattr(self, name) for name in self.dimension_names}
+
+    def display_triangles(self) -> Triangles:
+        """Triangles to draw, in the world, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
+        vertices, faces = self._local_display_triangles()
+        return vertices @ np.array(self.rotation).T + np.array(self.origin), faces
+
+    def display_mesh(self) -> trimesh.Trimesh:
+        """``display_triangles`` as a trimesh, to measure or to export."""
+        import trimesh
+
+        vertices, faces = self.display_triangles()
+        return trimesh.Trimesh(vertices=vertices, faces=faces, process=False)
+
+    def _local_display_triangles(self) -> Triangles:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Plane(Shape):
+    """Solid z < 0. ``display_size`` [m] is the size along x and y at which it is drawn; it acts everywhere."""
+
+    kind = "plane"
+
+    display_size: tuple[float, float] = (0.6, 0.6)
+
+    @property
+    def smallest_radius(self) -> float:
+        return math.inf
+
+    def _local_display_triangles(self) -> Triangles:
+        half = 0.5 * np.array([positive("Plane.display_size", size) for size in self.display_size])
+        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
+        return np.column_stack([corners, np.zeros(4)]), np.array([[0, 1, 2], [0, 2, 3]])
+
+
+@dataclass(frozen=True)
+class Sphere(Shape):
+    """A ball of ``radius`` [m]."""
+
+    kind = "sphere"
+    dimension_names = ("radius",)
+
+    radius: float
+    _lengths = ("radius",)
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.radius
+
+    def _local_display_triangles(self) -> Triangles:
+        latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
+        return swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), 0.0)
+
+
+@dataclass(frozen=True)
+class Capsule(Shape):
+    """All points within ``radius`` [m] of a segment along x that reaches ``half_length`` [m] to either side."""
+
+    kind = "capsule"
+    dimension_names = ("radius", "half_length")
+
+    radius: float
+    half_length: float
+    _lengths = ("radius", "half_length")
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.radius
+
+    def _local_display_triangles(self) -> Triangles:
+        latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
+        return swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
+
+
+@dataclass(frozen=True)
+class Torus(Shape):
+    """A tube of ``radius`` [m] along a circle of ``major_radius`` [m] about z."""
+
+    kind = "torus"
+    dimension_names = ("radius", "major_radius")
+
+    radius: float
+    major_radius: float
+    _lengths = ("radius", "major_radius")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.radius >= self.major_radius:
+            raise InputError(f"Torus.radius is {self.radius} m; it must be below major_radius, {self.major_radius} m.")
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.radius
+
+    def _local_display_triangles(self) -> Triangles:
+        angle = np.linspace(-1.0, 1.0, CIRCLE_COUNT // 2 + 1) * np.pi
+        return swept(self.major_radius + self.radius * np.cos(angle), self.radius * np.sin(angle), 0.0)
+
+
+@dataclass(frozen=True)
+class _Dome(Shape):
+    """What ``DomePunch`` and ``DomeCavity`` share: balls of ``radius`` with centres 2 ``half_length`` apart along x."""
+
+    dimension_names = ("radius", "half_length")
+
+    radius: float
+    half_length: float
+    _lengths = ("radius",)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _non_negative(self, "half_length")
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.radius
+
+
+@dataclass(frozen=True)
+class DomePunch(_Dome):
+    """Two half-balls joined by a half-cylinder along x, facing -z, with vertical walls that go up without end.
+
+    Attributes:
+        radius: of balls and cylinder [m].
+        half_length: half the distance of the balls' centres [m]; zero gives a hemispherical punch.
+        display_height: of the drawn walls above the centres [m]; None draws one radius.
+    """
+
+    kind = "dome_punch"
+
+    display_height: float | None = None
+
+    def _local_display_triangles(self) -> Triangles:
+        latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
+        height = self.radius if self.display_height is None else positive("display_height", self.display_height)
+        out = np.append(self.radius * np.cos(latitude), self.radius)
+        z = np.append(self.radius * np.sin(latitude), height)
+        return swept(out, z, self.half_length, capped=True)
+
+
+@dataclass(frozen=True)
+class DomeOpening(Shape):
+    """A plate, solid z < 0, with a vertical opening around the segment |x| <= half_length and a rounded upper edge.
+
+    Attributes:
+        radius: distance of the opening's wall from the segment [m].
+        half_length: of the segment [m]; zero gives a round opening.
+        edge_radius: of the rounded entry [m]; zero gives a sharp edge.
+        display_size: size of the drawn plate along x and y [m]; None leaves a border of twice the opening's radius.
+        display_depth: depth down to which the wall is drawn [m]; None draws one radius.
+    """
+
+    kind = "dome_opening"
+    dimension_names = ("radius", "half_length", "edge_radius")
+
+    radius: float
+    half_length: float
+    edge_radius: float
+    display_size: tuple[float, float] | None = None
+    display_depth: float | None = None
+    _lengths = ("radius",)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _non_negative(self, "half_length")
+        _non_negative(self, "edge_radius")
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.edge_radius
+
+    def _local_display_triangles(self) -> Triangles:
+        rim = self.radius + self.edge_radius
+        if self.display_size is None:
+            half = np.array([self.half_length + rim + 2.0 * self.radius, rim + 2.0 * self.radius])
+        else:
+            half = 0.5 * np.array([positive("DomeOpening.display_size", size) for size in self.display_size])
+        if half[0] <= self.half_length + rim or half[1] <= rim:
+            raise InputError(
+                f"DomeOpening.display_size is {self.display_size} m; the opening with its rounded edge alone takes "
+                f"{2 * (self.half_length + rim):.4g} m by {2 * rim:.4g} m."
+            )
+        depth = self.radius if self.display_depth is None else positive("display_depth", self.display_depth)
+        depth = max(depth, 1.01 * self.edge_radius)
+        angle = np.linspace(0.0, 0.5, CIRCLE_COUNT // 8 + 1 if self.edge_radius > 0.0 else 1) * np.pi
+        out = np.concatenate([[self.radius], rim - self.edge_radius * np.cos(angle)])
+        z = np.concatenate([[-depth], self.edge_radius * (np.sin(angle) - 1.0)])
+        rings = stadium_rings(out, z, self.half_length)
+        # the plate ends at a rectangle: rays from the middle, the nearest one moved into each corner
+        last = rings[-1]
+        ray = np.min(half / np.maximum(np.abs(last[:, :2]), 1e-12), axis=1)
+        border = np.column_stack([last[:, :2] * ray[:, None], np.zeros(len(last))])
+        for corner in np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half:
+            border[np.argmin(np.linalg.norm(border[:, :2] - corner, axis=1)), :2] = corner
+        vertices, faces = ring_triangles(np.concatenate([rings, border[None]]))
+        return vertices, faces[:, ::-1]  # rings run upwards along the wall: seen from the opening the other way round
+
+
+@dataclass(frozen=True)
+class DomeCavity(_Dome):
+    """A block, solid z < 0, with a hollow: two quarter-balls joined by a half-cylinder along x, open to +z.
+
+    It is the closed end of a ``DomeOpening`` of the same radius, and the counterpart of a ``DomePunch``. A sheet lies
+    in the hollow and is not bent over its rim, which an opening above it hides: the smallest radius is the hollow's.
+
+    Attributes:
+        radius: of balls and cylinder [m].
+        half_length: half the distance of the balls' centres [m]; zero gives a hemispherical hollow.
+    """
+
+    kind = "dome_cavity"
+
+    def _local_display_triangles(self) -> Triangles:
+        latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
+        vertices, faces = swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
+        return vertices, faces[:, ::-1]  # seen from inside the hollow
+
+
+@dataclass(frozen=True)
+class Union(Shape):
+    """Several shapes as one tool: its distance is that of the nearest shape.
+
+    Exact outside; inside, where shapes overlap, it is a bound.
+    """
+
+    shapes: tuple[Shape, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "shapes", tuple(self.shapes))
+        if not self.shapes or not all(isinstance(shape, Shape) for shape in self.shapes):
+            raise InputError(f"Union is given {self.shapes!r}; it takes one or more shapes, such as Sphere or Capsule.")
+
+    @property
+    def smallest_radius(self) -> float:
+        return min(shape.smallest_radius for shape in self.shapes)
+
+    def parts(self) -> tuple[Shape, ...]:
+        return tuple(part.placed(self.origin, self.rotation) for shape in self.shapes for part in shape.parts())
+
+    def display_triangles(self) -> Triangles:
+        vertices, faces = zip(*(part.display_triangles() for part in self.parts()), strict=True)
+        first = np.cumsum([0, *(len(part) for part in vertices[:-1])])
+        return np.concatenate(vertices), np.concatenate([f + start for f, start in zip(faces, first, strict=True)])
+
+
+def _non_negative(shape: Shape, name: str) -> None:
+    value = finite(f"{type(shape).__name__}.{name}", getattr(shape, name))
+    if value < 0.0:
+        raise InputError(f"{type(shape).__name__}.{name} is {value} m; it must not be negative.")
+    object.__setattr__(shape, name, value)

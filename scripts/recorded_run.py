@@ -43,6 +43,9 @@ def numbers(value: Any, name: str = "") -> Iterator[tuple[str, np.ndarray]]:
     """Everything in a frame by its name, with points between the names of what is inside what."""
     if dataclasses.is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        for sheet in value.pop("sheets", ()):
+            # frames of one sheet used to have these themselves
+            value |= {part: getattr(sheet, part) for part in ("position", "director", "fields")}
     if isinstance(value, Mapping):
         for key, item in value.items():
             yield from numbers(item, f"{name}.{key}" if name else str(key))

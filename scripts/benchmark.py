@@ -452,7 +452,7 @@ class Contestant:
     """A case that steps in a process of its own, in one checkout."""
 
     def __init__(self, checkout: Path, case: str, precision: str, threads: int) -> None:
-        from checkouts import environment
+        from shared.checkouts import environment
 
         self._process = subprocess.Popen(
             [sys.executable, "-c", CONTESTANT, str(Path(__file__).resolve()), case, precision, str(threads)],

@@ -40,7 +40,7 @@ import typer
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
-from checkouts import checked_out, environment, full_name  # noqa: E402
+from shared.checkouts import checked_out, environment, full_name  # noqa: E402
 
 REFERENCE_COMMIT = "4add259"
 
@@ -175,7 +175,13 @@ def run_case(case: Case, checkout: Path, inputs: Path, folder: Path, threads: in
     folder.mkdir(parents=True)
     arguments = spelled([*case.arguments(inputs), *extra], checkout)
     arguments += ["--threads", str(threads), "--out", str(folder / "out")]
-    command = [sys.executable, "-P", str(ROOT / "scripts" / "recorded_run.py"), str(folder / "frames.npz"), *arguments]
+    command = [
+        sys.executable,
+        "-P",
+        str(ROOT / "scripts" / "shared" / "recorded_run.py"),
+        str(folder / "frames.npz"),
+        *arguments,
+    ]
     started = time.perf_counter()
     with open(folder / "output.txt", "w", encoding="utf-8") as output:
         result = subprocess.run(

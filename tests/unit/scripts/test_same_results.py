@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ class Frame:
 @pytest.fixture
 def results(same_results, tmp_path):
     """Writes the results of a small run whose kinetic energies and last coordinate are given."""
-    from recorded_run import Record
+    from shared.recorded_run import Record
 
     def write(name, kinetic, coordinate=1.0, threads=1):
         out = tmp_path / name / "out"

@@ -4,6 +4,7 @@ import numpy as np
 
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.measures.angles import yarn_vectors
+from weavesim.measures.findings import FormedSheet
 from weavesim.run.frame import Frame, RunInfo, SheetFrame, SheetInfo
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.symmetry import Symmetry
@@ -94,6 +95,12 @@ def made_info(blank: Blank, symmetry: Symmetry | None = None, **given) -> RunInf
     sheet = SheetInfo("sheet", blank, glass_polypropylene(), symmetry or Symmetry(), tuple(range(len(tools))))
     settings = {"sheets": (sheet,), "tools": tools, "supports": (), "duration": DEPTH, "frame_count": 11}
     return RunInfo(name="double_dome", **(settings | given))
+
+
+def formed(info: RunInfo, frame: Frame, points: np.ndarray | None = None) -> FormedSheet:
+    """The only sheet of a frame."""
+    sheet, state = info.sheet, frame.sheet
+    return FormedSheet(sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry, points)
 
 
 def made_run(element_size: float = 0.005, frame_count: int = 12, quarter: bool = True):

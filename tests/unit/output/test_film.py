@@ -74,7 +74,7 @@ def test_fields_are_element_values(stage, coarse_run):
     frame = coarse_run[1][-1]
     primvars = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheet"))
     for name, expected in (
-        ("shear_angle", np.abs(np.rad2deg(frame.fields["shear_angle"]))),
+        ("shear_angle_deg", np.abs(np.rad2deg(frame.fields["shear_angle"]))),
         ("warp_stretch", frame.fields["warp_stretch"]),
         ("weft_stretch", frame.fields["weft_stretch"]),
         ("thickness", frame.fields["thickness"]),

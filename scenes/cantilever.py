@@ -18,6 +18,7 @@ from pydantic import Field
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
 from weavesim.device import Precision
+from weavesim.engine.setup import Rest, Setup
 from weavesim.errors import InputError
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.compaction import Compaction
@@ -29,6 +30,7 @@ from weavesim.process.supports import Support
 from weavesim.run.frame import Frame
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 
 from .fabric_test import FabricTestParameters, chosen_fabric
 
@@ -153,8 +155,8 @@ def softened(fabric: Fabric, stiffness: float) -> Fabric:
     return fabric.model_copy(update=changes)
 
 
-def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -> Simulation:
-    """A ready simulation of the test; ``fabric`` takes the place of the preset and of the shear law named."""
+def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -> Setup:
+    """The test; ``fabric`` takes the place of the preset and of the shear law named."""
     fabric = fabric or chosen_fabric(parameters)
     length, stiffness = overhang(parameters, fabric), strip_stiffness(fabric, parameters.yarn)
     half = 0.5 * parameters.width
@@ -166,14 +168,12 @@ def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -
     frequency = 3.516 * math.sqrt(stiffness / (fabric.areal_density * length**4))
     damping = 2.0 * frequency if parameters.damping is None else parameters.damping
     weight = fabric.areal_density * GRAVITY * length
-    return Simulation(
-        name="cantilever", blank=blank, fabric=softened(fabric, LARGEST_STRETCH_STIFFNESS * weight), supports=(clamp,),
-        duration=LONGEST_TIME / frequency,
-        motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=damping, director_damping=damping),
-        device=parameters.device, precision=parameters.precision, threads=parameters.threads,
-        time_step=parameters.time_step, target_step=parameters.target_step, frame_count=parameters.frames,
-        stop_when=lambda frame: frame.time > SHORTEST_TIME / frequency
-        and frame.energies["kinetic"] < REST * frame.energies["internal"],
+    soft = softened(fabric, LARGEST_STRETCH_STIFFNESS * weight)
+    return Setup(
+        "cantilever", sheets=(Sheet(blank, soft, supports=(clamp,)),),
+        dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=damping, director_damping=damping),
+        duration=LONGEST_TIME / frequency, rest=Rest(SHORTEST_TIME / frequency, REST),
+        frame_count=parameters.frames, solver=parameters.solver(),
     )  # fmt: skip
 
 
@@ -236,7 +236,7 @@ def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simul
 
 def run(parameters: CantileverParameters) -> dict[str, Any]:
     """Run the test and leave its results in ``parameters.out``; returns the summary."""
-    fabric, simulation = chosen_fabric(parameters), cantilever(parameters)
+    fabric, simulation = chosen_fabric(parameters), Simulation(cantilever(parameters))
     return run_into_folder(
         lambda: simulation, ResultFolder(parameters.out, curves=record(simulation), draw_in=False),
         setup=parameters.model_dump(mode="json"),

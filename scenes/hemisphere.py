@@ -17,6 +17,7 @@ from pydantic import Field
 from weavesim.app.options import RunOptions
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
+from weavesim.engine.setup import Setup
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
@@ -27,6 +28,7 @@ from weavesim.output import ResultFolder
 from weavesim.process.dynamics import Dynamics
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 from weavesim.tools.shapes import Sphere
 from weavesim.tools.tool import Tool
 
@@ -104,27 +106,21 @@ def cloth(case: str) -> Fabric:
     )
 
 
-def hemisphere(parameters: HemisphereParameters, case: str) -> Simulation:
-    """A ready simulation of one case: the cloth lies on the ball's top and is let go."""
+def hemisphere(parameters: HemisphereParameters, case: str) -> Setup:
+    """One case: the cloth lies on the ball's top and is let go."""
     fabric = cloth(case)
     half = 0.5 * parameters.side
     blank = Blank.rectangle(
         (-half, -half), (half, half), parameters.mesh_size, height=parameters.radius + 0.5 * fabric.thickness
     )
-    return Simulation(
-        name="hemisphere",
-        blank=blank,
-        fabric=fabric,
+    return Setup(
+        "hemisphere",
+        sheets=(Sheet(blank, fabric, initial_velocity=unevenness(blank, parameters.seed)),),
         tools=(Tool("hemisphere", Sphere(parameters.radius), friction=parameters.friction),),
+        dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         duration=parameters.duration,
-        motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
-        initial_velocity=unevenness(blank, parameters.seed),
-        device=parameters.device,
-        precision=parameters.precision,
-        threads=parameters.threads,
-        time_step=parameters.time_step,
-        target_step=parameters.target_step,
         frame_count=parameters.frames,
+        solver=parameters.solver(),
     )
 
 
@@ -168,7 +164,7 @@ def run(parameters: HemisphereParameters) -> dict[str, Any]:
     summaries: dict[str, Any] = {}
     for case, folder in folders.items():
         summaries[case] = run_into_folder(
-            lambda case=case: hemisphere(parameters, case),
+            lambda case=case: Simulation(hemisphere(parameters, case)),
             folder,
             setup={**parameters.model_dump(mode="json"), "case": case},
             measure=lambda simulation: wrinkles(parameters, simulation),

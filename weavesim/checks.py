@@ -92,7 +92,7 @@ class Parameters(BaseModel):
     @classmethod
     def _true_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
         items = value if isinstance(value, tuple | list) else (value,)
-        if any(isinstance(item, bool) for item in items):
+        if info.field_name and any(isinstance(item, bool) for item in items):
             types = set(_types(cls.model_fields[info.field_name].annotation))
             if types & {int, float} and bool not in types:
                 raise ValueError("a number is needed, not true or false")

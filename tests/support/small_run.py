@@ -1,5 +1,6 @@
 """A small run: the one place where the unit tests turn its parts into a simulation."""
 
+from tests.support.runs import one_sheet_run
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
@@ -11,4 +12,4 @@ def small_run(**given: object) -> Simulation:
         "name": "small", "blank": Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005), "fabric": glass_polypropylene(),
         "duration": 1e-5, "precision": "float64", "lane_count": 1, "threads": 1, "frame_count": 2,
     }  # fmt: skip
-    return Simulation(**(settings | given))
+    return one_sheet_run(**(settings | given))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, field_validator
 
 from ..checks import Parameters, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision
+from ..engine.setup import Solver
 
 LARGEST_MESH_SIZE_M = 0.5
 SMALLEST_MESH_SIZE_M = 1.0e-4
@@ -40,3 +41,10 @@ class RunOptions(Parameters):
         if value < SMALLEST_MESH_SIZE_M:
             raise ValueError(f"is in metres and at least {SMALLEST_MESH_SIZE_M}: write 0.005 for 5 mm")
         return value
+
+    def solver(self, **given: Any) -> Solver:
+        """Where and how to compute, as these options say; ``given`` are further values."""
+        return Solver(
+            device=self.device, precision=self.precision, threads=self.threads, time_step=self.time_step,
+            target_step=self.target_step, **given,
+        )  # fmt: skip

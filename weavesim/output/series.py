@@ -143,7 +143,7 @@ def write_quads(
         point_data, cell_data: by name, (count,) or (count, component_count); float32 or float64.
     """
     count = len(quads)
-    cells = {
+    cells: dict[str, np.ndarray] = {
         "connectivity": quads.astype(np.int32),
         "offsets": np.arange(4, 4 * count + 1, 4, dtype=np.int32),
         "types": np.full(count, _VTK_QUAD, dtype=np.uint8),
@@ -155,9 +155,10 @@ def write_quads(
         f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{_BYTE_ORDER}" header_type="UInt64">',
         f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">',
     ]
-    for section, arrays in (
-        ("Points", {"Points": points}), ("Cells", cells), ("PointData", point_data), ("CellData", cell_data),
-    ):  # fmt: skip
+    sections: dict[str, Mapping[str, np.ndarray]] = {
+        "Points": {"Points": points}, "Cells": cells, "PointData": point_data, "CellData": cell_data,
+    }  # fmt: skip
+    for section, arrays in sections.items():
         lines.append(f"<{section}>")
         for name, values in arrays.items():
             shape = "" if values.ndim == 1 or section == "Cells" else f' NumberOfComponents="{values.shape[1]}"'

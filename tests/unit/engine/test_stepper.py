@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import warp as wp
 
+from tests.support.runs import one_sheet_run
 from weavesim.device import load_kernel
 from weavesim.engine import stepper as stepper_module
 from weavesim.engine.stepper import REFRESH_INTERVAL
@@ -71,7 +72,7 @@ def free_sheet(monkeypatch, **given) -> Simulation:
     monkeypatch.setattr(stepper_module, "TILE_SIZE", 10**9)
     blank = Blank.rectangle((0.0, 0.0), (0.05, 0.05), 0.005)
     settings = {"lane_count": 1, "threads": 1, "duration": 1.0}
-    return Simulation(name="free", blank=blank, fabric=glass_polypropylene(), **(settings | given))
+    return one_sheet_run(name="free", blank=blank, fabric=glass_polypropylene(), **(settings | given))
 
 
 @pytest.mark.parametrize("driven", [False, True])

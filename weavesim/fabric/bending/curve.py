@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ...checks import Kinded, NotNegative, positive_number
-from ..curve import check_curve, interpolate, measured_columns
+from ..curve import Column, check_curve, interpolate, measured_columns
 
 
 class FamilyBending(Kinded):
@@ -85,9 +84,9 @@ class BendingCurve(FamilyBending):
     @classmethod
     def from_loading_and_unloading(
         cls,
-        curvature: Sequence[float],
-        loading: Sequence[float],
-        unloading: Sequence[float],
+        curvature: Column,
+        loading: Column,
+        unloading: Column,
         *,
         friction_stiffness: float,
     ) -> BendingCurve:

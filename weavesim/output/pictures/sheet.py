@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -141,9 +141,10 @@ def _draw_view(
     colours = np.concatenate([faces, np.zeros((len(strokes), 4))])
     widths = np.concatenate([np.full(len(corners), 0.35), np.full(len(strokes), 0.7)])
     order = np.argsort(depth, kind="stable")
+    sorted_polygons: Any = polygons[order]  # Matplotlib's types know lists only
     axes.add_collection(
         PolyCollection(
-            polygons[order],
+            sorted_polygons,
             facecolors=colours[order],
             edgecolors=edges[order],
             linewidths=widths[order],

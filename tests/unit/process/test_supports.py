@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.small_run import small_run
+from tests.support.runs import small_run
 from weavesim.errors import InputError
 from weavesim.process.strokes import SmoothStroke, Stroke
 from weavesim.process.supports import Drive, Support

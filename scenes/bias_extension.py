@@ -208,6 +208,6 @@ def run(parameters: BiasExtensionParameters) -> dict[str, Any]:
     simulation = Simulation(bias_extension(parameters))
     curves = record(parameters, simulation.fabric, simulation.blank)
     return run_into_folder(
-        lambda: simulation, ResultFolder(parameters.out, curves=curves, draw_in=False),
+        lambda: simulation, ResultFolder(parameters.out, curves=curves, draw_in=False, writers=parameters.writers),
         setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
     )  # fmt: skip

@@ -239,7 +239,8 @@ def run(parameters: CantileverParameters) -> dict[str, Any]:
     """Run the test and leave its results in ``parameters.out``; returns the summary."""
     fabric, simulation = chosen_fabric(parameters), Simulation(cantilever(parameters))
     return run_into_folder(
-        lambda: simulation, ResultFolder(parameters.out, curves=record(simulation), draw_in=False),
+        lambda: simulation,
+        ResultFolder(parameters.out, curves=record(simulation), draw_in=False, writers=parameters.writers),
         setup=parameters.model_dump(mode="json"),
         measure=lambda simulation: findings(parameters, fabric, simulation),
     )  # fmt: skip

@@ -202,6 +202,7 @@ def run(parameters: DoubleDomeParameters) -> dict[str, Any]:
         points=points,
         measured_angles=load_measured_angles(parameters.measured_angles) if parameters.measured_angles else None,
         measured_outline=load_measured_outline(parameters.measured_outline) if parameters.measured_outline else None,
+        writers=parameters.writers,
     )
     return run_into_folder(
         lambda: Simulation(double_dome(parameters)), folder, setup=parameters.model_dump(mode="json"),

@@ -165,7 +165,7 @@ def _start(parameters: HemisphereParameters, case: str) -> Simulation:
 def run(parameters: HemisphereParameters) -> dict[str, Any]:
     """Run one case or both; each leaves its results in a folder of its own. Returns the summaries by case."""
     cases = CASES if parameters.case == "both" else (parameters.case,)
-    folders = {case: ResultFolder(parameters.out / case) for case in cases}
+    folders = {case: ResultFolder(parameters.out / case, writers=parameters.writers) for case in cases}
     summaries: dict[str, Any] = {}
     for case, folder in folders.items():
         summaries[case] = run_into_folder(

@@ -250,6 +250,7 @@ def run(parameters: PictureFrameParameters) -> dict[str, Any]:
     """Run the test and leave its results in ``parameters.out``; returns the summary."""
     curves = record(parameters, chosen_fabric(parameters))
     return run_into_folder(
-        lambda: Simulation(picture_frame(parameters)), ResultFolder(parameters.out, curves=curves, draw_in=False),
+        lambda: Simulation(picture_frame(parameters)),
+        ResultFolder(parameters.out, curves=curves, draw_in=False, writers=parameters.writers),
         setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
     )  # fmt: skip

@@ -1,83 +1,242 @@
-"""What every shared array holds, row by row; kernels and host read it here."""
+"""What every shared array holds, row by row: kernels and host read names, numbers, units and descriptions here.
 
-import warp as wp
+Each array has one class, whose members are its rows in order. A member is an integer, the number of its first row, so
+that kernels and host index with it: ``fields[ElementField.area_ratio, e]``. Its ``name`` is what the host calls it. To
+add a row, add a member; to lay rows out otherwise, move one: nothing else counts them. No Warp is imported here.
+"""
 
-# Rows of the cell report: iterations of this step, energy lost in snaps so far [J/m^2], worst relative residual so far.
-CELL_REPORT_ROWS = ("iterations", "snap_loss", "worst_residual")
-ITERATIONS_ROW = wp.constant(0)
-SNAP_LOSS_ROW = wp.constant(1)
-WORST_RESIDUAL_ROW = wp.constant(2)
-# Rows of the corner array, eight per corner: force; director gradient; shear angle; thickness if tools meet it.
-CORNER_ROW_COUNT = 32
-ROWS_PER_CORNER = wp.constant(8)
-COUPLE_ROW = wp.constant(3)
-ANGLE_ROW = wp.constant(6)
-THICKNESS_ROW = wp.constant(7)
-# Vectors of the motion array of the nodes, three rows each; the remainder is what rounding cut off the position. Then
-# one row for the mean shear angle of the elements around the node [rad].
-MOTION_ROWS = ("position", "velocity", "director", "spin", "remainder")
-POSITION_ROW = wp.constant(0)
-VELOCITY_ROW = wp.constant(3)
-DIRECTOR_ROW = wp.constant(6)
-SPIN_ROW = wp.constant(9)
-REMAINDER_ROW = wp.constant(12)
-MEAN_ANGLE_ROW = wp.constant(15)
-MOTION_ROW_COUNT = 16
-# Rows of the node report, of which a run has the first three, four with loads, all where tools meet the current
-# thickness: work done against friction so far, lost or held in the friction springs [J]; energy lost in damping so far
-# [J]; work of what holds the node, and of the loads on it, so far [J]; half the current thickness of the sheet and its
-# last change [m]; work of its change on the tools so far [J].
-NODE_REPORT_ROWS = (
-    "friction_work",
-    "damping_loss",
-    "support_work",
-    "load_work",
-    "half_thickness",
-    "half_thickness_growth",
-    "thickness_work",
-)
-FRICTION_ROW = wp.constant(0)
-DAMPING_ROW = wp.constant(1)
-SUPPORT_ROW = wp.constant(2)
-LOAD_ROW = wp.constant(3)
-HALF_THICKNESS_ROW = wp.constant(4)
-GROWTH_ROW = wp.constant(5)
-THICKNESS_WORK_ROW = wp.constant(6)
-# Rows of what friction inside the sheet remembers: slip and spring of the sliders, and the work lost in them [J/m^2].
-SLIP_ROWS = (
-    "shear_slip",
-    "warp_bending_slip",
-    "weft_bending_slip",
-    "shear_spring",
-    "warp_bending_spring",
-    "weft_bending_spring",
-    "shear_friction_loss",
-    "bending_friction_loss",
-)
-SHEAR_SLIP_ROW = wp.constant(0)
-BENDING_SLIP_ROW = wp.constant(1)
-SHEAR_SPRING_ROW = wp.constant(3)
-BENDING_SPRING_ROW = wp.constant(4)
-SHEAR_LOSS_ROW = wp.constant(6)
-BENDING_LOSS_ROW = wp.constant(7)
-# Rows of the element energies [J] after those of the unit cell, in this order.
-SHEET_ENERGIES = (
-    "compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass",
-    "snap_loss", "shear_friction_loss", "bending_friction_loss",
-)  # fmt: skip
-# Rows of the element fields; the crossover force still per reference area, the host multiplies it by the cell's.
-ELEMENT_FIELDS = (
-    "shear_angle",
-    "warp_stretch",
-    "weft_stretch",
-    "warp_force",
-    "weft_force",
-    "crossover_pressure",
-    "area_ratio",
-    "shear_moment",
-)
-# Entries of the clock, always in double precision.
-CLOCK_TIME = wp.constant(0)
-CLOCK_STEP = wp.constant(1)
-CLOCK_MEAN_STEP = wp.constant(2)
-CLOCK_LENGTH = 3
+from enum import IntEnum
+from typing import Self
+
+
+class Rows(IntEnum):
+    """Rows of one array, each declared as unit, description and, for a vector, how many rows it takes.
+
+    Attributes:
+        unit: in SI; "1" for a pure number.
+        description: what the row holds.
+        width: rows that it takes, from its own number on.
+    """
+
+    unit: str
+    description: str
+    width: int
+
+    def __new__(cls, unit: str, description: str, width: int = 1) -> Self:
+        first = sum(member.width for member in cls)
+        member = int.__new__(cls, first)
+        member._value_ = first
+        member.unit, member.description, member.width = unit, description, width
+        return member
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """Of all members, in order."""
+        return tuple(member.name for member in cls)
+
+    @classmethod
+    def row_count(cls) -> int:
+        """Rows of all members together."""
+        return sum(member.width for member in cls)
+
+    @property
+    def span(self) -> slice:
+        """All rows of the member."""
+        return slice(int(self), self + self.width)
+
+    @property
+    def vector(self) -> int:
+        """Number of a vector among those of its array, for arrays (vector, item, component)."""
+        return self // 3
+
+
+class MotionRow(Rows):
+    """Of the nodes; the vectors come first."""
+
+    position = "m", "position, rounded to the precision of the run", 3
+    velocity = "m/s", "velocity, half a step before the position", 3
+    director = "1", "unit director", 3
+    spin = "1/s", "rate at which the director turns, half a step before it", 3
+    remainder = "m", "what rounding cut off the position", 3
+    mean_angle = "rad", "mean shear angle of the elements around the node"
+
+
+# Vectors of the motion array.
+MOTION_VECTORS = tuple(row.name for row in MotionRow if row.width == 3)
+
+
+class CornerRow(Rows):
+    """What an element writes at each of its four corners; the four blocks of rows stand one after the other."""
+
+    force = "N", "force on the node", 3
+    couple = "N m", "minus the derivative of the energy by the director", 3
+    angle = "rad", "shear angle of the element"
+    thickness = "m", "current thickness of the element, where tools meet that"
+
+
+ROWS_PER_CORNER = CornerRow.row_count()
+CORNER_ROW_COUNT = 4 * ROWS_PER_CORNER
+
+
+class CellReportRow(Rows):
+    """What the unit cell of each element reports."""
+
+    iterations = "1", "iterations of this step"
+    snap_loss = "J/m^2", "energy lost in snaps so far"
+    worst_residual = "1", "worst relative residual so far"
+
+
+class SlipRow(Rows):
+    """What friction inside the sheet remembers: its sliders, the springs before them, and the work lost."""
+
+    shear_slip = "rad", "slip between the yarns that turn on each other"
+    warp_bending_slip = "1/m", "slip inside the bent warp"
+    weft_bending_slip = "1/m", "slip inside the bent weft"
+    shear_spring = "rad", "spring before the slider of shear"
+    warp_bending_spring = "1/m", "spring before the slider of the warp"
+    weft_bending_spring = "1/m", "spring before the slider of the weft"
+    shear_friction_loss = "J/m^2", "work lost between the yarns so far"
+    bending_friction_loss = "J/m^2", "work lost inside the bent yarns so far"
+
+
+class NodeReportRow(Rows):
+    """What is booked at the nodes. A run has the first three, four with loads, all where tools meet the thickness."""
+
+    friction_work = "J", "work done against friction so far, lost or held in the friction springs"
+    damping_loss = "J", "energy lost in damping so far"
+    support_work = "J", "work of what holds the node so far"
+    load_work = "J", "work of the loads on the node so far"
+    half_thickness = "m", "half the current thickness of the sheet"
+    half_thickness_growth = "m", "last change of half the thickness"
+    thickness_work = "J", "work of the change of thickness on the tools so far"
+
+
+class SheetEnergy(Rows):
+    """Energies of each element; in their array these rows stand behind those of the unit cell."""
+
+    compression = "J", "of the sheet's own stiffness along yarns that are pushed together"
+    shear = "J", "of in-plane shear, with the spring of its friction"
+    in_plane_bending = "J", "of a varying shear angle"
+    bending = "J", "of bending, with the springs of its friction"
+    transverse_shear = "J", "of transverse shear"
+    hourglass = "J", "of the stabilisation"
+    snap_loss = "J", "lost in snaps of the unit cell so far"
+    shear_friction_loss = "J", "lost between the yarns so far"
+    bending_friction_loss = "J", "lost inside the bent yarns so far"
+
+
+class ElementField(Rows):
+    """Fields of each element, for output."""
+
+    shear_angle = "rad", "shear angle between warp and weft"
+    warp_stretch = "1", "current over initial length along the warp"
+    weft_stretch = "1", "current over initial length along the weft"
+    warp_force = "N/m", "force along the warp per width"
+    weft_force = "N/m", "force along the weft per width"
+    crossover_pressure = "N/m^2", "pressure between warp and weft per reference area"
+    area_ratio = "1", "current over reference area"
+    shear_moment = "N/m", "moment of shear, elastic and friction, without in-plane bending"
+
+
+class ClockEntry(Rows):
+    """The clock, always in double precision."""
+
+    time = "s", "time of the positions"
+    step = "s", "step to come"
+    mean_step = "s", "mean of the step to come and the last one, over which velocities change"
+
+
+class ToolWorkRow(Rows):
+    """What is booked of each tool."""
+
+    on_sheet = "J", "work of the tool on the sheet so far"
+    driving = "J", "work of the driving force so far"
+
+
+class LoadRow(Rows):
+    """Prescribed loads of the nodes, at a share of one; rows of vectors."""
+
+    force = "N", "force"
+    couple = "N m", "couple"
+
+
+class GradientRow(Rows):
+    """Shape functions of the elements: gradient of the diagonals p = x_1 - x_3 and q = x_2 - x_4 by warp and weft."""
+
+    p1 = "1/m", "b_p1, of p along the warp"
+    p2 = "1/m", "b_p2, of p along the weft"
+    q1 = "1/m", "b_q1, of q along the warp"
+    q2 = "1/m", "b_q2, of q along the weft"
+
+
+class OffsetRow(Rows):
+    """Shares of the diagonals in the hourglass vector of an element."""
+
+    p = "1", "c_p"
+    q = "1", "c_q"
+
+
+class CurvatureRow(Rows):
+    """Curvatures of an element, on the convected yarn vectors."""
+
+    k11 = "1/m", "along the warp"
+    k12 = "1/m", "twist"
+    k22 = "1/m", "along the weft"
+
+
+class TransverseShearRow(Rows):
+    """Transverse shears of an element."""
+
+    g1 = "1", "along the warp"
+    g2 = "1", "along the weft"
+
+
+class HourglassRow(Rows):
+    """Hourglass strains of an element."""
+
+    warping = "m", "warping"
+    director1 = "1", "hourglass vector of the directors along the warp"
+    director2 = "1", "hourglass vector of the directors along the weft"
+
+
+class InertiaRow(Rows):
+    """What the stable step knows of an element's inertia."""
+
+    inverse_areal_density = "m^2/kg", "with any added mass; 0 for padding"
+    inverse_squared_radius = "1/m^2", "of the scaled rotary inertia"
+
+
+class StrainRow(Rows):
+    """Strains that a unit cell answers."""
+
+    warp = "1", "warp stretch - 1"
+    weft = "1", "weft stretch - 1"
+    shear_angle = "rad", "shear angle"
+
+
+class CellForceRow(Rows):
+    """Forces of a unit cell."""
+
+    warp = "N/m", "n_1"
+    weft = "N/m", "n_2"
+    moment = "N/m", "m"
+    crossover_pressure = "N/m^2", "pressure between warp and weft per reference area"
+
+
+class TangentRow(Rows):
+    """Derivatives of a unit cell's forces n_1, n_2, m by its strains."""
+
+    c11 = "N/m", "dn_1/dlambda_1"
+    c12 = "N/m", "dn_1/dlambda_2"
+    c22 = "N/m", "dn_2/dlambda_2"
+    c13 = "N/m", "dn_1/dgamma"
+    c23 = "N/m", "dn_2/dgamma"
+    c33 = "N/m", "dm/dgamma"
+
+
+class ConvergenceRow(Rows):
+    """How a unit cell got to its answer."""
+
+    worst_residual = "1", "worst relative residual on the path"
+    most_iterations = "1", "most iterations on the path"
+    snap_loss = "J/m^2", "energy lost in snaps on the path"

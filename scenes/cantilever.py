@@ -19,11 +19,9 @@ from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
 from weavesim.device import Precision
 from weavesim.errors import InputError
-from weavesim.fabric.bending import BendingCurve, IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.fabric import LARGEST_LOCKING_SHARE, Fabric
-from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
 from weavesim.process.dynamics import Dynamics
@@ -70,20 +68,12 @@ def strip_stiffness(fabric: Fabric, yarn: str) -> float:
 
     Of a moment-curvature curve it is the initial slope, without friction.
     """
-    law = fabric.bending
-    if isinstance(law, IsotropicBending):
-        return law.stiffness(fabric.thickness) * (1.0 - law.poisson_ratio**2)
-    along, across = (law.warp, law.weft) if yarn == "warp" else (law.weft, law.warp)
-    if isinstance(along, BendingCurve):
-        return along.initial_stiffness
-    return along - (law.coupling**2 / across if law.coupling else 0.0)
+    return fabric.bending.strip_stiffness(yarn, fabric.thickness)
 
 
 def bends_linearly(fabric: Fabric, yarn: str) -> bool:
     """True if one bending stiffness along ``yarn`` says all: no bent curve, no friction."""
-    law = fabric.bending
-    along = None if isinstance(law, IsotropicBending) else law.warp if yarn == "warp" else law.weft
-    return not isinstance(along, BendingCurve) or along.is_constant
+    return fabric.bending.bends_linearly(yarn)
 
 
 def overhang(parameters: CantileverParameters, fabric: Fabric) -> float:
@@ -158,10 +148,8 @@ def softened(fabric: Fabric, stiffness: float) -> Fabric:
     # one stiffness either way: a jump where a yarn goes slack would feed the vibrations (theory, section 7)
     changes: dict[str, Any] = {"unit_cell": cell, "compressive_stiffness": 0.0, "shear_friction": None}
     changes["compaction"] = Compaction()
-    if isinstance(fabric.shear, MomentCurve):
-        # a locking branch may be a tenth as stiff as the yarns; the strip does not shear
-        locking = min(fabric.shear.locking_stiffness, LARGEST_LOCKING_SHARE * stiffness)
-        changes["shear"] = fabric.shear.model_copy(update={"locking_stiffness": locking})
+    # a locking branch may be a tenth as stiff as the yarns; the strip does not shear
+    changes["shear"] = fabric.shear.locking_at_most(LARGEST_LOCKING_SHARE * stiffness)
     return fabric.model_copy(update=changes)
 
 

@@ -18,9 +18,9 @@ from weavesim.app.options import RunOptions
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.measures.folds import rim_folds
 from weavesim.measures.proximity import close_pairs
 from weavesim.output import ResultFolder

@@ -137,7 +137,7 @@ def output_frame(simulation: Any, seconds: float) -> float:
     with TemporaryDirectory() as folder:
         observers = (ResultFolder(folder), RunLog(Path(folder)))
         for observer in observers:
-            observer.start(simulation)
+            observer.start(simulation.info)
         for index in range(simulation.frame_count + 1):
             if index == 1:  # what the first one prepares is not counted
                 started = time.perf_counter()
@@ -172,7 +172,7 @@ def state_bytes(simulation: Any) -> float:
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
-    from weavesim.kernels.rows import CELL_REPORT_ROWS, MOTION_ROW_COUNT
+    from weavesim.kernels.rows import CellReportRow, MotionRow
 
     model = simulation.stepper.model
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
@@ -180,11 +180,11 @@ def moved_bytes(simulation: Any) -> float:
     if not model.sheet_traits.flat:
         flat += size * 8
     element_reads = flat + per_node * size * (3 * 3 + 1)
-    element_own = 2 * size * (model.cell_law.unknown_count + len(CELL_REPORT_ROWS))
+    element_own = 2 * size * (model.cell_law.unknown_count + CellReportRow.row_count())
     corners = size * (24 + 4)
     slots = model.nodes.corner_offset.shape[0]
     node_constants = 4 * slots + 4 + size * 4
-    node_motion = 2 * size * (MOTION_ROW_COUNT + len(model.node_report_rows) + 3 * model.tool_count)
+    node_motion = 2 * size * (MotionRow.row_count() + len(model.node_report_rows) + 3 * model.tool_count)
     return element_reads + element_own + 2 * corners + per_node * (node_constants + node_motion)
 
 

@@ -107,8 +107,8 @@ class Problem:
 
 def fabric_of(name: str) -> Any:
     """The Fabric of one of ``FABRICS``."""
+    from weavesim.fabric.cell.weaves import PlainWeave
     from weavesim.fabric.presets import glass_polypropylene
-    from weavesim.fabric.weaves import PlainWeave
     from weavesim.scenes.hemisphere import cloth
 
     if name == "cloth":
@@ -270,9 +270,11 @@ class WeavesimRun:
 
     def state(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities, (node_count, 3)."""
+        from weavesim.kernels.rows import MotionRow
+
         rows = self._simulation.model.read_motion(self._simulation.state.motion)
         count = self._simulation.blank.node_count
-        return rows[0, :count], rows[1, :count]
+        return rows[MotionRow.position.vector, :count], rows[MotionRow.velocity.vector, :count]
 
 
 class NewtonRun:

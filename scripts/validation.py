@@ -97,11 +97,11 @@ def measure(simulation: Simulation, parameters: DoubleDomeParameters) -> dict[st
     angle = frame.fields["shear_angle"]
     zigzag = checkerboard(blank, angle)
     stretch = {"x": frame.fields["warp_stretch"], "y": frame.fields["weft_stretch"]}
-    share = 4.0 * 0.5 ** (2 - len(simulation.symmetry)) if simulation.symmetry else 1.0
+    share = 1.0 / simulation.info.sheet.symmetry.share
     return {
         **simulation.summary(),
         **expected_draw_in(parameters, simulation),
-        "angles": np.asarray(shear_angle_at(blank, angle, POINTS, simulation.symmetry)),
+        "angles": np.asarray(shear_angle_at(blank, angle, POINTS, simulation.info.sheet.symmetry)),
         "draw_in": np.array([1e3 * draw_in(blank, frame.position, along) for along in "xy"]),
         "lengthening": np.array([1e3 * integrated_yarn_stretch(blank, stretch[along], along) for along in "xy"]),
         "checkerboard_rms": zigzag.rms,

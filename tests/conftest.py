@@ -104,11 +104,11 @@ def deformed(curved_blank) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.fixture(scope="session")
 def coarse_run():
-    """Quarter at 15 mm with twelve frames: (simulation, frames)."""
+    """Quarter at 15 mm with twelve frames: (info, frames)."""
     return made_run(0.015)
 
 
 @pytest.fixture(scope="session")
 def fine_run():
-    """Quarter at 5 mm with twelve frames: (simulation, frames)."""
+    """Quarter at 5 mm with twelve frames: (info, frames)."""
     return made_run()

@@ -194,10 +194,11 @@ class Kinded(Parameters):
 
     In JSON a member is told by ``kind``, the name of its class. Every subclass of a family is registered when its
     class is defined, so a kind of a user's own needs nothing else. ``is_kind = False`` in a class body leaves out
-    a class that only serves as a base.
+    a class that only serves as a base. ``implied_kind`` of a family is what a table without a ``kind`` is.
     """
 
     is_kind: ClassVar[bool] = True
+    implied_kind: ClassVar[str | None] = None
     _family: ClassVar[dict[str, type[Any]]]
 
     @classmethod
@@ -218,7 +219,8 @@ class Kinded(Parameters):
     def _made_of_its_kind(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
         if not isinstance(value, Mapping):
             return handler(value)
-        name = value.get("kind", cls.__name__)
+        implied = cls.implied_kind if Kinded in cls.__bases__ else None
+        name = value.get("kind", implied or cls.__name__)
         if name not in cls.kinds():
             raise ValueError(f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed")
         kind, rest = cls.kinds()[name], {key: item for key, item in value.items() if key != "kind"}

@@ -5,6 +5,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import div, lane_types, mul  # noqa: F401 - operators of lanes
+from ..rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
 from .law import CellLaw
 
 
@@ -20,15 +21,15 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
     def unit_cell_response(
         # In
         cells: wp.array(dtype=UnitCell),
-        strain: wp.array2d(dtype=real),  # rows: warp and weft stretch - 1, shear angle [rad]
+        strain: wp.array2d(dtype=real),  # rows: see StrainRow
         start: wp.array2d(dtype=real),  # unknowns at rest
         increment_count: wp.int32,
         # Out
         unknowns: wp.array2d(dtype=real),
-        force: wp.array2d(dtype=real),  # n_1, n_2, m [N/m], crossover pressure [N/m^2]
+        force: wp.array2d(dtype=real),  # rows: see CellForceRow
         energy: wp.array2d(dtype=real),  # parts [J/m^2]
-        tangent: wp.array2d(dtype=real),  # C11, C12, C22, C13, C23, C33 [N/m]
-        convergence: wp.array2d(dtype=real),  # worst residual, most iterations on the path, snap loss [J/m^2]
+        tangent: wp.array2d(dtype=real),  # rows: see TangentRow
+        convergence: wp.array2d(dtype=real),  # rows: see ConvergenceRow
     ):
         i = wp.tid()
         parameters = cells[wp.min(i, cells.shape[0] - 1)]
@@ -47,9 +48,9 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
         lost = real(0.0)
         for increment in range(increment_count):
             share = real(increment + 1) / real(increment_count)
-            strain1 = lanes(share * strain[0, i])
-            strain2 = lanes(share * strain[1, i])
-            angle = lanes(share * strain[2, i])
+            strain1 = lanes(share * strain[StrainRow.warp, i])
+            strain2 = lanes(share * strain[StrainRow.weft, i])
+            angle = lanes(share * strain[StrainRow.shear_angle, i])
             before = q
             q, force1, force2, moment, pressure, residual, iterations = solve(
                 parameters, strain1, strain2, angle, before
@@ -65,18 +66,18 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
             unknowns[k, i] = q[k, 0]
         for k in range(part_count):
             energy[k, i] = parts[k, 0]
-        force[0, i] = force1[0]
-        force[1, i] = force2[0]
-        force[2, i] = moment[0]
-        force[3, i] = pressure[0]
-        tangent[0, i] = c11[0]
-        tangent[1, i] = c12[0]
-        tangent[2, i] = c22[0]
-        tangent[3, i] = c13[0]
-        tangent[4, i] = c23[0]
-        tangent[5, i] = c33[0]
-        convergence[0, i] = worst
-        convergence[1, i] = most
-        convergence[2, i] = lost
+        force[CellForceRow.warp, i] = force1[0]
+        force[CellForceRow.weft, i] = force2[0]
+        force[CellForceRow.moment, i] = moment[0]
+        force[CellForceRow.crossover_pressure, i] = pressure[0]
+        tangent[TangentRow.c11, i] = c11[0]
+        tangent[TangentRow.c12, i] = c12[0]
+        tangent[TangentRow.c22, i] = c22[0]
+        tangent[TangentRow.c13, i] = c13[0]
+        tangent[TangentRow.c23, i] = c23[0]
+        tangent[TangentRow.c33, i] = c33[0]
+        convergence[ConvergenceRow.worst_residual, i] = worst
+        convergence[ConvergenceRow.most_iterations, i] = most
+        convergence[ConvergenceRow.snap_loss, i] = lost
 
     return unit_cell_response

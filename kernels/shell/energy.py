@@ -7,7 +7,7 @@ import warp as wp
 from ..cell.law import CellLaw
 from ..curve import spring_energy
 from ..lanes import angle_of, div, dot, fill, lane_types, mul, where_positive  # noqa: F401 - operators of lanes
-from ..rows import BENDING_LOSS_ROW, BENDING_SPRING_ROW, DIRECTOR_ROW, SHEAR_LOSS_ROW, SHEAR_SPRING_ROW, SNAP_LOSS_ROW
+from ..rows import CellReportRow, ElementField, MotionRow, SheetEnergy, SlipRow
 from .bending import bending_energy, bending_moments, transverse_shear_forces
 from .hourglass import hourglass_stiffnesses, hourglass_strains
 from .kinematics import (
@@ -52,7 +52,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
     ):
         e = wp.tid()
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion)
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW)
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, MotionRow.director)
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
@@ -80,31 +80,33 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         height = dot(x_hourglass, normal) / area_ratio
         squeeze1 = compressive_force(laws, stretch1)
         squeeze2 = compressive_force(laws, stretch2)
-        energies[part_count + 0, e] = (
+        energies[part_count + SheetEnergy.compression, e] = (
             half * area * (squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0)))
         )
         shear = shear_energy(laws, curved_shear, m12, angle)
         moment = shear_moment(laws, curved_shear, m12, area_ratio, angle) + cell_moment
         bending = bending_energy(laws, bending_kind, m11, m22, k11, k12, k22, moment11, moment12, moment22)
         if wp.static(shear_slides):
-            spring = slip[SHEAR_SPRING_ROW, e]
+            spring = slip[SlipRow.shear_spring, e]
             shear = shear + spring_energy(laws.shear.friction_stiffness, spring)
             moment = moment + laws.shear.friction_stiffness * spring
-            energies[part_count + 7, e] = area * slip[SHEAR_LOSS_ROW, e]
+            energies[part_count + SheetEnergy.shear_friction_loss, e] = area * slip[SlipRow.shear_friction_loss, e]
         if wp.static(bending_slides):
             bending = (
                 bending
-                + spring_energy(laws.bending.friction_stiffness[0], slip[BENDING_SPRING_ROW, e])
-                + spring_energy(laws.bending.friction_stiffness[1], slip[BENDING_SPRING_ROW + 1, e])
+                + spring_energy(laws.bending.friction_stiffness[0], slip[SlipRow.warp_bending_spring, e])
+                + spring_energy(laws.bending.friction_stiffness[1], slip[SlipRow.weft_bending_spring, e])
             )
-            energies[part_count + 8, e] = area * slip[BENDING_LOSS_ROW, e]
-        energies[part_count + 1, e] = area * shear
+            energies[part_count + SheetEnergy.bending_friction_loss, e] = area * slip[SlipRow.bending_friction_loss, e]
+        energies[part_count + SheetEnergy.shear, e] = area * shear
         difference, square = corner_angles(elements, e, mean_angles, angle)
         real_element = where_positive(area, fill(area, 1.0), lanes())
-        energies[part_count + 2, e] = (half * laws.in_plane_bending_stiffness) * real_element * square
-        energies[part_count + 3, e] = area * bending
-        energies[part_count + 4, e] = half * area * (q1 * g1 + q2 * g2)
-        energies[part_count + 5, e] = (
+        energies[part_count + SheetEnergy.in_plane_bending, e] = (
+            (half * laws.in_plane_bending_stiffness) * real_element * square
+        )
+        energies[part_count + SheetEnergy.bending, e] = area * bending
+        energies[part_count + SheetEnergy.transverse_shear, e] = half * area * (q1 * g1 + q2 * g2)
+        energies[part_count + SheetEnergy.hourglass, e] = (
             half
             * area
             * (
@@ -113,14 +115,14 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
                 + director_stiffness * (twist1 * twist1 + twist2 * twist2)
             )
         )
-        energies[part_count + 6, e] = area * cell_report[SNAP_LOSS_ROW, e]
-        fields[0, e] = angle
-        fields[1, e] = stretch1
-        fields[2, e] = stretch2
-        fields[3, e] = warp_force + squeeze1
-        fields[4, e] = weft_force + squeeze2
-        fields[5, e] = pressure
-        fields[6, e] = area_ratio
-        fields[7, e] = moment
+        energies[part_count + SheetEnergy.snap_loss, e] = area * cell_report[CellReportRow.snap_loss, e]
+        fields[ElementField.shear_angle, e] = angle
+        fields[ElementField.warp_stretch, e] = stretch1
+        fields[ElementField.weft_stretch, e] = stretch2
+        fields[ElementField.warp_force, e] = warp_force + squeeze1
+        fields[ElementField.weft_force, e] = weft_force + squeeze2
+        fields[ElementField.crossover_pressure, e] = pressure
+        fields[ElementField.area_ratio, e] = area_ratio
+        fields[ElementField.shear_moment, e] = moment
 
     return element_ledger

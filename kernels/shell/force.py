@@ -19,22 +19,7 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     scale,
     where_positive,
 )
-from ..rows import (
-    ANGLE_ROW,
-    BENDING_LOSS_ROW,
-    BENDING_SLIP_ROW,
-    BENDING_SPRING_ROW,
-    COUPLE_ROW,
-    DIRECTOR_ROW,
-    ITERATIONS_ROW,
-    ROWS_PER_CORNER,
-    SHEAR_LOSS_ROW,
-    SHEAR_SLIP_ROW,
-    SHEAR_SPRING_ROW,
-    SNAP_LOSS_ROW,
-    THICKNESS_ROW,
-    WORST_RESIDUAL_ROW,
-)
+from ..rows import ROWS_PER_CORNER, CellReportRow, CornerRow, GradientRow, MotionRow, OffsetRow, SlipRow
 from .bending import bending_friction, bending_moments, transverse_shear_forces
 from .hourglass import hourglass_stiffnesses, hourglass_strains, twist_weights
 from .kinematics import (
@@ -97,13 +82,13 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         motion: wp.array(dtype=real),
         # Out
         cell_unknowns: wp.array2d(dtype=lanes),
-        cell_report: wp.array2d(dtype=lanes),  # rows: see CELL_REPORT_ROWS
-        slip: wp.array2d(dtype=lanes),  # rows: see SLIP_ROWS; not touched without friction inside the sheet
+        cell_report: wp.array2d(dtype=lanes),  # rows: see CellReportRow
+        slip: wp.array2d(dtype=lanes),  # rows: see SlipRow; not touched without friction inside the sheet
         corner_force: wp.array2d(dtype=lanes),
     ):
         e = first_block + wp.tid()
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion)
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW)
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, MotionRow.director)
 
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
 
@@ -118,12 +103,12 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         )
         for k in range(unknown_count):
             cell_unknowns[k, e] = unknowns[k]
-        cell_report[ITERATIONS_ROW, e] = iterations
-        cell_report[WORST_RESIDUAL_ROW, e] = larger(cell_report[WORST_RESIDUAL_ROW, e], residual)
+        cell_report[CellReportRow.iterations, e] = iterations
+        cell_report[CellReportRow.worst_residual, e] = larger(cell_report[CellReportRow.worst_residual, e], residual)
         if wp.static(unknown_count > 0):
             freed = snap_loss(cell, strain1, strain2, angle, start, unknowns)
             if lane_maximum(freed) > real(0.0):
-                cell_report[SNAP_LOSS_ROW, e] = cell_report[SNAP_LOSS_ROW, e] + freed
+                cell_report[CellReportRow.snap_loss, e] = cell_report[CellReportRow.snap_loss, e] + freed
         inverse1, inverse2 = inverses(stretch1, stretch2)
         inverse_ratio = lanes(real(1.0)) / area_ratio
         t11 = (warp_force + compressive_force(laws, stretch1)) * inverse1
@@ -132,8 +117,8 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         # in-plane shear, and the in-plane bending of the yarns, which resists a shear angle that varies
         # (b_p x b_q) is 1/(2 area); the area itself is zero in padding elements
         inverse_area = real(2.0) * (
-            elements.shape_gradient[0, e] * elements.shape_gradient[3, e]
-            - elements.shape_gradient[1, e] * elements.shape_gradient[2, e]
+            elements.shape_gradient[GradientRow.p1, e] * elements.shape_gradient[GradientRow.q2, e]
+            - elements.shape_gradient[GradientRow.p2, e] * elements.shape_gradient[GradientRow.q1, e]
         )
         moment, linear12 = shear_resultants(laws, curved_shear, m12, angle)
         if wp.static(cell_shears):
@@ -142,21 +127,21 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         moment = moment + (laws.in_plane_bending_stiffness * inverse_area) * difference
         if wp.static(shear_slides):
             turned, spring, lost = shear_friction(
-                laws, angle, slip[SHEAR_SLIP_ROW, e], slip[SHEAR_SPRING_ROW, e], pressure
+                laws, angle, slip[SlipRow.shear_slip, e], slip[SlipRow.shear_spring, e], pressure
             )
-            slip[SHEAR_SLIP_ROW, e] = turned
-            slip[SHEAR_SPRING_ROW, e] = spring
-            slip[SHEAR_LOSS_ROW, e] = slip[SHEAR_LOSS_ROW, e] + lost
+            slip[SlipRow.shear_slip, e] = turned
+            slip[SlipRow.shear_spring, e] = spring
+            slip[SlipRow.shear_friction_loss, e] = slip[SlipRow.shear_friction_loss, e] + lost
             moment = moment + laws.shear.friction_stiffness * spring
         shear11, shear12, shear22 = moment_resultants(moment, m12, inverse1, inverse2, inverse_ratio)
         shear12 = shear12 + linear12
         for corner in range(4):
-            corner_force[ANGLE_ROW + ROWS_PER_CORNER * corner, e] = angle
+            corner_force[CornerRow.angle + ROWS_PER_CORNER * corner, e] = angle
         if wp.static(follows_thickness):
             # nodes with fewer neighbours read a padding element, which must add nothing
             thickness = where_positive(elements.area[e], current_thickness(laws, area_ratio, pressure), lanes())
             for corner in range(4):
-                corner_force[THICKNESS_ROW + ROWS_PER_CORNER * corner, e] = thickness
+                corner_force[CornerRow.thickness + ROWS_PER_CORNER * corner, e] = thickness
 
         # bending and transverse shear
         k11, k12, k22, g1, g2 = element_strains(elements, e, flat, skewed, a1, a2, d1, d2, mean_director)
@@ -165,18 +150,18 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         )
         if wp.static(bending_slides):
             warp_slip, warp_spring, warp_loss = bending_friction(
-                laws, 0, k11 / m11, slip[BENDING_SLIP_ROW, e], slip[BENDING_SPRING_ROW, e]
+                laws, 0, k11 / m11, slip[SlipRow.warp_bending_slip, e], slip[SlipRow.warp_bending_spring, e]
             )
             weft_slip, weft_spring, weft_loss = bending_friction(
-                laws, 1, k22 / m22, slip[BENDING_SLIP_ROW + 1, e], slip[BENDING_SPRING_ROW + 1, e]
+                laws, 1, k22 / m22, slip[SlipRow.weft_bending_slip, e], slip[SlipRow.weft_bending_spring, e]
             )
-            slip[BENDING_SLIP_ROW, e] = warp_slip
-            slip[BENDING_SLIP_ROW + 1, e] = weft_slip
-            slip[BENDING_SPRING_ROW, e] = warp_spring
-            slip[BENDING_SPRING_ROW + 1, e] = weft_spring
+            slip[SlipRow.warp_bending_slip, e] = warp_slip
+            slip[SlipRow.weft_bending_slip, e] = weft_slip
+            slip[SlipRow.warp_bending_spring, e] = warp_spring
+            slip[SlipRow.weft_bending_spring, e] = weft_spring
             warp_moment = laws.bending.friction_stiffness[0] * warp_spring
             weft_moment = laws.bending.friction_stiffness[1] * weft_spring
-            slip[BENDING_LOSS_ROW, e] = slip[BENDING_LOSS_ROW, e] + warp_loss + weft_loss
+            slip[SlipRow.bending_friction_loss, e] = slip[SlipRow.bending_friction_loss, e] + warp_loss + weft_loss
             moment11 = moment11 + warp_moment / m11
             moment22 = moment22 + weft_moment / m22
             bend11 = bend11 - real(2.0) * warp_moment * k11 / (m11 * m11)
@@ -243,19 +228,19 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         mean_conjugate = scale(q1, a1) + scale(q2, a2) + scale(quarter_warping, x_hourglass)
 
         area = elements.area[e]
-        bp1 = area * elements.shape_gradient[0, e]
-        bp2 = area * elements.shape_gradient[1, e]
-        bq1 = area * elements.shape_gradient[2, e]
-        bq2 = area * elements.shape_gradient[3, e]
-        offset_p = elements.hourglass_offset[0, e]
-        offset_q = elements.hourglass_offset[1, e]
+        bp1 = area * elements.shape_gradient[GradientRow.p1, e]
+        bp2 = area * elements.shape_gradient[GradientRow.p2, e]
+        bq1 = area * elements.shape_gradient[GradientRow.q1, e]
+        bq2 = area * elements.shape_gradient[GradientRow.q2, e]
+        offset_p = elements.hourglass_offset[OffsetRow.p, e]
+        offset_q = elements.hourglass_offset[OffsetRow.q, e]
         store_corners(
-            corner_force, 0, e,
+            corner_force, CornerRow.force, e,
             corner_difference(bp1, bp2, p1, p2), corner_difference(bq1, bq2, p1, p2),
             scale(area, x_stabilising), lanes3(), offset_p, offset_q,
         )  # fmt: skip
         store_corners(
-            corner_force, COUPLE_ROW, e,
+            corner_force, CornerRow.couple, e,
             corner_difference(bp1, bp2, r1, r2), corner_difference(bq1, bq2, r1, r2),
             scale(area, d_stabilising), scale(real(0.25) * area, mean_conjugate), offset_p, offset_q,
         )  # fmt: skip

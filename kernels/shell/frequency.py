@@ -6,7 +6,7 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..lanes import angle_of, div, dot, lane_types, larger, magnitude, mul, square_root, where_positive  # noqa: F401 - operators of lanes
-from ..rows import CLOCK_STEP, DIRECTOR_ROW, VELOCITY_ROW
+from ..rows import ClockEntry, CurvatureRow, GradientRow, InertiaRow, MotionRow, OffsetRow, TransverseShearRow
 from .eigenvalue import largest_in_plane, largest_of_pencil
 from .hourglass import hourglass_stiffnesses, twist_weights
 from .kinematics import (
@@ -66,20 +66,20 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         bounds: StepBounds,
         motion: wp.array(dtype=real),
         cell_unknowns: wp.array2d(dtype=lanes),
-        inertia: wp.array2d(dtype=lanes),  # rows: inverse areal density with any added mass; inverse squared radius
+        inertia: wp.array2d(dtype=lanes),  # rows: see InertiaRow
         clock: wp.array(dtype=wp.float64),
         # Out
         squared_frequency: wp.array(dtype=lanes),
     ):
         e = first + wp.tid()
         a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion)
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, DIRECTOR_ROW)
+        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, MotionRow.director)
         m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
         strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
-        bp1 = elements.shape_gradient[0, e]
-        bp2 = elements.shape_gradient[1, e]
-        bq1 = elements.shape_gradient[2, e]
-        bq2 = elements.shape_gradient[3, e]
+        bp1 = elements.shape_gradient[GradientRow.p1, e]
+        bp2 = elements.shape_gradient[GradientRow.p2, e]
+        bq1 = elements.shape_gradient[GradientRow.q1, e]
+        bq2 = elements.shape_gradient[GradientRow.q2, e]
         zero = lanes()
         one = lanes(real(1.0))
         half = real(0.5)
@@ -93,8 +93,8 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         angle = angle_of(m12, area_ratio, stretch1 * stretch2)
 
         # in the plane; where the present rate takes the yarns before the next look, twice as far for safety
-        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion, VELOCITY_ROW)
-        horizon = two * real(clock[CLOCK_STEP]) * real(bounds.steps_ahead)
+        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion, MotionRow.velocity)
+        horizon = two * real(clock[ClockEntry.step]) * real(bounds.steps_ahead)
         strain1 = strain1 + horizon * (larger(dot(a1, v1), zero) / stretch1)
         strain2 = strain2 + horizon * (larger(dot(a2, v2), zero) / stretch2)
         angle_ahead = angle
@@ -174,11 +174,11 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         tilt = metric11 * tilt1 * tilt1 + two * (metric12 * tilt1 * tilt2) + metric22 * tilt2 * tilt2
         if wp.static(not flat):
             raising = metric11 + metric22
-            k11 = elements.initial_curvature[0, e]
-            k12 = elements.initial_curvature[1, e]
-            k22 = elements.initial_curvature[2, e]
-            g1 = elements.initial_transverse_shear[0, e]
-            g2 = elements.initial_transverse_shear[1, e]
+            k11 = elements.initial_curvature[CurvatureRow.k11, e]
+            k12 = elements.initial_curvature[CurvatureRow.k12, e]
+            k22 = elements.initial_curvature[CurvatureRow.k22, e]
+            g1 = elements.initial_transverse_shear[TransverseShearRow.g1, e]
+            g2 = elements.initial_transverse_shear[TransverseShearRow.g2, e]
             curvature = two * (curvature + raising * raising * (k11 * k11 + two * (k12 * k12) + k22 * k22))
             tilt = two * (tilt + raising * (g1 * g1 + g2 * g2))
         curvature = square_root(larger(curvature, zero))
@@ -187,7 +187,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         d_odd = square_root(dot(d_hourglass, d_hourglass))
         root_gradient = square_root(gradient)
         lean = tilt + curvature / root_gradient + real(0.25) * d_odd
-        radius = inertia[1, e]
+        radius = inertia[InertiaRow.inverse_squared_radius, e]
         inverse_radius = square_root(radius)
         largest_metric = m11 + m22
 
@@ -212,8 +212,8 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
 
         # hourglass modes; x_h has the norm ``length``, the warping takes a quarter of it and ``twist`` of the curvature
         in_plane_stiffness, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
-        offset_p = elements.hourglass_offset[0, e]
-        offset_q = elements.hourglass_offset[1, e]
+        offset_p = elements.hourglass_offset[OffsetRow.p, e]
+        offset_q = elements.hourglass_offset[OffsetRow.q, e]
         length = square_root(lanes(real(4.0)) + two * (offset_p * offset_p + offset_q * offset_q))
         weight11, weight12, weight22 = twist_weights(elements, e)
         twist = square_root(squares * (weight11 * weight11 + half * weight12 * weight12 + weight22 * weight22))
@@ -254,6 +254,8 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         mean = half * (positions + directors)
         difference = half * (positions - directors)
         largest = mean + square_root(difference * difference + coupling * coupling)
-        squared_frequency[e] = real(4.0) * inertia[0, e] * largest + lanes(bounds.contact_frequency)
+        squared_frequency[e] = real(4.0) * inertia[InertiaRow.inverse_areal_density, e] * largest + lanes(
+            bounds.contact_frequency
+        )
 
     return element_frequencies

@@ -10,6 +10,7 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     fill,
     mul,
 )
+from ..rows import GradientRow, HourglassRow, OffsetRow
 
 
 @wp.func
@@ -18,10 +19,10 @@ def hourglass_stiffnesses(elements: Any, laws: Any, e: int):
 
     Each is a share of the exact stiffness of the mode on a square; the sum of squared gradients carries the size.
     """
-    bp1 = elements.shape_gradient[0, e]
-    bp2 = elements.shape_gradient[1, e]
-    bq1 = elements.shape_gradient[2, e]
-    bq2 = elements.shape_gradient[3, e]
+    bp1 = elements.shape_gradient[GradientRow.p1, e]
+    bp2 = elements.shape_gradient[GradientRow.p2, e]
+    bq1 = elements.shape_gradient[GradientRow.q1, e]
+    bq2 = elements.shape_gradient[GradientRow.q2, e]
     squares = bp1.dtype(2.0) * (bp1 * bp1 + bp2 * bp2 + bq1 * bq1 + bq2 * bq2)
     return laws.hourglass_in_plane * squares, laws.hourglass_warping * squares, laws.hourglass_director * squares
 
@@ -32,14 +33,14 @@ def twist_weights(elements: Any, e: int):
 
     On a parallelogram that is k(xi, eta); in general it is what a constant curvature takes out of x_h/4.
     """
-    bp1 = elements.shape_gradient[0, e]
-    bp2 = elements.shape_gradient[1, e]
-    bq1 = elements.shape_gradient[2, e]
-    bq2 = elements.shape_gradient[3, e]
+    bp1 = elements.shape_gradient[GradientRow.p1, e]
+    bp2 = elements.shape_gradient[GradientRow.p2, e]
+    bq1 = elements.shape_gradient[GradientRow.q1, e]
+    bq2 = elements.shape_gradient[GradientRow.q2, e]
     inverse = fill(bp1, 1.0) / (bp1 * bq2 - bp2 * bq1)
     square = bp1.dtype(0.0625) * inverse * inverse
-    offset_p = elements.hourglass_offset[0, e]
-    offset_q = elements.hourglass_offset[1, e]
+    offset_p = elements.hourglass_offset[OffsetRow.p, e]
+    offset_q = elements.hourglass_offset[OffsetRow.q, e]
     # (p q) is the inverse of the gradients: p = (b_q2, -b_q1)/det, q = (-b_p2, b_p1)/det
     weight_p = square - square * offset_p * offset_p
     weight_q = square - square * offset_q * offset_q
@@ -73,7 +74,7 @@ def hourglass_strains(
     along1 = dot(d_hourglass, a1)
     along2 = dot(d_hourglass, a2)
     if not flat:
-        warping = warping - elements.initial_hourglass[0, e]
-        along1 = along1 - elements.initial_hourglass[1, e]
-        along2 = along2 - elements.initial_hourglass[2, e]
+        warping = warping - elements.initial_hourglass[HourglassRow.warping, e]
+        along1 = along1 - elements.initial_hourglass[HourglassRow.director1, e]
+        along2 = along2 - elements.initial_hourglass[HourglassRow.director2, e]
     return warping, along1, along2

@@ -23,11 +23,7 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     scale,
     square_root,
 )
-from ..rows import (
-    MEAN_ANGLE_ROW,
-    POSITION_ROW,
-    REMAINDER_ROW,
-)
+from ..rows import CurvatureRow, GradientRow, MotionRow, OffsetRow, TransverseShearRow
 
 
 @cache
@@ -60,10 +56,16 @@ def corner_vectors(elements: Any, e: int, v1: Any, v2: Any, v3: Any, v4: Any):
     """Derivatives along warp and weft, mean, and hourglass vector of a vector field given at the four corners."""
     p = v1 - v3
     q = v2 - v4
-    along1 = corner_difference(elements.shape_gradient[0, e], elements.shape_gradient[2, e], p, q)
-    along2 = corner_difference(elements.shape_gradient[1, e], elements.shape_gradient[3, e], p, q)
+    along1 = corner_difference(
+        elements.shape_gradient[GradientRow.p1, e], elements.shape_gradient[GradientRow.q1, e], p, q
+    )
+    along2 = corner_difference(
+        elements.shape_gradient[GradientRow.p2, e], elements.shape_gradient[GradientRow.q2, e], p, q
+    )
     odd = (v1 - v2) + (v3 - v4)
-    hourglass = odd - corner_difference(elements.hourglass_offset[0, e], elements.hourglass_offset[1, e], p, q)
+    hourglass = odd - corner_difference(
+        elements.hourglass_offset[OffsetRow.p, e], elements.hourglass_offset[OffsetRow.q, e], p, q
+    )
     return along1, along2, (v1 + v2 + v3 + v4) / v1.dtype(4.0), hourglass
 
 
@@ -93,16 +95,16 @@ def element_positions(elements: Any, e: int, motion: Any):
     In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an element
     of 5 mm: the remainder that the time integration keeps makes differences exact to their own rounding.
     """
-    x1 = corner_vector(elements, e, 0, motion, POSITION_ROW)
-    r1 = corner_vector(elements, e, 0, motion, REMAINDER_ROW)
-    v2 = (corner_vector(elements, e, 1, motion, POSITION_ROW) - x1) + (
-        corner_vector(elements, e, 1, motion, REMAINDER_ROW) - r1
+    x1 = corner_vector(elements, e, 0, motion, MotionRow.position)
+    r1 = corner_vector(elements, e, 0, motion, MotionRow.remainder)
+    v2 = (corner_vector(elements, e, 1, motion, MotionRow.position) - x1) + (
+        corner_vector(elements, e, 1, motion, MotionRow.remainder) - r1
     )
-    v3 = (corner_vector(elements, e, 2, motion, POSITION_ROW) - x1) + (
-        corner_vector(elements, e, 2, motion, REMAINDER_ROW) - r1
+    v3 = (corner_vector(elements, e, 2, motion, MotionRow.position) - x1) + (
+        corner_vector(elements, e, 2, motion, MotionRow.remainder) - r1
     )
-    v4 = (corner_vector(elements, e, 3, motion, POSITION_ROW) - x1) + (
-        corner_vector(elements, e, 3, motion, REMAINDER_ROW) - r1
+    v4 = (corner_vector(elements, e, 3, motion, MotionRow.position) - x1) + (
+        corner_vector(elements, e, 3, motion, MotionRow.remainder) - r1
     )
     return corner_vectors(elements, e, type(x1)(), v2, v3, v4)
 
@@ -122,12 +124,12 @@ def skew_weights(elements: Any, e: int):
     curvature with its own normals would have just minus this a.d in the middle of a quadrilateral that is no
     parallelogram: both are means over the corners, but not at the same place.
     """
-    bp1 = elements.shape_gradient[0, e]
-    bp2 = elements.shape_gradient[1, e]
-    bq1 = elements.shape_gradient[2, e]
-    bq2 = elements.shape_gradient[3, e]
-    offset_p = elements.hourglass_offset[0, e]
-    offset_q = elements.hourglass_offset[1, e]
+    bp1 = elements.shape_gradient[GradientRow.p1, e]
+    bp2 = elements.shape_gradient[GradientRow.p2, e]
+    bq1 = elements.shape_gradient[GradientRow.q1, e]
+    bq2 = elements.shape_gradient[GradientRow.q2, e]
+    offset_p = elements.hourglass_offset[OffsetRow.p, e]
+    offset_q = elements.hourglass_offset[OffsetRow.q, e]
     inverse = fill(bp1, 1.0) / (bp1 * bq2 - bp2 * bq1)
     p1 = bq2 * inverse
     p2 = -(bq1 * inverse)
@@ -164,11 +166,11 @@ def element_strains(
     g1 = dot(a1, mean_director)
     g2 = dot(a2, mean_director)
     if not flat:
-        k11 = k11 - elements.initial_curvature[0, e]
-        k12 = k12 - elements.initial_curvature[1, e]
-        k22 = k22 - elements.initial_curvature[2, e]
-        g1 = g1 - elements.initial_transverse_shear[0, e]
-        g2 = g2 - elements.initial_transverse_shear[1, e]
+        k11 = k11 - elements.initial_curvature[CurvatureRow.k11, e]
+        k12 = k12 - elements.initial_curvature[CurvatureRow.k12, e]
+        k22 = k22 - elements.initial_curvature[CurvatureRow.k22, e]
+        g1 = g1 - elements.initial_transverse_shear[TransverseShearRow.g1, e]
+        g2 = g2 - elements.initial_transverse_shear[TransverseShearRow.g2, e]
     if skewed:
         skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(elements, e)
         g1 = g1 + skew11 * k11 + skew12 * k12 + skew13 * k22
@@ -182,7 +184,7 @@ def corner_angles(elements: Any, e: int, motion: Any, angle: Any):
     difference = type(angle)()
     square = type(angle)()
     for corner in range(4):
-        mean = pick(motion, elements.corner_node[corner, e], MEAN_ANGLE_ROW * elements.node_stride)
+        mean = pick(motion, elements.corner_node[corner, e], MotionRow.mean_angle * elements.node_stride)
         difference = difference + (angle - mean)
         square = square + (angle - mean) * (angle - mean)
     return difference, square

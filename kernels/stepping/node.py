@@ -8,17 +8,7 @@ import warp as wp
 from ..contact.penalty import touch_struct
 from ..contact.tool_distance import tool_set_struct
 from ..lanes import div, dot, lane_types, mul, rows3  # noqa: F401 - operators of lanes
-from ..rows import (
-    CLOCK_MEAN_STEP,
-    CLOCK_STEP,
-    DAMPING_ROW,
-    DIRECTOR_ROW,
-    FRICTION_ROW,
-    LOAD_ROW,
-    POSITION_ROW,
-    SUPPORT_ROW,
-    VELOCITY_ROW,
-)
+from ..rows import ClockEntry, MotionRow, NodeReportRow
 from .node_advance import (
     follow_supports_function,
     place_function,
@@ -71,11 +61,11 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
     ):
         present = Present()
         present.block = block
-        present.step = real(clock[CLOCK_STEP])
-        present.mean_step = real(clock[CLOCK_MEAN_STEP])
-        present.position = rows3(motion, POSITION_ROW, block)
-        present.velocity = rows3(motion, VELOCITY_ROW, block)
-        present.director = rows3(motion, DIRECTOR_ROW, block)
+        present.step = real(clock[ClockEntry.step])
+        present.mean_step = real(clock[ClockEntry.mean_step])
+        present.position = rows3(motion, MotionRow.position, block)
+        present.velocity = rows3(motion, MotionRow.velocity, block)
+        present.director = rows3(motion, MotionRow.director, block)
         present.mass = nodes.mass[block]
         present.half_thickness = lanes(laws.half_thickness)
         return present
@@ -91,9 +81,9 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         clock: wp.array(dtype=wp.float64),
         corners: wp.array(dtype=real),
         # Out
-        motion: wp.array2d(dtype=lanes),  # three rows for each of MOTION_ROWS, mean shear angle
+        motion: wp.array2d(dtype=lanes),  # rows: see MotionRow
         touch: Touch,
-        report: wp.array2d(dtype=lanes),  # NODE_REPORT_ROWS
+        report: wp.array2d(dtype=lanes),  # rows: see NodeReportRow
     ):
         block = first_block + wp.tid()
         present = present_block(block, nodes, laws, clock, motion)
@@ -125,11 +115,11 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         moving = wp.cw_mul(free, middle)
         worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, supports)
         damped = dashpot_power - dot(dashpots, middle) + laws.damping * present.mass * dot(moving, moving)
-        book(report, SUPPORT_ROW, block, worked)
-        book(report, FRICTION_ROW, block, present.mean_step * (friction_power - dot(friction, middle)))
-        book(report, DAMPING_ROW, block, lost + present.mean_step * damped + spin_loss)
+        book(report, NodeReportRow.support_work, block, worked)
+        book(report, NodeReportRow.friction_work, block, present.mean_step * (friction_power - dot(friction, middle)))
+        book(report, NodeReportRow.damping_loss, block, lost + present.mean_step * damped + spin_loss)
         if wp.static(traits.loaded):
             power = dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_sum)
-            book(report, LOAD_ROW, block, present.mean_step * power)
+            book(report, NodeReportRow.load_work, block, present.mean_step * power)
 
     return node_motion

@@ -21,7 +21,7 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     store_rows3,
     where_positive,
 )
-from ..rows import DIRECTOR_ROW, POSITION_ROW, REMAINDER_ROW, SPIN_ROW, VELOCITY_ROW
+from ..rows import MotionRow
 from .node_data import motion_struct, node_struct, present_struct, support_struct
 
 
@@ -120,12 +120,12 @@ def place_function(real: type, lane_count: int, has_tools: bool):
             moved = wp.sqrt(lane_maximum(dot(travel, travel)))
             for k in range(tool_count):
                 touch.gap[k, block] = real(0.999999) * touch.gap[k, block] - moved
-        store_rows3(motion, VELOCITY_ROW, block, velocity)
+        store_rows3(motion, MotionRow.velocity, block, velocity)
         # compensated sum: nothing of a small step is lost beside a large coordinate
-        whole = travel + rows3(motion, REMAINDER_ROW, block)
+        whole = travel + rows3(motion, MotionRow.remainder, block)
         position = present.position + whole
-        store_rows3(motion, REMAINDER_ROW, block, whole - (position - present.position))
-        store_rows3(motion, POSITION_ROW, block, position)
+        store_rows3(motion, MotionRow.remainder, block, whole - (position - present.position))
+        store_rows3(motion, MotionRow.position, block, position)
 
     return place
 
@@ -142,7 +142,7 @@ def turn_function(real: type, lane_count: int):
         """I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps the director's length."""
         block = present.block
         director = present.director
-        spin = rows3(motion, SPIN_ROW, block)
+        spin = rows3(motion, MotionRow.spin, block)
         free = freedom_mask(nodes.freedom[block], 3, lanes3())
         inverse_inertia = nodes.inverse_inertia[block]
         turning = wp.cw_mul(free, scale(inverse_inertia, cross(director, couple)))
@@ -155,8 +155,8 @@ def turn_function(real: type, lane_count: int):
         quarter = real(0.25) * dot(angle, angle)
         one = fill(quarter, 1.0)
         new_director = scale(one / (one + quarter), scale(one - quarter, director) + cross(angle, director))
-        store_rows3(motion, SPIN_ROW, block, new_spin)
-        store_rows3(motion, DIRECTOR_ROW, block, new_director)
+        store_rows3(motion, MotionRow.spin, block, new_spin)
+        store_rows3(motion, MotionRow.director, block, new_director)
         return spin_sum, loss
 
     return turn

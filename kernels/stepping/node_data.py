@@ -41,7 +41,7 @@ def node_struct(real: type, lane_count: int):
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
         angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
         thickness_weight: wp.array(dtype=types.lanes)  # of each in its mean thickness, if tools meet that
-        load: wp.array2d(dtype=types.vec3)  # rows: force [N], couple [N m] at a share of one
+        load: wp.array2d(dtype=types.vec3)  # rows: see LoadRow
         load_time: wp.array(dtype=wp.float64)  # knots of the loads' share [s]
         load_share: wp.array(dtype=wp.float64)
         freedom: wp.array(dtype=types.indices)  # bits 0-2: x, y, z may move; bits 3-5: director may turn about x, y, z

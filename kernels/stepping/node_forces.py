@@ -16,15 +16,7 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     pick,
     where_positive,
 )
-from ..rows import (
-    ANGLE_ROW,
-    CLOCK_TIME,
-    COUPLE_ROW,
-    GROWTH_ROW,
-    HALF_THICKNESS_ROW,
-    MEAN_ANGLE_ROW,
-    THICKNESS_ROW,
-)
+from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, NodeReportRow
 from .node_data import motion_struct, node_struct, present_struct
 
 
@@ -66,11 +58,11 @@ def gather_corners_function(real: type, lane_count: int, follows_thickness: bool
         thickness = lanes()
         for slot in range(nodes.corner_offset.shape[0]):
             offset = nodes.corner_offset[slot, block]
-            force = add_vector(corners, offset, nodes.corner_stride, 0, force)
-            couple = add_vector(corners, offset, nodes.corner_stride, COUPLE_ROW, couple)
-            angle = add_scalar(corners, offset, ANGLE_ROW * nodes.corner_stride, angle)
+            force = add_vector(corners, offset, nodes.corner_stride, CornerRow.force, force)
+            couple = add_vector(corners, offset, nodes.corner_stride, CornerRow.couple, couple)
+            angle = add_scalar(corners, offset, CornerRow.angle * nodes.corner_stride, angle)
             if wp.static(follows_thickness):
-                thickness = add_scalar(corners, offset, THICKNESS_ROW * nodes.corner_stride, thickness)
+                thickness = add_scalar(corners, offset, CornerRow.thickness * nodes.corner_stride, thickness)
         return force, couple, angle, thickness
 
     return gather_corners
@@ -86,9 +78,9 @@ def follow_angle_function(real: type, lane_count: int):
     def follow_angle(block: wp.int32, nodes: Nodes, laws: MotionLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
         # the elements met the mean of one step before: that resists its change, which is booked as damping
         mean_angle = nodes.angle_weight[block] * angle
-        late = mean_angle - motion[MEAN_ANGLE_ROW, block]
+        late = mean_angle - motion[MotionRow.mean_angle, block]
         weight = nodes.angle_weight[block]
-        motion[MEAN_ANGLE_ROW, block] = mean_angle
+        motion[MotionRow.mean_angle, block] = mean_angle
         return where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
 
     return follow_angle
@@ -105,11 +97,11 @@ def follow_thickness_function(real: type, lane_count: int):
         block = present.block
         present.half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
         # work of the present springs from half a step ago to half a step ahead, whose part is extrapolated
-        last = present.half_thickness - report[HALF_THICKNESS_ROW, block]
-        present.growth = real(1.5) * last - real(0.5) * report[GROWTH_ROW, block]
+        last = present.half_thickness - report[NodeReportRow.half_thickness, block]
+        present.growth = real(1.5) * last - real(0.5) * report[NodeReportRow.half_thickness_growth, block]
         present.thickened = wp.max(lane_maximum(last), real(0.0))
-        report[HALF_THICKNESS_ROW, block] = present.half_thickness
-        report[GROWTH_ROW, block] = last
+        report[NodeReportRow.half_thickness, block] = present.half_thickness
+        report[NodeReportRow.half_thickness_growth, block] = last
         return present
 
     return follow_thickness
@@ -124,9 +116,9 @@ def apply_loads_function(real: type, lane_count: int):
     @wp.func
     def apply_loads(present: Present, nodes: Nodes, clock: wp.array(dtype=wp.float64), force: lanes3, couple: lanes3):
         first = present.block * lane_count
-        share = real(load_share(nodes.load_time, nodes.load_share, clock[CLOCK_TIME]))
-        applied_force = share * load(nodes.load[0], first, lanes3())
-        applied_couple = share * load(nodes.load[1], first, lanes3())
+        share = real(load_share(nodes.load_time, nodes.load_share, clock[ClockEntry.time]))
+        applied_force = share * load(nodes.load[LoadRow.force], first, lanes3())
+        applied_couple = share * load(nodes.load[LoadRow.couple], first, lanes3())
         # a moment M turns the director as the conjugate M x d does, without its part along d
         return force + applied_force, couple + cross(applied_couple, present.director), applied_force, applied_couple
 

@@ -5,7 +5,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import lane_types
-from ..rows import CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME
+from ..rows import ClockEntry
 
 # A step that shrinks goes to this share of the limit, so that it need not shrink again at once.
 STEP_MARGIN = wp.constant(0.98)
@@ -51,14 +51,14 @@ def set_step_kernel(real: type):
         for i in range(maxima.shape[0]):
             largest = wp.where(maxima[i] <= largest, largest, maxima[i])
         stable = safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest))
-        old = clock[CLOCK_STEP]
+        old = clock[ClockEntry.step]
         new = old
         if not wp.min(stable, largest_step) >= old:  # a NaN shrinks the step too, and so stops the run
             new = wp.min(wp.float64(STEP_MARGIN) * stable, largest_step)
         elif stable > wp.float64(STEP_SLACK) * old:
             new = wp.min(wp.float64(STEP_GROWTH) * old, largest_step)
-        clock[CLOCK_STEP] = new
-        clock[CLOCK_MEAN_STEP] = wp.float64(0.5) * (old + new)
+        clock[ClockEntry.step] = new
+        clock[ClockEntry.mean_step] = wp.float64(0.5) * (old + new)
 
     return set_step
 
@@ -76,7 +76,7 @@ def look_at_clock(
 ):
     """A single thread; the first end of a block at or beyond the target ends the interval, and so does a lost state."""
     block_count[0] = block_count[0] + done
-    step = clock[CLOCK_STEP]
+    step = clock[ClockEntry.step]
     # comparisons with NaN are false
     alive = step > wp.float64(0.0) and wp.isfinite(step)
-    running[0] = wp.where(alive and clock[CLOCK_TIME] < target[0] and block_count[0] < largest_block_count, 1, 0)
+    running[0] = wp.where(alive and clock[ClockEntry.time] < target[0] and block_count[0] < largest_block_count, 1, 0)

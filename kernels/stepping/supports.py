@@ -4,7 +4,7 @@ from functools import cache
 
 import warp as wp
 
-from ..rows import CLOCK_STEP, CLOCK_TIME
+from ..rows import ClockEntry
 
 
 @wp.func
@@ -44,7 +44,7 @@ def support_motion_kernel(real: type):
         displacement: wp.array(dtype=wp.float64),  # at the end of the step [m]
         increment: wp.array(dtype=real),  # of the step [m]
     ):
-        next_time = clock[CLOCK_TIME] + clock[CLOCK_STEP]
+        next_time = clock[ClockEntry.time] + clock[ClockEntry.step]
         for k in range(displacement.shape[0]):
             goal = piecewise_cubic(start, piece, first_piece[k], first_piece[k + 1] - 1, next_time)
             change = real(goal - displacement[k])

@@ -17,7 +17,7 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     scale,
     store_rows3,
 )
-from ..rows import THICKNESS_WORK_ROW
+from ..rows import NodeReportRow
 from .node_data import NodeTraits, motion_struct, present_struct
 
 
@@ -110,7 +110,9 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
                         present, laws, tool.friction, tool_velocity, penetration, normal, stretch
                     )
                     if wp.static(traits.follows_thickness):
-                        report[THICKNESS_WORK_ROW, block] = report[THICKNESS_WORK_ROW, block] + spring * present.growth
+                        report[NodeReportRow.thickness_work, block] = (
+                            report[NodeReportRow.thickness_work, block] + spring * present.growth
+                        )
                     push = pressed + drag
                     force = force + push
                     friction = friction + drag

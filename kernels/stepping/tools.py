@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from ..rows import CLOCK_MEAN_STEP, CLOCK_STEP, CLOCK_TIME
+from ..rows import ClockEntry, ToolWorkRow
 
 STROKE = wp.constant(0)
 FORCE = wp.constant(1)
@@ -87,10 +87,10 @@ def tool_motion_kernel(real: type):
         displacement: wp.array(dtype=wp.float64),
         velocity: wp.array(dtype=wp.float64),
         total_reaction: wp.array(dtype=wp.vec3d),
-        work: wp.array2d(dtype=wp.float64),  # rows: work of the tool on the sheet, work of the driving force [J]
+        work: wp.array2d(dtype=wp.float64),  # rows: see ToolWorkRow
     ):
-        step = clock[CLOCK_STEP]
-        next_time = clock[CLOCK_TIME] + step
+        step = clock[ClockEntry.step]
+        next_time = clock[ClockEntry.time] + step
         for k in range(drives.shape[0]):
             drive = drives[k]
             total = total_force(reactions, k)
@@ -101,18 +101,18 @@ def tool_motion_kernel(real: type):
             drive_force = wp.float64(0.0)
             new = curve_value(curve_times, curve_values, drive, next_time)
             if drive.kind == FORCE:
-                drive_force = curve_value(curve_times, curve_values, drive, clock[CLOCK_TIME])
-                new_velocity = velocity[k] + clock[CLOCK_MEAN_STEP] * (drive_force + along) / drive.mass
+                drive_force = curve_value(curve_times, curve_values, drive, clock[ClockEntry.time])
+                new_velocity = velocity[k] + clock[ClockEntry.mean_step] * (drive_force + along) / drive.mass
                 velocity[k] = new_velocity
                 new = old + step * new_velocity
             else:
                 velocity[k] = (new - old) / step
             displacement[k] = new
             # forces are those of the present, between two half steps: like a node, the tool travels the mean of both
-            travel = wp.float64(0.5) * clock[CLOCK_MEAN_STEP] * (old_velocity + velocity[k])
-            work[0, k] = work[0, k] - along * travel
-            work[1, k] = work[1, k] + drive_force * travel
-        clock[CLOCK_TIME] = next_time
-        clock[CLOCK_MEAN_STEP] = step
+            travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
+            work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * travel
+            work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * travel
+        clock[ClockEntry.time] = next_time
+        clock[ClockEntry.mean_step] = step
 
     return tool_motion

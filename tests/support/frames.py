@@ -1,7 +1,6 @@
 """An observer that keeps what it is given."""
 
-from weavesim.run.frame import Frame, Outcome
-from weavesim.run.simulation import Simulation
+from weavesim.run.frame import Frame, Outcome, RunInfo
 
 
 class Frames:
@@ -10,7 +9,7 @@ class Frames:
     def __init__(self) -> None:
         self.all: list[Frame] = []
 
-    def start(self, simulation: Simulation) -> None:
+    def start(self, info: RunInfo) -> None:
         self.all.clear()
 
     def frame(self, frame: Frame) -> None:

@@ -1,17 +1,21 @@
 """A run that never was: a quarter of a double dome, formed by a formula instead of by mechanics."""
 
-from types import SimpleNamespace
-
 import numpy as np
 
+from weavesim.fabric.presets import glass_polypropylene
 from weavesim.measures.angles import yarn_vectors
-from weavesim.run.frame import Frame, SheetFrame
+from weavesim.run.frame import Frame, RunInfo, SheetFrame, SheetInfo
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.symmetry import Symmetry
+from weavesim.tools.shapes import Plane
+from weavesim.tools.tool import Tool
 
 HALF_LENGTH, HALF_WIDTH, DEPTH, THICKNESS = 0.235, 0.135, 0.06, 0.0012
 
 
-class DrawnTool(SimpleNamespace):
+class DrawnTool(Tool):
+    """A tool that only its picture has a shape of."""
+
     def display_triangles(self):
         import trimesh
 
@@ -28,9 +32,9 @@ class DrawnTool(SimpleNamespace):
 
 def drawn_tools():
     return (
-        DrawnTool(name="punch", axis=(0.0, 0.0, -1.0), friction=0.2, colour=(0.55, 0.6, 0.68)),
-        DrawnTool(name="die", axis=(0.0, 0.0, 1.0), friction=0.2, colour=(0.4, 0.42, 0.48)),
-        DrawnTool(name="blank_holder", axis=(0.0, 0.0, -1.0), friction=0.2, colour=(0.7, 0.7, 0.72)),
+        DrawnTool("punch", Plane(), axis=(0.0, 0.0, -1.0), friction=0.2, colour=(0.55, 0.6, 0.68)),
+        DrawnTool("die", Plane(), axis=(0.0, 0.0, 1.0), friction=0.2, colour=(0.4, 0.42, 0.48)),
+        DrawnTool("blank_holder", Plane(), axis=(0.0, 0.0, -1.0), friction=0.2, colour=(0.7, 0.7, 0.72)),
     )
 
 
@@ -84,18 +88,17 @@ def made_frame(blank: Blank, index: int, progress: float, tool_count: int = 3) -
     )  # fmt: skip
 
 
+def made_info(blank: Blank, symmetry: Symmetry | None = None, **given) -> RunInfo:
+    """The double dome's, with one sheet; ``given`` goes before it."""
+    tools = drawn_tools()
+    sheet = SheetInfo("sheet", blank, glass_polypropylene(), symmetry or Symmetry(), tuple(range(len(tools))))
+    settings = {"sheets": (sheet,), "tools": tools, "supports": (), "duration": DEPTH, "frame_count": 11}
+    return RunInfo(name="double_dome", **(settings | given))
+
+
 def made_run(element_size: float = 0.005, frame_count: int = 12, quarter: bool = True):
     lower = (0.0, 0.0) if quarter else (-HALF_LENGTH, -HALF_WIDTH)
     blank = Blank.rectangle(lower, (HALF_LENGTH, HALF_WIDTH), element_size)
-    simulation = SimpleNamespace(
-        name="double_dome",
-        blank=blank,
-        tools=drawn_tools(),
-        fabric=SimpleNamespace(name="glass/PP plain weave", areal_density=0.743, thickness=THICKNESS),
-        symmetry=("x", "y") if quarter else (),
-        precision="float32",
-        device="cpu",
-        duration=DEPTH,
-    )
+    info = made_info(blank, Symmetry(("x", "y") if quarter else ()))
     frames = [made_frame(blank, i, i / (frame_count - 1)) for i in range(frame_count)]
-    return simulation, frames
+    return info, frames

@@ -11,8 +11,8 @@ from warp import float64 as real
 
 from weavesim.checks import Positive
 from weavesim.fabric.cell import EnergyCell, UnitCell
+from weavesim.fabric.cell.weaves import FloatWeave
 from weavesim.fabric.presets import UNIT_CELLS
-from weavesim.fabric.weaves import FloatWeave
 
 
 @wp.func

@@ -3,12 +3,14 @@
 import numpy as np
 
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
+from weavesim.kernels.rows import CornerRow, MotionRow
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
+POSITION, DIRECTOR, REMAINDER = MotionRow.position.vector, MotionRow.director.vector, MotionRow.remainder.vector
 NO_STABILISATION = Stabilisation(in_plane=0.0, warping=0.0, director=0.0)
 
 
@@ -42,9 +44,9 @@ class Sheet:
     def place(self, position: np.ndarray, director: np.ndarray, *, fresh: bool = True) -> None:
         """Set positions (n, 3) [m] and unit directors (n, 3); ``fresh`` unit cells start from rest."""
         motion = self._start.copy()
-        motion[0, : self.node_count], motion[2, : self.node_count] = position, director
+        motion[POSITION, : self.node_count], motion[DIRECTOR, : self.node_count] = position, director
         held = motion.astype(self.simulation.precision.numpy)
-        motion[4] += motion[0] - held[0]
+        motion[REMAINDER] += motion[POSITION] - held[POSITION]
         model, state = self.simulation.model, self.simulation.state
         model.write_motion(state.motion, motion)
         if fresh:
@@ -61,7 +63,8 @@ class Sheet:
         """Forces, director gradients and angles, (3, corner, component, element)."""
         rows = self.simulation.stepper.corner_rows().astype(np.float64)
         # the angle is in all corners
-        return np.stack([rows[:, :3], rows[:, 3:6], np.broadcast_to(rows[:, 6:7], rows[:, :3].shape)])
+        force, couple, angle = (rows[:, row.span] for row in (CornerRow.force, CornerRow.couple, CornerRow.angle))
+        return np.stack([force, couple, np.broadcast_to(angle, force.shape)])
 
     def forces(
         self, position: np.ndarray, director: np.ndarray, *, fresh: bool = True

@@ -7,9 +7,9 @@ import pytest
 
 from tests.support.tables import columns
 from weavesim.errors import InputError
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.scenes import picture_frame
 from weavesim.scenes.picture_frame import PictureFrameParameters
 

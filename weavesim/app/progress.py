@@ -13,13 +13,11 @@ from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..errors import InputError
-from ..run.frame import Frame, Outcome
+from ..run.frame import Frame, Outcome, RunInfo
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress, TaskID
-
-    from ..run.simulation import Simulation
 
 LOG_NAME = "run.log"
 # Off a terminal, lines are spread evenly over a run.
@@ -57,16 +55,16 @@ class ProgressBar:
         self._start = 0.0
         self._line_index = -1
 
-    def start(self, simulation: Simulation) -> None:
+    def start(self, info: RunInfo) -> None:
         from rich.logging import RichHandler
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
-        self._name = simulation.name.replace("_", " ")
-        self._duration = simulation.duration
+        self._name = info.name.replace("_", " ")
+        self._duration = info.duration
         self._start = time.perf_counter()
         self._handler = RichHandler(logging.WARNING, self._console, show_time=False, show_path=False)
         logging.getLogger("weavesim").addHandler(self._handler)
-        for warning in simulation.warnings:
+        for warning in info.warnings:
             self._print(f"warning: {warning}")
         if self._console.is_terminal:
             self._progress = Progress(
@@ -81,8 +79,7 @@ class ProgressBar:
             self._task = self._progress.add_task(self._name, total=self._duration, state="preparing")
             self._progress.start()
         else:
-            blank = simulation.blank
-            self._print(f"{blank.element_count} elements, {blank.node_count} nodes")
+            self._print(f"{info.element_count} elements, {info.node_count} nodes")
 
     def frame(self, frame: Frame) -> None:
         if frame.index == 0:
@@ -142,34 +139,38 @@ class RunLog:
         )
         self._logger.addHandler(self._memory)
 
-    def start(self, simulation: Simulation) -> None:
+    def start(self, info: RunInfo) -> None:
         self._begin_file()
-        blank, fabric = simulation.blank, simulation.fabric
         lines = [
             f"weavesim {__version__}, Python {platform.python_version()}, {platform.platform()}",
-            f"{simulation.name}: {simulation.precision} on {simulation.device} with "
-            f"{' or '.join(map(str, simulation.thread_counts))} threads, "
-            f"duration {simulation.duration:g} s",
-            f"blank: {blank.element_count} elements, {blank.node_count} nodes",
-            f"mirrored at: {', '.join(simulation.symmetry) or 'no plane'}",
-            f"fabric: {fabric.name}, {fabric.areal_density:g} kg/m^2, thickness {fabric.thickness:g} m",
+            f"{info.name}: {info.precision} on {info.device} with "
+            f"{' or '.join(map(str, info.thread_counts))} threads, "
+            f"duration {info.duration:g} s",
         ]
-        for tool in simulation.tools:
+        for sheet in info.sheets:
+            blank, fabric = sheet.blank, sheet.fabric
+            if len(info.sheets) > 1:
+                lines.append(f"sheet {sheet.name}")
+            lines += [
+                f"blank: {blank.element_count} elements, {blank.node_count} nodes",
+                f"mirrored at: {', '.join(sheet.symmetry.planes) or 'no plane'}",
+                f"fabric: {fabric.name}, {fabric.areal_density:g} kg/m^2, thickness {fabric.thickness:g} m",
+            ]
+        for tool in info.tools:
             # A stroke or a mesh can have thousands of numbers.
             shape, motion = (textwrap.shorten(repr(part), 160) for part in (tool.shape, tool.motion))
             lines.append(f"tool {tool.name}: {shape}, {motion}, friction {tool.friction:g}")
-        lines += simulation.notes
-        lines += [f"warning: {warning}" for warning in simulation.warnings]
+        lines += info.notes
+        lines += [f"warning: {warning}" for warning in info.warnings]
         for line in lines:
             self._logger.info("%s", line)
-        self._simulation = simulation
+        self._tool_names = [tool.name for tool in info.tools]
         self._start = time.perf_counter()
 
     def frame(self, frame: Frame) -> None:
-        names = [tool.name for tool in self._simulation.tools]
         forces = ", ".join(
             f"{name} {1e3 * way:.2f} mm ({x:.4g}, {y:.4g}, {z:.4g}) N"
-            for name, way, (x, y, z) in zip(names, frame.tool_displacement, frame.tool_reaction, strict=True)
+            for name, way, (x, y, z) in zip(self._tool_names, frame.tool_displacement, frame.tool_reaction, strict=True)
         )
         energies = ", ".join(f"{name} {value:.4g}" for name, value in frame.energies.items())
         self._logger.info(
@@ -183,8 +184,6 @@ class RunLog:
         )
 
     def finish(self, outcome: Outcome) -> None:
-        if self._simulation.failure:
-            self._logger.info("%s", self._simulation.failure)
         self._logger.info("%s after %.2f s", outcome.value, time.perf_counter() - self._start)
         self.close()
 

@@ -3,45 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import warp as wp
 
 from ..device import Precision
 from ..errors import InputError
-from ..fabric.bending import BendingCurve, IsotropicBending
-from ..fabric.curve import tabulate
+from ..fabric.device import law_traits, sheet_laws
 from ..fabric.fabric import Fabric
-from ..fabric.shear import LARGEST_SHEAR_ANGLE, LinearShear
-from ..kernels.curve import curve_struct
 from ..kernels.lanes import lane_types
-from ..kernels.rows import (
-    CORNER_ROW_COUNT,
-    MEAN_ANGLE_ROW,
-    MOTION_ROW_COUNT,
-    MOTION_ROWS,
-    NODE_REPORT_ROWS,
-    ROWS_PER_CORNER,
-)
+from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
-from ..kernels.shell.laws import BENDING_CURVES, BENDING_ISOTROPIC, BENDING_YARNS, SheetTraits, sheet_struct
+from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.node_data import motion_struct, node_struct
 from ..process.dynamics import Dynamics
 from ..process.loads import NodalLoads
 from ..sheet.blank import Blank
 from ..sheet.geometry import ElementGeometry
+from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
 from .layout import BLOCK, RowLayout, lanes_view, padded
 
 # Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
-# Distances to tools are computed again when this share of half the thickness is left between them and a tool.
+# Nodes are measured again when this share of half the thickness is left between them and a tool.
 SPARE_DISTANCE = 0.5
-# Cubic pieces of a measured curve on the device.
-CURVE_PIECE_COUNT = 512
 
 
 class Model:
@@ -90,7 +78,7 @@ class Model:
         self.element_count = padded(blank.element_count, 1)
         self.node_count = padded(blank.node_count, 4)
         self.corners = RowLayout(CORNER_ROW_COUNT, self.element_count, lane_count)
-        self.motion_layout = RowLayout(MOTION_ROW_COUNT, self.node_count, lane_count)
+        self.motion_layout = RowLayout(MotionRow.row_count(), self.node_count, lane_count)
         self.friction_layout = RowLayout(3 * max(tool_count, 1), self.node_count, lane_count)
         self.geometry = ElementGeometry.of(blank)
 
@@ -136,21 +124,15 @@ class Model:
 
     @property
     def node_report_rows(self) -> tuple[str, ...]:
-        """Those of NODE_REPORT_ROWS that this run has."""
-        first = "half_thickness" if self.loads is not None else "load_work"
-        return NODE_REPORT_ROWS if self.follows_thickness else NODE_REPORT_ROWS[: NODE_REPORT_ROWS.index(first)]
+        """Names of those rows of ``NodeReportRow`` that this run has."""
+        first = NodeReportRow.half_thickness if self.loads is not None else NodeReportRow.load_work
+        return NodeReportRow.names()[: None if self.follows_thickness else first]
 
     @property
     def sheet_traits(self) -> SheetTraits:
         """What the kernels of this sheet are made for."""
-        bending = self.fabric.bending
-        isotropic = isinstance(bending, IsotropicBending)
-        kind = BENDING_ISOTROPIC if isotropic else BENDING_CURVES if bending.curved else BENDING_YARNS
         return SheetTraits(
-            curved_shear=not isinstance(self.fabric.shear, LinearShear),
-            bending=int(kind),
-            shear_friction=self.fabric.shear_friction is not None,
-            bending_friction=self.fabric.has_bending_friction,
+            **law_traits(self.fabric),
             follows_thickness=self.follows_thickness,
             flat=self.geometry.flat,
             skewed=bool(np.abs(self.geometry.hourglass_offset).max() > 1.0e-9),
@@ -208,46 +190,9 @@ class Model:
         return elements
 
     def _sheet_laws(self):
-        fabric, shear, bending = self.fabric, self.fabric.shear, self.fabric.bending
-        laws = sheet_struct(self.real)()
-        laws.shear.stiffness = fabric.thickness * shear.modulus if isinstance(shear, LinearShear) else 0.0
-        laws.shear.curve = self._curve(lambda angle: shear.moment(angle, fabric.thickness), LARGEST_SHEAR_ANGLE)
-        friction = fabric.shear_friction
-        laws.shear.friction_stiffness = friction.stiffness if friction else 0.0
-        laws.shear.crossover_friction_length = friction.crossover_friction_length if friction else 0.0
-        laws.shear.friction_limit = self._curve(friction.limit_at if friction else np.zeros_like, LARGEST_SHEAR_ANGLE)
-        isotropic = isinstance(bending, IsotropicBending)
-        laws.bending.stiffness = bending.stiffness(fabric.thickness) if isotropic else 0.0
-        laws.bending.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
-        families = (BendingCurve.straight(0.0),) * 2 if isotropic else bending.families
-        per_yarn = (0.0, 0.0) if isotropic else (bending.twist, bending.coupling)
-        laws.bending.yarn_stiffness = self.types.vec4(*(family.initial_stiffness for family in families), *per_yarn)
-        laws.bending.warp_curve, laws.bending.weft_curve = (
-            self._curve(family.moment, family.curvature[-1]) for family in families
-        )
-        vec2 = wp.types.vector(2, self.real)
-        # a family without friction has a slider that never holds: any spring will do
-        laws.bending.friction_stiffness = vec2(*(family.friction_stiffness or 1.0 for family in families))
-        laws.bending.friction_limit = vec2(*(family.friction_limit for family in families))
-        laws.thickness = fabric.thickness
-        laws.thickening = fabric.compaction.thickening
-        laws.inverse_crossover_modulus = 1.0 / fabric.compaction.modulus(fabric.unit_cell)
-        laws.slip_resolution = 4.0 * np.finfo(self.precision.numpy).eps
-        laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
-        laws.in_plane_bending_stiffness = fabric.in_plane_bending_stiffness
-        laws.compressive_stiffness = fabric.compressive_stiffness
-        laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(fabric)
+        laws = sheet_laws(self.fabric, self.precision, self.device)
+        laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(self.fabric)
         return laws
-
-    def _curve(self, function: Callable[[np.ndarray], np.ndarray], end: float):
-        """Device table of a function from 0 to ``end``."""
-        curve = curve_struct(self.real)()
-        curve.knot_spacing = end / CURVE_PIECE_COUNT
-        curve.knots_per_unit = CURVE_PIECE_COUNT / end
-        coefficients, integral = tabulate(function, end / CURVE_PIECE_COUNT, CURVE_PIECE_COUNT)
-        curve.coefficient = self._array(coefficients, self.types.vec4)
-        curve.integral = self._array(integral, self.real)
-        return curve
 
     def _nodes(self, free: np.ndarray):
         count = self.blank.node_count
@@ -265,16 +210,16 @@ class Model:
         # entries of a padding element are always zero: nodes with fewer neighbours read them
         spare = self.corners.entry(0, self.blank.element_count)
         table = np.full((slot.max() + 1, self.node_count), spare, dtype=np.int32)
-        table[slot, node[order]] = self.corners.entry(int(ROWS_PER_CORNER) * corner, element)[order]
+        table[slot, node[order]] = self.corners.entry(ROWS_PER_CORNER * corner, element)[order]
         nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
         nodes.corner_stride = self.corners.stride
         count_around = np.bincount(node, minlength=count)
-        angle_weight = np.where(self._mirrored_angle(free), 0.0, 1.0 / count_around)
+        angle_weight = np.where(nodes_of_odd_angle(self.blank, free), 0.0, 1.0 / count_around)
         bits = (free @ (1 << np.arange(6))).astype(np.int32)
         freedom = np.zeros(self.node_count, dtype=np.int32)
         freedom[:count] = bits
         nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
-        loads = np.zeros((2, self.node_count if self.loads else 0, 3))
+        loads = np.zeros((LoadRow.row_count(), self.node_count if self.loads else 0, 3))
         if self.loads:
             loads[:, :count] = self.loads.arrays(count)
         nodes.load = self._array(loads, self.types.vec3)
@@ -291,22 +236,6 @@ class Model:
         nodes.inverse_mass = lanes(1.0 / self.node_mass)
         nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
         return nodes
-
-    def _mirrored_angle(self, free: np.ndarray) -> np.ndarray:
-        """Nodes on a symmetry plane whose mirror image has the opposite shear angle, so that the mean there is zero.
-
-        A node held along x (or y) whose director may turn about that axis alone lies on such a plane; the angle changes
-        sign when a yarn lies along the plane's normal, and keeps it when the yarns lie at 45 degrees to it.
-        """
-        mirrored = np.zeros(len(free), dtype=bool)
-        along = np.zeros((len(free), 3))
-        for corner in range(4):
-            np.add.at(along, self.blank.quads[:, corner], np.square(self.blank.warp_direction))
-        along /= along.sum(axis=1, keepdims=True)
-        for axis in range(2):
-            on_plane = ~free[:, axis] & free[:, 3 + axis] & ~free[:, [3 + a for a in range(3) if a != axis]].any(axis=1)
-            mirrored |= on_plane & (np.abs(along[:, axis] - 0.5) > 0.25)
-        return mirrored
 
     def _motion_laws(self, contact_frequency: float):
         laws = motion_struct(self.real)()
@@ -332,28 +261,29 @@ class Model:
         return rows
 
     def read_motion(self, motion: wp.array) -> np.ndarray:
-        """Rows MOTION_ROWS of a motion array, (5, padded nodes, 3); waits for the device."""
-        rows = self.motion_layout.read(motion)[: 3 * len(MOTION_ROWS)]
-        return rows.reshape(len(MOTION_ROWS), 3, -1).transpose(0, 2, 1)
+        """MOTION_VECTORS of a motion array, (vectors, padded nodes, 3); waits for the device."""
+        rows = self.motion_layout.read(motion)[: 3 * len(MOTION_VECTORS)]
+        return rows.reshape(len(MOTION_VECTORS), 3, -1).transpose(0, 2, 1)
 
     def write_motion(self, motion: wp.array, rows: np.ndarray, mean_angle: np.ndarray | None = None) -> None:
-        """Set a motion array to rows MOTION_ROWS, and the mean shear angles of the nodes [rad] if given."""
+        """Set MOTION_VECTORS of a motion array, and the mean shear angles of the nodes [rad] if given."""
         values = self.motion_layout.read(motion)
-        values[: 3 * len(MOTION_ROWS)] = rows.transpose(0, 2, 1).reshape(3 * len(MOTION_ROWS), -1)
+        values[: 3 * len(MOTION_VECTORS)] = rows.transpose(0, 2, 1).reshape(3 * len(MOTION_VECTORS), -1)
         if mean_angle is not None:
-            values[int(MEAN_ANGLE_ROW), : len(mean_angle)] = mean_angle
+            values[MotionRow.mean_angle, : len(mean_angle)] = mean_angle
         motion.assign(self.motion_layout.flat(values))
 
     def initial_motion(self, velocity: np.ndarray | None = None) -> np.ndarray:
-        """Rows MOTION_ROWS, (5, padded nodes, 3); the remainder is what the precision cannot hold of the positions."""
+        """MOTION_VECTORS at the start, (vectors, padded nodes, 3)."""
         count = self.blank.node_count
-        rows = np.zeros((len(MOTION_ROWS), self.node_count, 3))
-        rows[0, :count] = self.blank.node_position
+        rows = np.zeros((len(MOTION_VECTORS), self.node_count, 3))
+        position, velocities, director, _, remainder = rows
+        position[:count] = self.blank.node_position
         # the padding square, far from nothing: its nodes have no contact stiffness
-        rows[0, count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
-        rows[2, :, 2] = 1.0
-        rows[2, :count] = self.blank.initial_director
+        position[count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+        director[:, 2] = 1.0
+        director[:count] = self.blank.initial_director
         if velocity is not None:
-            rows[1, :count] = velocity
-        rows[4] = rows[0] - rows[0].astype(self.precision.numpy)
+            velocities[:count] = velocity
+        remainder[:] = position - position.astype(self.precision.numpy)
         return rows

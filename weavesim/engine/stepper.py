@@ -20,12 +20,7 @@ import warp as wp
 from ..device import load_kernel
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
-from ..kernels.rows import (
-    CLOCK_MEAN_STEP,
-    CLOCK_STEP,
-    CLOCK_TIME,
-    ROWS_PER_CORNER,
-)
+from ..kernels.rows import ROWS_PER_CORNER, ClockEntry, CornerRow
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
@@ -139,7 +134,7 @@ class Stepper:
         self.refresh_step()
         # velocities live at half steps, the initial ones at time zero: the first change is that of half a step
         clock = state.clock.numpy()
-        clock[CLOCK_MEAN_STEP] = 0.5 * clock[CLOCK_STEP]
+        clock[ClockEntry.mean_step] = 0.5 * clock[ClockEntry.step]
         state.clock.assign(clock)
         self._ahead: tuple[State, DeviceTools, wp.array] | None = None
         self._ahead_graph: wp.Graph | None = None
@@ -464,14 +459,14 @@ class Stepper:
         self._interval_graph = self._ahead_graph = None
 
     def corner_rows(self) -> np.ndarray:
-        """What the elements wrote at the last evaluation, (4 corners, 8 rows, element_count); waits for the device."""
+        """What the elements wrote at the last evaluation, (corner, row of CornerRow, element); waits for the device."""
         rows = self.model.corners.read(self.state.corner_force)[:, : self.model.blank.element_count]
-        return rows.reshape(4, int(ROWS_PER_CORNER), -1)
+        return rows.reshape(4, ROWS_PER_CORNER, -1)
 
     def nodal_forces(self) -> np.ndarray:
         """Forces of the elements on the nodes at the last evaluation, (node_count, 3) [N]; waits for the device."""
         blank = self.model.blank
-        corners = self.corner_rows()[:, :3].astype(np.float64)
+        corners = self.corner_rows()[:, CornerRow.force.span].astype(np.float64)
         result = np.zeros((blank.node_count, 3))
         for corner in range(4):
             np.add.at(result, blank.quads[:, corner], corners[corner].T)
@@ -496,7 +491,7 @@ class Stepper:
         """
         while not stop():
             clock = self.state.clock.numpy()
-            remaining, step = target - float(clock[CLOCK_TIME]), float(clock[CLOCK_STEP])
+            remaining, step = target - float(clock[ClockEntry.time]), float(clock[ClockEntry.step])
             if not (remaining > 0.0 and 0.0 < step < math.inf):
                 return
             if self.launches_intervals:

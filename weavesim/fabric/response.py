@@ -11,7 +11,15 @@ import warp as wp
 from ..device import initialise, resolve_device, resolve_precision
 from ..errors import InputError
 from ..kernels.cell.response import unit_cell_response_kernel
+from ..kernels.rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
 from .cell import UnitCell
+
+# Rows of the symmetric tangent.
+TANGENT = (
+    (TangentRow.c11, TangentRow.c12, TangentRow.c13),
+    (TangentRow.c12, TangentRow.c22, TangentRow.c23),
+    (TangentRow.c13, TangentRow.c23, TangentRow.c33),
+)
 
 
 @dataclass(frozen=True)
@@ -87,8 +95,12 @@ def respond(
         start = np.array([cell.initial_unknowns for cell in cells])
     first_guess = np.zeros((count, law.row_count))
     first_guess[:, : law.unknown_count] = start
-    strain = np.column_stack([stretch - 1.0, np.broadcast_to(angle, count)])
-    row_counts = (law.row_count, 4, len(law.energy_names), 6, 3)
+    strain = np.empty((StrainRow.row_count(), count))
+    strain[[StrainRow.warp, StrainRow.weft]], strain[StrainRow.shear_angle] = stretch.T - 1.0, angle
+    row_counts = (
+        law.row_count, CellForceRow.row_count(), len(law.energy_names), TangentRow.row_count(),
+        ConvergenceRow.row_count(),
+    )  # fmt: skip
     rows = [wp.zeros((n, count), dtype=real, device=wp_device) for n in row_counts]
     wp.launch(
         unit_cell_response_kernel(real, law),
@@ -97,7 +109,7 @@ def respond(
             wp.array(
                 [cell.device_parameters(precision) for cell in cells], dtype=law.parameters(real), device=wp_device
             ),
-            wp.array(strain.T.copy(), dtype=real, device=wp_device),
+            wp.array(strain, dtype=real, device=wp_device),
             wp.array(first_guess.T.copy(), dtype=real, device=wp_device),
             increment_count,
         ],
@@ -107,13 +119,13 @@ def respond(
     unknowns, force, energy, tangent, convergence = (row.numpy().astype(np.float64).T for row in rows)
     return UnitCellResponse(
         unknowns=unknowns[:, : law.unknown_count],
-        force_per_width=force[:, :2],
-        moment=force[:, 2],
-        crossover_force=force[:, 3] * np.array([cell.crossover_area for cell in cells]),
+        force_per_width=force[:, [CellForceRow.warp, CellForceRow.weft]],
+        moment=force[:, CellForceRow.moment],
+        crossover_force=force[:, CellForceRow.crossover_pressure] * np.array([cell.crossover_area for cell in cells]),
         energy=energy,
         energy_names=law.energy_names,
-        tangent=tangent[:, [[0, 1, 3], [1, 2, 4], [3, 4, 5]]],
-        residual=convergence[:, 0],
-        iterations=convergence[:, 1],
-        snap_loss=convergence[:, 2],
+        tangent=tangent[:, TANGENT],
+        residual=convergence[:, ConvergenceRow.worst_residual],
+        iterations=convergence[:, ConvergenceRow.most_iterations],
+        snap_loss=convergence[:, ConvergenceRow.snap_loss],
     )

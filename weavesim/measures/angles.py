@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import InputError
-from ..sheet.symmetry import AXES
+from ..sheet.symmetry import WHOLE, Symmetry, on_plane, shear_angle_parity
 from ..sheet.topology import flat_areas, length_tolerance
 
 if TYPE_CHECKING:
@@ -18,35 +17,32 @@ if TYPE_CHECKING:
 # ----------------------------------------------------------------------------------------------- angles at points
 
 
-def nodal_shear_angle(blank: Blank, shear_angle: np.ndarray, symmetry: Sequence[str] = ()) -> np.ndarray:
-    """Area-weighted mean of the signed shear angle of the elements around each node, (node_count,) [rad].
+def smoothed_shear_angle(blank: Blank, shear_angle: np.ndarray, symmetry: Symmetry = WHOLE) -> np.ndarray:
+    """Shear angle smoothed to the nodes for pictures and points: the mean by area around each, (node_count,) [rad].
 
-    On a symmetry plane the mirrored elements count as well. A mirror turns the sign of the angle when it maps each
-    yarn family onto itself, and keeps it when it swaps the two (yarns at 45 degrees).
+    On a symmetry plane the mirrored elements count as well, by their ``shear_angle_parity``.
+
+    The solver has a mean of its own (theory, "mean shear angle around a node"), in which all elements around a node
+    have the same weight: it is part of a bending energy, where it only has to be smooth and cheap to gather. A result
+    that is read off must not depend on how a mesh is graded, so here elements count by their area. On even meshes
+    both are the same.
     """
-    return nodal_mean(blank, nodal_weights(blank, symmetry), shear_angle)
+    return smoothed(blank, smoothing_weights(blank, symmetry), shear_angle)
 
 
-def nodal_mean(blank: Blank, weights: np.ndarray, shear_angle: np.ndarray) -> np.ndarray:
-    """``nodal_shear_angle`` by the ``nodal_weights`` of the blank, for who takes it of many frames."""
-    return np.bincount(blank.quads.ravel(), (weights * shear_angle[:, None]).ravel(), blank.node_count)
+def smoothed(blank: Blank, weights: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """``values`` of the elements at the nodes by ``smoothing_weights`` of the blank, which many frames can share."""
+    return np.bincount(blank.quads.ravel(), (weights * values[:, None]).ravel(), blank.node_count)
 
 
-def nodal_weights(blank: Blank, symmetry: Sequence[str] = ()) -> np.ndarray:
-    """Share of each element in the nodal shear angle of its corners, (element_count, 4)."""
+def smoothing_weights(blank: Blank, symmetry: Symmetry = WHOLE) -> np.ndarray:
+    """Share of each element in the smoothed shear angle of its corners, (element_count, 4)."""
     area = flat_areas(blank)
     weight = np.repeat(area[:, None], 4, axis=1)
     share = np.ones_like(weight)
-    for name in symmetry:
-        axis = AXES[name]
-        mirror = np.ones(3)
-        mirror[axis] = -1.0
-        warp, weft = blank.warp_direction, blank.weft_direction
-        kept, swapped = (np.einsum("ei,ei->e", warp * mirror, other) for other in (warp, weft))
-        kept_weft, swapped_weft = (np.einsum("ei,ei->e", weft * mirror, other) for other in (weft, warp))
-        sign = np.where(np.abs(swapped) > np.abs(kept), np.sign(swapped * swapped_weft), np.sign(kept * kept_weft))
-        on_plane = np.abs(blank.node_position[:, axis]) <= length_tolerance(blank)
-        share = np.where(on_plane[blank.quads], share * 0.5 * (1.0 + sign[:, None]), share)
+    for plane in symmetry.planes:
+        sign = shear_angle_parity(blank, plane)
+        share = np.where(on_plane(blank, plane)[blank.quads], share * 0.5 * (1.0 + sign[:, None]), share)
     total = np.bincount(blank.quads.ravel(), weight.ravel(), blank.node_count)
     return weight * share / np.maximum(total, 1.0e-300)[blank.quads]
 
@@ -100,22 +96,20 @@ def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array(elements), np.array(weights)
 
 
-def shear_angle_at(
-    blank: Blank, shear_angle: np.ndarray, points: np.ndarray, symmetry: Sequence[str] = ()
-) -> np.ndarray:
+def shear_angle_at(blank: Blank, shear_angle: np.ndarray, points: np.ndarray, symmetry: Symmetry = WHOLE) -> np.ndarray:
     """Absolute shear angle at material points, (k,) [degrees].
 
     Rule: signed element values are averaged to the nodes by flat area, mirrored elements included
-    (``nodal_shear_angle``), and interpolated bilinearly in the element that holds the point. Where symmetry makes the
-    angle odd it is zero, also at the corner of a border and a symmetry line.
+    (``smoothed_shear_angle``), and interpolated bilinearly in the element that holds the point. Where symmetry makes
+    the angle odd it is zero, also at the corner of a border and a symmetry line.
 
     Args:
         shear_angle: one per element, (element_count,) [rad].
         points: flat coordinates, (k, 2) [m].
-        symmetry: planes at which the computed part is mirrored, of "x" and "y".
+        symmetry: at which the computed part is mirrored.
     """
     element, weight = locate(blank, points)
-    nodal = nodal_shear_angle(blank, shear_angle, symmetry)
+    nodal = smoothed_shear_angle(blank, shear_angle, symmetry)
     return np.abs(np.rad2deg(np.einsum("kc,kc->k", weight, nodal[blank.quads[element]])))
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..errors import InputError
-from ..sheet.symmetry import AXES, mirror_signs
+from ..sheet.symmetry import AXES, WHOLE, Symmetry, on_plane
 from ..sheet.topology import length_tolerance
 
 if TYPE_CHECKING:
@@ -76,14 +75,14 @@ class Outline(NamedTuple):
     normal: np.ndarray
 
 
-def outline(blank: Blank, symmetry: Sequence[str] = ()) -> Outline:
+def outline(blank: Blank, symmetry: Symmetry = WHOLE) -> Outline:
     """Free border of the blank, counter-clockwise as the elements are."""
     loop = blank.boundary_loop()
     following = np.roll(loop, -1)
     free = np.ones(len(loop), dtype=bool)
-    for name in symmetry:
-        on_plane = np.abs(blank.node_position[:, AXES[name]]) <= length_tolerance(blank)
-        free &= ~(on_plane[loop] & on_plane[following])
+    for plane in symmetry.planes:
+        held = on_plane(blank, plane)
+        free &= ~(held[loop] & held[following])
     closed = bool(free.all())
     if not closed:  # begin behind a symmetry plane
         first = int(np.flatnonzero(free & ~np.roll(free, 1))[0])
@@ -100,7 +99,7 @@ def outline(blank: Blank, symmetry: Sequence[str] = ()) -> Outline:
     return Outline(loop, closed, normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 
-def whole_outline(blank: Blank, values: np.ndarray, symmetry: Sequence[str] = ()) -> np.ndarray:
+def whole_outline(blank: Blank, values: np.ndarray, symmetry: Symmetry = WHOLE) -> np.ndarray:
     """Nodal vectors (node_count, 2 or 3) on the closed outline of the whole part, (k, 2 or 3)."""
     border = outline(blank, symmetry)
     own = values[border.node]
@@ -108,7 +107,7 @@ def whole_outline(blank: Blank, values: np.ndarray, symmetry: Sequence[str] = ()
         return own
     flat = blank.material_coordinates[border.node]
     pieces = []
-    for sign in mirror_signs(symmetry):
+    for sign in symmetry.mirror_factors:
         step = 1 if sign[0] * sign[1] > 0 else -1
         middle = flat[len(flat) // 2] * sign
         factor = np.array([*sign, 1.0])[: values.shape[1]]

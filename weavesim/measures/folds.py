@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..sheet.symmetry import WHOLE, Symmetry
 from .border import whole_outline
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ class RimFolds(NamedTuple):
 def rim_folds(
     blank: Blank,
     position: np.ndarray,
-    symmetry: Sequence[str] = (),
+    symmetry: Symmetry = WHOLE,
     threshold: float | None = None,
     smooth_radius: np.ndarray | None = None,
 ) -> RimFolds:

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import InputError
-
-if TYPE_CHECKING:
-    pass
 
 
 def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int:

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..run.frame import Frame, Outcome
-
-if TYPE_CHECKING:
-    from ..run.simulation import Simulation
+from ..run.frame import Frame, Outcome, RunInfo
 
 
 @dataclass(frozen=True)
@@ -50,7 +46,7 @@ class Curves:
         self._measure = measure
         self._rows: list[dict[str, float]] = []
 
-    def start(self, simulation: Simulation) -> None:
+    def start(self, info: RunInfo) -> None:
         self._rows.clear()
 
     def frame(self, frame: Frame) -> None:

@@ -11,14 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..measures.angles import nodal_mean, nodal_weights
-from ..run.frame import Frame, Outcome
-from ..sheet.symmetry import mirror_signs
+from ..measures.angles import smoothed, smoothing_weights
+from ..run.frame import Frame, Outcome, RunInfo
 from .colours import shear_colours
 from .files import temporary_name
 
 if TYPE_CHECKING:
-    from ..run.simulation import Simulation
     from ..tools.shapes import Triangles
     from ..tools.tool import Tool
 
@@ -58,12 +56,12 @@ class Film:
 
         UsdGeom.Mesh.Define(Usd.Stage.CreateInMemory(), "/sheet")
 
-    def start(self, simulation: Simulation) -> None:
+    def start(self, info: RunInfo) -> None:
         from pxr import Gf, Kind, Sdf, Usd, UsdGeom
 
-        self._blank, self._symmetry = simulation.blank, tuple(simulation.symmetry)
-        self._nodal_weights = nodal_weights(self._blank, self._symmetry)
-        self._tools = simulation.tools
+        self._blank, self._symmetry = info.sheet.blank, info.sheet.symmetry
+        self._smoothing_weights = smoothing_weights(self._blank, self._symmetry)
+        self._tools = info.tools
         temporary = temporary_name(self.path)
         temporary.unlink(missing_ok=True)
         with _usd_errors():
@@ -75,7 +73,7 @@ class Film:
         world = UsdGeom.Xform.Define(stage, "/World").GetPrim()
         Usd.ModelAPI(world).SetKind(Kind.Tokens.component)
         stage.SetDefaultPrim(world)
-        stage.GetRootLayer().comment = f"weavesim: {simulation.name}, {simulation.fabric.name}"
+        stage.GetRootLayer().comment = f"weavesim: {info.name}, {info.sheet.fabric.name}"
 
         mesh = _define_mesh(stage, "/World/sheet", self._blank.quads)
         self._sheet = mesh
@@ -87,7 +85,7 @@ class Film:
         mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
         self._fields: dict[str, Any] = {}
         _bind(mesh, _sheet_material(stage))
-        for sign in mirror_signs(self._symmetry)[1:]:
+        for sign in self._symmetry.mirror_factors[1:]:
             names = "".join(f"_{axis}" for axis, factor in zip("xy", sign, strict=True) if factor < 0)
             copy = UsdGeom.Mesh.Define(stage, f"/World/sheet_mirrored{names}")
             copy.GetPrim().GetReferences().AddInternalReference("/World/sheet")
@@ -109,7 +107,7 @@ class Film:
 
         time, blank = float(frame.index), self._blank
         points = frame.position.astype(np.float32)
-        nodal = np.rad2deg(nodal_mean(blank, self._nodal_weights, frame.fields["shear_angle"]))
+        nodal = np.rad2deg(smoothed(blank, self._smoothing_weights, frame.fields["shear_angle"]))
         extent = np.array([points.min(axis=0), points.max(axis=0)])
         self._sheet.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points), time)
         self._sheet.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent), time)
@@ -141,7 +139,7 @@ class Film:
         lower, upper = self._extent_of_all
         reach = np.abs(self._extent_of_all).max(axis=0)
         for axis, name in enumerate("xy"):
-            if name in self._symmetry:
+            if name in self._symmetry.planes:
                 lower[axis], upper[axis] = -reach[axis], reach[axis]
         _define_camera(stage, lower, upper)
         _define_light(stage)

@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ..measures.angles import shear_angle_at
 from ..measures.border import draw_in, integrated_yarn_stretch
 from ..measures.proximity import close_pairs
 from ..measures.zigzag import checkerboard
-from ..run.frame import Frame, Observer, Outcome
+from ..run.frame import Frame, Observer, Outcome, RunInfo
 from . import pictures
 from .curves import Curves
 from .files import check_writable, plain, write_summary
@@ -24,9 +24,6 @@ from .film import Film
 from .report.page import Report, shown, write_report
 from .series import ParaViewSeries
 from .tables import History, write_draw_in, write_shear_angles, write_table
-
-if TYPE_CHECKING:
-    from ..run.simulation import Simulation
 
 logger = logging.getLogger(__name__)
 
@@ -93,18 +90,18 @@ class ResultFolder:
 
     # ------------------------------------------------------------------------------------------------ during a run
 
-    def start(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+    def start(self, info: RunInfo) -> None:
+        self._info = info
         self.warnings.clear()
-        self.history.start(simulation)
+        self.history.start(info)
         if self._curves:
-            self._curves.start(simulation)
+            self._curves.start(info)
         self._streams = {}
         if self._with_film:
-            self._streams["film"] = Film(self.path / f"{simulation.name}.usdc")
+            self._streams["film"] = Film(self.path / f"{info.name}.usdc")
         if self._with_paraview:
             self._streams["ParaView series"] = ParaViewSeries(self.path / "paraview")
-        self._tell_streams(lambda stream: stream.start(simulation))
+        self._tell_streams(lambda stream: stream.start(info))
 
     def frame(self, frame: Frame) -> None:
         self.history.frame(frame)
@@ -153,9 +150,9 @@ class ResultFolder:
         frame = self.history.last_frame
         if frame is None:
             raise InputError("results: there is no frame to write; run the simulation with this folder as an observer")
-        simulation, blank = self._simulation, self._simulation.blank
+        sheet, blank = self._info.sheet, self._info.sheet.blank
         summary = {**self._measures(frame), **summary}
-        angle, symmetry = frame.fields["shear_angle"], simulation.symmetry
+        angle, symmetry = frame.fields["shear_angle"], sheet.symmetry
         self._attempt("history.csv", lambda: self.history.write(self.path / "history.csv"))
         if self._with_draw_in:
             path = self.path / "draw_in.csv"
@@ -176,8 +173,8 @@ class ResultFolder:
         return plain(summary)
 
     def _measures(self, frame: Frame) -> dict[str, Any]:
-        simulation, blank = self._simulation, self._simulation.blank
-        angle, symmetry = frame.fields["shear_angle"], simulation.symmetry
+        sheet, blank = self._info.sheet, self._info.sheet.blank
+        angle, symmetry = frame.fields["shear_angle"], sheet.symmetry
         stretches = {"warp": frame.fields["warp_stretch"], "weft": frame.fields["weft_stretch"]}
         both = np.concatenate(list(stretches.values()))
         zigzag = checkerboard(blank, angle)
@@ -189,7 +186,7 @@ class ResultFolder:
             "max_stretch": float(both.max()),
             "checkerboard_rms_deg": zigzag.rms,
             "checkerboard_max_deg": zigzag.maximum,
-            "close_pair_count": close_pairs(frame.position, blank.quads, 0.5 * simulation.fabric.thickness),
+            "close_pair_count": close_pairs(frame.position, blank.quads, 0.5 * sheet.fabric.thickness),
         }
         if self._points is not None:
             found["shear_angle_points_deg"] = shear_angle_at(blank, angle, self._points, symmetry).tolist()
@@ -214,8 +211,8 @@ class ResultFolder:
         return found
 
     def _write_pictures(self, frame: Frame) -> list[tuple[Path, str]]:
-        simulation, blank, history = self._simulation, self._simulation.blank, self.history
-        tools, symmetry = simulation.tools, simulation.symmetry
+        sheet, blank, history = self._info.sheet, self._info.sheet.blank, self.history
+        tools, symmetry = self._info.tools, sheet.symmetry
         wanted: list[tuple[str, str, Callable[[], Any]]] = [
             (
                 "formed_sheet.png",
@@ -253,7 +250,7 @@ class ResultFolder:
                 (
                     "sections.png",
                     "Sections along the symmetry lines, sheet drawn in its thickness.",
-                    lambda: pictures.sections(blank, frame, tools, simulation.fabric.thickness, symmetry),
+                    lambda: pictures.sections(blank, frame, tools, sheet.fabric.thickness, symmetry),
                 )
             )
         if tools:
@@ -291,15 +288,15 @@ class ResultFolder:
         ]
 
     def _meets_both_axes(self) -> bool:
-        lower, upper = (f(self._simulation.blank.material_coordinates, axis=0) for f in (np.min, np.max))
+        lower, upper = (f(self._info.sheet.blank.material_coordinates, axis=0) for f in (np.min, np.max))
         return bool(np.all(lower <= 0.0) and np.all(upper >= 0.0))
 
     def _report(
         self, summary: Mapping[str, Any], setup: Mapping[str, Any], shown_pictures: Sequence[tuple[Path, str]]
     ) -> Report:
-        simulation = self._simulation
-        title = simulation.name.replace("_", " ").capitalize()
-        share = {0: "whole blank", 1: "half of the blank", 2: "quarter of the blank"}[len(simulation.symmetry)]
+        info, sheet = self._info, self._info.sheet
+        title = info.name.replace("_", " ").capitalize()
+        share = {1.0: "whole blank", 0.5: "half of the blank", 0.25: "quarter of the blank"}[sheet.symmetry.share]
         headline = [
             (label, f"{shown(float(summary[name]))}{unit}")
             for name, label, unit in (
@@ -313,17 +310,12 @@ class ResultFolder:
             if isinstance(summary.get(name), int | float)
         ]
         tools = {
-            tool.name: ", ".join(
-                str(part)
-                for part in (getattr(tool, "shape", None), getattr(tool, "motion", None), f"friction {tool.friction:g}")
-                if part is not None
-            )
-            for tool in simulation.tools
+            tool.name: ", ".join(str(part) for part in (tool.shape, tool.motion, f"friction {tool.friction:g}"))
+            for tool in info.tools
         }
-        model = getattr(simulation.fabric, "model_dump", None)
-        fabric = model() if model else {"name": simulation.fabric.name}
-        fabric |= {"areal density [kg/m²]": simulation.fabric.areal_density}
-        fabric |= {"thickness [mm]": 1.0e3 * simulation.fabric.thickness}
+        fabric = sheet.fabric.model_dump()
+        fabric |= {"areal density [kg/m²]": sheet.fabric.areal_density}
+        fabric |= {"thickness [mm]": 1.0e3 * sheet.fabric.thickness}
         fabric = {name: value for name, value in fabric.items() if name not in ("areal_density", "thickness")}
         left_out = {"warnings", "energies_j"} | {name for name in ("notes",) if not summary.get(name)}
         numbers = {name: value for name, value in summary.items() if name not in left_out}
@@ -333,15 +325,15 @@ class ResultFolder:
         supports = {
             support.name: f"{len(support.nodes)} nodes with {len(support.drives)} drives, holds displacements "
             f"{support.displacements or 'none'} and rotations {support.rotations or 'none'}"
-            for support in getattr(simulation, "supports", ())
+            for support in info.supports
         }
         tables |= {"Fabric": fabric, "Tools": tools, "Supports": supports}
         if isinstance(summary.get("energies_j"), Mapping):
             tables["Energies at the end"] = {f"{name}_j": value for name, value in summary["energies_j"].items()}
         outcome = summary.get("outcome")
         subtitle = (
-            f"{simulation.fabric.name} · {share} · {simulation.blank.element_count} elements · "
-            f"{simulation.precision} on {simulation.device} · run {outcome}"
+            f"{sheet.fabric.name} · {share} · {info.element_count} elements · "
+            f"{info.precision} on {info.device} · run {outcome}"
         )
         warnings = list(summary["warnings"])
         if outcome != Outcome.FINISHED.value:

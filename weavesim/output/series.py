@@ -5,18 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
 from ..errors import InputError
 from ..measures.angles import yarn_components, yarn_vectors
-from ..run.frame import Frame, Outcome
+from ..run.frame import Frame, Outcome, RunInfo
 from .files import replacing, write_text
-
-if TYPE_CHECKING:
-    from ..run.simulation import Simulation
 
 _VTK_QUAD = 9
 _VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uint8": "UInt8"}
@@ -47,10 +43,10 @@ class ParaViewSeries:
         self._every = every
         self._last: Frame | None = None
 
-    def start(self, simulation: Simulation) -> None:
-        self._blank = simulation.blank
+    def start(self, info: RunInfo) -> None:
+        self._blank = info.sheet.blank
         self._yarn_components = yarn_components(self._blank)
-        self._interval = simulation.duration / 30.0
+        self._interval = info.duration / 30.0
         self._next_time = 0.0
         self._written: list[tuple[float, str]] = []
         self.folder.mkdir(parents=True, exist_ok=True)

@@ -13,11 +13,11 @@ import numpy as np
 from ..errors import InputError
 from ..measures.angles import shear_angle_at
 from ..measures.border import border_draw_in, outline
-from ..run.frame import Frame, Outcome
+from ..run.frame import Frame, Outcome, RunInfo
+from ..sheet.symmetry import WHOLE, Symmetry
 from .files import replacing
 
 if TYPE_CHECKING:
-    from ..run.simulation import Simulation
     from ..sheet.blank import Blank
 
 
@@ -55,11 +55,10 @@ class History:
         self.last_frame: Frame | None = None
         self._rows: list[tuple] = []
 
-    def start(self, simulation: Simulation) -> None:
-        self.tool_names = [tool.name for tool in simulation.tools]
-        supports = getattr(simulation, "supports", ())
-        self.support_names = [support.name for support in supports]
-        self.drive_names = [f"{s.name}_drive_{k + 1}" for s in supports for k in range(len(s.drives))]
+    def start(self, info: RunInfo) -> None:
+        self.tool_names = [tool.name for tool in info.tools]
+        self.support_names = [support.name for support in info.supports]
+        self.drive_names = [f"{s.name}_drive_{k + 1}" for s in info.supports for k in range(len(s.drives))]
         self.last_frame, self._rows = None, []
 
     def frame(self, frame: Frame) -> None:
@@ -153,7 +152,7 @@ class History:
 
 
 def write_shear_angles(
-    path: str | Path, blank: Blank, shear_angle: np.ndarray, points: np.ndarray, symmetry: Sequence[str] = ()
+    path: str | Path, blank: Blank, shear_angle: np.ndarray, points: np.ndarray, symmetry: Symmetry = WHOLE
 ) -> np.ndarray:
     """Write the absolute shear angle at material points by the rule of ``shear_angle_at``; also returned [degrees]."""
     angles = shear_angle_at(blank, shear_angle, points, symmetry)
@@ -165,7 +164,7 @@ def write_shear_angles(
     return angles
 
 
-def write_draw_in(path: str | Path, blank: Blank, position: np.ndarray, symmetry: Sequence[str] = ()) -> None:
+def write_draw_in(path: str | Path, blank: Blank, position: np.ndarray, symmetry: Symmetry = WHOLE) -> None:
     """Write the free border of the computed part, in order: flat and formed, and the draw-in of each node.
 
     The draw-in is the plan movement of the node against the outward normal of the flat border (at a corner, against

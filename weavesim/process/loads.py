@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError
+from ..kernels.rows import LoadRow
 
 
 @dataclass(frozen=True)
@@ -39,19 +40,21 @@ class NodalLoads:
             raise InputError("NodalLoads: times and shares must be finite")
 
     def arrays(self, node_count: int) -> np.ndarray:
-        """Forces and couples at a share of one, (2, node_count, 3).
+        """Forces and couples at a share of one, rows LoadRow, (row, node_count, 3).
 
         Raises:
             InputError: an array of another shape, or one that is not finite.
         """
-        result = np.zeros((2, node_count, 3))
-        for row, (name, given) in enumerate((("force", self.force), ("couple", self.couple))):
+        result = np.zeros((LoadRow.row_count(), node_count, 3))
+        for row in LoadRow:
+            given = getattr(self, row.name)
             if given is None:
                 continue
             values = np.asarray(given, dtype=np.float64)
             if values.shape != (node_count, 3) or not np.isfinite(values).all():
                 raise InputError(
-                    f"NodalLoads: {name} has shape {values.shape}; finite values of shape ({node_count}, 3) are needed"
+                    f"NodalLoads: {row.name} has shape {values.shape}; finite values of shape ({node_count}, 3) are "
+                    "needed"
                 )
             result[row] = values
         return result

@@ -1,17 +1,101 @@
-"""What a run tells its observers: frames, and how it ended."""
+"""What the observers of a run get: what is run, its frames, and how it ended."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from .simulation import Simulation
+    from ..fabric.fabric import Fabric
+    from ..process.supports import Support
+    from ..sheet.blank import Blank
+    from ..sheet.symmetry import Symmetry
+    from ..tools.tool import Tool
+
+
+OfSheet = TypeVar("OfSheet")
+
+
+@dataclass(frozen=True)
+class SheetInfo:
+    """One sheet of a run.
+
+    Attributes:
+        name: of its outputs, unique in the run.
+        blank: the flat sheet.
+        fabric: its laws.
+        symmetry: planes at which it is cut.
+        tools: places of the tools of its world among those of the run.
+        supports: places of its supports among those of the run.
+    """
+
+    name: str
+    blank: Blank
+    fabric: Fabric
+    symmetry: Symmetry
+    tools: tuple[int, ...] = ()
+    supports: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """What is run, for its observers. Everything is known before the first frame.
+
+    Attributes:
+        name: of the result files.
+        sheets: in the order of all frames.
+        tools: in the order of all frames.
+        supports: in the order of all frames.
+        duration: time at which the run ends [s].
+        frame_count: frames after the first.
+        device: "cpu", "cuda:0", ...
+        precision: "float32" or "float64".
+        thread_counts: CPU threads that may be used.
+        internal_energies: names of the entries of the ledger whose sum is the internal energy.
+        warnings: what a user should know; the run adds to this list until it ends.
+        notes: what was found about the input.
+    """
+
+    name: str
+    sheets: tuple[SheetInfo, ...]
+    tools: tuple[Tool, ...]
+    supports: tuple[Support, ...]
+    duration: float
+    frame_count: int
+    device: str = "cpu"
+    precision: str = "float32"
+    thread_counts: tuple[int, ...] = (1,)
+    internal_energies: tuple[str, ...] = ()
+    warnings: list[str] = field(default_factory=list)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def sheet(self) -> SheetInfo:
+        """The sheet of a run that has one.
+
+        Raises:
+            InputError: the run has several.
+        """
+        return only_sheet(self.sheets)
+
+    @property
+    def element_count(self) -> int:
+        """Elements of all sheets."""
+        return sum(sheet.blank.element_count for sheet in self.sheets)
+
+    @property
+    def node_count(self) -> int:
+        """Nodes of all sheets."""
+        return sum(sheet.blank.node_count for sheet in self.sheets)
+
+    def tools_of(self, sheet: SheetInfo) -> tuple[Tool, ...]:
+        """The tools that a sheet may touch."""
+        return tuple(self.tools[place] for place in sheet.tools)
 
 
 @dataclass(frozen=True)
@@ -77,9 +161,7 @@ class Frame:
         Raises:
             InputError: the run has several.
         """
-        if len(self.sheets) != 1:
-            raise InputError(f"this run has {len(self.sheets)} sheets: take one of frame.sheets")
-        return self.sheets[0]
+        return only_sheet(self.sheets)
 
     @property
     def position(self) -> np.ndarray:
@@ -97,6 +179,17 @@ class Frame:
         return self.sheet.fields
 
 
+def only_sheet(sheets: tuple[OfSheet, ...]) -> OfSheet:
+    """What there is of the sheet of a run that has one.
+
+    Raises:
+        InputError: the run has several.
+    """
+    if len(sheets) != 1:
+        raise InputError(f"this run has {len(sheets)} sheets: take one of them from the tuple ``sheets``")
+    return sheets[0]
+
+
 class Outcome(Enum):
     """How a run ended."""
 
@@ -108,7 +201,7 @@ class Outcome(Enum):
 class Observer(Protocol):
     """Receives the frames of a run; a file-writing observer leaves a readable file at every ``finish``."""
 
-    def start(self, simulation: Simulation) -> None: ...
+    def start(self, info: RunInfo) -> None: ...
 
     def frame(self, frame: Frame) -> None: ...
 

@@ -12,7 +12,7 @@ from ..engine.model import TANGENTIAL_RATIO
 from ..engine.state import Ahead
 from ..engine.stepper import Stepper
 from ..kernels.contact.tool_distance import sample_distance_kernel
-from ..kernels.rows import CELL_REPORT_ROWS, ELEMENT_FIELDS, HALF_THICKNESS_ROW, NODE_REPORT_ROWS, SHEET_ENERGIES
+from ..kernels.rows import CellReportRow, ElementField, MotionRow, NodeReportRow, SheetEnergy, ToolWorkRow
 from ..kernels.shell.energy import element_ledger_kernel
 from ..process.device import support_outputs
 from ..process.strokes import ForceDriven
@@ -61,10 +61,10 @@ class Ledger:
         model = stepper.model
         self._kernel = element_ledger_kernel(model.real, model.cell_law, model.sheet_traits)
         shape = model.element_count
-        self._energy_names = (*model.cell_law.energy_names, *SHEET_ENERGIES)
+        self._energy_names = (*model.cell_law.energy_names, *SheetEnergy.names())
         self.internal = (*model.cell_law.energy_names, *SHEET_INTERNAL)
         self._energies = wp.zeros((len(self._energy_names), shape), dtype=model.real, device=model.device)
-        self._fields = wp.zeros((len(ELEMENT_FIELDS), shape), dtype=model.real, device=model.device)
+        self._fields = wp.zeros((ElementField.row_count(), shape), dtype=model.real, device=model.device)
         point_count = model.blank.node_count + model.blank.element_count if tools else 0
         self._points = wp.zeros(point_count, dtype=model.types.vec3, device=model.device)
         self._distances = wp.zeros((len(tools), point_count), dtype=model.real, device=model.device)
@@ -77,7 +77,7 @@ class Ledger:
         self._tool_mass = np.array(
             [tool.motion.mass if isinstance(tool.motion, ForceDriven) else 0.0 for tool in tools]
         )
-        _, velocity, _, spin, _ = self._motion(stepper.state.motion)
+        velocity, spin = self._rates(self._motion(stepper.state.motion))
         self._initial_kinetic = self._kinetic(velocity, velocity, spin, spin)
 
     def frame(self, index: int) -> Frame:
@@ -98,8 +98,8 @@ class Ledger:
             )  # fmt: skip
         self._element_ledger.launch()
         count = model.blank.element_count
-        fields = dict(zip(ELEMENT_FIELDS, self._fields.numpy()[:, :count].astype(np.float64), strict=True))
-        report = dict(zip(CELL_REPORT_ROWS, ahead.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
+        fields = dict(zip(ElementField.names(), self._fields.numpy()[:, :count].astype(np.float64), strict=True))
+        report = dict(zip(CellReportRow.names(), ahead.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
         compaction, cell = model.fabric.compaction, model.fabric.unit_cell
         fields["thickness"] = model.fabric.thickness * compaction.thickness_ratio(
             cell, fields["area_ratio"], fields["crossover_pressure"]
@@ -113,7 +113,7 @@ class Ledger:
         fields["unit_cell_iterations"] = report["iterations"]
         fields["unit_cell_failed"] = (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
         motion = self._motion(state.motion)
-        position, director = motion[0] + motion[4], motion[2]
+        position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
         displacement = stepper.tools.displacement.numpy().copy()
         support_force, drive_displacement, drive_force = support_outputs(self._supports, stepper.supports)
         leading = displacement[self._leading_tool :] if len(displacement) else drive_displacement
@@ -122,7 +122,7 @@ class Ledger:
             step_count=stepper.step_count,
             time=state.time,
             stroke=float(leading[0]) if len(leading) else 0.0,
-            sheets=(SheetFrame("sheet", position, director, fields, {}),),
+            sheets=(SheetFrame("sheet", position, motion[MotionRow.director.vector], fields, {}),),
             tool_displacement=displacement,
             tool_reaction=stepper.tools.total_reaction.numpy().copy(),
             energies=self._balance(position, motion, ahead),
@@ -132,8 +132,13 @@ class Ledger:
         )
 
     def _motion(self, motion: wp.array) -> np.ndarray:
-        """Rows MOTION_ROWS without the padding, in double precision, (5, node_count, 3)."""
+        """MOTION_VECTORS without the padding, in double precision, (vectors, node_count, 3)."""
         return self._stepper.model.read_motion(motion)[:, : self._stepper.model.blank.node_count].astype(np.float64)
+
+    @staticmethod
+    def _rates(motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities and spins."""
+        return motion[MotionRow.velocity.vector], motion[MotionRow.spin.vector]
 
     def _kinetic(self, before: np.ndarray, after: np.ndarray, spin_before: np.ndarray, spin_after: np.ndarray) -> float:
         """1/2 sum m v.v from the velocities of half a step before and after, whose product central differences keep.
@@ -157,8 +162,8 @@ class Ledger:
         entries = dict(zip(self._energy_names, element.tolist(), strict=True))
         entries["internal"] = sum(entries[name] for name in self.internal)
         started = stepper.step_count > 0
-        _, velocity, _, spin, _ = motion
-        _, next_velocity, _, next_spin, _ = self._motion(ahead.motion)
+        velocity, spin = self._rates(motion)
+        next_velocity, next_spin = self._rates(self._motion(ahead.motion))
         entries["kinetic"] = (
             self._kinetic(velocity, next_velocity, spin, next_spin) if started else self._initial_kinetic
         )
@@ -172,14 +177,14 @@ class Ledger:
         )
         half_thickness = np.full(len(position), 0.5 * model.fabric.thickness)
         if model.follows_thickness:
-            half_thickness = ahead.node_report.numpy()[int(HALF_THICKNESS_ROW), : len(position)]
+            half_thickness = ahead.node_report.numpy()[NodeReportRow.half_thickness, : len(position)]
         penetration = np.maximum(half_thickness - self._tool_distance(position)[:, : len(position)], 0.0)
         entries["contact"] = 0.5 * float((model.contact_stiffness * np.square(penetration)).sum())
         friction = model.friction_layout.read(ahead.friction)[: 3 * len(self._tools), : model.blank.node_count]
         entries["friction_spring"] = (
             0.5 * TANGENTIAL_RATIO * float((model.contact_stiffness * np.square(friction, dtype=np.float64)).sum())
         )
-        report = dict.fromkeys(NODE_REPORT_ROWS, 0.0)
+        report = dict.fromkeys(NodeReportRow.names(), 0.0)
         report.update(
             zip(model.node_report_rows, centred(state.node_report, ahead.node_report).sum(axis=1), strict=True)
         )
@@ -188,8 +193,8 @@ class Ledger:
         entries["support_work"] = float(report["support_work"])
         entries["thickness_work"] = float(report["thickness_work"])
         entries["load_work"] = float(report["load_work"])
-        entries["tool_work"] = float(work[0][~self._driven].sum())
-        entries["driving_force_work"] = float(work[1][self._driven].sum())
+        entries["tool_work"] = float(work[ToolWorkRow.on_sheet][~self._driven].sum())
+        entries["driving_force_work"] = float(work[ToolWorkRow.driving][self._driven].sum())
         displacement = position - model.blank.node_position
         entries["gravity_work"] = float(model.node_mass @ (displacement @ np.array(model.motion.gravity)))
         entries["initial_kinetic"] = self._initial_kinetic

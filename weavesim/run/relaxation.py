@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError, RunError
-from ..kernels.rows import CLOCK_MEAN_STEP, DAMPING_ROW
+from ..kernels.rows import ClockEntry, LoadRow, MotionRow, NodeReportRow
 from ..process.strokes import ForceDriven
 from .simulation import Simulation
 
@@ -132,23 +132,25 @@ class _Relaxation:
     def kinetic(self) -> float:
         """Kinetic energy of the free components half a step ago [J]."""
         model, free = self.simulation.model, self.simulation.free
-        _, velocity, _, spin, _ = self.rows(self.simulation.state.motion)
+        velocity, spin = self.rates(self.simulation.state.motion)
         return 0.5 * float(
             model.node_mass @ np.square(velocity * free[:, :3]).sum(axis=1)
             + model.node_inertia @ np.square(spin).sum(axis=1)
         )
 
-    def rows(self, motion) -> np.ndarray:
-        return self.simulation.model.read_motion(motion)[:, : self.simulation.blank.node_count].astype(np.float64)
+    def rates(self, motion) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities and spins of a motion array."""
+        vectors = self.simulation.model.read_motion(motion)[:, : self.simulation.blank.node_count].astype(np.float64)
+        return vectors[MotionRow.velocity.vector], vectors[MotionRow.spin.vector]
 
     def look(self):
         """Find the residual. Returns velocities and spins of half a step ago, and their changes in the next step."""
         simulation = self.simulation
         model, stepper, state, free = simulation.model, simulation.stepper, simulation.state, simulation.free[:, :3]
-        mean_step = float(state.clock.numpy()[CLOCK_MEAN_STEP])
+        mean_step = float(state.clock.numpy()[ClockEntry.mean_step])
         ahead = stepper.look_ahead()
-        _, velocity, _, spin, _ = self.rows(state.motion)
-        _, next_velocity, _, next_spin, _ = self.rows(ahead.motion)
+        velocity, spin = self.rates(state.motion)
+        next_velocity, next_spin = self.rates(ahead.motion)
         change, turn = next_velocity - velocity, next_spin - spin
 
         def total(forces: np.ndarray, couples: np.ndarray) -> float:
@@ -158,12 +160,12 @@ class _Relaxation:
         acceleration = change / mean_step + self.damping * np.where(free, velocity + 0.5 * change, 0.0)
         turning = turn / mean_step + self.damping * (spin + 0.5 * turn)
         unbalanced = total(model.node_mass[:, None] * acceleration, model.node_inertia[:, None] * turning)
-        loads = np.zeros((2, simulation.blank.node_count, 3))
+        loads = np.zeros((LoadRow.row_count(), simulation.blank.node_count, 3))
         if model.loads is not None:
             loads += model.loads.share(state.time) * model.loads.arrays(simulation.blank.node_count)
-        loads[0] += model.node_mass[:, None] * np.array(model.motion.gravity)
+        loads[LoadRow.force] += model.node_mass[:, None] * np.array(model.motion.gravity)
         # what supports and tools bear
-        borne = np.linalg.norm(np.where(free, 0.0, stepper.nodal_forces() + loads[0]), axis=1).sum()
+        borne = np.linalg.norm(np.where(free, 0.0, stepper.nodal_forces() + loads[LoadRow.force]), axis=1).sum()
         borne += np.linalg.norm(stepper.tools.total_reaction.numpy(), axis=1).sum() if len(self.driven) else 0.0
         self.residual = unbalanced / max(total(*loads), float(borne), 1.0e-300)
         if not math.isfinite(self.residual):
@@ -183,14 +185,14 @@ class _Relaxation:
         report = state.node_report.numpy()
         works = [row for row, name in enumerate(model.node_report_rows) if not name.startswith("half_thickness")]
         report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
-        damped = report[int(DAMPING_ROW), :count]
+        damped = report[NodeReportRow.damping_loss, :count]
         damped += 0.5 * (
             model.node_mass * ((velocity * (velocity + change) + 0.25 * change**2) * free).sum(axis=1)
             + model.node_inertia * (spin * (spin + turn) + 0.25 * turn**2).sum(axis=1)
         )
         motion = model.read_motion(state.motion)
-        motion[1, :count][free] = -0.5 * change[free]
-        motion[3, :count] = -0.5 * turn
+        motion[MotionRow.velocity.vector, :count][free] = -0.5 * change[free]
+        motion[MotionRow.spin.vector, :count] = -0.5 * turn
         if self.driven.any():
             speed = tools.velocity.numpy()
             next_speed = ahead.tool_velocity.numpy()

@@ -25,11 +25,11 @@ from ..process.dynamics import Dynamics
 from ..process.loads import NodalLoads
 from ..process.supports import Support, check_supports, prescribe_start
 from ..sheet.blank import Blank
-from ..sheet.symmetry import hold_symmetry
+from ..sheet.symmetry import Symmetry
 from ..tools.device import build_device_tools
 from ..tools.sampling import mesh_parts, sample_meshes
 from ..tools.tool import Tool
-from .frame import Frame, Observer, Outcome
+from .frame import Frame, Observer, Outcome, RunInfo, SheetInfo
 from .ledger import Ledger, Penetration
 
 logger = logging.getLogger(__name__)
@@ -128,7 +128,7 @@ class Simulation:
         constraints = np.ones((blank.node_count, 6), dtype=bool) if free is None else np.array(free, dtype=bool)
         if constraints.shape != (blank.node_count, 6):
             raise InputError(f"free: shape {constraints.shape}, but ({blank.node_count}, 6) is needed")
-        self.free = hold_symmetry(blank, self.symmetry, constraints)
+        self.free = Symmetry(self.symmetry).hold(blank, constraints)
         self.supports = tuple(supports)
         check_supports(self.supports, blank, self.symmetry)
         for support in self.supports:
@@ -163,6 +163,7 @@ class Simulation:
                 "is stable; take that, a coarser mesh, or mass scaling (target_step)"
             )
         self.ledger = Ledger(self.stepper, self.tools, leading_tool, self.supports)
+        self.info = self._describe()
         self.frame: Frame = self.ledger.frame(0)
         self._check_cell_at_rest()
         self.penetration: Penetration = self.ledger.penetration(self.frame)
@@ -176,6 +177,17 @@ class Simulation:
         self.failure: str | None = None
         self.stepping_time = 0.0
         self.wall_time = 0.0
+
+    def _describe(self) -> RunInfo:
+        """What the observers get; its warnings are those of the run, also later."""
+        tools, supports = tuple(range(len(self.tools))), tuple(range(len(self.supports)))
+        sheet = SheetInfo("sheet", self.blank, self.fabric, Symmetry(self.symmetry), tools, supports)
+        return RunInfo(
+            name=self.name, sheets=(sheet,), tools=self.tools, supports=self.supports, duration=self.duration,
+            frame_count=self.frame_count, device=self.device, precision=self.precision.value,
+            thread_counts=self.thread_counts, internal_energies=self.ledger.internal, warnings=self.warnings,
+            notes=tuple(self.notes),
+        )  # fmt: skip
 
     def _check_cell_at_rest(self) -> None:
         """The undeformed sheet carries no force; a unit cell of the user's own may be written otherwise."""
@@ -218,7 +230,7 @@ class Simulation:
         with ExitStack() as at_end, interruption() as interrupted:
             self.outcome = Outcome.INTERRUPTED
             for observer in observers:
-                observer.start(self)
+                observer.start(self.info)
                 at_end.callback(lambda observer=observer: observer.finish(self.outcome))
             self._publish(self.frame, observers)
             while True:
@@ -236,6 +248,8 @@ class Simulation:
             for doubt in self.doubts():
                 self.warnings.append(doubt)
                 logger.warning("%s", doubt)
+            if self.failure:
+                logger.info("%s", self.failure)
         self.wall_time = time.perf_counter() - started
         if self.failure:
             raise RunError(self.failure)

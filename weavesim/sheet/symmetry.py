@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +10,7 @@ from pydantic import field_validator
 
 from ..checks import Parameters
 from ..errors import InputError
+from .topology import length_tolerance
 
 if TYPE_CHECKING:
     from .blank import Blank
@@ -41,28 +41,72 @@ class Symmetry(Parameters):
             raise ValueError(f"symmetry planes {planes}: each may be named once")
         return planes
 
+    @property
+    def share(self) -> float:
+        """The computed part of the whole: 1, 0.5 or 0.25."""
+        return 0.5 ** len(self.planes)
 
-def hold_symmetry(blank: Blank, planes: Sequence[str], free: np.ndarray) -> np.ndarray:
-    """``free`` with the nodes on the planes x = 0 and y = 0 held: they stay in the plane, directors turn in it.
+    @property
+    def mirror_factors(self) -> tuple[tuple[int, int], ...]:
+        """Factors of (x, y) that turn the computed part into each copy of the whole; the first is (1, 1)."""
+        return tuple(product(*((1, -1) if plane in self.planes else (1,) for plane in AXES)))
 
-    Raises:
-        InputError: an unknown plane, or one that no node lies on.
+    def mirrored(self, points: np.ndarray) -> np.ndarray:
+        """``points`` (k, ..., 3) of the computed part and of all its copies, (copy_count k, ..., 3)."""
+        return np.concatenate([points * np.array([*factors, 1.0]) for factors in self.mirror_factors])
+
+    def hold(self, blank: Blank, free: np.ndarray) -> np.ndarray:
+        """``free`` (node_count, 6) with the nodes on the planes held: they stay there, directors turn in the plane.
+
+        Raises:
+            InputError: a plane that no node lies on.
+        """
+        free = free.copy()
+        for plane in self.planes:
+            axis = AXES[plane]
+            on_plane = np.abs(blank.node_position[:, axis]) < 1.0e-9 * max(1.0, np.ptp(blank.node_position[:, axis]))
+            if not on_plane.any():
+                raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
+            free[on_plane, axis] = False
+            turning = [3, 4, 5]
+            turning.remove(3 + axis)
+            free[np.ix_(on_plane, turning)] = False
+        return free
+
+
+# Of a blank that is not cut.
+WHOLE = Symmetry()
+
+
+def on_plane(blank: Blank, plane: str) -> np.ndarray:
+    """Whether each node lies on a symmetry plane, to rounding of the mesh's coordinates, (node_count,) bool."""
+    return np.abs(blank.node_position[:, AXES[plane]]) <= length_tolerance(blank)
+
+
+def shear_angle_parity(blank: Blank, plane: str) -> np.ndarray:
+    """Sign by which the shear angle of each element is multiplied in its mirror image, (element_count,).
+
+    It is -1 where the mirror maps each yarn family onto itself, and 1 where it swaps the two (yarns at 45 degrees to
+    the plane). This is the only place that decides it; it needs no more than the directions of the yarns.
     """
-    free = free.copy()
-    for plane in planes:
-        if plane not in ("x", "y"):
-            raise InputError(f"symmetry plane {plane!r}: 'x' (the plane x = 0) and 'y' (the plane y = 0) are known")
-        axis = "xy".index(plane)
-        on_plane = np.abs(blank.node_position[:, axis]) < 1.0e-9 * max(1.0, np.ptp(blank.node_position[:, axis]))
-        if not on_plane.any():
-            raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
-        free[on_plane, axis] = False
-        turning = [3, 4, 5]
-        turning.remove(3 + axis)
-        free[np.ix_(on_plane, turning)] = False
-    return free
+    mirror = np.ones(3)
+    mirror[AXES[plane]] = -1.0
+    warp, weft = blank.warp_direction, blank.weft_direction
+    kept, swapped = (np.einsum("ei,ei->e", warp * mirror, other) for other in (warp, weft))
+    kept_weft, swapped_weft = (np.einsum("ei,ei->e", weft * mirror, other) for other in (weft, warp))
+    return np.where(np.abs(swapped) > np.abs(kept), np.sign(swapped * swapped_weft), np.sign(kept * kept_weft))
 
 
-def mirror_signs(symmetry: Sequence[str]) -> list[tuple[int, int]]:
-    """Factors of (x, y) that turn the computed part into each copy of the whole; the first is (1, 1)."""
-    return list(product((1, -1) if "x" in symmetry else (1,), (1, -1) if "y" in symmetry else (1,)))
+def nodes_of_odd_angle(blank: Blank, free: np.ndarray) -> np.ndarray:
+    """Nodes where the mean shear angle of the elements around is zero by symmetry, (node_count,) bool.
+
+    They lie on a symmetry plane, and the elements around them have the opposite angle in its mirror image. ``free``
+    (node_count, 6) shows which do, whether a ``Symmetry`` held them or a user: held along x (or y) with a
+    director that turns about that axis alone. The node where two planes meet turns about none and is not among them.
+    """
+    odd = np.zeros(blank.node_count, dtype=bool)
+    for plane, axis in AXES.items():
+        held = ~free[:, axis] & free[:, 3 + axis] & ~free[:, [3 + a for a in range(3) if a != axis]].any(axis=1)
+        around = np.repeat(shear_angle_parity(blank, plane), 4)
+        odd |= held & (np.bincount(blank.quads.ravel(), around, blank.node_count) < 0.0)
+    return odd

@@ -4,15 +4,20 @@ import io
 import logging
 import re
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+from tests.support.made_run import made_info
 from weavesim.app.progress import ProgressBar, RunLog, clock_text, kinetic_ratio
 from weavesim.errors import InputError
+from weavesim.process.strokes import Stroke
 from weavesim.run.frame import Frame, Outcome, SheetFrame
+from weavesim.sheet.blank import Blank
+from weavesim.sheet.symmetry import Symmetry
+from weavesim.tools.shapes import Plane
+from weavesim.tools.tool import Tool
 
 FRAME_COUNT = 40
 DURATION = 0.1
@@ -20,20 +25,16 @@ LOGGER = logging.getLogger("weavesim")
 
 
 @pytest.fixture
-def simulation():
-    return SimpleNamespace(
-        name="double_dome",
-        blank=SimpleNamespace(element_count=1269, node_count=1344),
-        tools=(SimpleNamespace(name="punch", shape="a dome " * 500, motion="down", friction=0.2),),
-        fabric=SimpleNamespace(name="glass", areal_density=0.743, thickness=1.2e-3),
-        symmetry=("x", "y"),
-        precision="float32",
-        device="cpu",
-        thread_counts=(2,),
-        notes=["die: 1200 triangles, open sheet"],
-        warnings=["die: 3.1 elements [of 5 mm] along 90 degrees"],
-        failure=None,
+def info():
+    times = np.linspace(0.0, DURATION, 200)
+    return made_info(
+        Blank.rectangle((0.0, 0.0), (0.235, 0.135), 0.005),
+        Symmetry(("x", "y")),
+        tools=(Tool("punch", Plane(), Stroke(tuple(times), tuple(0.6 * times))),),
         duration=DURATION,
+        thread_counts=(2,),
+        notes=("die: 1200 triangles, open sheet",),
+        warnings=["die: 3.1 elements [of 5 mm] along 90 degrees"],
     )
 
 
@@ -51,16 +52,16 @@ def frame(index: int) -> Frame:
     )
 
 
-def play(observer, simulation, outcome=Outcome.FINISHED) -> None:
-    observer.start(simulation)
+def play(observer, info, outcome=Outcome.FINISHED) -> None:
+    observer.start(info)
     for index in range(FRAME_COUNT + 1):
         observer.frame(frame(index))
     observer.finish(outcome)
 
 
-def show(terminal: bool, simulation, outcome=Outcome.FINISHED) -> str:
+def show(terminal: bool, info, outcome=Outcome.FINISHED) -> str:
     out = io.StringIO()
-    play(ProgressBar(Console(file=out, force_terminal=terminal, width=120)), simulation, outcome)
+    play(ProgressBar(Console(file=out, force_terminal=terminal, width=120)), info, outcome)
     return out.getvalue()
 
 
@@ -74,8 +75,8 @@ def test_clock_text(seconds, text):
     assert clock_text(seconds) == text
 
 
-def test_plain_output_is_a_line_for_each_tenth(simulation):
-    lines = show(False, simulation).splitlines()
+def test_plain_output_is_a_line_for_each_tenth(info):
+    lines = show(False, info).splitlines()
     assert len(lines) == 2 + 11 + 1
     assert lines[0] == "double dome: warning: die: 3.1 elements [of 5 mm] along 90 degrees"
     assert lines[1] == "double dome: 1269 elements, 1344 nodes"
@@ -83,30 +84,30 @@ def test_plain_output_is_a_line_for_each_tenth(simulation):
     assert lines[-1].startswith("double dome: finished after")
 
 
-def test_terminal_shows_a_bar_with_stroke_and_energies(simulation):
-    text = show(True, simulation)
+def test_terminal_shows_a_bar_with_stroke_and_energies(info):
+    text = show(True, info)
     assert "100%" in text and "stroke 60.0 mm" in text and "kinetic/internal 1.00%" in text
 
 
-def test_outcome_is_named(simulation):
-    assert "interrupted after" in show(False, simulation, Outcome.INTERRUPTED)
+def test_outcome_is_named(info):
+    assert "interrupted after" in show(False, info, Outcome.INTERRUPTED)
 
 
-def test_warnings_are_shown_once_and_only_during_the_run(simulation):
+def test_warnings_are_shown_once_and_only_during_the_run(info):
     out = io.StringIO()
     bar = ProgressBar(Console(file=out, width=120))
     handlers = list(LOGGER.handlers)
-    bar.start(simulation)
+    bar.start(info)
     LOGGER.warning("five elements per radius")
     bar.finish(Outcome.FINISHED)
     assert out.getvalue().count("five elements per radius") == 1
     assert LOGGER.handlers == handlers
 
 
-def test_log_keeps_set_up_frames_warnings_and_outcome(simulation, tmp_path):
+def test_log_keeps_set_up_frames_warnings_and_outcome(info, tmp_path):
     log = RunLog(tmp_path)
     LOGGER.warning("told before the start")
-    play(log, simulation)
+    play(log, info)
     text = log.path.read_text()
     for part in (
         "told before the start",
@@ -121,47 +122,48 @@ def test_log_keeps_set_up_frames_warnings_and_outcome(simulation, tmp_path):
     assert max(map(len, text.splitlines())) < 400
 
 
-def test_log_is_readable_after_an_interrupt(simulation, tmp_path):
+def test_log_is_readable_after_an_interrupt(info, tmp_path):
     log = RunLog(tmp_path)
-    log.start(simulation)
+    log.start(info)
     log.frame(frame(0))
     assert "frame 0" in log.path.read_text()
     log.finish(Outcome.INTERRUPTED)
     assert "interrupted" in log.path.read_text()
 
 
-def test_log_tells_why_a_run_had_to_stop(simulation, tmp_path):
-    simulation.failure = "element 7 is not finite"
+def test_log_tells_why_a_run_had_to_stop(info, tmp_path):
     log = RunLog(tmp_path)
-    play(log, simulation, Outcome.NOT_FINITE)
+    log.start(info)
+    LOGGER.info("element 7 is not finite")
+    log.finish(Outcome.NOT_FINITE)
     assert re.search(r"element 7 is not finite\n.*not finite after", log.path.read_text())
 
 
-def test_older_log_is_kept_until_the_run_starts(simulation, tmp_path):
+def test_older_log_is_kept_until_the_run_starts(info, tmp_path):
     (tmp_path / "run.log").write_text("older")
     log = RunLog(tmp_path)
     log.close()
     assert log.path.read_text() == "older"
-    play(RunLog(tmp_path), simulation)
+    play(RunLog(tmp_path), info)
     assert "older" not in log.path.read_text()
 
 
-def test_logger_is_left_as_it_was(simulation, tmp_path):
+def test_logger_is_left_as_it_was(info, tmp_path):
     before = LOGGER.level, list(LOGGER.handlers)
-    play(RunLog(tmp_path), simulation)
+    play(RunLog(tmp_path), info)
     assert (LOGGER.level, LOGGER.handlers) == before
 
 
-def test_log_in_a_missing_folder_is_refused(simulation, tmp_path):
+def test_log_in_a_missing_folder_is_refused(info, tmp_path):
     log = RunLog(tmp_path / "missing")
     with pytest.raises(InputError, match="cannot be written"):
-        log.start(simulation)
+        log.start(info)
     log.close()
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is always full")
-def test_full_disk_is_warned_about_once_and_the_run_goes_on(simulation, tmp_path, caplog):
+def test_full_disk_is_warned_about_once_and_the_run_goes_on(info, tmp_path, caplog):
     (tmp_path / "run.log").symlink_to("/dev/full")
     with caplog.at_level(logging.WARNING, "weavesim"):
-        play(RunLog(tmp_path), simulation)
+        play(RunLog(tmp_path), info)
     assert [record.levelname for record in caplog.records].count("WARNING") == 1

@@ -12,7 +12,7 @@ from weavesim.engine import stepper as stepper_module
 from weavesim.engine.stepper import REFRESH_INTERVAL
 from weavesim.engine.tiles import divide_step
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.kernels.rows import CLOCK_STEP, MOTION_ROWS
+from weavesim.kernels.rows import MOTION_VECTORS, ClockEntry, MotionRow
 from weavesim.kernels.stepping.machine import flush_subnormals, restore_subnormals
 from weavesim.kernels.stepping.step import look_at_clock
 from weavesim.process.strokes import Stroke
@@ -106,7 +106,7 @@ def thrown_sheet(monkeypatch, **given) -> Simulation:
     velocity = np.column_stack([np.zeros(121), np.zeros(121), np.sin(x * y).ravel()])
     simulation = free_sheet(monkeypatch, initial_velocity=velocity, **given)
     clock = simulation.state.clock.numpy()
-    clock[CLOCK_STEP] *= 0.1
+    clock[ClockEntry.step] *= 0.1
     simulation.state.clock.assign(clock)
     return simulation
 
@@ -167,12 +167,15 @@ def test_a_gpu_launches_whole_intervals(monkeypatch):
             simulation.stepper.advance_to(target)
         assert there.stepper.step_count == here.stepper.step_count
         assert there.state.time == pytest.approx(here.state.time, rel=1e-6)
-        motion = [simulation.model.read_motion(simulation.state.motion)[0] for simulation in (there, here)]
+        motion = [
+            simulation.model.read_motion(simulation.state.motion)[MotionRow.position.vector]
+            for simulation in (there, here)
+        ]
         assert np.abs(motion[0] - motion[1]).max() < 1e-6
 
 
 @pytest.mark.parametrize("lane_count", [1, LANES])
-@pytest.mark.parametrize("row", MOTION_ROWS)
+@pytest.mark.parametrize("row", MOTION_VECTORS)
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 @pytest.mark.parametrize("launches_intervals", [False, True])
 def test_a_lost_state_ends_the_interval(monkeypatch, lane_count, row, value, launches_intervals):
@@ -181,7 +184,7 @@ def test_a_lost_state_ends_the_interval(monkeypatch, lane_count, row, value, lau
     load_kernel(look_at_clock, simulation.model.device)
     simulation.stepper.launches_intervals = launches_intervals
     motion = simulation.model.read_motion(simulation.state.motion)
-    motion[MOTION_ROWS.index(row), 60, 1] = value
+    motion[MOTION_VECTORS.index(row), 60, 1] = value
     simulation.model.write_motion(simulation.state.motion, motion)
     simulation.stepper.advance_to(1.0)
     # that of the first block, or of the first turn of several

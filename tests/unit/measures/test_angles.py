@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.flat_blanks import FULL, HALF_LENGTH, HALF_WIDTH, QUARTER, blank_of
+from tests.support.flat_blanks import FULL, HALF_IN_X, HALF_IN_Y, HALF_LENGTH, HALF_WIDTH, QUARTER, blank_of
 from weavesim import measures
 from weavesim.errors import InputError
 
@@ -19,7 +19,7 @@ def test_ten_points_divide_the_line_into_nine_parts():
     assert np.ptp(np.diff(points, axis=0), axis=0).max() < 1e-15
 
 
-@pytest.mark.parametrize("symmetry", [QUARTER, ("y",), ("x",), FULL])
+@pytest.mark.parametrize("symmetry", [QUARTER, HALF_IN_Y, HALF_IN_X, FULL])
 def test_angle_of_an_odd_field_vanishes_on_symmetry_lines_and_is_exact_inside(symmetry):
     blank = blank_of(symmetry)
     points = np.array([[HALF_LENGTH, 0.0], [0.0, HALF_WIDTH], [0.1, 0.0], [0.11, 0.067], [0.0, 0.0], [0.04, 0.033]])
@@ -35,9 +35,9 @@ def test_forgetting_the_symmetry_shows_at_the_corner_points():
 
 
 def test_a_mirror_that_swaps_the_yarns_keeps_the_sign():
-    blank = blank_of(("x",), yarn_angle=45.0)
+    blank = blank_of(HALF_IN_X, yarn_angle=45.0)
     even = np.full(blank.element_count, 0.3)
-    nodal = measures.nodal_shear_angle(blank, even, ("x",))
+    nodal = measures.smoothed_shear_angle(blank, even, HALF_IN_X)
     assert nodal == pytest.approx(np.full(blank.node_count, 0.3))
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.support.flat_blanks import FULL, HALF_LENGTH, HALF_WIDTH, QUARTER, blank_of
+from tests.support.flat_blanks import FULL, HALF_IN_X, HALF_IN_Y, HALF_LENGTH, HALF_WIDTH, QUARTER, blank_of
 from weavesim import measures
 from weavesim.errors import InputError
 from weavesim.sheet.blank import Blank
@@ -15,7 +15,7 @@ def pressed(blank):
     return blank.node_position * (0.9, 0.8, 1.0)
 
 
-@pytest.mark.parametrize("symmetry", [QUARTER, ("x",), ("y",), FULL])
+@pytest.mark.parametrize("symmetry", [QUARTER, HALF_IN_X, HALF_IN_Y, FULL])
 @pytest.mark.parametrize("element_size", [0.02, 0.0311])  # the second leaves no nodes on the lines of the full blank
 def test_draw_in_and_stretch_do_not_depend_on_the_modelled_part(symmetry, element_size):
     blank = blank_of(symmetry, element_size)
@@ -45,7 +45,7 @@ def test_a_blank_beside_the_origin_has_no_symmetry_line():
         measures.symmetry_line(Blank.rectangle((0.1, 0.1), (0.2, 0.2), 0.02), "x")
 
 
-@pytest.mark.parametrize("symmetry", [QUARTER, ("x",), ("y",), FULL])
+@pytest.mark.parametrize("symmetry", [QUARTER, HALF_IN_X, HALF_IN_Y, FULL])
 def test_whole_outline_is_the_rectangle_once_around(symmetry):
     blank = blank_of(symmetry)
     outline = measures.whole_outline(blank, pressed(blank), symmetry)

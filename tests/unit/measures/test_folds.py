@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.flat_blanks import FULL, QUARTER
+from tests.support.flat_blanks import FULL, HALF_IN_X, QUARTER
 from weavesim import measures
 from weavesim.sheet.blank import Blank
 
@@ -17,10 +17,10 @@ def rim_position(blank, radius):
     return np.column_stack([distance * np.cos(polar), distance * np.sin(polar), -np.hypot(x, y)])
 
 
-@pytest.mark.parametrize(("symmetry", "count"), [(FULL, 7), (QUARTER, 8), (("x",), 6)])
+@pytest.mark.parametrize(("symmetry", "count"), [(FULL, 7), (QUARTER, 8), (HALF_IN_X, 6)])
 def test_folds_of_a_fluted_rim_are_counted(symmetry, count):
     half = 0.2
-    lower = [0.0 if axis in symmetry else -half for axis in "xy"]
+    lower = [0.0 if axis in symmetry.planes else -half for axis in "xy"]
     blank = Blank.rectangle(lower, (half, half), 0.005)
     folds = measures.rim_folds(blank, rim_position(blank, lambda p: 0.1 + 0.008 * np.cos(count * p)), symmetry)
     assert folds.fold_count == count

@@ -9,12 +9,13 @@ from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
 from weavesim.errors import InputError
 from weavesim.output import Film
 from weavesim.run.frame import Outcome
+from weavesim.sheet.symmetry import Symmetry
 
 
 def write_film(path, run, frame_count=None):
-    simulation, frames = run
+    info, frames = run
     film = Film(path)
-    film.start(simulation)
+    film.start(info)
     for frame in frames[:frame_count]:
         film.frame(frame)
     film.finish(Outcome.FINISHED if frame_count is None else Outcome.INTERRUPTED)
@@ -56,11 +57,11 @@ def test_stage_metrics_and_time(stage, coarse_run):
 
 
 def test_every_frame_holds_the_points_of_the_run(stage, coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     mesh = UsdGeom.Mesh.Get(stage, "/World/sheet")
     assert mesh.GetSubdivisionSchemeAttr().Get() == "none"
     assert mesh.GetDoubleSidedAttr().Get() is True
-    assert np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 4).tolist() == simulation.blank.quads.tolist()
+    assert np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 4).tolist() == info.sheet.blank.quads.tolist()
     assert mesh.GetPointsAttr().GetTimeSamples() == [float(frame.index) for frame in frames]
     for frame in frames:
         points = np.array(mesh.GetPointsAttr().Get(frame.index))
@@ -85,7 +86,7 @@ def test_fields_are_element_values(stage, coarse_run):
 
 
 def test_display_colour_reaches_the_material_and_brightens_with_the_angle(stage, coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     mesh = UsdGeom.Mesh.Get(stage, "/World/sheet")
     colour = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("displayColor")
     assert colour.GetInterpolation() == "vertex"
@@ -97,7 +98,7 @@ def test_display_colour_reaches_the_material_and_brightens_with_the_angle(stage,
 
     luminance = np.array(colour.Get(frames[-1].index)) @ (0.2126, 0.7152, 0.0722)
     angle = np.abs(frames[-1].fields["shear_angle"])
-    sheared, calm = simulation.blank.quads[angle.argmax()], simulation.blank.quads[angle.argmin()]
+    sheared, calm = info.sheet.blank.quads[angle.argmax()], info.sheet.blank.quads[angle.argmin()]
     assert luminance[sheared].mean() > 3.0 * luminance[calm].mean()
     first = np.array(colour.Get(0.0))
     assert np.ptp(first, axis=0).max() == 0.0
@@ -119,9 +120,9 @@ def test_mirrored_copies_complete_the_part_without_storing_it_again(stage, coars
 
 
 def test_tools_move_along_their_axes_with_their_own_materials(stage, coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     materials = set()
-    for k, tool in enumerate(simulation.tools):
+    for k, tool in enumerate(info.tools):
         transform = UsdGeom.Xformable.Get(stage, f"/World/tools/{tool.name}")
         for frame in (frames[0], frames[5], frames[-1]):
             moved = transform.ComputeLocalToWorldTransform(frame.index).ExtractTranslation()
@@ -129,7 +130,7 @@ def test_tools_move_along_their_axes_with_their_own_materials(stage, coarse_run)
         surface = stage.GetPrimAtPath(f"/World/tools/{tool.name}/surface")
         assert len(UsdGeom.Mesh(surface).GetPointsAttr().Get()) == len(tool.display_triangles()[0])
         materials.add(UsdShade.MaterialBindingAPI(surface).ComputeBoundMaterial()[0].GetPath())
-    assert len(materials) == len(simulation.tools)
+    assert len(materials) == len(info.tools)
 
 
 def test_tool_corners_are_smooth_on_the_ball_and_sharp_on_the_box(stage):
@@ -180,14 +181,14 @@ def test_an_older_film_stays_until_the_new_one_is_whole(tmp_path, coarse_run):
 
 
 def test_a_full_blank_has_no_copies(tmp_path, coarse_run):
-    simulation, frames = coarse_run
-    whole = type(simulation)(**{**vars(simulation), "symmetry": ()})
+    info, frames = coarse_run
+    whole = dataclasses.replace(info, sheets=(dataclasses.replace(info.sheet, symmetry=Symmetry()),))
     stage = Usd.Stage.Open(str(write_film(tmp_path / "full.usdc", (whole, frames))))
     assert not [prim for prim in stage.Traverse() if "mirrored" in prim.GetName()]
 
 
 def test_a_fabric_without_known_fibres_has_no_fibre_volume_fraction(tmp_path, coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     bare = [
         dataclasses.replace(
             frame,
@@ -199,7 +200,7 @@ def test_a_fabric_without_known_fibres_has_no_fibre_volume_fraction(tmp_path, co
         )
         for frame in frames[:2]
     ]
-    stage = Usd.Stage.Open(str(write_film(tmp_path / "bare.usdc", (simulation, bare))))
+    stage = Usd.Stage.Open(str(write_film(tmp_path / "bare.usdc", (info, bare))))
     primvars = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheet"))
     assert primvars.HasPrimvar("thickness") and not primvars.HasPrimvar("fibre_volume_fraction")
 

@@ -22,8 +22,8 @@ POINTS = ten_points(0.235, 0.135)
 
 
 def run_into(folder, run, outcome=Outcome.FINISHED):
-    simulation, frames = run
-    folder.start(simulation)
+    info, frames = run
+    folder.start(info)
     for frame in frames:
         folder.frame(frame)
     folder.finish(outcome)
@@ -119,7 +119,7 @@ def test_report_is_whole_by_itself(finished):
         assert kind == "data:image/png;base64"
         assert base64.b64decode(data).startswith(b"\x89PNG")
     text = " ".join(page.text)
-    assert "coarse <mesh>" in text and "1 m/s" in text and "glass/PP plain weave" in text
+    assert "coarse <mesh>" in text and "1 m/s" in text and "glass/polypropylene plain weave" in text
     assert f"{summary['max_shear_angle_deg']:.4g}°" in text
     assert "did not reach its end" not in text
     assert not re.search(r"https?://|@import|<script", (path / "report.html").read_text(encoding="utf-8"))
@@ -184,9 +184,9 @@ def test_a_full_disk_costs_the_file_but_not_the_run(tmp_path, coarse_run, monkey
 
 def test_a_folder_that_vanishes_during_the_run(tmp_path, coarse_run, monkeypatch):
     monkeypatch.setattr("weavesim.output.film._FRAMES_PER_FLUSH", 2)
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     folder = ResultFolder(tmp_path / "gone")
-    folder.start(simulation)
+    folder.start(info)
     shutil.rmtree(tmp_path / "gone")
     for frame in frames:
         folder.frame(frame)

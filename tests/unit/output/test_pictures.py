@@ -11,6 +11,7 @@ from weavesim.output import History, pictures
 from weavesim.output.colours import LARGEST_SHOWN_ANGLE, colour_table, encoded, shear_colours
 from weavesim.output.pictures.sheet import yarn_lines
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.symmetry import WHOLE
 
 
 @pytest.fixture
@@ -35,12 +36,12 @@ def test_colours_rise_in_lightness_and_ignore_the_sign():
 
 
 def test_formed_sheet_shows_every_element_of_the_whole_part(coarse_run):
-    simulation, frames = coarse_run
-    figure = pictures.formed_sheet(simulation.blank, frames[-1], simulation.symmetry)
+    info, frames = coarse_run
+    figure = pictures.formed_sheet(info.sheet.blank, frames[-1], info.sheet.symmetry)
     plan = next(axes for axes in figure.axes if axes.get_title(loc="left") == "From above")
     (collection,) = [artist for artist in plan.collections if isinstance(artist, PolyCollection)]
     filled = np.asarray(collection.get_facecolor())[:, 3] > 0.0
-    assert filled.sum() == 4 * simulation.blank.element_count
+    assert filled.sum() == 4 * info.sheet.blank.element_count
     drawn = np.concatenate([path.vertices for path in collection.get_paths()])
     reach = 1e3 * np.abs(frames[-1].position[:, :2]).max(axis=0)
     assert drawn.max(axis=0) == pytest.approx(reach) and drawn.min(axis=0) == pytest.approx(-reach)
@@ -50,7 +51,7 @@ def test_formed_sheet_shows_every_element_of_the_whole_part(coarse_run):
 @pytest.mark.parametrize("yarn_angle", [0.0, 30.0])
 def test_yarn_lines_lie_at_even_distances_along_the_yarns(yarn_angle):
     blank = Blank.rectangle((-0.2, -0.1), (0.2, 0.1), 0.011, yarn_angle=yarn_angle, distortion=0.2)
-    spacing, lines = yarn_lines(blank, ())
+    spacing, lines = yarn_lines(blank, WHOLE)
     ends = lines.of(blank.material_coordinates).reshape(-1, 2, 2)
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1)
@@ -69,7 +70,7 @@ def test_yarns_that_turn_get_strokes():
     x, y = blank.element_centres()[:, 0], blank.element_centres()[:, 1]
     direction = np.stack([np.cos(3 * x + y), np.sin(3 * x + y), 0 * x], axis=1)
     blank = Blank.from_mesh(blank.node_position, blank.quads, warp_direction=direction)
-    spacing, lines = yarn_lines(blank, ())
+    spacing, lines = yarn_lines(blank, WHOLE)
     ends = lines.of(blank.material_coordinates).reshape(-1, 2, 2)
     assert spacing == 0.0 and len(ends) == 2 * blank.element_count
     along = ends[: blank.element_count, 1] - ends[: blank.element_count, 0]
@@ -78,26 +79,26 @@ def test_yarns_that_turn_get_strokes():
 
 
 def test_draw_in_names_both_numbers_and_the_measured_outline(coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     measured = np.array([[0.2, 0.0], [0.19, 0.05]])
-    blank, frame = simulation.blank, frames[-1]
-    figure = pictures.draw_in_picture(blank, frame, simulation.symmetry, measured)
+    blank, frame = info.sheet.blank, frames[-1]
+    figure = pictures.draw_in_picture(blank, frame, info.sheet.symmetry, measured)
     texts = [text.get_text() for text in figure.axes[0].texts]
     for along in "xy":
         assert f"{1e3 * draw_in(blank, frame.position, along):.1f} mm" in texts
     labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert labels == ["flat", "formed", "measured"]
-    without = pictures.draw_in_picture(blank, frame, simulation.symmetry)
+    without = pictures.draw_in_picture(blank, frame, info.sheet.symmetry)
     assert "measured" not in [text.get_text() for text in without.axes[0].get_legend().get_texts()]
 
 
 def test_point_angles_are_the_sampled_ones(coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     points = ten_points(0.235, 0.135)
-    blank, frame = simulation.blank, frames[-1]
-    figure = pictures.point_angles(blank, frame, points, simulation.symmetry, (np.array([2, 4]), np.array([5.0, 33.0])))
+    blank, frame = info.sheet.blank, frames[-1]
+    figure = pictures.point_angles(blank, frame, points, info.sheet.symmetry, (np.array([2, 4]), np.array([5.0, 33.0])))
     heights = [bar.get_height() for bar in figure.axes[0].patches]
-    expected = shear_angle_at(blank, frame.fields["shear_angle"], points, simulation.symmetry)
+    expected = shear_angle_at(blank, frame.fields["shear_angle"], points, info.sheet.symmetry)
     assert heights == pytest.approx(expected)
     (measured,) = [line for line in figure.axes[0].lines if line.get_label() == "measured"]
     assert measured.get_xydata().tolist() == [[2.0, 5.0], [4.0, 33.0]]
@@ -106,8 +107,8 @@ def test_point_angles_are_the_sampled_ones(coarse_run):
 
 
 def test_tool_forces_are_along_the_axes_and_name_the_part(history, coarse_run):
-    simulation, frames = coarse_run
-    figure = pictures.tool_forces(history, simulation.tools, simulation.symmetry)
+    info, frames = coarse_run
+    figure = pictures.tool_forces(history, info.tools, info.sheet.symmetry)
     (axes,) = figure.axes
     assert "quarter" in axes.get_title(loc="left")
     assert [line.get_label() for line in axes.lines] == ["punch", "die", "blank holder"]
@@ -129,9 +130,9 @@ def test_energies_stack_up_to_the_supplied_work(history, coarse_run):
 
 
 def test_sections_follow_the_sheet_and_move_the_tools(coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     frame = frames[-1]
-    figure = pictures.sections(simulation.blank, frame, simulation.tools, 0.0012, simulation.symmetry)
+    figure = pictures.sections(info.sheet.blank, frame, info.tools, 0.0012, info.sheet.symmetry)
     long, short = figure.axes
     sheet = next(patch for patch in long.patches if patch.get_label() == "sheet").get_xy()
     assert sheet[:, 1].min() == pytest.approx(1e3 * frame.position[:, 2].min() - 0.6, abs=0.01)
@@ -142,19 +143,19 @@ def test_sections_follow_the_sheet_and_move_the_tools(coarse_run):
 
 def test_a_run_at_rest_can_be_drawn(tmp_path, coarse_run):
     """One flat frame without any energy, as an interrupted run may leave."""
-    simulation, frames = coarse_run
-    blank, frame = simulation.blank, frames[0]
+    info, frames = coarse_run
+    blank, frame = info.sheet.blank, frames[0]
     history = History()
-    history.start(simulation)
+    history.start(info)
     history.frame(frame)
     for i, figure in enumerate(
         (
-            pictures.formed_sheet(blank, frame, simulation.symmetry),
-            pictures.draw_in_picture(blank, frame, simulation.symmetry),
-            pictures.point_angles(blank, frame, ten_points(0.235, 0.135), simulation.symmetry),
-            pictures.tool_forces(history, simulation.tools, simulation.symmetry),
+            pictures.formed_sheet(blank, frame, info.sheet.symmetry),
+            pictures.draw_in_picture(blank, frame, info.sheet.symmetry),
+            pictures.point_angles(blank, frame, ten_points(0.235, 0.135), info.sheet.symmetry),
+            pictures.tool_forces(history, info.tools, info.sheet.symmetry),
             pictures.energies(history),
-            pictures.sections(blank, frame, simulation.tools, 0.0012, simulation.symmetry),
+            pictures.sections(blank, frame, info.tools, 0.0012, info.sheet.symmetry),
         )
     ):
         path = tmp_path / f"{i}.png"

@@ -13,9 +13,9 @@ from weavesim.run.frame import Outcome
 
 
 def write_series(folder, run, every=None):
-    simulation, frames = run
+    info, frames = run
     series = ParaViewSeries(folder, every)
-    series.start(simulation)
+    series.start(info)
     for frame in frames:
         series.frame(frame)
     series.finish(Outcome.FINISHED)
@@ -28,12 +28,12 @@ def listed(folder):
 
 
 def test_final_state_is_that_of_the_run_in_double_precision(tmp_path, coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     mesh = meshio.read(write_series(tmp_path, coarse_run) / "final_state.vtu")
     last = frames[-1]
     assert np.array_equal(mesh.points, last.position)
-    assert np.array_equal(mesh.cells_dict["quad"], simulation.blank.quads)
-    assert np.array_equal(mesh.point_data["displacement"], last.position - simulation.blank.node_position)
+    assert np.array_equal(mesh.cells_dict["quad"], info.sheet.blank.quads)
+    assert np.array_equal(mesh.point_data["displacement"], last.position - info.sheet.blank.node_position)
     assert np.array_equal(mesh.point_data["director"], last.director)
     assert mesh.cell_data["shear_angle_deg"][0] == pytest.approx(np.rad2deg(last.fields["shear_angle"]))
     for name in set(last.fields) - {"shear_angle"}:
@@ -51,10 +51,10 @@ def test_every_listed_frame_exists_with_its_time_and_points(tmp_path, coarse_run
 
 
 def test_about_thirty_frames_whatever_the_run_gives(tmp_path, coarse_run):
-    simulation, frames = coarse_run
-    duration, count = simulation.duration, 200
+    info, frames = coarse_run
+    duration, count = info.duration, 200
     many = [type(frames[0])(**{**vars(frames[0]), "index": i, "time": duration * i / count}) for i in range(count + 1)]
-    entries = listed(write_series(tmp_path, (simulation, many)))
+    entries = listed(write_series(tmp_path, (info, many)))
     assert 28 <= len(entries) <= 32
     assert entries[0][0] == 0.0 and entries[-1][0] == duration
     gaps = np.diff([moment for moment, _ in entries])
@@ -79,15 +79,15 @@ def test_frames_of_a_former_run_do_not_mix_in(tmp_path, coarse_run):
 
 def test_streams_are_cheap(tmp_path, fine_run):
     """Film and series of 1269 elements: below 5 % of a run of 10 s with 60 frames, once the libraries are loaded."""
-    simulation, frames = fine_run
+    info, frames = fine_run
     streams = [Film(tmp_path / "film.usdc"), ParaViewSeries(tmp_path)]
     for stream in streams:
-        stream.start(simulation)
+        stream.start(info)
         stream.frame(frames[0])
     started = time.process_time()
     for i in range(60):
         frame = frames[i % len(frames)]
-        frame = type(frame)(**{**vars(frame), "index": i + 1, "time": simulation.duration * (i + 1) / 60})
+        frame = type(frame)(**{**vars(frame), "index": i + 1, "time": info.duration * (i + 1) / 60})
         for stream in streams:
             stream.frame(frame)
     for stream in streams:

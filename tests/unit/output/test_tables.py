@@ -1,6 +1,7 @@
 """CSV tables that a run leaves, and measured ones that a user gives."""
 
 import csv
+import dataclasses
 
 import numpy as np
 import pytest
@@ -19,9 +20,9 @@ def read(path):
 
 @pytest.fixture
 def history(coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     result = History()
-    result.start(simulation)
+    result.start(info)
     for frame in frames:
         result.frame(frame)
     return result
@@ -45,9 +46,9 @@ def test_history_has_every_frame_tool_and_energy(tmp_path, history, coarse_run):
 
 
 def test_history_of_a_run_without_tools(tmp_path, coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     history = History()
-    history.start(type(simulation)(**{**vars(simulation), "tools": ()}))
+    history.start(dataclasses.replace(info, tools=()))
     frame = frames[1]
     history.frame(type(frame)(**{**vars(frame), "tool_displacement": np.zeros(0), "tool_reaction": np.zeros((0, 3))}))
     history.write(tmp_path / "history.csv")
@@ -64,25 +65,25 @@ def test_a_new_start_forgets_the_former_run(history, coarse_run):
 
 
 def test_shear_angle_table(tmp_path, coarse_run):
-    simulation, frames = coarse_run
+    info, frames = coarse_run
     points = ten_points(0.235, 0.135)
     angle = frames[-1].fields["shear_angle"]
-    written = write_shear_angles(tmp_path / "t.csv", simulation.blank, angle, points, simulation.symmetry)
+    written = write_shear_angles(tmp_path / "t.csv", info.sheet.blank, angle, points, info.sheet.symmetry)
     rows = read(tmp_path / "t.csv")
     assert [int(row["point"]) for row in rows] == list(range(1, 11))
     assert [float(rows[0][name]) for name in ("material_x_mm", "material_y_mm")] == [235.0, 0.0]
     values = [float(row["shear_angle_deg"]) for row in rows]
-    assert values == pytest.approx(shear_angle_at(simulation.blank, angle, points, simulation.symmetry))
+    assert values == pytest.approx(shear_angle_at(info.sheet.blank, angle, points, info.sheet.symmetry))
     assert values == pytest.approx(written)
     assert values[0] < 1e-9 and values[-1] < 1e-9 and max(values) > 10.0
 
 
 def test_draw_in_table_holds_the_free_border_in_order(tmp_path, coarse_run):
-    simulation, frames = coarse_run
-    blank, position = simulation.blank, frames[-1].position
-    write_draw_in(tmp_path / "t.csv", blank, position, simulation.symmetry)
+    info, frames = coarse_run
+    blank, position = info.sheet.blank, frames[-1].position
+    write_draw_in(tmp_path / "t.csv", blank, position, info.sheet.symmetry)
     rows = read(tmp_path / "t.csv")
-    nodes = outline(blank, simulation.symmetry).node
+    nodes = outline(blank, info.sheet.symmetry).node
     assert [int(row["node"]) for row in rows] == nodes.tolist()
     flat = np.array([[float(row["flat_x_mm"]), float(row["flat_y_mm"])] for row in rows])
     formed = np.array([[float(row[f"formed_{axis}_mm"]) for axis in "xyz"] for row in rows])

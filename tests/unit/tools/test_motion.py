@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weavesim.errors import InputError
-from weavesim.kernels.rows import CLOCK_LENGTH, CLOCK_MEAN_STEP, CLOCK_STEP
+from weavesim.kernels.rows import ClockEntry
 from weavesim.kernels.stepping.tools import tool_motion_kernel
 from weavesim.process.strokes import Fixed, ForceDriven, Stroke
 from weavesim.tools.device import build_device_tools
@@ -20,8 +20,8 @@ from weavesim.tools.tool import Tool
 def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0)):
     """Displacement and velocity after each step, (step_count, tool_count), and the device's arrays."""
     device = build_device_tools(tools, wp.float64, "cpu")
-    clock = np.zeros(CLOCK_LENGTH)
-    clock[int(CLOCK_STEP)] = clock[int(CLOCK_MEAN_STEP)] = step
+    clock = np.zeros(ClockEntry.row_count())
+    clock[ClockEntry.step] = clock[ClockEntry.mean_step] = step
     clock = wp.array(clock, dtype=wp.float64, device="cpu")
     # each tool feels the reaction in two blocks
     half = np.tile(0.5 * np.array(reaction), (len(tools), 2, 1))

@@ -19,9 +19,10 @@ from tests.support.registered_cells import CELLS, KnottedNet, Registered
 from weavesim.engine.stepper import STEP_SAFETY
 from weavesim.errors import InputError
 from weavesim.fabric.cell import UnitCell
-from weavesim.fabric.membrane import LinearMembrane
+from weavesim.fabric.cell.membrane import LinearMembrane
 from weavesim.fabric.presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
 from weavesim.fabric.response import respond
+from weavesim.kernels.rows import MotionRow
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.simulation import Simulation
@@ -330,7 +331,9 @@ def test_thrown_sheet_keeps_momentum_and_energy(shell_cell):
     mass = simulation.model.node_mass[:, None]
     before = (mass * velocity).sum(axis=0)
     simulation.run()
-    after = (mass * simulation.model.read_motion(simulation.state.motion)[1, : blank.node_count]).sum(axis=0)
+    after = (
+        mass * simulation.model.read_motion(simulation.state.motion)[MotionRow.velocity.vector, : blank.node_count]
+    ).sum(axis=0)
     assert np.abs(after - before).max() < 1e-12 * np.abs(mass * velocity).sum()
     energies = simulation.frame.energies
     assert energies["internal"] > 0.05 * energies["initial_kinetic"]

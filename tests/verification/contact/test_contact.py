@@ -6,9 +6,9 @@ import trimesh
 
 from weavesim.engine.model import CONTACT_SHARE
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import Stroke
 from weavesim.run.relaxation import relax

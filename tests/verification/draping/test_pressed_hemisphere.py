@@ -12,9 +12,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
 from weavesim.process.strokes import Stroke

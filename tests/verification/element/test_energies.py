@@ -5,10 +5,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from weavesim.fabric.bending import BendingCurve, IsotropicBending, YarnBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import LinearShear, MomentCurve, ShearFriction
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.sheet.blank import Blank
 
 CELL = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")

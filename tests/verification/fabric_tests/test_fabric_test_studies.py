@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from weavesim.fabric.bending import YarnBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.scenes import bias_extension, cantilever, picture_frame
 from weavesim.scenes.bias_extension import BiasExtensionParameters
 from weavesim.scenes.cantilever import CantileverParameters

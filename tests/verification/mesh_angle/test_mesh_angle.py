@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.run.frame import Frame
 from weavesim.scenes.bias_extension import BiasExtensionParameters, bias_extension, closed_form_force, kinematic_angle
 from weavesim.sheet.blank import Blank

@@ -6,7 +6,7 @@ import pytest
 from tests.support.loops import CURVE, FRICTION, SQUARE, UP, cycle, loop_figure, sheared, walk
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
-from weavesim.kernels.rows import SLIP_ROWS
+from weavesim.kernels.rows import SlipRow
 
 
 def test_shear_loop_is_the_laws_own_path_and_books_what_it_loses(sheet, fabric, manual):
@@ -21,7 +21,7 @@ def test_shear_loop_is_the_laws_own_path_and_books_what_it_loses(sheet, fabric, 
     loop = area * np.trapezoid(expected, path)
     assert lost + stored == pytest.approx(loop, rel=2e-3)
     assert lost + stored == pytest.approx(entries[-1]["work"], rel=2e-3)
-    assert shell.simulation.state.slip.numpy()[SLIP_ROWS.index("shear_spring"), 0] != 0.0
+    assert shell.simulation.state.slip.numpy()[SlipRow.shear_spring, 0] != 0.0
     assert lost > 0.5 * entries[150]["shear"]
     case = manual(
         "Shear", "Unloading hysteresis of a homogeneous sheet",

@@ -7,9 +7,10 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
+from weavesim.kernels.rows import MotionRow
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
 from weavesim.run.relaxation import relax
@@ -368,7 +369,7 @@ def test_work_of_a_load_on_a_free_sheet(fabric):
         moved, np.tile([0.5, 0.0, -5.0 / 6.0], (len(mass), 1)) * time**3 / 1e-3, rtol=5e-4, atol=0
     )
     # half a step old
-    spin = simulation.model.read_motion(simulation.state.motion)[3, : blank.node_count, 1]
+    spin = simulation.model.read_motion(simulation.state.motion)[MotionRow.spin.vector, : blank.node_count, 1]
     np.testing.assert_allclose(spin, 1e-3 * 0.5 * (time - 5e-6) ** 2 / 1e-3, rtol=5e-4)
     energies = simulation.frame.energies
     assert energies["load_work"] == pytest.approx(0.5 * mass.sum() * 34.0 * (0.5 * time**2 / 1e-3) ** 2, rel=5e-3)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.support.loops import SQUARE, UP
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support

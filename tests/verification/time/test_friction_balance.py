@@ -4,9 +4,9 @@ import numpy as np
 
 from tests.support.loops import CURVE
 from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.run.ledger import LOST
 from weavesim.sheet.blank import Blank
 

@@ -7,9 +7,9 @@ import pytest
 
 from weavesim.engine.model import CONTACT_SHARE, TANGENTIAL_RATIO
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear, MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import ForceDriven, Stroke
 from weavesim.run.relaxation import relax

@@ -7,10 +7,11 @@ import scipy.linalg
 from weavesim.engine.stepper import STEP_SAFETY
 from weavesim.errors import InputError
 from weavesim.fabric.bending import IsotropicBending, YarnBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import LinearShear, MomentCurve
-from weavesim.fabric.weaves import PlainWeave
+from weavesim.kernels.rows import MotionRow
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
@@ -184,7 +185,7 @@ def swing(fabric, step: float | None, limit: float) -> np.ndarray:
         # the step is taken anew after each block: put ours back
         simulation.state.clock.assign(np.array([0.0, step * limit, step * limit]))
         simulation.stepper.advance(1)
-        position = simulation.model.read_motion(simulation.state.motion)[0, : blank.node_count]
+        position = simulation.model.read_motion(simulation.state.motion)[MotionRow.position.vector, : blank.node_count]
         result.append(np.abs(position - blank.node_position).max())
     return np.array(result)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support

@@ -11,12 +11,13 @@ import trimesh
 from weavesim.engine.state import State
 from weavesim.errors import RunError
 from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.cell.membrane import LinearMembrane
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
-from weavesim.fabric.membrane import LinearMembrane
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.fabric.shear import LinearShear, MomentCurve, ShearFriction
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.kernels.lanes import CPU_LANE_COUNT
+from weavesim.kernels.rows import MotionRow
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
 from weavesim.process.strokes import Stroke
@@ -31,7 +32,8 @@ from weavesim.tools.tool import Tool
 def momenta(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """Momentum [kg m/s], and angular momentum about the origin [kg m^2/s] with that of the directors."""
     motion = simulation.model.read_motion(simulation.state.motion)[:, : simulation.blank.node_count].astype(np.float64)
-    position, velocity, spin = motion[0] + motion[4], motion[1], motion[3]
+    position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
+    velocity, spin = motion[MotionRow.velocity.vector], motion[MotionRow.spin.vector]
     mass, inertia = simulation.model.node_mass[:, None], simulation.model.node_inertia[:, None]
     return (mass * velocity).sum(axis=0), (mass * np.cross(position, velocity) + inertia * spin).sum(axis=0)
 
@@ -54,7 +56,7 @@ def test_free_sheet_keeps_its_momenta():
     simulation.run()
     assert simulation.stepper.step_count > 500
     assert simulation.frame.energies["internal"] > 0.1 * simulation.frame.energies["initial_kinetic"]
-    spin = simulation.model.read_motion(simulation.state.motion)[3, : simulation.blank.node_count]
+    spin = simulation.model.read_motion(simulation.state.motion)[MotionRow.spin.vector, : simulation.blank.node_count]
     share_of_directors = np.abs((simulation.model.node_inertia[:, None] * spin).sum(axis=0)).max()
     later, angular_later = momenta(simulation)
     assert np.abs(later - momentum).max() < 1e-12 * np.abs(momentum).max()

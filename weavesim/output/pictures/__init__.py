@@ -5,7 +5,7 @@ from .charts import chart_of, drive_forces, energies, tool_forces
 from .draw_in import draw_in_picture
 from .sections import sections
 from .sheet import formed_sheet
-from .style import add_legend, colour_map, mirrored, new_axes, new_figure, words, write_picture
+from .style import add_legend, colour_map, new_axes, new_figure, words, write_picture
 
 __all__ = [
     "add_legend",
@@ -15,7 +15,6 @@ __all__ = [
     "drive_forces",
     "energies",
     "formed_sheet",
-    "mirrored",
     "new_axes",
     "new_figure",
     "point_angles",

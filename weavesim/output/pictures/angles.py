@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...measures.angles import shear_angle_at
 from ...run.frame import Frame
+from ...sheet.symmetry import WHOLE, Symmetry
 from ..colours import LARGEST_SHOWN_ANGLE
 from .style import ACCENT, INK, MEASURED, add_legend, colour_map, new_axes, new_figure
 
@@ -25,7 +25,7 @@ def point_angles(
     blank: Blank,
     frame: Frame,
     points: np.ndarray,
-    symmetry: Sequence[str] = (),
+    symmetry: Symmetry = WHOLE,
     measured_angles: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Figure:
     """Shear angle at material points (k, 2) [m], and where they lie on the flat blank."""

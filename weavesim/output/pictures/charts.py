@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...sheet.symmetry import WHOLE, Symmetry
 from ..tables import History
 from .style import FAINT, INK, LINE_COLOURS, PART_NAMES, add_legend, new_axes, new_figure, words
 
@@ -18,10 +19,10 @@ if TYPE_CHECKING:
     from ..curves import Chart
 
 
-def tool_forces(history: History, tools: Sequence[Tool], symmetry: Sequence[str] = ()) -> Figure:
+def tool_forces(history: History, tools: Sequence[Tool], symmetry: Symmetry = WHOLE) -> Figure:
     """Force between the sheet and each tool along the tool's axis, against the stroke."""
     figure = new_figure(9.0, 4.4)
-    chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {PART_NAMES[len(symmetry)]}")
+    chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {PART_NAMES[symmetry.share]}")
     chart.set(xlabel="stroke [mm]", ylabel="force along the tool's axis [N]")
     for k, tool in enumerate(tools):
         force = np.abs(history.tool_reaction[:, k] @ np.asarray(tool.axis, dtype=float))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...measures.border import border_draw_in, draw_in, outline, symmetry_line, whole_outline
 from ...run.frame import Frame
+from ...sheet.symmetry import WHOLE, Symmetry
 from .style import ACCENT, FAINT, GREY, INK, MEASURED, add_legend, new_axes, new_figure
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def draw_in_picture(
-    blank: Blank, frame: Frame, symmetry: Sequence[str] = (), measured_outline: np.ndarray | None = None
+    blank: Blank, frame: Frame, symmetry: Symmetry = WHOLE, measured_outline: np.ndarray | None = None
 ) -> Figure:
     """Flat and formed outline in plan, and the draw-in along the outline; a measured outline (k, 2) [m] on top."""
     figure = new_figure(12.0, 4.9)

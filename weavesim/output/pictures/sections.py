@@ -9,6 +9,7 @@ import numpy as np
 
 from ...measures.border import symmetry_line, whole_outline
 from ...run.frame import Frame
+from ...sheet.symmetry import WHOLE, Symmetry
 from .style import INK, LINE_COLOURS, add_legend, new_axes, new_figure, words
 
 if TYPE_CHECKING:
@@ -18,9 +19,7 @@ if TYPE_CHECKING:
     from ...tools.tool import Tool
 
 
-def sections(
-    blank: Blank, frame: Frame, tools: Sequence[Tool], thickness: float, symmetry: Sequence[str] = ()
-) -> Figure:
+def sections(blank: Blank, frame: Frame, tools: Sequence[Tool], thickness: float, symmetry: Symmetry = WHOLE) -> Figure:
     """The formed sheet, in its thickness, and the tools, cut along both symmetry lines."""
     from matplotlib.collections import LineCollection
 
@@ -42,7 +41,7 @@ def sections(
                 pieces = 1.0e3 * (cut + shift)[:, :, [row, 2]]
                 label = words(tool.name)
                 chart.add_collection(LineCollection(list(pieces), colors=colour, linewidths=1.3, label=label))
-        for factor in (1.0, -1.0) if along in symmetry else (1.0,):
+        for factor in (1.0, -1.0) if along in symmetry.planes else (1.0,):
             side = np.concatenate([plane + across, (plane - across)[::-1]]) * (factor, 1.0)
             name = "sheet" if factor > 0.0 else None
             chart.fill(*side.T, facecolor=INK, edgecolor=INK, linewidth=0.4, label=name, zorder=3)

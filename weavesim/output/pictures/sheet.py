@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...measures.border import MaterialLine, outline, whole_outline
 from ...run.frame import Frame
-from ...sheet.symmetry import mirror_signs
+from ...sheet.symmetry import WHOLE, Symmetry
 from ..colours import LARGEST_SHOWN_ANGLE
-from .style import INK, colour_map, mirrored, new_axes, new_figure
+from .style import INK, colour_map, new_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,16 +24,16 @@ _LARGEST_YARN_COUNT = 50
 # --------------------------------------------------------------------------------------------------- formed sheet
 
 
-def formed_sheet(blank: Blank, frame: Frame, symmetry: Sequence[str] = ()) -> Figure:
+def formed_sheet(blank: Blank, frame: Frame, symmetry: Symmetry = WHOLE) -> Figure:
     """The whole part, oblique and in plan, coloured by the angle of each element, with lines along the yarns."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
     angle = np.abs(np.rad2deg(frame.fields["shear_angle"]))
     spacing, lines = yarn_lines(blank, symmetry)
-    corners = mirrored(frame.position[blank.quads], symmetry)
-    segments = mirrored(lines.of(frame.position).reshape(-1, 2, 3), symmetry)
-    angles = np.tile(angle, len(mirror_signs(symmetry)))
+    corners = symmetry.mirrored(frame.position[blank.quads])
+    segments = symmetry.mirrored(lines.of(frame.position).reshape(-1, 2, 3))
+    angles = np.tile(angle, len(symmetry.mirror_factors))
 
     border = frame.position[outline(blank, symmetry).node, 2]
     turned = float(border.mean()) > float(frame.position[:, 2].mean())  # a bowl is clearer seen as a dome
@@ -67,7 +66,7 @@ def formed_sheet(blank: Blank, frame: Frame, symmetry: Sequence[str] = ()) -> Fi
     return figure
 
 
-def yarn_lines(blank: Blank, symmetry: Sequence[str]) -> tuple[float, MaterialLine]:
+def yarn_lines(blank: Blank, symmetry: Symmetry) -> tuple[float, MaterialLine]:
     """Distance of the lines [m], and their pieces: each two following points are one segment.
 
     With one yarn direction all over the flat blank the lines run on from element to element; else (distance 0) every

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from ...sheet.symmetry import mirror_signs
 from ..colours import colour_table, encoded
 from ..files import replacing
 
@@ -41,7 +37,8 @@ _STYLE: Any = {
     "lines.linewidth": 1.8,
     "lines.solid_capstyle": "round",
 }
-PART_NAMES = {0: "the part", 1: "the computed half", 2: "the computed quarter"}
+# By the computed share of the part.
+PART_NAMES = {1.0: "the part", 0.5: "the computed half", 0.25: "the computed quarter"}
 _RESOLUTION = 150
 
 
@@ -83,10 +80,6 @@ def colour_map() -> Any:
     from matplotlib.colors import ListedColormap
 
     return ListedColormap(encoded(colour_table()), name="shear angle")
-
-
-def mirrored(points: np.ndarray, symmetry: Sequence[str]) -> np.ndarray:
-    return np.concatenate([points * np.array([*sign, 1.0]) for sign in mirror_signs(symmetry)])
 
 
 def words(name: str) -> str:

@@ -3,25 +3,34 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..checks import NotNegative, Positive, Share
-from .cell import UNIT_CELL_TOLERANCE, EnergyCell, UnitCell
+from ...checks import NotNegative, Positive, Share
+from .contract import UNIT_CELL_TOLERANCE, EnergyCell, UnitCell
 
 if TYPE_CHECKING:
-    from ..device import Precision
-    from ..kernels.cell.law import CellLaw
+    from ...device import Precision
+    from ...kernels.cell.law import CellLaw
+
+
+# Of the glass/polypropylene weave of the double-dome benchmark (the preset of that name has the source).
+GLASS_PITCH = 5.2e-3  # distance of the yarns [m]
+GLASS_YARN_STIFFNESS = 31.8e3  # E A [N]
 
 
 class CrossedYarns(UnitCell):
     """Warp and weft beam that cross at a contact element: the paper's parameters, and four of our own with defaults.
 
     A yarn's compressive stiffness E A_c defaults to the Euler-like 3 E I / l0^2: a yarn pushed together is a buckled
-    bundle, and a stiffer one gives the cell several equilibria (``warnings`` tells).
+    bundle, and a stiffer one gives the cell several equilibria (``warnings`` says so).
     """
+
+    is_kind: ClassVar[bool] = False
 
     warp_modulus: Positive = Field(description="Young's modulus of the warp yarn [Pa]")
     weft_modulus: Positive = Field(description="Young's modulus of the weft yarn [Pa]")
@@ -49,6 +58,23 @@ class CrossedYarns(UnitCell):
         if self.crossover_height == 0.0 and self.contact_stiffness_value is None:
             raise ValueError("crossover_height = 0 leaves E_3 A_3 / L_3 undefined: give contact_stiffness_value [N/m]")
         return self
+
+    @classmethod
+    def glass_polypropylene(cls, **changes: Any) -> Self:
+        """Yarns of the double-dome benchmark's commingled glass/polypropylene, some values changed by their names.
+
+        Pitch and E A are published; crimp, contact stiffness and yarn bending are assumed.
+        """
+        cross_section = 1.0e-6  # only the products E A and E I matter
+        modulus = GLASS_YARN_STIFFNESS / cross_section
+        yarn_bending = 1.5e-5  # E I [N m^2], as stiff as the sheet's bending over one pitch
+        values: dict[str, Any] = {
+            "warp_modulus": modulus, "weft_modulus": modulus, "contact_modulus": 10.0e6,
+            "warp_cross_section": cross_section, "weft_cross_section": cross_section, "contact_cross_section": 1.6e-5,
+            "warp_second_moment": yarn_bending / modulus, "weft_second_moment": yarn_bending / modulus,
+            "warp_half_spacing": 0.5 * GLASS_PITCH, "weft_half_spacing": 0.5 * GLASS_PITCH, "crossover_height": 0.6e-3,
+        }  # fmt: skip
+        return cls(**values | changes)
 
     @property
     def half_spacing(self) -> tuple[float, float]:
@@ -121,8 +147,15 @@ class CrossedYarns(UnitCell):
 class PlainWeave(CrossedYarns):
     """Plain-weave unit cell of crossed beams, written by hand for lanes: the paper's cell."""
 
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {
+            "plain-weave": cls.glass_polypropylene,
+            "plain-weave-unilateral": partial(cls.glass_polypropylene, contact="unilateral"),
+        }
+
     def law(self) -> CellLaw:
-        from ..kernels.cell.plain_weave import PLAIN_WEAVE
+        from ...kernels.cell.plain_weave import PLAIN_WEAVE
 
         return PLAIN_WEAVE
 
@@ -187,7 +220,7 @@ class FloatWeave(CrossedYarns, EnergyCell):
     repeat: int = Field(ge=2, le=16, description="N, crossovers in a repeat along a yarn")
 
     def functions(self) -> dict[str, Any]:
-        from ..kernels.cell.energies import floats_crossover_pressure, floats_energies
+        from ...kernels.cell.energies import floats_crossover_pressure, floats_energies
 
         return {"parts": floats_energies, "crossover_pressure": floats_crossover_pressure}
 
@@ -218,8 +251,16 @@ class TwillWeave(FloatWeave):
 
     repeat: Literal[4] = 4
 
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {"twill": cls.glass_polypropylene}
+
 
 class SatinWeave(FloatWeave):
     """Satin of five or eight harnesses: over all but one."""
 
     repeat: Literal[5, 8] = Field(default=5, description="harnesses")
+
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {"satin-5": cls.glass_polypropylene, "satin-8": partial(cls.glass_polypropylene, repeat=8)}

@@ -1,0 +1,82 @@
+"""Rows of the shared arrays: numbered without gaps, known to kernels, and never written as numbers."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import warp as wp
+
+from weavesim.kernels import rows
+from weavesim.kernels.rows import CornerRow, MotionRow, Rows, SlipRow
+
+KERNELS = Path(rows.__file__).parent
+ARRAYS = Rows.__subclasses__()
+
+
+@pytest.mark.parametrize("array", ARRAYS)
+def test_members_take_all_rows_in_order(array):
+    taken = [row for member in array for row in range(member.span.start, member.span.stop)]
+    assert taken == list(range(array.row_count()))
+
+
+@pytest.mark.parametrize("array", ARRAYS)
+def test_every_member_has_a_unit_and_a_description(array):
+    assert all(member.unit and member.description for member in array)
+
+
+def test_vectors_of_the_motion_come_first():
+    assert [MotionRow[name].vector for name in rows.MOTION_VECTORS] == [0, 1, 2, 3, 4]
+    assert MotionRow.mean_angle == 3 * len(rows.MOTION_VECTORS)
+
+
+def test_array_indexed_by_a_member():
+    corner = np.arange(CornerRow.row_count())
+    assert corner[CornerRow.angle] == 6
+    assert corner[CornerRow.couple.span].tolist() == [3, 4, 5]
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def mark_spin(values: wp.array2d(dtype=wp.float32)):
+    values[MotionRow.spin, 0] = 1.0
+    values[MotionRow.spin + SlipRow.weft_bending_slip, 1] = 2.0
+
+
+def test_kernel_indexes_by_a_member():
+    values = wp.zeros((MotionRow.row_count(), 2), dtype=wp.float32, device="cpu")
+    wp.launch(mark_spin, dim=1, outputs=[values], device="cpu")
+    wanted = np.zeros((16, 2))
+    wanted[9, 0], wanted[11, 1] = 1.0, 2.0
+    assert np.array_equal(values.numpy(), wanted)
+
+
+def test_rows_are_known_without_warp():
+    code = "import sys, weavesim.kernels.rows; sys.exit('warp' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=KERNELS.parent).returncode == 0
+
+
+def literal_rows(source: str) -> list[str]:
+    """Entries of arrays with a number for their row, as in ``energies[5, e]`` or ``energies[count + 5, e]``."""
+
+    def numbered(index: ast.expr) -> bool:
+        if isinstance(index, ast.BinOp) and isinstance(index.op, ast.Add):
+            return numbered(index.left) or numbered(index.right)
+        return isinstance(index, ast.Constant)
+
+    return [
+        ast.unparse(node)
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Tuple) and numbered(node.slice.elts[0])
+    ]
+
+
+@pytest.mark.parametrize("room", ["shell", "stepping"])
+def test_no_row_is_a_literal(room):
+    found = {file.name: literal_rows(file.read_text()) for file in (KERNELS / room).glob("*.py")}
+    assert found and {name: literals for name, literals in found.items() if literals} == {}
+
+
+def test_literal_row_is_found():
+    assert literal_rows("energies[part_count + 5, e] = fields[7, e]") == ["energies[part_count + 5, e]", "fields[7, e]"]

@@ -1,0 +1,96 @@
+"""Symmetry planes: what they hold, which copies they make, and the sign of the shear angle in a mirror."""
+
+import numpy as np
+import pytest
+
+from tests.support.flat_blanks import FULL, HALF_IN_X, HALF_IN_Y, QUARTER, blank_of
+from weavesim.errors import InputError
+from weavesim.sheet.blank import Blank
+from weavesim.sheet.symmetry import Symmetry, nodes_of_odd_angle, shear_angle_parity
+
+
+def all_free(blank):
+    return np.ones((blank.node_count, 6), dtype=bool)
+
+
+@pytest.mark.parametrize(
+    ("symmetry", "share", "factors"),
+    [
+        (FULL, 1.0, ((1, 1),)),
+        (HALF_IN_X, 0.5, ((1, 1), (-1, 1))),
+        (HALF_IN_Y, 0.5, ((1, 1), (1, -1))),
+        (QUARTER, 0.25, ((1, 1), (1, -1), (-1, 1), (-1, -1))),
+    ],
+)
+def test_share_and_copies_of_the_part(symmetry, share, factors):
+    assert symmetry.share == share
+    assert symmetry.mirror_factors == factors
+    copies = symmetry.mirrored(np.array([[1.0, 2.0, 3.0]]))
+    assert copies.tolist() == [[x, 2.0 * y, 3.0] for x, y in factors]
+
+
+def test_the_order_of_the_planes_does_not_order_the_copies():
+    assert Symmetry(("y", "x")).mirror_factors == QUARTER.mirror_factors
+
+
+@pytest.mark.parametrize(("planes", "message"), [(("z",), "symmetry plane 'z'"), (("x", "x"), "named once")])
+def test_planes_that_are_refused(planes, message):
+    with pytest.raises(InputError, match=message):
+        Symmetry(planes)
+
+
+def test_nodes_stay_in_the_plane_and_their_directors_turn_in_it():
+    blank = blank_of(HALF_IN_X)
+    on_plane = blank.node_position[:, 0] == 0.0
+    free = HALF_IN_X.hold(blank, all_free(blank))
+    assert on_plane.any() and np.all(free[~on_plane])
+    assert np.all(free[on_plane] == [False, True, True, True, False, False])
+
+
+def test_what_was_held_before_stays_held_and_the_argument_is_left_alone():
+    blank = blank_of(QUARTER)
+    given = all_free(blank)
+    given[:, 2] = False
+    assert not QUARTER.hold(blank, given)[:, 2].any()
+    assert given.sum() == 5 * blank.node_count
+
+
+def test_a_plane_beside_the_blank_is_refused():
+    blank = Blank.rectangle((0.1, 0.1), (0.2, 0.2), 0.02)
+    with pytest.raises(InputError, match="symmetry plane x = 0: no node of the blank lies on it"):
+        HALF_IN_X.hold(blank, all_free(blank))
+
+
+def shear_angle(warp, weft):
+    return np.arcsin(np.dot(warp, weft) / np.linalg.norm(warp) / np.linalg.norm(weft))
+
+
+@pytest.mark.parametrize("plane", ["x", "y"])
+@pytest.mark.parametrize(("yarn_angle", "parity"), [(0.0, -1.0), (90.0, -1.0), (45.0, 1.0), (-45.0, 1.0)])
+def test_parity_is_that_of_a_mirrored_deformation(plane, yarn_angle, parity):
+    """The reference shears the yarns by a gradient and by its mirror image, and measures both angles."""
+    blank = blank_of(FULL, yarn_angle=yarn_angle)
+    assert np.all(shear_angle_parity(blank, plane) == parity)
+    mirror = np.diag([-1.0, 1.0, 1.0] if plane == "x" else [1.0, -1.0, 1.0])
+    # symmetric under the mirror for yarns at 45 degrees, odd under it for yarns along the axes
+    gradient = np.array([[1.0, 0.2, 0.0], [0.2, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    if yarn_angle % 90.0:
+        gradient = np.diag([1.2, 0.9, 1.0])
+    warp, weft = blank.warp_direction[0], blank.weft_direction[0]
+    angle, image = (shear_angle(g @ warp, g @ weft) for g in (gradient, mirror @ gradient @ mirror))
+    assert abs(angle) > 0.1 and image == pytest.approx(parity * angle)
+
+
+@pytest.mark.parametrize(("yarn_angle", "odd"), [(0.0, True), (90.0, True), (45.0, False)])
+def test_nodes_of_odd_angle_lie_on_the_planes(yarn_angle, odd):
+    blank = blank_of(QUARTER, yarn_angle=yarn_angle)
+    found = nodes_of_odd_angle(blank, QUARTER.hold(blank, all_free(blank)))
+    x, y = blank.node_position[:, 0], blank.node_position[:, 1]
+    assert np.array_equal(found, odd & ((x == 0.0) != (y == 0.0)))
+
+
+def test_a_clamped_edge_is_no_symmetry_plane():
+    blank = blank_of(HALF_IN_X)
+    free = all_free(blank)
+    free[blank.node_position[:, 0] == 0.0] = False
+    assert not nodes_of_odd_angle(blank, free).any()

@@ -221,7 +221,7 @@ def _compile(kernel_set: KernelSet | MeshKernelSet, indices: list[int], process_
 
 def _cache_folder() -> str:
     """The folder that Warp was given for its cache: it has added its version."""
-    folder = Path(wp.config.kernel_cache_dir)
+    folder = Path(str(wp.config.kernel_cache_dir))
     return str(folder.parent if folder.name == wp.config.version else folder)
 
 

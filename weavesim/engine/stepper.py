@@ -34,12 +34,12 @@ from ..tools.device import DeviceTools
 from .compilation import KernelSet, compile_missing
 from .layout import lanes_view
 from .model import Model
+from .setup import STEP_SAFETY
 from .state import Ahead, State
 from .threads import ThreadChoice
 from .tiles import TILE_SIZE, Part, chunks, divide_step
 
 REFRESH_INTERVAL = 20
-STEP_SAFETY = 0.9
 # Reductions over more entries than this take two launches.
 LARGEST_SINGLE_SUM = 4096
 GROUP_SIZE = 256

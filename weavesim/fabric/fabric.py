@@ -25,30 +25,28 @@ class Stabilisation(Parameters):
     locked by its own stabilisation. The warping mode is measured without the twist, so that a pure twist costs nothing.
     """
 
-    in_plane: NotNegative = 0.1
-    warping: NotNegative = 0.1
-    director: NotNegative = 0.1
+    in_plane: NotNegative = Field(default=0.1, description="of the in-plane modes, a share of the shear stiffness")
+    warping: NotNegative = Field(default=0.1, description="of the warping mode, a share of transverse shear")
+    director: NotNegative = Field(default=0.1, description="of the directors' modes, a share of the bending stiffness")
 
 
 class Fabric(Parameters):
-    """A woven fabric as the sheet sees it.
+    """A woven fabric as the sheet sees it."""
 
-    Attributes:
-        assumed: names of the values that no source gives; a report labels them so.
-    """
-
-    name: str
+    name: str = Field(description="of the fabric, in reports")
     areal_density: Annotated[Positive, at_most(50.0, "it is in kg/m^2, write 0.6 for 600 g/m^2")] = Field(
-        description="[kg/m^2]"
+        description="mass per reference area [kg/m^2]"
     )
-    thickness: Annotated[Positive, at_most(0.05, "it is in metres, write 0.0012 for 1.2 mm")] = Field(description="[m]")
+    thickness: Annotated[Positive, at_most(0.05, "it is in metres, write 0.0012 for 1.2 mm")] = Field(
+        description="of the undeformed sheet [m]"
+    )
     unit_cell: SerializeAsAny[UnitCell] = Field(description="what the yarns do")
     shear: SerializeAsAny[ShearLaw] = Field(description="elastic law of in-plane shear")
     shear_friction: SerializeAsAny[CrossoverFriction] | None = Field(
         default=None, description="of the yarns that turn on each other, beside the elastic law"
     )
-    bending: SerializeAsAny[BendingLaw] = Field(description="law of bending")
-    transverse_shear_modulus: NotNegative = Field(description="G of equation (6) across the sheet [Pa]")
+    bending: SerializeAsAny[BendingLaw] = Field(kw_only=True, description="law of bending")
+    transverse_shear_modulus: NotNegative = Field(kw_only=True, description="G of equation (6) across the sheet [Pa]")
     in_plane_bending_stiffness: NotNegative = Field(
         default=0.0,
         description="B of psi = 1/2 B |grad gamma|^2: yarns resist being bent in the plane, so that the shear angle "
@@ -58,10 +56,12 @@ class Fabric(Parameters):
         default=0.0,
         description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]",
     )
-    stabilisation: Stabilisation = Stabilisation()
-    compaction: Compaction = Compaction()
-    source: str = ""
-    assumed: tuple[str, ...] = ()
+    stabilisation: Stabilisation = Field(default=Stabilisation(), description="of the hourglass modes")
+    compaction: Compaction = Field(default=Compaction(), description="thickness and fibre content when deformed")
+    source: str = Field(default="", description="where the values come from")
+    assumed: tuple[str, ...] = Field(
+        default=(), description="names of the values that no source gives; a report labels them so"
+    )
 
     @model_validator(mode="after")
     def _locking_is_bounded(self) -> Self:

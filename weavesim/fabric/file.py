@@ -80,12 +80,12 @@ def _converted(value: Any, name: str, owner: type[Parameters] | None, folder: Pa
         return value
     if "csv" in value:
         return _column(value, name, folder)
-    is_field = owner is not None and name in owner.model_fields
     # the argument of a constructor may be of any kind
-    allowed = kinds_of_field(owner, name) if is_field else kinds_within(Fabric)
+    field_of = owner if owner is not None and name in owner.model_fields else None
+    allowed = kinds_of_field(field_of, name) if field_of else kinds_within(Fabric)
     if not allowed:
         raise InputError(f"{name}: a value is needed, not a table")
-    given = value.get("kind", implied_kind(owner, name) if is_field else None)
+    given = value.get("kind", implied_kind(field_of, name) if field_of else None)
     if given is None:
         raise InputError(f"[{name}] says no kind; one of {', '.join(allowed)} is needed")
     kind, _, constructor = str(given).partition(".")

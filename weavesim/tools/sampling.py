@@ -217,7 +217,7 @@ def _grid(surface: MeshSurface, mesh: wp.Mesh, spacing: float, device: str) -> _
 
 
 def _filled_volume(mesh: wp.Mesh, grid: _Grid, device: str) -> wp.Volume:
-    first_voxel = wp.array(grid.first_voxel, dtype=wp.vec3i, device=device)
+    first_voxel: wp.array = wp.array(grid.first_voxel, dtype=wp.vec3i, device=device)
     volume = wp.Volume.allocate_by_tiles(
         first_voxel,
         voxel_size=grid.spacing,
@@ -225,7 +225,7 @@ def _filled_volume(mesh: wp.Mesh, grid: _Grid, device: str) -> wp.Volume:
         translation=tuple(grid.lower),
         device=device,
     )
-    centre_distance = wp.array(grid.centre_distance, dtype=float, device=device)
+    centre_distance: wp.array = wp.array(grid.centre_distance, dtype=float, device=device)
     wp.launch(
         fill_tiles_kernel,
         dim=(len(grid.first_voxel), int(TILE_SIZE) ** 3),

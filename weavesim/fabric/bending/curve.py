@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ...checks import Kinded, NotNegative, positive_number
-from ..curve import check_curve, interpolate, measured_columns
+from ..curve import Column, check_curve, interpolate, measured_columns
 
 
 class FamilyBending(Kinded):
@@ -61,9 +60,9 @@ class FamilyBending(Kinded):
 class BendingCurve(FamilyBending):
     """Moment per width over curvature of one yarn family."""
 
-    curvature: tuple[float, ...] = Field(description="increasing curvatures from 0 [1/m]")
+    curvature: tuple[float, ...] = Field(kw_only=True, description="increasing curvatures from 0 [1/m]")
     moment_values: tuple[float, ...] = Field(
-        description="M at these, moment per width in N m/m; beyond the last, its end slope goes on [N]"
+        kw_only=True, description="M at these, moment per width in N m/m; beyond the last, its end slope goes on [N]"
     )
 
     @model_validator(mode="after")
@@ -85,9 +84,9 @@ class BendingCurve(FamilyBending):
     @classmethod
     def from_loading_and_unloading(
         cls,
-        curvature: Sequence[float],
-        loading: Sequence[float],
-        unloading: Sequence[float],
+        curvature: Column,
+        loading: Column,
+        unloading: Column,
         *,
         friction_stiffness: float,
     ) -> BendingCurve:

@@ -25,7 +25,7 @@ Family = Annotated[
 
 
 class YarnBending(BendingLaw):
-    """Bending per yarn family and unit width: constant stiffness, or a moment-curvature curve for each family."""
+    """Bending per yarn family and unit width: a constant stiffness or a moment-curvature curve for each family."""
 
     warp: Family = Field(description="D_1, or a curve [N m]")
     weft: Family = Field(description="D_2, or a curve [N m]")
@@ -34,7 +34,7 @@ class YarnBending(BendingLaw):
 
     @model_validator(mode="after")
     def _is_stable(self) -> Self:
-        if self.curved:
+        if isinstance(self.warp, FamilyBending) or isinstance(self.weft, FamilyBending):
             if self.coupling != 0.0:
                 raise ValueError(f"coupling = {self.coupling:.4g} N m: must be 0 where a family has a curve")
         elif self.coupling**2 > self.warp * self.weft:
@@ -74,7 +74,10 @@ class YarnBending(BendingLaw):
         along, across = (self.warp, self.weft) if yarn == "warp" else (self.weft, self.warp)
         if isinstance(along, FamilyBending):
             return along.initial_stiffness
-        return along - (self.coupling**2 / across if self.coupling else 0.0)
+        # a curve across allows no coupling
+        if isinstance(across, FamilyBending) or not self.coupling:
+            return along
+        return along - self.coupling**2 / across
 
     def bends_linearly(self, yarn: YarnName) -> bool:
         along = self.warp if yarn == "warp" else self.weft

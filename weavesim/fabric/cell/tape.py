@@ -78,7 +78,8 @@ class UnidirectionalTape(EnergyCell):
         length = math.hypot(self.stitch_pitch, self.tow_spacing)
         s, t = self.stitch_pitch / length, self.tow_spacing / length
         r = min(s, t)
-        return tuple(2.0 * self.stitch_stiffness * (s + t + r) * share for share in (s, t, r))
+        bound = 2.0 * self.stitch_stiffness * (s + t + r)
+        return bound * s, bound * t, bound * r
 
     @property
     def yarn_stiffness_per_width(self) -> tuple[float, float]:

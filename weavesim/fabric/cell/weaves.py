@@ -87,7 +87,8 @@ class CrossedYarns(UnitCell):
     @property
     def chord_length(self) -> tuple[float, float]:
         """l0 of warp and weft [m]."""
-        return tuple(math.hypot(L, h) for L, h in zip(self.half_spacing, self.crimp_height, strict=True))
+        warp_height, weft_height = self.crimp_height
+        return math.hypot(self.warp_half_spacing, warp_height), math.hypot(self.weft_half_spacing, weft_height)
 
     @property
     def axial_stiffness(self) -> tuple[float, float]:
@@ -102,13 +103,15 @@ class CrossedYarns(UnitCell):
     @property
     def euler_stiffness(self) -> tuple[float, float]:
         """3 E I / l0^2 of warp and weft [N], the largest compressive stiffness known to leave one equilibrium."""
-        return tuple(3.0 * EI / l0**2 for EI, l0 in zip(self.bending_stiffness, self.chord_length, strict=True))
+        (warp, weft), (warp_length, weft_length) = self.bending_stiffness, self.chord_length
+        return 3.0 * warp / warp_length**2, 3.0 * weft / weft_length**2
 
     @property
     def compressive_stiffness(self) -> tuple[float, float]:
         """E A_c of warp and weft [N]."""
-        given = (self.warp_compressive_stiffness, self.weft_compressive_stiffness)
-        return tuple(e if g is None else g for g, e in zip(given, self.euler_stiffness, strict=True))
+        warp, weft = self.warp_compressive_stiffness, self.weft_compressive_stiffness
+        warp_euler, weft_euler = self.euler_stiffness
+        return warp_euler if warp is None else warp, weft_euler if weft is None else weft
 
     @property
     def contact_stiffness(self) -> float:
@@ -217,7 +220,7 @@ class FloatWeave(CrossedYarns, EnergyCell):
     depends_on_shear: ClassVar[bool] = False
     part_names: ClassVar[tuple[str, ...]] = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")
 
-    repeat: int = Field(ge=2, le=16, description="N, crossovers in a repeat along a yarn")
+    repeat: int = Field(kw_only=True, ge=2, le=16, description="N, crossovers in a repeat along a yarn")
 
     def functions(self) -> dict[str, Any]:
         from ...kernels.cell.energies import floats_crossover_pressure, floats_energies
@@ -249,7 +252,7 @@ class FloatWeave(CrossedYarns, EnergyCell):
 class TwillWeave(FloatWeave):
     """2/2 twill: over two, under two."""
 
-    repeat: Literal[4] = 4
+    repeat: Literal[4] = Field(default=4, description="N, crossovers in a repeat along a yarn")
 
     @classmethod
     def examples(cls) -> dict[str, Callable[[], UnitCell]]:
@@ -259,7 +262,7 @@ class TwillWeave(FloatWeave):
 class SatinWeave(FloatWeave):
     """Satin of five or eight harnesses: over all but one."""
 
-    repeat: Literal[5, 8] = Field(default=5, description="harnesses")
+    repeat: Literal[5, 8] = Field(default=5, description="N, the harnesses")
 
     @classmethod
     def examples(cls) -> dict[str, Callable[[], UnitCell]]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ...checks import Kinded, NotNegative, Positive, at_most
-from ..curve import check_curve, measured_columns
+from ..curve import Column, check_curve, measured_columns
 from ..device_form import DeviceForm, Tabulated
 from .law import LARGEST_SHEAR_ANGLE, check_radians
 
@@ -88,9 +87,9 @@ class ShearFriction(CrossoverFriction):
     @classmethod
     def from_loading_and_unloading(
         cls,
-        angle: Sequence[float],
-        loading: Sequence[float],
-        unloading: Sequence[float],
+        angle: Column,
+        loading: Column,
+        unloading: Column,
         *,
         stiffness: float,
         crossover_friction_length: float = 0.0,

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from ...checks import NotNegative, Positive, positive_number
 from ...errors import InputError
-from ..curve import check_curve, interpolate, measured_columns
+from ..curve import Column, check_curve, interpolate, measured_columns
 from ..device_form import DeviceForm, Tabulated
 from .law import LARGEST_SHEAR_ANGLE, ShearLaw, check_radians
 
@@ -87,8 +87,8 @@ class MomentCurve(ShearLaw):
     @classmethod
     def from_picture_frame(
         cls,
-        angle: Sequence[float],
-        machine_force: Sequence[float],
+        angle: Column,
+        machine_force: Column,
         *,
         frame_side: float,
         fabric_side: float | None = None,
@@ -113,8 +113,8 @@ class MomentCurve(ShearLaw):
     @classmethod
     def from_normalised_force(
         cls,
-        angle: Sequence[float],
-        force_per_length: Sequence[float],
+        angle: Column,
+        force_per_length: Column,
         *,
         convention: Literal["frame side", "fabric area"],
         frame_side: float | None = None,
@@ -146,7 +146,7 @@ class MomentCurve(ShearLaw):
 
     @classmethod
     def from_loading_and_unloading(
-        cls, angle: Sequence[float], loading: Sequence[float], unloading: Sequence[float], **locking: float
+        cls, angle: Column, loading: Column, unloading: Column, **locking: float
     ) -> MomentCurve:
         """The elastic curve of a measured loop: its middle. ``ShearFriction`` has the other half.
 

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...sheet.symmetry import WHOLE, Symmetry
-from ..tables import History
-from .style import FAINT, INK, LINE_COLOURS, PART_NAMES, add_legend, new_axes, new_figure, words
+from ..history import History
+from .style import FAINT, INK, LINE_COLOURS, add_legend, new_axes, new_figure, words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,15 +18,15 @@ if TYPE_CHECKING:
     from ..curves import Chart
 
 
-def tool_forces(history: History, tools: Sequence[Tool], symmetry: Symmetry = WHOLE) -> Figure:
-    """Force between the sheet and each tool along the tool's axis, against the stroke."""
+def tool_forces(history: History, tools: Sequence[Tool], part: str) -> Figure:
+    """Force between sheet and each tool along the tool's axis, against the stroke; ``part`` names what is computed."""
     figure = new_figure(9.0, 4.4)
-    chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {PART_NAMES[symmetry.share]}")
+    chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {part}")
     chart.set(xlabel="stroke [mm]", ylabel="force along the tool's axis [N]")
     for k, tool in enumerate(tools):
         force = np.abs(history.tool_reaction[:, k] @ np.asarray(tool.axis, dtype=float))
         colour = LINE_COLOURS[k % len(LINE_COLOURS)]
-        chart.plot(*_against(history, force), color=colour, label=words(tool.name))
+        chart.plot(*_against(history, force), color=colour, label=words(history.tool_names[k]))
     _name_progress(chart, history)
     chart.set_ylim(bottom=0.0)
     chart.margins(x=0.0)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...measures.border import MaterialLine, outline, whole_outline
-from ...run.frame import Frame
-from ...sheet.symmetry import WHOLE, Symmetry
+from ...measures.border import MaterialLine, whole_outline
+from ...measures.findings import FormedSheet
+from ...sheet.symmetry import Symmetry
 from ..colours import LARGEST_SHOWN_ANGLE
 from .style import INK, colour_map, new_axes, new_figure
 
@@ -24,19 +24,19 @@ _LARGEST_YARN_COUNT = 50
 # --------------------------------------------------------------------------------------------------- formed sheet
 
 
-def formed_sheet(blank: Blank, frame: Frame, symmetry: Symmetry = WHOLE) -> Figure:
+def formed_sheet(sheet: FormedSheet) -> Figure:
     """The whole part, oblique and in plan, coloured by the angle of each element, with lines along the yarns."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    angle = np.abs(np.rad2deg(frame.fields["shear_angle"]))
+    blank, position, symmetry, angle = sheet.blank, sheet.position, sheet.symmetry, sheet.shear_angle_deg
     spacing, lines = yarn_lines(blank, symmetry)
-    corners = symmetry.mirrored(frame.position[blank.quads])
-    segments = symmetry.mirrored(lines.of(frame.position).reshape(-1, 2, 3))
+    corners = symmetry.mirrored(position[blank.quads])
+    segments = symmetry.mirrored(lines.of(position).reshape(-1, 2, 3))
     angles = np.tile(angle, len(symmetry.mirror_factors))
 
-    border = frame.position[outline(blank, symmetry).node, 2]
-    turned = float(border.mean()) > float(frame.position[:, 2].mean())  # a bowl is clearer seen as a dome
+    border = position[sheet.border.node, 2]
+    turned = float(border.mean()) > float(position[:, 2].mean())  # a bowl is clearer seen as a dome
     turn = np.array([1.0, -1.0, -1.0] if turned else [1.0, 1.0, 1.0])
     figure = new_figure(13.0, 5.0)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.12, 1.0))
@@ -141,9 +141,10 @@ def _draw_view(
     colours = np.concatenate([faces, np.zeros((len(strokes), 4))])
     widths = np.concatenate([np.full(len(corners), 0.35), np.full(len(strokes), 0.7)])
     order = np.argsort(depth, kind="stable")
+    sorted_polygons: Any = polygons[order]  # Matplotlib's types know lists only
     axes.add_collection(
         PolyCollection(
-            polygons[order],
+            sorted_polygons,
             facecolors=colours[order],
             edgecolors=edges[order],
             linewidths=widths[order],

@@ -176,13 +176,13 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "
             "use the full one"
         )
-    lower = tuple(
-        0.0 if axis in symmetry else -0.5 * s for axis, s in zip("xy", (BLANK_LENGTH, BLANK_WIDTH), strict=True)
-    )
+    lower = (0.0 if "x" in symmetry else -0.5 * BLANK_LENGTH, 0.0 if "y" in symmetry else -0.5 * BLANK_WIDTH)
     blank = Blank.rectangle(
         lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
     )
     tools = make_tools(parameters, fabric, symmetry)
+    stroke = tools[0].motion
+    assert isinstance(stroke, Stroke)
     return Setup(
         "double_dome", sheets=(Sheet(blank, fabric),), tools=tools, symmetry=symmetry,
         dynamics=Dynamics(
@@ -190,7 +190,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             director_damping=DIRECTOR_DAMPING,
             contact_thickness=parameters.contact_thickness,
         ),
-        duration=tools[0].motion.duration + REST, frame_count=parameters.frames, solver=parameters.solver(),
+        duration=stroke.duration + REST, frame_count=parameters.frames, solver=parameters.solver(),
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Self, get_args
+from typing import Annotated, Any, ClassVar, Self, dataclass_transform, get_args
 
 import numpy as np
 from pydantic import (
@@ -71,6 +71,8 @@ def positive_number(name: str, value: Any, *, largest: float = float("inf"), hin
     return number
 
 
+# Fields may be given by place, unlike those of Pydantic: checkers of types read it here.
+@dataclass_transform(kw_only_default=False, field_specifiers=(Field,))
 class Parameters(BaseModel):
     """Immutable, checked values; a bad one raises InputError that names it.
 

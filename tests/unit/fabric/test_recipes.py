@@ -5,6 +5,7 @@ import pytest
 
 from tests.support.kinds import imported, kinds_forgotten
 from tests.support.recipes import written_recipe
+from tests.support.runs import one_sheet_run
 from tests.support.sheet import plain_fabric
 from weavesim.errors import InputError
 from weavesim.fabric import Fabric, UnitCell, load_fabric
@@ -29,7 +30,7 @@ def pulled(fabric: Fabric, strain: float = 0.02) -> Simulation:
     blank = Blank.rectangle((0.0, 0.0), (0.05, 0.05), 0.025)
     velocity = np.zeros((blank.node_count, 3))
     velocity[:, 0] = 100.0 * strain * blank.node_position[:, 0]
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="recipe", blank=blank, fabric=fabric, duration=2.0e-4, initial_velocity=velocity, precision="float64",
         lane_count=1, threads=1,
     )  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
-from scripts.result_tables import PAGE, page_with_tables
+from scripts.doc_tables import text_of, text_with_tables
 from tests.support.kinds import imported
 from tests.support.recipes import written_recipe
 from weavesim.app.options import RunOptions
@@ -89,5 +89,4 @@ def test_recipes_leave_nothing_behind():
 
 
 def test_the_tables_of_the_page_are_those_of_the_code():
-    page = PAGE.read_text(encoding="utf-8")
-    assert page_with_tables(page) == page, "run python scripts/result_tables.py"
+    assert text_with_tables("results.md") == text_of("results.md"), "run python scripts/doc_tables.py"

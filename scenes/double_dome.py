@@ -176,11 +176,9 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "
             "use the full one"
         )
-    left, front = (
-        0.0 if axis in symmetry else -0.5 * s for axis, s in zip("xy", (BLANK_LENGTH, BLANK_WIDTH), strict=True)
-    )
+    lower = (0.0 if "x" in symmetry else -0.5 * BLANK_LENGTH, 0.0 if "y" in symmetry else -0.5 * BLANK_WIDTH)
     blank = Blank.rectangle(
-        (left, front), (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
+        lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
     )
     tools = make_tools(parameters, fabric, symmetry)
     return Setup(
@@ -202,6 +200,7 @@ def run(parameters: DoubleDomeParameters) -> dict[str, Any]:
         points=points,
         measured_angles=load_measured_angles(parameters.measured_angles) if parameters.measured_angles else None,
         measured_outline=load_measured_outline(parameters.measured_outline) if parameters.measured_outline else None,
+        writers=parameters.writers,
     )
     return run_into_folder(
         lambda: Simulation(double_dome(parameters)), folder, setup=parameters.model_dump(mode="json"),

@@ -16,7 +16,7 @@ from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, Lo
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
 from ..kernels.shell.laws import SheetTraits
-from ..kernels.stepping.node import motion_struct, node_struct
+from ..kernels.stepping.node_data import motion_struct, node_struct
 from ..process.dynamics import Dynamics
 from ..process.loads import NodalLoads
 from ..sheet.blank import Blank
@@ -28,8 +28,8 @@ from .layout import BLOCK, RowLayout, lanes_view, padded
 # Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
-# Nodes are looked at again when this share of half the thickness is left between them and a tool.
-SPARE_WAY = 0.5
+# Nodes are measured again when this share of half the thickness is left between them and a tool.
+SPARE_DISTANCE = 0.5
 
 
 class Model:
@@ -248,7 +248,7 @@ class Model:
         laws.contact_damping_time = 2.0 * self.motion.contact_damping_ratio / math.sqrt(contact_frequency)
         laws.tangential_ratio = TANGENTIAL_RATIO
         laws.in_plane_bending_stiffness = self.fabric.in_plane_bending_stiffness
-        laws.spare_way = SPARE_WAY * 0.5 * self.fabric.thickness
+        laws.spare_distance = SPARE_DISTANCE * 0.5 * self.fabric.thickness
         laws.tool_count = self.tool_count
         return laws
 

@@ -97,7 +97,7 @@ class _SheetFiles:
     """Files of one sheet.
 
     Attributes:
-        part: what tells them apart in the series, where there are several sheets.
+        part: what identifies them in the series, where there are several sheets.
     """
 
     def __init__(self, folder: Path, ending: str, info: SheetInfo) -> None:

@@ -128,7 +128,10 @@ def bias_extension(
     stroke = clamp_stroke(parameters)
     x = blank.node_position[:, 0]
     ends = [np.flatnonzero(np.abs(x - place) < 1.0e-9) for place in (-half_length, half_length)]
-    supports = (Support("clamp", ends[0]), Support("moving_clamp", ends[1], (Drive(stroke, (1.0, 0.0, 0.0)),)))
+    supports = (
+        Support("clamp", ends[0]),
+        Support("moving_clamp", ends[1], (Drive(stroke, np.array([1.0, 0.0, 0.0])),)),
+    )
     return Setup(
         "bias_extension", sheets=(Sheet(blank, fabric, supports=supports),),
         dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
@@ -205,6 +208,6 @@ def run(parameters: BiasExtensionParameters) -> dict[str, Any]:
     simulation = Simulation(bias_extension(parameters))
     curves = record(parameters, simulation.setup.sheet.fabric, simulation.setup.sheet.blank)
     return run_into_folder(
-        lambda: simulation, ResultFolder(parameters.out, curves=curves, draw_in=False),
+        lambda: simulation, ResultFolder(parameters.out, curves=curves, draw_in=False, writers=parameters.writers),
         setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
     )  # fmt: skip

@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import math
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -20,6 +20,7 @@ from weavesim.checks import NotNegative, Positive
 from weavesim.device import Precision
 from weavesim.engine.setup import Rest, Setup
 from weavesim.errors import InputError
+from weavesim.fabric.bending.law import YarnName
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.fabric import LARGEST_LOCKING_SHARE, Fabric
@@ -55,7 +56,7 @@ class CantileverParameters(FabricTestParameters):
     out: Path = Field(default=Path("out/cantilever"), description="folder for the results")
     # the clamp bears some hundredths of a newton, of which rounding in single precision is nearly a per cent
     precision: Precision = Field(default=Precision.DOUBLE, description="scalar type of state and kernels")
-    yarn: Literal["warp", "weft"] = Field(default="warp", description="yarn family along the strip")
+    yarn: YarnName = Field(default="warp", description="yarn family along the strip")
     length: Positive | None = Field(
         default=None, description="of the overhang [m]; the default is where the tip reaches about 41.5 degrees"
     )
@@ -65,7 +66,7 @@ class CantileverParameters(FabricTestParameters):
     )
 
 
-def strip_stiffness(fabric: Fabric, yarn: str) -> float:
+def strip_stiffness(fabric: Fabric, yarn: YarnName) -> float:
     """Bending stiffness D per width [N m] of a strip along ``yarn`` that is free to bend across.
 
     Of a moment-curvature curve it is the initial slope, without friction.
@@ -73,7 +74,7 @@ def strip_stiffness(fabric: Fabric, yarn: str) -> float:
     return fabric.bending.strip_stiffness(yarn, fabric.thickness)
 
 
-def bends_linearly(fabric: Fabric, yarn: str) -> bool:
+def bends_linearly(fabric: Fabric, yarn: YarnName) -> bool:
     """True if one bending stiffness along ``yarn`` says all: no bent curve, no friction."""
     return fabric.bending.bends_linearly(yarn)
 
@@ -238,7 +239,8 @@ def run(parameters: CantileverParameters) -> dict[str, Any]:
     """Run the test and leave its results in ``parameters.out``; returns the summary."""
     fabric, simulation = chosen_fabric(parameters), Simulation(cantilever(parameters))
     return run_into_folder(
-        lambda: simulation, ResultFolder(parameters.out, curves=record(simulation), draw_in=False),
+        lambda: simulation,
+        ResultFolder(parameters.out, curves=record(simulation), draw_in=False, writers=parameters.writers),
         setup=parameters.model_dump(mode="json"),
         measure=lambda simulation: findings(parameters, fabric, simulation),
     )  # fmt: skip

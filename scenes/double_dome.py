@@ -7,7 +7,6 @@ double dome; a user's own tool meshes can take its place.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -155,7 +154,8 @@ def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple
 
 def raised(shape: Shape, height: float) -> Shape:
     """``shape`` moved up by ``height`` [m]."""
-    return replace(shape, origin=(shape.origin[0], shape.origin[1], shape.origin[2] + height))
+    x, y, z = shape.origin
+    return shape.model_copy(update={"origin": (x, y, z + height)})
 
 
 def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) -> Setup:
@@ -176,9 +176,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "
             "use the full one"
         )
-    lower = tuple(
-        0.0 if axis in symmetry else -0.5 * s for axis, s in zip("xy", (BLANK_LENGTH, BLANK_WIDTH), strict=True)
-    )
+    lower = (0.0 if "x" in symmetry else -0.5 * BLANK_LENGTH, 0.0 if "y" in symmetry else -0.5 * BLANK_WIDTH)
     blank = Blank.rectangle(
         lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
     )
@@ -202,6 +200,7 @@ def run(parameters: DoubleDomeParameters) -> dict[str, Any]:
         points=points,
         measured_angles=load_measured_angles(parameters.measured_angles) if parameters.measured_angles else None,
         measured_outline=load_measured_outline(parameters.measured_outline) if parameters.measured_outline else None,
+        writers=parameters.writers,
     )
     return run_into_folder(
         lambda: Simulation(double_dome(parameters)), folder, setup=parameters.model_dump(mode="json"),

@@ -8,6 +8,7 @@ fabric and ball are this scene's own, and assumed.
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -157,14 +158,18 @@ def wrinkles(parameters: HemisphereParameters, simulation: Simulation) -> dict[s
     }
 
 
+def _start(parameters: HemisphereParameters, case: str) -> Simulation:
+    return Simulation(hemisphere(parameters, case))
+
+
 def run(parameters: HemisphereParameters) -> dict[str, Any]:
     """Run one case or both; each leaves its results in a folder of its own. Returns the summaries by case."""
     cases = CASES if parameters.case == "both" else (parameters.case,)
-    folders = {case: ResultFolder(parameters.out / case) for case in cases}
+    folders = {case: ResultFolder(parameters.out / case, writers=parameters.writers) for case in cases}
     summaries: dict[str, Any] = {}
     for case, folder in folders.items():
         summaries[case] = run_into_folder(
-            lambda case=case: Simulation(hemisphere(parameters, case)),
+            partial(_start, parameters, case),
             folder,
             setup={**parameters.model_dump(mode="json"), "case": case},
             measure=lambda simulation: wrinkles(parameters, simulation),

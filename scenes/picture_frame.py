@@ -50,6 +50,7 @@ class PictureFrameParameters(FabricTestParameters):
     """Everything that a picture-frame test can be told."""
 
     mesh_size: Positive = Field(default=0.01, description="edge length of an element [m]")
+    damping: NotNegative = Field(default=10.0, description="mass-proportional damping rate [1/s]")
     out: Path = Field(default=Path("out/picture_frame"), description="folder for the results")
     side: Positive = Field(default=0.2, le=2.0, description="of the square inner area [m]")
     arm_length: NotNegative = Field(
@@ -89,7 +90,7 @@ class PictureFrame:
             self.shear = self.shear.and_back()
         self.flat_diagonal = math.sqrt(2.0) * flat_side
 
-    def half_angle(self, displacement: np.ndarray) -> np.ndarray:
+    def half_angle(self, displacement: np.ndarray | float) -> np.ndarray:
         """Half the angle at the pulled hinges [rad], of a displacement of the crosshead [m]."""
         return np.arccos(math.sqrt(0.5) + np.asarray(displacement) / (2.0 * self.side))
 
@@ -249,6 +250,7 @@ def run(parameters: PictureFrameParameters) -> dict[str, Any]:
     """Run the test and leave its results in ``parameters.out``; returns the summary."""
     curves = record(parameters, chosen_fabric(parameters))
     return run_into_folder(
-        lambda: Simulation(picture_frame(parameters)), ResultFolder(parameters.out, curves=curves, draw_in=False),
+        lambda: Simulation(picture_frame(parameters)),
+        ResultFolder(parameters.out, curves=curves, draw_in=False, writers=parameters.writers),
         setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
     )  # fmt: skip

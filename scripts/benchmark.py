@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import datetime
 import json
-import os
 import platform
 import subprocess
 import sys
@@ -454,10 +453,12 @@ class Contestant:
     """A case that steps in a process of its own, in one checkout."""
 
     def __init__(self, checkout: Path, case: str, precision: str, threads: int) -> None:
+        from shared.checkouts import environment
+
         self._process = subprocess.Popen(
             [sys.executable, "-c", CONTESTANT, str(Path(__file__).resolve()), case, precision, str(threads)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=checkout,
-            env=os.environ | {"PYTHONPATH": str(checkout)},
+            env=environment(checkout),
         )  # fmt: skip
         self.element_count = int(self._answer())
 

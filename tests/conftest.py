@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.frames import Frames
-from tests.support.made_run import made_run
+from tests.support.made_run import made_run, made_stack
 from tests.support.manual import Case
 from tests.support.sheet import Sheet, plain_fabric
 from weavesim.device import Precision, initialise
@@ -117,6 +117,12 @@ def deformed(curved_blank) -> tuple[np.ndarray, np.ndarray]:
 def coarse_run():
     """Quarter at 15 mm with twelve frames: (info, frames)."""
     return made_run(0.015)
+
+
+@pytest.fixture(scope="session")
+def stack():
+    """Two sheets with four frames: (info, frames)."""
+    return made_stack()
 
 
 @pytest.fixture(scope="session")

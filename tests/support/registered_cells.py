@@ -46,6 +46,21 @@ class KnottedNet(EnergyCell):
         return self.turning
 
 
+@wp.func
+def taut_energy(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
+    """Threads that are free at a stretch of 0.9."""
+    warp = warp_stretch - real(0.9)
+    weft = weft_stretch - real(0.9)
+    return real(0.5) * p.thread * (warp * warp + weft * weft)
+
+
+class TautNet(KnottedNet):
+    """A mistake: the undeformed net is under tension."""
+
+    unknown_count = 0
+    energy = taut_energy
+
+
 def net_reference(cell: KnottedNet, stretch, angle, q) -> float:
     threads = 0.5 * cell.thread * ((stretch[0] - 1 - q[0]) ** 2 + (stretch[1] - 1 - q[1]) ** 2)
     knots = 0.5 * cell.knot * (q[0] ** 2 + q[1] ** 2 + q[0] * q[1] + 3 * q[0] ** 4)

@@ -3,7 +3,9 @@
 from typing import Any
 
 from weavesim.engine.setup import Setup, Solver
+from weavesim.fabric.presets import glass_polypropylene
 from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
 OF_THE_SHEET = ("free", "initial_velocity", "supports", "loads", "orientation")
@@ -19,3 +21,12 @@ def one_sheet_setup(*, blank: Any, fabric: Any, **given: Any) -> Setup:
 def one_sheet_run(**given: Any) -> Simulation:
     """A ready simulation of ``one_sheet_setup``."""
     return Simulation(one_sheet_setup(**given))
+
+
+def small_run(**given: object) -> Simulation:
+    """A free square of 20 mm of the preset, 4 x 4 elements, 10 us in double precision, but for what is ``given``."""
+    settings = {
+        "name": "small", "blank": Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005), "fabric": glass_polypropylene(),
+        "duration": 1e-5, "precision": "float64", "lane_count": 1, "threads": 1, "frame_count": 2,
+    }  # fmt: skip
+    return one_sheet_run(**(settings | given))

@@ -11,7 +11,8 @@ from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
-from ..kernels.stepping.node import node_motion_kernel, support_struct
+from ..kernels.stepping.node import node_motion_kernel
+from ..kernels.stepping.node_data import support_struct
 from ..kernels.stepping.step import look_at_clock, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel

@@ -15,7 +15,7 @@ from ..kernels.lanes import LaneTypes, lane_types
 from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
-from ..kernels.stepping.node import motion_struct, node_struct
+from ..kernels.stepping.node_data import motion_struct, node_struct
 from ..process.device import build_support_arrays
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
@@ -28,8 +28,8 @@ from .traits import node_traits, sheet_traits
 # Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
-# Nodes are looked at again when this share of half the thickness is left between them and a tool.
-SPARE_WAY = 0.5
+# Nodes are measured again when this share of half the thickness is left between them and a tool.
+SPARE_DISTANCE = 0.5
 # Steps between two looks at the stable step.
 REFRESH_INTERVAL = 20
 # Padding elements sit on this many nodes of their own.
@@ -288,7 +288,7 @@ class SheetModel:
         laws.contact_damping_time = 2.0 * self.dynamics.contact_damping_ratio / math.sqrt(self._contact_frequency)
         laws.tangential_ratio = TANGENTIAL_RATIO
         laws.in_plane_bending_stiffness = self.fabric.in_plane_bending_stiffness
-        laws.spare_way = SPARE_WAY * 0.5 * self.fabric.thickness
+        laws.spare_distance = SPARE_DISTANCE * 0.5 * self.fabric.thickness
         laws.tool_count = self.tool_count
         return laws
 

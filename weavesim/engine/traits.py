@@ -7,7 +7,7 @@ import numpy as np
 from ..fabric.device import law_traits
 from ..fabric.fabric import Fabric
 from ..kernels.shell.laws import SheetTraits
-from ..kernels.stepping.node import NodeTraits
+from ..kernels.stepping.node_data import NodeTraits
 from ..process.dynamics import Dynamics
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
@@ -32,6 +32,6 @@ def node_traits(sheet: Sheet, world: World) -> NodeTraits:
         follows_thickness=world.dynamics.contact_thickness == "current",
         loaded=sheet.loads is not None,
         supported=bool(sheet.supports),
-        shape_kinds=tuple(sorted({part.kind for part in parts})),
+        shape_kinds=tuple(sorted({part.distance_function for part in parts})),
         rotated=any(part.rotation != IDENTITY for part in parts),
     )

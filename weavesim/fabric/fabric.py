@@ -45,8 +45,8 @@ class Fabric(Parameters):
     shear_friction: SerializeAsAny[CrossoverFriction] | None = Field(
         default=None, description="of the yarns that turn on each other, beside the elastic law"
     )
-    bending: SerializeAsAny[BendingLaw] = Field(description="law of bending")
-    transverse_shear_modulus: NotNegative = Field(description="G of equation (6) across the sheet [Pa]")
+    bending: SerializeAsAny[BendingLaw] = Field(kw_only=True, description="law of bending")
+    transverse_shear_modulus: NotNegative = Field(kw_only=True, description="G of equation (6) across the sheet [Pa]")
     in_plane_bending_stiffness: NotNegative = Field(
         default=0.0,
         description="B of psi = 1/2 B |grad gamma|^2: yarns resist being bent in the plane, so that the shear angle "

@@ -49,7 +49,8 @@ class Symmetry(Parameters):
     @property
     def mirror_factors(self) -> tuple[tuple[int, int], ...]:
         """Factors of (x, y) that turn the computed part into each copy of the whole; the first is (1, 1)."""
-        return tuple(product(*((1, -1) if plane in self.planes else (1,) for plane in AXES)))
+        along_x, along_y = ((1, -1) if plane in self.planes else (1,) for plane in AXES)
+        return tuple(product(along_x, along_y))
 
     def mirrored(self, points: np.ndarray) -> np.ndarray:
         """``points`` (k, ..., 3) of the computed part and of all its copies, (copy_count k, ..., 3)."""
@@ -67,7 +68,7 @@ class Symmetry(Parameters):
             free[held, axis] = False
             turning = [3, 4, 5]
             turning.remove(3 + axis)
-            free[np.ix_(held, turning)] = False
+            free[np.ix_(held, np.array(turning))] = False
         return free
 
     def held_nodes(self, blank: Blank, plane: str) -> np.ndarray:

@@ -5,15 +5,12 @@ forces, tangents, unknowns and equilibria are compared with.
 """
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg
 import scipy.optimize
-import warp as wp
 from scipy.spatial.transform import Rotation
-from warp import float64 as real
 
 from tests.support.registered_cells import CELLS, KnottedNet, Registered
 from tests.support.runs import one_sheet_run
@@ -388,33 +385,6 @@ def changed_net(**members) -> UnitCell:
 def test_mistakes_in_a_cell_are_named(members, message):
     with pytest.raises(InputError, match=message):
         respond(changed_net(**members), [1.0, 1.0])
-
-
-def test_cell_that_is_not_at_rest_is_refused(fabric):
-    """Unknowns that start off their minimum, with no way there from the undeformed state."""
-    blank = Blank.rectangle((0.0, 0.0), (0.01, 0.01), 0.005)
-    cell = TautNet()
-    with pytest.raises(InputError, match="TautNet: the undeformed sheet carries .* N/m"):
-        one_sheet_run(
-            name="taut", blank=blank, fabric=fabric(unit_cell=cell), duration=1e-3, precision="float64", lane_count=1,
-            threads=1,
-        )  # fmt: skip
-    assert np.isfinite(respond(cell, [1.0, 1.0]).force_per_width).all()
-
-
-@wp.func
-def taut_energy(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
-    """Threads that are free at a stretch of 0.9."""
-    warp = warp_stretch - real(0.9)
-    weft = weft_stretch - real(0.9)
-    return real(0.5) * p.thread * (warp * warp + weft * weft)
-
-
-class TautNet(KnottedNet):
-    """A mistake: the undeformed net is under tension."""
-
-    unknown_count = 0
-    energy = taut_energy
 
 
 @pytest.mark.parametrize(

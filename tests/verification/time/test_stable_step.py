@@ -227,18 +227,6 @@ def test_step_follows_the_fabric_through_a_run():
     assert simulation.state.step > 0.7 * straight
 
 
-def test_unstable_step_is_refused():
-    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
-    settings = {"name": "step", "blank": blank, "fabric": glass_polypropylene(), "duration": 1e-5}
-    settings |= {"precision": "float64", "lane_count": 1, "threads": 1}
-    stable = one_sheet_run(**settings).stepper.stable_step()
-    with pytest.raises(InputError, match=r"time_step = .* unstable .* at most .* is stable"):
-        one_sheet_run(**settings, time_step=1.05 * stable)
-    slower = one_sheet_run(**settings, time_step=0.3 * stable)
-    slower.run()
-    assert slower.state.step == pytest.approx(0.3 * stable, rel=1e-12)
-
-
 def test_unstable_step_is_refused_without_yarn_bending(fabric):
     """Straight yarns without bending stiffness: nothing holds their height, the tangent must still be a number."""
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)

@@ -225,17 +225,17 @@ def test_same_bits_for_any_number_of_threads_and_any_run(name):
 def test_passing_over_far_tools_changes_nothing(precision):
     """A node that is passed over by its tools' bound would not have met them: the same bits as if all are looked at."""
     results = []
-    for spare_way in (None, np.inf):
+    for spare_distance in (None, np.inf):
         simulation = falling_sheet(threads=1, precision=precision)
-        if spare_way is not None:
+        if spare_distance is not None:
             for laws in simulation.stepper._launches._node_laws:
-                laws.spare_way = spare_way
+                laws.spare_distance = spare_distance
         passed_over = []
         for _ in range(25):
             simulation.stepper.advance(1)
             passed_over.append((simulation.state.sheet.gap.numpy() > 0.0).mean())
         results.append(snapshot(simulation) | {"tool_reaction": simulation.take_frame().tool_reaction})
-        assert max(passed_over) == 0.0 if spare_way else max(passed_over) > 0.8 and min(passed_over) < 0.8
+        assert max(passed_over) == 0.0 if spare_distance else max(passed_over) > 0.8 and min(passed_over) < 0.8
     assert np.abs(results[0]["tool_reaction"]).max() > 1.0
     for name, value in results[0].items():
         assert np.array_equal(value, results[1][name]), name

@@ -60,9 +60,9 @@ class FamilyBending(Kinded):
 class BendingCurve(FamilyBending):
     """Moment per width over curvature of one yarn family."""
 
-    curvature: tuple[float, ...] = Field(description="increasing curvatures from 0 [1/m]")
+    curvature: tuple[float, ...] = Field(kw_only=True, description="increasing curvatures from 0 [1/m]")
     moment_values: tuple[float, ...] = Field(
-        description="M at these, moment per width in N m/m; beyond the last, its end slope goes on [N]"
+        kw_only=True, description="M at these, moment per width in N m/m; beyond the last, its end slope goes on [N]"
     )
 
     @model_validator(mode="after")

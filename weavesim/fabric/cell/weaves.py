@@ -220,7 +220,7 @@ class FloatWeave(CrossedYarns, EnergyCell):
     depends_on_shear: ClassVar[bool] = False
     part_names: ClassVar[tuple[str, ...]] = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")
 
-    repeat: int = Field(ge=2, le=16, description="N, crossovers in a repeat along a yarn")
+    repeat: int = Field(kw_only=True, ge=2, le=16, description="N, crossovers in a repeat along a yarn")
 
     def functions(self) -> dict[str, Any]:
         from ...kernels.cell.energies import floats_crossover_pressure, floats_energies

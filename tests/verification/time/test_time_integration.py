@@ -30,9 +30,8 @@ from weavesim.tools.tool import Tool
 
 def momenta(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """Momentum [kg m/s], and angular momentum about the origin [kg m^2/s] with that of the directors."""
-    motion = simulation.model.sheet.read_motion(simulation.state.sheet.motion)[
-        :, : simulation.setup.sheet.blank.node_count
-    ].astype(np.float64)
+    model = simulation.model.sheet
+    motion = model.read_motion(simulation.state.sheet.motion)[:, : model.blank.node_count].astype(np.float64)
     position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
     velocity, spin = motion[MotionRow.velocity.vector], motion[MotionRow.spin.vector]
     mass, inertia = simulation.model.sheet.node_mass[:, None], simulation.model.sheet.node_inertia[:, None]

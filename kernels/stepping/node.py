@@ -8,9 +8,8 @@ import warp as wp
 
 from ..contact.penalty import friction_spring, normal_force, touch_struct
 from ..contact.tool_distance import tool_distance_function, tool_set_struct
-from ..lanes import (  # noqa: F401 - operators of lanes
+from ..lanes import (
     cross,
-    div,
     dot,
     fill,
     gather,
@@ -18,7 +17,6 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     lane_sum,
     lane_types,
     load,
-    mul,
     pick,
     rows3,
     scale,
@@ -26,6 +24,7 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     store_rows3,
     where_positive,
 )
+from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, NodeReportRow
 
 

@@ -19,7 +19,7 @@ from ..kernels.lanes import lane_types
 from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
-from ..kernels.shell.laws import BENDING_CURVES, BENDING_ISOTROPIC, BENDING_YARNS, SheetTraits, sheet_struct
+from ..kernels.shell.laws import SheetTraits, sheet_struct
 from ..kernels.stepping.node import motion_struct, node_struct
 from ..process.dynamics import Dynamics
 from ..process.loads import NodalLoads
@@ -110,7 +110,8 @@ class Model:
         self.step_bounds.contact_frequency = 2.0 * contact_frequency if tool_count else 0.0
         self.step_bounds.bending = fabric.largest_bending_stiffness
         cell = fabric.unit_cell
-        self.step_bounds.cell = self.types.vec3(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
+        self.step_bounds.warp, self.step_bounds.weft = cell.yarn_stiffness_per_width
+        self.step_bounds.shear = cell.shear_stiffness
         # padding elements keep an infinite areal density: they never decide the step
         inertia = np.stack([1.0 / density, 1.0 / frequencies.rotary_radius_squared])
         self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)
@@ -139,10 +140,9 @@ class Model:
         """What the kernels of this sheet are made for."""
         bending = self.fabric.bending
         isotropic = isinstance(bending, IsotropicBending)
-        kind = BENDING_ISOTROPIC if isotropic else BENDING_CURVES if bending.curved else BENDING_YARNS
         return SheetTraits(
-            curved_shear=not isinstance(self.fabric.shear, LinearShear),
-            bending=int(kind),
+            shear="linear" if isinstance(self.fabric.shear, LinearShear) else "curve",
+            bending="isotropic" if isotropic else "curves" if bending.curved else "yarns",
             shear_friction=self.fabric.shear_friction is not None,
             bending_friction=self.fabric.has_bending_friction,
             follows_thickness=self.follows_thickness,
@@ -215,7 +215,8 @@ class Model:
         laws.bending.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
         families = (BendingCurve.straight(0.0),) * 2 if isotropic else bending.families
         per_yarn = (0.0, 0.0) if isotropic else (bending.twist, bending.coupling)
-        laws.bending.yarn_stiffness = self.types.vec4(*(family.initial_stiffness for family in families), *per_yarn)
+        laws.bending.warp_stiffness, laws.bending.weft_stiffness = (family.initial_stiffness for family in families)
+        laws.bending.twist_stiffness, laws.bending.coupling_stiffness = per_yarn
         laws.bending.warp_curve, laws.bending.weft_curve = (
             self._curve(family.moment, family.curvature[-1]) for family in families
         )

@@ -157,13 +157,15 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         corner_force: wp.array2d(dtype=lanes),  # rows: see CornerRow
     ):
         block = first_block + wp.tid()
-        area = elements.area[block]
         shape = shape_functions(elements, block, Shape())
         x = positions(elements, block, shape, motion)
         d = vectors(elements, block, shape, motion, MotionRow.director)
         m = stretch_membrane(x.by1, x.by2)
 
         answer = answer_cell(cell, block, m, cell_unknowns, cell_report)
+        # once more: to read them is cheaper than to keep them while the cell iterates
+        shape = shape_functions(elements, block, Shape())
+        area = elements.area[block]
         moment, shear12 = shear_moment(elements, laws, block, shape, m, answer, motion, slip)
         r = membrane_resultants(laws, m, answer, moment, shear12, Resultants())
         store_everywhere(corner_force, CornerRow.angle, block, m.angle)

@@ -133,56 +133,66 @@ def corner_vector(elements: Any, block: int, corner: int, motion: Any, row: int)
 
 
 @wp.func
-def moved_from(elements: Any, block: int, corner: int, motion: Any, position1: Any, remainder1: Any):
-    """Position of one corner relative to the first, with the part that rounding cut off."""
-    return (corner_vector(elements, block, corner, motion, MotionRow.position) - position1) + (
-        corner_vector(elements, block, corner, motion, MotionRow.remainder) - remainder1
+def corner_vectors(shape: Any, v1: Any, v2: Any, v3: Any, v4: Any):
+    """Derivatives along warp and weft, mean, and hourglass vector of a vector field given at the four corners."""
+    p = v1 - v3
+    q = v2 - v4
+    by1 = corner_difference(shape.bp1, shape.bq1, p, q)
+    by2 = corner_difference(shape.bp2, shape.bq2, p, q)
+    odd = (v1 - v2) + (v3 - v4)
+    hourglass = odd - corner_difference(shape.offset_p, shape.offset_q, p, q)
+    return by1, by2, (v1 + v2 + v3 + v4) / v1.dtype(4.0), hourglass
+
+
+@wp.func
+def element_vectors(elements: Any, block: int, shape: Any, motion: Any, row: int):
+    """``corner_vectors`` of the vectors in ``row`` of the motion array."""
+    return corner_vectors(
+        shape,
+        corner_vector(elements, block, 0, motion, row),
+        corner_vector(elements, block, 1, motion, row),
+        corner_vector(elements, block, 2, motion, row),
+        corner_vector(elements, block, 3, motion, row),
     )
+
+
+@wp.func
+def element_positions(elements: Any, block: int, shape: Any, motion: Any):
+    """``corner_vectors`` of the positions relative to the first corner, with the part that rounding cut off.
+
+    In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an element
+    of 5 mm: the remainder that the time integration keeps makes differences exact to their own rounding.
+
+    Written out: from a function per corner the compiler makes other, slower gathers.
+    """
+    x1 = corner_vector(elements, block, 0, motion, MotionRow.position)
+    r1 = corner_vector(elements, block, 0, motion, MotionRow.remainder)
+    v2 = (corner_vector(elements, block, 1, motion, MotionRow.position) - x1) + (
+        corner_vector(elements, block, 1, motion, MotionRow.remainder) - r1
+    )
+    v3 = (corner_vector(elements, block, 2, motion, MotionRow.position) - x1) + (
+        corner_vector(elements, block, 2, motion, MotionRow.remainder) - r1
+    )
+    v4 = (corner_vector(elements, block, 3, motion, MotionRow.position) - x1) + (
+        corner_vector(elements, block, 3, motion, MotionRow.remainder) - r1
+    )
+    return corner_vectors(shape, type(x1)(), v2, v3, v4)
 
 
 @cache
 def vectors_functions(real: type, lane_count: int):
     """Functions for the ``Vectors`` of the positions, and for those of any row of the motion array."""
-    Vectors, lanes3 = vectors_struct(real, lane_count), lane_types(real, lane_count).lanes3
-
-    @wp.func
-    def corner_vectors(shape: Any, v1: Any, v2: Any, v3: Any, v4: Any):
-        p = v1 - v3
-        q = v2 - v4
-        odd = (v1 - v2) + (v3 - v4)
-        return Vectors(
-            corner_difference(shape.bp1, shape.bq1, p, q),
-            corner_difference(shape.bp2, shape.bq2, p, q),
-            (v1 + v2 + v3 + v4) / v1.dtype(4.0),
-            odd - corner_difference(shape.offset_p, shape.offset_q, p, q),
-        )
+    Vectors = vectors_struct(real, lane_count)
 
     @wp.func
     def vectors(elements: Any, block: int, shape: Any, motion: Any, row: int):
-        return corner_vectors(
-            shape,
-            corner_vector(elements, block, 0, motion, row),
-            corner_vector(elements, block, 1, motion, row),
-            corner_vector(elements, block, 2, motion, row),
-            corner_vector(elements, block, 3, motion, row),
-        )
+        by1, by2, mean, hourglass = element_vectors(elements, block, shape, motion, row)
+        return Vectors(by1, by2, mean, hourglass)
 
     @wp.func
     def positions(elements: Any, block: int, shape: Any, motion: Any):
-        """Relative to the first corner.
-
-        In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an
-        element of 5 mm: the remainder that the time integration keeps makes differences exact to their own rounding.
-        """
-        position1 = corner_vector(elements, block, 0, motion, MotionRow.position)
-        remainder1 = corner_vector(elements, block, 0, motion, MotionRow.remainder)
-        return corner_vectors(
-            shape,
-            lanes3(),
-            moved_from(elements, block, 1, motion, position1, remainder1),
-            moved_from(elements, block, 2, motion, position1, remainder1),
-            moved_from(elements, block, 3, motion, position1, remainder1),
-        )
+        by1, by2, mean, hourglass = element_positions(elements, block, shape, motion)
+        return Vectors(by1, by2, mean, hourglass)
 
     return positions, vectors
 

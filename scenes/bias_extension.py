@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
+from weavesim.engine.setup import Setup
 from weavesim.fabric.fabric import Fabric
 from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
@@ -24,6 +25,7 @@ from weavesim.process.supports import Drive, Support
 from weavesim.run.frame import Frame
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 
 from .fabric_test import (
     STEP_SAFETY,
@@ -109,8 +111,8 @@ def closed_form_force(parameters: BiasExtensionParameters, fabric: Fabric, displ
 
 def bias_extension(
     parameters: BiasExtensionParameters, fabric: Fabric | None = None, blank: Blank | None = None
-) -> Simulation:
-    """A ready simulation of the test.
+) -> Setup:
+    """The test.
 
     Args:
         parameters: of the test.
@@ -126,13 +128,14 @@ def bias_extension(
     stroke = clamp_stroke(parameters)
     x = blank.node_position[:, 0]
     ends = [np.flatnonzero(np.abs(x - place) < 1.0e-9) for place in (-half_length, half_length)]
-    supports = (Support("clamp", ends[0]), Support("moving_clamp", ends[1], (Drive(stroke, (1.0, 0.0, 0.0)),)))
-    return Simulation(
-        name="bias_extension", blank=blank, fabric=fabric, supports=supports, duration=stroke.duration,
-        motion=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
-        device=parameters.device, precision=parameters.precision, threads=parameters.threads,
-        time_step=parameters.time_step, target_step=parameters.target_step, step_safety=STEP_SAFETY,
-        frame_count=parameters.frames,
+    supports = (
+        Support("clamp", ends[0]),
+        Support("moving_clamp", ends[1], (Drive(stroke, np.array([1.0, 0.0, 0.0])),)),
+    )
+    return Setup(
+        "bias_extension", sheets=(Sheet(blank, fabric, supports=supports),),
+        dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
+        duration=stroke.duration, frame_count=parameters.frames, solver=parameters.solver(step_safety=STEP_SAFETY),
     )  # fmt: skip
 
 
@@ -202,9 +205,9 @@ def findings(curves: Curves) -> dict[str, Any]:
 
 def run(parameters: BiasExtensionParameters) -> dict[str, Any]:
     """Run the test and leave its results in ``parameters.out``; returns the summary."""
-    simulation = bias_extension(parameters)
+    simulation = Simulation(bias_extension(parameters))
     curves = record(parameters, simulation.fabric, simulation.blank)
     return run_into_folder(
-        lambda: simulation, ResultFolder(parameters.out, curves=curves, draw_in=False),
+        lambda: simulation, ResultFolder(parameters.out, curves=curves, draw_in=False, writers=parameters.writers),
         setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
     )  # fmt: skip

@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import math
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -18,12 +18,12 @@ from pydantic import Field
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
 from weavesim.device import Precision
+from weavesim.engine.setup import Rest, Setup
 from weavesim.errors import InputError
-from weavesim.fabric.bending import BendingCurve, IsotropicBending
+from weavesim.fabric.bending.law import YarnName
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.fabric import LARGEST_LOCKING_SHARE, Fabric
-from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
 from weavesim.process.dynamics import Dynamics
@@ -31,6 +31,7 @@ from weavesim.process.supports import Support
 from weavesim.run.frame import Frame
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 
 from .fabric_test import FabricTestParameters, chosen_fabric
 
@@ -55,7 +56,7 @@ class CantileverParameters(FabricTestParameters):
     out: Path = Field(default=Path("out/cantilever"), description="folder for the results")
     # the clamp bears some hundredths of a newton, of which rounding in single precision is nearly a per cent
     precision: Precision = Field(default=Precision.DOUBLE, description="scalar type of state and kernels")
-    yarn: Literal["warp", "weft"] = Field(default="warp", description="yarn family along the strip")
+    yarn: YarnName = Field(default="warp", description="yarn family along the strip")
     length: Positive | None = Field(
         default=None, description="of the overhang [m]; the default is where the tip reaches about 41.5 degrees"
     )
@@ -65,25 +66,17 @@ class CantileverParameters(FabricTestParameters):
     )
 
 
-def strip_stiffness(fabric: Fabric, yarn: str) -> float:
+def strip_stiffness(fabric: Fabric, yarn: YarnName) -> float:
     """Bending stiffness D per width [N m] of a strip along ``yarn`` that is free to bend across.
 
     Of a moment-curvature curve it is the initial slope, without friction.
     """
-    law = fabric.bending
-    if isinstance(law, IsotropicBending):
-        return law.stiffness(fabric.thickness) * (1.0 - law.poisson_ratio**2)
-    along, across = (law.warp, law.weft) if yarn == "warp" else (law.weft, law.warp)
-    if isinstance(along, BendingCurve):
-        return along.initial_stiffness
-    return along - (law.coupling**2 / across if law.coupling else 0.0)
+    return fabric.bending.strip_stiffness(yarn, fabric.thickness)
 
 
-def bends_linearly(fabric: Fabric, yarn: str) -> bool:
+def bends_linearly(fabric: Fabric, yarn: YarnName) -> bool:
     """True if one bending stiffness along ``yarn`` says all: no bent curve, no friction."""
-    law = fabric.bending
-    along = None if isinstance(law, IsotropicBending) else law.warp if yarn == "warp" else law.weft
-    return not isinstance(along, BendingCurve) or along.is_constant
+    return fabric.bending.bends_linearly(yarn)
 
 
 def overhang(parameters: CantileverParameters, fabric: Fabric) -> float:
@@ -158,15 +151,13 @@ def softened(fabric: Fabric, stiffness: float) -> Fabric:
     # one stiffness either way: a jump where a yarn goes slack would feed the vibrations (theory, section 7)
     changes: dict[str, Any] = {"unit_cell": cell, "compressive_stiffness": 0.0, "shear_friction": None}
     changes["compaction"] = Compaction()
-    if isinstance(fabric.shear, MomentCurve):
-        # a locking branch may be a tenth as stiff as the yarns; the strip does not shear
-        locking = min(fabric.shear.locking_stiffness, LARGEST_LOCKING_SHARE * stiffness)
-        changes["shear"] = fabric.shear.model_copy(update={"locking_stiffness": locking})
+    # a locking branch may be a tenth as stiff as the yarns; the strip does not shear
+    changes["shear"] = fabric.shear.locking_at_most(LARGEST_LOCKING_SHARE * stiffness)
     return fabric.model_copy(update=changes)
 
 
-def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -> Simulation:
-    """A ready simulation of the test; ``fabric`` takes the place of the preset and of the shear law named."""
+def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -> Setup:
+    """The test; ``fabric`` takes the place of the preset and of the shear law named."""
     fabric = fabric or chosen_fabric(parameters)
     length, stiffness = overhang(parameters, fabric), strip_stiffness(fabric, parameters.yarn)
     half = 0.5 * parameters.width
@@ -178,14 +169,12 @@ def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -
     frequency = 3.516 * math.sqrt(stiffness / (fabric.areal_density * length**4))
     damping = 2.0 * frequency if parameters.damping is None else parameters.damping
     weight = fabric.areal_density * GRAVITY * length
-    return Simulation(
-        name="cantilever", blank=blank, fabric=softened(fabric, LARGEST_STRETCH_STIFFNESS * weight), supports=(clamp,),
-        duration=LONGEST_TIME / frequency,
-        motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=damping, director_damping=damping),
-        device=parameters.device, precision=parameters.precision, threads=parameters.threads,
-        time_step=parameters.time_step, target_step=parameters.target_step, frame_count=parameters.frames,
-        stop_when=lambda frame: frame.time > SHORTEST_TIME / frequency
-        and frame.energies["kinetic"] < REST * frame.energies["internal"],
+    soft = softened(fabric, LARGEST_STRETCH_STIFFNESS * weight)
+    return Setup(
+        "cantilever", sheets=(Sheet(blank, soft, supports=(clamp,)),),
+        dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=damping, director_damping=damping),
+        duration=LONGEST_TIME / frequency, rest=Rest(SHORTEST_TIME / frequency, REST),
+        frame_count=parameters.frames, solver=parameters.solver(),
     )  # fmt: skip
 
 
@@ -248,9 +237,10 @@ def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simul
 
 def run(parameters: CantileverParameters) -> dict[str, Any]:
     """Run the test and leave its results in ``parameters.out``; returns the summary."""
-    fabric, simulation = chosen_fabric(parameters), cantilever(parameters)
+    fabric, simulation = chosen_fabric(parameters), Simulation(cantilever(parameters))
     return run_into_folder(
-        lambda: simulation, ResultFolder(parameters.out, curves=record(simulation), draw_in=False),
+        lambda: simulation,
+        ResultFolder(parameters.out, curves=record(simulation), draw_in=False, writers=parameters.writers),
         setup=parameters.model_dump(mode="json"),
         measure=lambda simulation: findings(parameters, fabric, simulation),
     )  # fmt: skip

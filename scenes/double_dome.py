@@ -16,6 +16,7 @@ from pydantic import Field
 from weavesim.app.options import RunOptions
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
+from weavesim.engine.setup import Setup
 from weavesim.errors import InputError
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
@@ -26,6 +27,7 @@ from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import Fixed, ForceDriven, Motion, Stroke
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import DomeOpening, DomePunch, Shape, rotation_matrix
 from weavesim.tools.tool import Tool
@@ -156,8 +158,8 @@ def raised(shape: Shape, height: float) -> Shape:
     return replace(shape, origin=(shape.origin[0], shape.origin[1], shape.origin[2] + height))
 
 
-def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) -> Simulation:
-    """A ready simulation of the double dome; ``fabric`` takes the place of the preset and of the shear law named.
+def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) -> Setup:
+    """The double dome; ``fabric`` takes the place of the preset and of the shear law named.
 
     Raises:
         InputError: parameters that contradict each other or the mesh.
@@ -174,25 +176,21 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "
             "use the full one"
         )
-    lower = tuple(
-        0.0 if axis in symmetry else -0.5 * s for axis, s in zip("xy", (BLANK_LENGTH, BLANK_WIDTH), strict=True)
-    )
+    lower = (0.0 if "x" in symmetry else -0.5 * BLANK_LENGTH, 0.0 if "y" in symmetry else -0.5 * BLANK_WIDTH)
     blank = Blank.rectangle(
         lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
     )
     tools = make_tools(parameters, fabric, symmetry)
-    duration = tools[0].motion.duration + REST
-    return Simulation(
-        name="double_dome", blank=blank, fabric=fabric, tools=tools, duration=duration, symmetry=symmetry,
-        motion=Dynamics(
+    stroke = tools[0].motion
+    assert isinstance(stroke, Stroke)
+    return Setup(
+        "double_dome", sheets=(Sheet(blank, fabric),), tools=tools, symmetry=symmetry,
+        dynamics=Dynamics(
             damping=parameters.damping,
             director_damping=DIRECTOR_DAMPING,
             contact_thickness=parameters.contact_thickness,
         ),
-        device=parameters.device, precision=parameters.precision, threads=parameters.threads,
-        time_step=parameters.time_step,
-        target_step=parameters.target_step,
-        frame_count=parameters.frames,
+        duration=stroke.duration + REST, frame_count=parameters.frames, solver=parameters.solver(),
     )  # fmt: skip
 
 
@@ -204,9 +202,10 @@ def run(parameters: DoubleDomeParameters) -> dict[str, Any]:
         points=points,
         measured_angles=load_measured_angles(parameters.measured_angles) if parameters.measured_angles else None,
         measured_outline=load_measured_outline(parameters.measured_outline) if parameters.measured_outline else None,
+        writers=parameters.writers,
     )
     return run_into_folder(
-        lambda: double_dome(parameters), folder, setup=parameters.model_dump(mode="json"),
+        lambda: Simulation(double_dome(parameters)), folder, setup=parameters.model_dump(mode="json"),
         measure=lambda simulation: expected_draw_in(parameters, simulation),
     )  # fmt: skip
 

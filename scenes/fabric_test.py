@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from weavesim.app.options import RunOptions
-from weavesim.checks import NotNegative, Positive
+from weavesim.checks import Positive
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
 from weavesim.fabric.response import respond
@@ -27,7 +27,6 @@ class FabricTestParameters(RunOptions):
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
     shear_modulus: Positive = Field(default=0.25e6, description="G_12 of the linear law [Pa]")
-    damping: NotNegative = Field(default=10.0, description="mass-proportional damping rate [1/s]")
     frames: int = Field(default=60, ge=1, description="frames after the first")
 
 
@@ -41,12 +40,12 @@ def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
     return fabric.with_linear_shear(parameters.shear_modulus) if parameters.shear_law == "linear" else fabric
 
 
-def trellis_angle(diagonal: np.ndarray, side: float) -> np.ndarray:
+def trellis_angle(diagonal: np.ndarray | float, side: float) -> np.ndarray:
     """Shear angle of a rhombus [rad], pi/2 - 2 acos(diagonal / (2 side)), from its longer diagonal [m]."""
     return 0.5 * math.pi - 2.0 * np.arccos(np.clip(np.asarray(diagonal) / (2.0 * side), 0.0, 1.0))
 
 
-def trellis_angle_rate(diagonal: np.ndarray, side: float) -> np.ndarray:
+def trellis_angle_rate(diagonal: np.ndarray | float, side: float) -> np.ndarray:
     """d(shear angle)/d(diagonal) of a rhombus [rad/m], 1/(side sin(theta)), theta half the angle at its tip."""
     share = np.clip(np.asarray(diagonal) / (2.0 * side), 0.0, 1.0)
     return 1.0 / (side * np.sqrt(1.0 - share**2))

@@ -8,6 +8,7 @@ fabric and ball are this scene's own, and assumed.
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,16 +18,18 @@ from pydantic import Field
 from weavesim.app.options import RunOptions
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
+from weavesim.engine.setup import Setup
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.measures.folds import rim_folds
 from weavesim.measures.proximity import close_pairs
 from weavesim.output import ResultFolder
 from weavesim.process.dynamics import Dynamics
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 from weavesim.tools.shapes import Sphere
 from weavesim.tools.tool import Tool
 
@@ -104,27 +107,21 @@ def cloth(case: str) -> Fabric:
     )
 
 
-def hemisphere(parameters: HemisphereParameters, case: str) -> Simulation:
-    """A ready simulation of one case: the cloth lies on the ball's top and is let go."""
+def hemisphere(parameters: HemisphereParameters, case: str) -> Setup:
+    """One case: the cloth lies on the ball's top and is let go."""
     fabric = cloth(case)
     half = 0.5 * parameters.side
     blank = Blank.rectangle(
         (-half, -half), (half, half), parameters.mesh_size, height=parameters.radius + 0.5 * fabric.thickness
     )
-    return Simulation(
-        name="hemisphere",
-        blank=blank,
-        fabric=fabric,
+    return Setup(
+        "hemisphere",
+        sheets=(Sheet(blank, fabric, initial_velocity=unevenness(blank, parameters.seed)),),
         tools=(Tool("hemisphere", Sphere(parameters.radius), friction=parameters.friction),),
+        dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         duration=parameters.duration,
-        motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
-        initial_velocity=unevenness(blank, parameters.seed),
-        device=parameters.device,
-        precision=parameters.precision,
-        threads=parameters.threads,
-        time_step=parameters.time_step,
-        target_step=parameters.target_step,
         frame_count=parameters.frames,
+        solver=parameters.solver(),
     )
 
 
@@ -161,14 +158,18 @@ def wrinkles(parameters: HemisphereParameters, simulation: Simulation) -> dict[s
     }
 
 
+def _start(parameters: HemisphereParameters, case: str) -> Simulation:
+    return Simulation(hemisphere(parameters, case))
+
+
 def run(parameters: HemisphereParameters) -> dict[str, Any]:
     """Run one case or both; each leaves its results in a folder of its own. Returns the summaries by case."""
     cases = CASES if parameters.case == "both" else (parameters.case,)
-    folders = {case: ResultFolder(parameters.out / case) for case in cases}
+    folders = {case: ResultFolder(parameters.out / case, writers=parameters.writers) for case in cases}
     summaries: dict[str, Any] = {}
     for case, folder in folders.items():
         summaries[case] = run_into_folder(
-            lambda case=case: hemisphere(parameters, case),
+            partial(_start, parameters, case),
             folder,
             setup={**parameters.model_dump(mode="json"), "case": case},
             measure=lambda simulation: wrinkles(parameters, simulation),

@@ -15,6 +15,7 @@ from pydantic import Field
 
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
+from weavesim.engine.setup import Setup
 from weavesim.errors import InputError
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.response import respond
@@ -26,6 +27,7 @@ from weavesim.process.supports import Drive, Support
 from weavesim.run.frame import Frame
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 
 from .fabric_test import (
     STEP_SAFETY,
@@ -48,6 +50,7 @@ class PictureFrameParameters(FabricTestParameters):
     """Everything that a picture-frame test can be told."""
 
     mesh_size: Positive = Field(default=0.01, description="edge length of an element [m]")
+    damping: NotNegative = Field(default=10.0, description="mass-proportional damping rate [1/s]")
     out: Path = Field(default=Path("out/picture_frame"), description="folder for the results")
     side: Positive = Field(default=0.2, le=2.0, description="of the square inner area [m]")
     arm_length: NotNegative = Field(
@@ -87,7 +90,7 @@ class PictureFrame:
             self.shear = self.shear.and_back()
         self.flat_diagonal = math.sqrt(2.0) * flat_side
 
-    def half_angle(self, displacement: np.ndarray) -> np.ndarray:
+    def half_angle(self, displacement: np.ndarray | float) -> np.ndarray:
         """Half the angle at the pulled hinges [rad], of a displacement of the crosshead [m]."""
         return np.arccos(math.sqrt(0.5) + np.asarray(displacement) / (2.0 * self.side))
 
@@ -152,18 +155,16 @@ def specimen(parameters: PictureFrameParameters) -> tuple[Blank, np.ndarray]:
     return blank, np.flatnonzero(np.abs(flat).max(axis=1) > half * (1.0 - 1.0e-9))
 
 
-def picture_frame(parameters: PictureFrameParameters, fabric: Fabric | None = None) -> Simulation:
-    """A ready simulation of the test; ``fabric`` takes the place of the preset and of the shear law named."""
+def picture_frame(parameters: PictureFrameParameters, fabric: Fabric | None = None) -> Setup:
+    """The test; ``fabric`` takes the place of the preset and of the shear law named."""
     fabric = fabric or chosen_fabric(parameters)
     blank, clamped = specimen(parameters)
     frame = PictureFrame(parameters, fabric)
-    return Simulation(
-        name="picture_frame", blank=blank, fabric=fabric, supports=(frame.support(blank, clamped),),
-        duration=frame.shear.duration,
-        motion=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
-        device=parameters.device, precision=parameters.precision, threads=parameters.threads,
-        time_step=parameters.time_step, target_step=parameters.target_step, step_safety=STEP_SAFETY,
-        frame_count=parameters.frames,
+    return Setup(
+        "picture_frame", sheets=(Sheet(blank, fabric, supports=(frame.support(blank, clamped),)),),
+        dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
+        duration=frame.shear.duration, frame_count=parameters.frames,
+        solver=parameters.solver(step_safety=STEP_SAFETY),
     )  # fmt: skip
 
 
@@ -249,6 +250,7 @@ def run(parameters: PictureFrameParameters) -> dict[str, Any]:
     """Run the test and leave its results in ``parameters.out``; returns the summary."""
     curves = record(parameters, chosen_fabric(parameters))
     return run_into_folder(
-        lambda: picture_frame(parameters), ResultFolder(parameters.out, curves=curves, draw_in=False),
+        lambda: Simulation(picture_frame(parameters)),
+        ResultFolder(parameters.out, curves=curves, draw_in=False, writers=parameters.writers),
         setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
     )  # fmt: skip

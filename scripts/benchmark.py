@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import datetime
 import json
-import os
 import platform
 import subprocess
 import sys
@@ -41,7 +40,7 @@ def _double_dome(mesh_size: float) -> Callable[..., Any]:
     def build(**options: Any):
         from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 
-        return double_dome(DoubleDomeParameters(mesh_size=mesh_size, **options))
+        return _ready(double_dome(DoubleDomeParameters(mesh_size=mesh_size, **options)))
 
     return build
 
@@ -49,25 +48,36 @@ def _double_dome(mesh_size: float) -> Callable[..., Any]:
 def _hemisphere(**options: Any):
     from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
 
-    return hemisphere(HemisphereParameters(**options), "low-bending")
+    return _ready(hemisphere(HemisphereParameters(**options), "low-bending"))
+
+
+def _ready(made: Any) -> Any:
+    """A scene's set-up as a simulation. The scenes of 0.1 return simulations: ``against`` measures those too."""
+    from weavesim import Simulation
+
+    return made if isinstance(made, Simulation) else Simulation(made)
 
 
 def _patch(side: int) -> Callable[..., Any]:
     """A free square of ``side`` x ``side`` elements of 5 mm, stretched, sheared and thrown, that meets no tool."""
 
     def build(**options: Any):
-        from weavesim.fabric.presets import glass_polypropylene
-        from weavesim.run.simulation import Simulation
-        from weavesim.sheet.blank import Blank
+        from weavesim import Blank, Simulation
+        from weavesim.fabric import glass_polypropylene
 
         size = min(0.005, 19.0 / side)
         blank = Blank.rectangle((0.0, 0.0), (side * size, side * size), size)
         x, y, _ = blank.node_position.T
         wave = 20.0 * np.pi
         velocity = np.column_stack([np.sin(wave * y), np.sin(wave * x), np.sin(wave * x) * np.sin(wave * y)])
-        return Simulation(
-            name="patch", blank=blank, fabric=glass_polypropylene(), duration=1.0, initial_velocity=velocity, **options
-        )
+        try:
+            from weavesim.engine.setup import Setup, Solver
+            from weavesim.sheet.sheet import Sheet
+        except ImportError:  # 0.1, for ``against``
+            options |= {"blank": blank, "fabric": glass_polypropylene(), "initial_velocity": velocity}
+            return Simulation(name="patch", duration=1.0, **options)
+        sheet = Sheet(blank, glass_polypropylene(), initial_velocity=velocity)
+        return Simulation(Setup("patch", sheets=(sheet,), duration=1.0, solver=Solver(**options)))
 
     return build
 
@@ -349,8 +359,8 @@ def law_variants() -> dict[str, Any]:
 
     base = glass_polypropylene()
 
-    def changed(motion: Dynamics | None = None, **update: Any) -> tuple[Any, Any]:
-        return base.model_copy(update=update), motion
+    def changed(dynamics: Dynamics | None = None, **update: Any) -> tuple[Any, Any]:
+        return base.model_copy(update=update), dynamics
 
     stiff = base.bending.stiffness(base.thickness)
     curve = BendingCurve(curvature=(0.0, 10.0, 50.0), moment_values=(0.0, 8.0 * stiff, 25.0 * stiff))
@@ -388,14 +398,12 @@ def laws(
     parameters = DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1)
     variants = law_variants()
     simulations = []
-    for fabric, motion in variants.values():
-        simulation = double_dome(parameters, fabric)
-        if motion is not None:
-            simulation = Simulation(
-                name="double_dome", blank=simulation.blank, fabric=fabric, tools=simulation.tools,
-                duration=simulation.duration, symmetry=simulation.symmetry, motion=motion,
-                precision=precision, threads=1,
-            )  # fmt: skip
+    for fabric, dynamics in variants.values():
+        setup = double_dome(parameters, fabric)
+        if dynamics is not None:
+            (world,) = setup.worlds
+            setup = setup.model_copy(update={"worlds": (world.model_copy(update={"dynamics": dynamics}),)})
+        simulation = Simulation(setup)
         warm_up(simulation)
         simulations.append(simulation)
     times = np.array([[seconds_per_step(simulation, seconds) for simulation in simulations] for _ in range(turns)])
@@ -444,10 +452,12 @@ class Contestant:
     """A case that steps in a process of its own, in one checkout."""
 
     def __init__(self, checkout: Path, case: str, precision: str, threads: int) -> None:
+        from shared.checkouts import environment
+
         self._process = subprocess.Popen(
             [sys.executable, "-c", CONTESTANT, str(Path(__file__).resolve()), case, precision, str(threads)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=checkout,
-            env=os.environ | {"PYTHONPATH": str(checkout)},
+            env=environment(checkout),
         )  # fmt: skip
         self.element_count = int(self._answer())
 

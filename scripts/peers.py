@@ -107,8 +107,8 @@ class Problem:
 
 def fabric_of(name: str) -> Any:
     """The Fabric of one of ``FABRICS``."""
+    from weavesim.fabric.cell.weaves import PlainWeave
     from weavesim.fabric.presets import glass_polypropylene
-    from weavesim.fabric.weaves import PlainWeave
     from weavesim.scenes.hemisphere import cloth
 
     if name == "cloth":
@@ -225,27 +225,26 @@ class WeavesimRun:
     """weavesim on one thread; ``state`` is positions and velocities of the nodes."""
 
     def __init__(self, problem: Problem, precision: str, device: str) -> None:
+        from weavesim.engine.setup import Setup, Solver
         from weavesim.process.dynamics import Dynamics
         from weavesim.run.simulation import Simulation
         from weavesim.scenes.hemisphere import DIRECTOR_DAMPING
+        from weavesim.sheet.sheet import Sheet
         from weavesim.tools.shapes import Sphere
         from weavesim.tools.tool import Tool
 
         _, blank = _scene(math.isqrt(len(problem.quads)), problem.thickness)
-        self._simulation = Simulation(
-            name="peers",
-            blank=blank,
-            fabric=fabric_of(problem.fabric),
+        setup = Setup(
+            "peers",
+            sheets=(Sheet(blank, fabric_of(problem.fabric), initial_velocity=problem.velocity),),
             tools=(Tool("ball", Sphere(problem.radius), friction=problem.friction),),
-            duration=problem.duration,
-            motion=Dynamics(
+            dynamics=Dynamics(
                 gravity=(0.0, 0.0, -problem.gravity), damping=problem.damping, director_damping=DIRECTOR_DAMPING
             ),
-            initial_velocity=problem.velocity,
-            device=device,
-            precision=precision,
-            threads=1,
+            duration=problem.duration,
+            solver=Solver(device=device, precision=precision, threads=1),
         )
+        self._simulation = Simulation(setup)
         self.element_count, self.element, self.iterations = len(problem.quads), "quadrilaterals", None
         self._duration, self._block_count = problem.duration, 1
 

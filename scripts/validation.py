@@ -113,7 +113,7 @@ def measure(simulation: Simulation, parameters: DoubleDomeParameters) -> dict[st
 def run(variant: Variant) -> dict[str, Any]:
     parameters = DoubleDomeParameters(**variant.parameters)
     fabric = variant.change(glass_polypropylene()) if variant.change else None
-    simulation = double_dome(parameters, fabric)
+    simulation = Simulation(double_dome(parameters, fabric))
     simulation.run()
     result = measure(simulation, parameters)
     print(f"{variant.title}: {np.round(result['angles'], 2)}, {result['wall_time_s']:.1f} s", flush=True)
@@ -255,7 +255,7 @@ def hemisphere_page() -> tuple[str, list[str]]:
     for case in CASES:
         for title, values in HEMISPHERE_VARIANTS.items():
             parameters = HemisphereParameters(**values)
-            simulation = hemisphere(parameters, case)
+            simulation = Simulation(hemisphere(parameters, case))
             simulation.run()
             result = {**simulation.summary(), **wrinkles(parameters, simulation)}
             results[case, title] = result

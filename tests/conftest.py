@@ -1,5 +1,6 @@
 """What all tests share: devices, precisions, builders, and the reason why a GPU test is skipped."""
 
+import gc
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.frames import Frames
-from tests.support.made_run import made_run
+from tests.support.made_run import made_run, made_stack
 from tests.support.manual import Case
 from tests.support.sheet import Sheet, plain_fabric
 from weavesim.device import Precision, initialise
@@ -31,6 +32,16 @@ def pytest_collection_modifyitems(items):
     if not wp.is_cuda_available():
         for item in gpu_tests:
             item.add_marker(pytest.mark.skip(reason="this machine has no CUDA device that Warp can use"))
+
+
+def pytest_sessionfinish(session):
+    """Collect once what is left, so that the five collections with which pytest ends are quick.
+
+    Kernels and meshes leave so many objects that these take over five seconds. A worker of pytest-xdist that has not
+    ended by then is interrupted, and prints the traceback of a KeyboardInterrupt below a suite that has passed.
+    """
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -106,6 +117,12 @@ def deformed(curved_blank) -> tuple[np.ndarray, np.ndarray]:
 def coarse_run():
     """Quarter at 15 mm with twelve frames: (info, frames)."""
     return made_run(0.015)
+
+
+@pytest.fixture(scope="session")
+def stack():
+    """Two sheets with four frames: (info, frames)."""
+    return made_stack()
 
 
 @pytest.fixture(scope="session")

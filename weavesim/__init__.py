@@ -16,48 +16,73 @@ if (_checkout / "pyproject.toml").is_file():
     __path__.append(str(_checkout))
 
 if TYPE_CHECKING:
-    from .device import Precision
-    from .errors import InputError, RunError
-    from .fabric.fabric import Fabric
-    from .process.loads import NodalLoads
-    from .process.supports import Drive, Support
-    from .run.frame import Frame, Observer, Outcome
-    from .run.simulation import Simulation
-    from .sheet.blank import Blank
-    from .tools.tool import Tool
+    from .checks import json_schema  # noqa: F401
+    from .device import Precision  # noqa: F401
+    from .engine.setup import Rest, Setup, Solver, World  # noqa: F401
+    from .errors import InputError, RunError  # noqa: F401
+    from .fabric.fabric import Fabric  # noqa: F401
+    from .fabric.file import load_fabric  # noqa: F401
+    from .fabric.presets import assumed_fabric, glass_polypropylene  # noqa: F401
+    from .process.dynamics import Dynamics  # noqa: F401
+    from .process.loads import NodalLoads  # noqa: F401
+    from .process.strokes import Fixed, ForceDriven, SmoothStroke, Stroke  # noqa: F401
+    from .process.supports import Drive, Support  # noqa: F401
+    from .run.frame import Frame, Observer, Outcome  # noqa: F401
+    from .run.simulation import Simulation  # noqa: F401
+    from .sheet.blank import Blank  # noqa: F401
+    from .sheet.sheet import Sheet  # noqa: F401
+    from .sheet.symmetry import Symmetry  # noqa: F401
+    from .tools.mesh_tool import MeshShape  # noqa: F401
+    from .tools.shapes import (  # noqa: F401
+        Capsule,
+        DomeCavity,
+        DomeOpening,
+        DomePunch,
+        Plane,
+        Shape,
+        Sphere,
+        Torus,
+        Union,
+        rotation_matrix,
+    )
+    from .tools.tool import Tool  # noqa: F401
 
-_module_of = {
-    "Blank": "sheet.blank",
-    "Drive": "process.supports",
-    "Fabric": "fabric.fabric",
-    "Frame": "run.frame",
-    "InputError": "errors",
-    "NodalLoads": "process.loads",
-    "Observer": "run.frame",
-    "Outcome": "run.frame",
-    "Precision": "device",
-    "RunError": "errors",
-    "Simulation": "run.simulation",
-    "Support": "process.supports",
-    "Tool": "tools.tool",
+# Where the public names are; the imports above say the same to type checkers.
+_names_in = {
+    "checks": ("json_schema",),
+    "device": ("Precision",),
+    "engine.setup": ("Rest", "Setup", "Solver", "World"),
+    "errors": ("InputError", "RunError"),
+    "fabric.fabric": ("Fabric",),
+    "fabric.file": ("load_fabric",),
+    "fabric.presets": ("assumed_fabric", "glass_polypropylene"),
+    "process.dynamics": ("Dynamics",),
+    "process.loads": ("NodalLoads",),
+    "process.strokes": ("Fixed", "ForceDriven", "SmoothStroke", "Stroke"),
+    "process.supports": ("Drive", "Support"),
+    "run.frame": ("Frame", "Observer", "Outcome"),
+    "run.simulation": ("Simulation",),
+    "sheet.blank": ("Blank",),
+    "sheet.sheet": ("Sheet",),
+    "sheet.symmetry": ("Symmetry",),
+    "tools.mesh_tool": ("MeshShape",),
+    "tools.shapes": (
+        "Capsule",
+        "DomeCavity",
+        "DomeOpening",
+        "DomePunch",
+        "Plane",
+        "Shape",
+        "Sphere",
+        "Torus",
+        "Union",
+        "rotation_matrix",
+    ),
+    "tools.tool": ("Tool",),
 }
+_module_of = {name: module for module, names in _names_in.items() for name in names}
 
-__all__ = [
-    "Blank",
-    "Drive",
-    "Fabric",
-    "Frame",
-    "InputError",
-    "NodalLoads",
-    "Observer",
-    "Outcome",
-    "Precision",
-    "RunError",
-    "Simulation",
-    "Support",
-    "Tool",
-    "__version__",
-]
+__all__ = ["__version__", *_module_of]  # noqa: PLE0604
 
 
 def __getattr__(name: str) -> Any:

@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Self, get_args
+from typing import Annotated, Any, ClassVar, Self, dataclass_transform, get_args
 
 import numpy as np
 from pydantic import (
@@ -71,6 +71,8 @@ def positive_number(name: str, value: Any, *, largest: float = float("inf"), hin
     return number
 
 
+# Fields may be given by place, unlike those of Pydantic: checkers of types read it here.
+@dataclass_transform(kw_only_default=False, field_specifiers=(Field,))
 class Parameters(BaseModel):
     """Immutable, checked values; a bad one raises InputError that names it.
 
@@ -92,7 +94,7 @@ class Parameters(BaseModel):
     @classmethod
     def _true_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
         items = value if isinstance(value, tuple | list) else (value,)
-        if any(isinstance(item, bool) for item in items):
+        if info.field_name and any(isinstance(item, bool) for item in items):
             types = set(_types(cls.model_fields[info.field_name].annotation))
             if types & {int, float} and bool not in types:
                 raise ValueError("a number is needed, not true or false")
@@ -194,10 +196,11 @@ class Kinded(Parameters):
 
     In JSON a member is told by ``kind``, the name of its class. Every subclass of a family is registered when its
     class is defined, so a kind of a user's own needs nothing else. ``is_kind = False`` in a class body leaves out
-    a class that only serves as a base.
+    a class that only serves as a base. ``implied_kind`` of a family is what a table without a ``kind`` is.
     """
 
     is_kind: ClassVar[bool] = True
+    implied_kind: ClassVar[str | None] = None
     _family: ClassVar[dict[str, type[Any]]]
 
     @classmethod
@@ -218,7 +221,8 @@ class Kinded(Parameters):
     def _made_of_its_kind(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
         if not isinstance(value, Mapping):
             return handler(value)
-        name = value.get("kind", cls.__name__)
+        implied = cls.implied_kind if Kinded in cls.__bases__ else None
+        name = value.get("kind", implied or cls.__name__)
         if name not in cls.kinds():
             raise ValueError(f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed")
         kind, rest = cls.kinds()[name], {key: item for key, item in value.items() if key != "kind"}

@@ -175,7 +175,7 @@ def is_compiled(kernel: wp.Kernel, device: wp.Device) -> bool:
     """Whether ``load_kernel`` will find a kernel in the cache; it need not take its hash again."""
     import warp as wp
 
-    folder = Path(wp.config.kernel_cache_dir) / kernel.module.get_module_identifier(_block_size(device))
+    folder = Path(str(wp.config.kernel_cache_dir)) / kernel.module.get_module_identifier(_block_size(device))
     binaries = {".o"} if device.is_cpu else {".ptx", ".cubin"}
     return any(file.suffix in binaries for file in folder.glob("*"))
 

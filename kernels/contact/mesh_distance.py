@@ -15,7 +15,7 @@ FACE_INTERIOR = wp.constant(1.0e-3)
 def mesh_signed_distance(mesh: wp.uint64, point: wp.vec3, largest: float):
     """Distance to the nearest triangle of a closed, outward mesh; ``largest`` if it is farther, which is outside.
 
-    The side of a face tells the sign. Where an edge or a corner is nearest it may mislead, as at a sharp edge or at the
+    The side of a face gives the sign. Where an edge or a corner is nearest it may mislead, as at a sharp edge or at the
     crack between two patches: there the winding number, which costs some twenty times more, decides.
     """
     query = wp.mesh_query_point_no_sign(mesh, point, largest)

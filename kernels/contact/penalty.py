@@ -17,7 +17,7 @@ def touch_struct(real: type, lane_count: int):
     @wp.struct
     class Touch:
         friction: wp.array2d(dtype=types.lanes)  # tangential spring of each tool [m], three rows each
-        gap: wp.array2d(dtype=real)  # [tool, block]: way before any node can touch [m]; none if not positive
+        gap: wp.array2d(dtype=real)  # [tool, block]: distance to go before any node can touch [m]; unknown if not > 0
         reaction: wp.array2d(dtype=types.vec3)  # [tool, block]: force of the sheet on the tool [N]
 
     return Touch

@@ -54,18 +54,27 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     ToolPart = part_struct(real)
-    kinds = tuple(SHAPE_KINDS[name] for name in shape_kinds)
 
     @wp.func
-    def part_distance(part: ToolPart, p: lanes3):
-        distance = lanes(real(wp.nan))
-        normal = lanes3()
-        for k in range(wp.static(len(kinds))):
-            if part.kind == wp.static(kinds[k].number):
-                distance, normal = wp.static(kinds[k].distance)(part, p)
-        return distance, normal
+    def part_of_no_kind(part: ToolPart, p: lanes3):
+        return lanes(real(wp.nan)), lanes3()
 
-    return part_distance
+    def with_kind(number: int, distance_of: wp.Function, others: wp.Function) -> wp.Function:
+        # One function per kind, each with the next: a loop over wp.static(kinds[k]) would be shorter, but Warp 1.19
+        # leaves such an expression out of the hash, and would take the compiled kernel of another tuple of kinds.
+        @wp.func
+        def part_distance(part: ToolPart, p: lanes3):
+            distance, normal = others(part, p)
+            if part.kind == wp.static(number):
+                distance, normal = distance_of(part, p)
+            return distance, normal
+
+        return part_distance
+
+    result = part_of_no_kind
+    for name in shape_kinds:
+        result = with_kind(SHAPE_KINDS[name].number, SHAPE_KINDS[name].distance, result)
+    return result
 
 
 @cache

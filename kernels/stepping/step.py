@@ -66,7 +66,7 @@ def set_step_kernel(real: type):
 @wp.kernel(module="unique", enable_backward=False)
 def look_at_clock(
     # In
-    done: wp.int32,  # blocks since the last look
+    done: wp.int32,  # blocks since the last call
     largest_block_count: wp.int32,
     target: wp.array(dtype=wp.float64),  # time at which the interval ends [s]
     clock: wp.array(dtype=wp.float64),

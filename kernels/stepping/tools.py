@@ -1,6 +1,7 @@
 """Rigid tools: sum the reactions in a fixed order, move by a stroke curve or by a force, advance the clock."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
@@ -58,6 +59,16 @@ def partial_sum_kernel(real: type):
     return partial_sums
 
 
+@wp.func
+def total_force(forces: Any, tool: int):
+    """Sum of a tool's row, in double precision and in a fixed order."""
+    total = wp.vec3d()
+    for i in range(forces.shape[1]):
+        value = forces[tool, i]
+        total += wp.vec3d(wp.float64(value[0]), wp.float64(value[1]), wp.float64(value[2]))
+    return total
+
+
 @cache
 def tool_motion_kernel(real: type):
     """Kernel of a single thread per step, between the node kernel and the next step."""
@@ -82,10 +93,7 @@ def tool_motion_kernel(real: type):
         next_time = clock[ClockEntry.time] + step
         for k in range(drives.shape[0]):
             drive = drives[k]
-            total = wp.vec3d()
-            for i in range(reactions.shape[1]):
-                value = reactions[k, i]
-                total += wp.vec3d(wp.float64(value[0]), wp.float64(value[1]), wp.float64(value[2]))
+            total = total_force(reactions, k)
             total_reaction[k] = total
             along = wp.dot(total, axis[k])
             old = displacement[k]
@@ -100,10 +108,10 @@ def tool_motion_kernel(real: type):
             else:
                 velocity[k] = (new - old) / step
             displacement[k] = new
-            # forces are those of the present, between two half steps: like the nodes, the tool goes the mean of both
-            way = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
-            work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * way
-            work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * way
+            # forces are those of the present, between two half steps: like a node, the tool travels the mean of both
+            travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
+            work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * travel
+            work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * travel
         clock[ClockEntry.time] = next_time
         clock[ClockEntry.mean_step] = step
 

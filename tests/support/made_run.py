@@ -1,9 +1,12 @@
 """A run that never was: a quarter of a double dome, formed by a formula instead of by mechanics."""
 
+import dataclasses
+
 import numpy as np
 
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.measures.angles import yarn_vectors
+from weavesim.measures.findings import FormedSheet
 from weavesim.run.frame import Frame, RunInfo, SheetFrame, SheetInfo
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.symmetry import Symmetry
@@ -96,9 +99,37 @@ def made_info(blank: Blank, symmetry: Symmetry | None = None, **given) -> RunInf
     return RunInfo(name="double_dome", **(settings | given))
 
 
+def formed(info: RunInfo, frame: Frame, points: np.ndarray | None = None) -> FormedSheet:
+    """The only sheet of a frame."""
+    sheet, state = info.sheet, frame.sheet
+    return FormedSheet(sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry, points)
+
+
 def made_run(element_size: float = 0.005, frame_count: int = 12, quarter: bool = True):
     lower = (0.0, 0.0) if quarter else (-HALF_LENGTH, -HALF_WIDTH)
     blank = Blank.rectangle(lower, (HALF_LENGTH, HALF_WIDTH), element_size)
     info = made_info(blank, Symmetry(("x", "y") if quarter else ()))
     frames = [made_frame(blank, i, i / (frame_count - 1)) for i in range(frame_count)]
+    return info, frames
+
+
+def made_stack(frame_count: int = 4):
+    """A run of two sheets that do not touch: "upper", a quarter, and "lower", whole, each under tools of its own."""
+    upper, lower = (made_run(size, frame_count, quarter) for size, quarter in ((0.015, True), (0.02, False)))
+    tools = upper[0].tools + lower[0].tools
+    places = tuple(range(len(tools)))
+    sheets = tuple(
+        dataclasses.replace(info.sheet, name=name, tools=own)
+        for info, name, own in ((upper[0], "upper", places[:3]), (lower[0], "lower", places[3:]))
+    )
+    info = dataclasses.replace(upper[0], name="stack", sheets=sheets, tools=tools)
+    frames = [
+        dataclasses.replace(
+            frame,
+            sheets=(dataclasses.replace(frame.sheet, name="upper"), dataclasses.replace(other.sheet, name="lower")),
+            tool_displacement=np.concatenate([frame.tool_displacement, 0.5 * other.tool_displacement]),
+            tool_reaction=np.concatenate([frame.tool_reaction, other.tool_reaction]),
+        )
+        for frame, other in zip(upper[1], lower[1], strict=True)
+    ]
     return info, frames

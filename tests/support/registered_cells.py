@@ -11,8 +11,8 @@ from warp import float64 as real
 
 from weavesim.checks import Positive
 from weavesim.fabric.cell import EnergyCell, UnitCell
+from weavesim.fabric.cell.weaves import FloatWeave
 from weavesim.fabric.presets import UNIT_CELLS
-from weavesim.fabric.weaves import FloatWeave
 
 
 @wp.func
@@ -44,6 +44,21 @@ class KnottedNet(EnergyCell):
     @property
     def shear_stiffness(self) -> float:
         return self.turning
+
+
+@wp.func
+def taut_energy(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
+    """Threads that are free at a stretch of 0.9."""
+    warp = warp_stretch - real(0.9)
+    weft = weft_stretch - real(0.9)
+    return real(0.5) * p.thread * (warp * warp + weft * weft)
+
+
+class TautNet(KnottedNet):
+    """A mistake: the undeformed net is under tension."""
+
+    unknown_count = 0
+    energy = taut_energy
 
 
 def net_reference(cell: KnottedNet, stretch, angle, q) -> float:

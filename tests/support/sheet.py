@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.kernels.rows import CornerRow, MotionRow
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
 POSITION, DIRECTOR, REMAINDER = MotionRow.position.vector, MotionRow.director.vector, MotionRow.remainder.vector
@@ -34,7 +34,7 @@ class Sheet:
     """
 
     def __init__(self, blank: Blank, fabric: Fabric, *, precision: str = "float64", lane_count: int = 1) -> None:
-        self.simulation = Simulation(
+        self.simulation = one_sheet_run(
             name="test", blank=blank, fabric=fabric, duration=1.0, precision=precision, lane_count=lane_count, threads=1
         )
         self.node_count = blank.node_count

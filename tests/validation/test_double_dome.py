@@ -10,6 +10,7 @@ import pytest
 from weavesim.errors import InputError, RunError
 from weavesim.measures.angles import shear_angle_at, ten_points
 from weavesim.measures.border import draw_in
+from weavesim.run.simulation import Simulation
 from weavesim.scenes.double_dome import BLANK_LENGTH, BLANK_WIDTH, DoubleDomeParameters, double_dome, run
 
 SUMMARY_KEYS = {
@@ -147,7 +148,7 @@ def test_bad_input_is_refused_before_the_run(values, words, tmp_path):
 
 def test_own_tool_meshes_take_the_place_of_the_default(tmp_path):
     """The default tools exported as meshes and read back in millimetres give the same draw-in."""
-    reference = double_dome(DoubleDomeParameters(mesh_size=0.015, threads=1, stroke=0.03))
+    reference = Simulation(double_dome(DoubleDomeParameters(mesh_size=0.015, threads=1, stroke=0.03)))
     paths = {}
     for tool, shift, option in zip(reference.tools, (-1, 1, -1), ("punch", "die", "binder"), strict=True):
         mesh = tool.display_mesh()
@@ -155,7 +156,8 @@ def test_own_tool_meshes_take_the_place_of_the_default(tmp_path):
         mesh.apply_scale(1000.0)
         paths[option] = tmp_path / f"{option}.stl"
         mesh.export(paths[option])
-    own = double_dome(DoubleDomeParameters(mesh_size=0.015, threads=1, stroke=0.03, unit_scale=0.001, **paths))
+    parameters = DoubleDomeParameters(mesh_size=0.015, threads=1, stroke=0.03, unit_scale=0.001, **paths)
+    own = Simulation(double_dome(parameters))
     for simulation in (reference, own):
         simulation.run()
     np.testing.assert_allclose(own.frame.position, reference.frame.position, atol=0.4e-3)
@@ -166,7 +168,7 @@ def test_own_tool_meshes_take_the_place_of_the_default(tmp_path):
 def test_gpu_gives_the_same_as_the_cpu():
     frames = []
     for device in ("cpu", "cuda:0"):
-        simulation = double_dome(DoubleDomeParameters(mesh_size=0.01, device=device, precision="float64"))
+        simulation = Simulation(double_dome(DoubleDomeParameters(mesh_size=0.01, device=device, precision="float64")))
         simulation.run()
         frames.append(simulation.frame)
     np.testing.assert_allclose(frames[1].position, frames[0].position, atol=1e-5)
@@ -180,9 +182,8 @@ def coarse():
     def run_coarse(**values):
         key = tuple(sorted(values.items()))
         if key not in frames:
-            simulation = double_dome(
-                DoubleDomeParameters(**{"mesh_size": 0.0135, "threads": 1, "part": "half", **values})
-            )
+            parameters = DoubleDomeParameters(**{"mesh_size": 0.0135, "threads": 1, "part": "half", **values})
+            simulation = Simulation(double_dome(parameters))
             simulation.run()
             points = ten_points(0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH)
             angles = shear_angle_at(
@@ -214,7 +215,7 @@ def test_half_the_punch_speed_changes_little(coarse):
 
 
 def test_a_run_that_is_not_to_be_trusted_says_so():
-    simulation = double_dome(DoubleDomeParameters(mesh_size=0.02, threads=1, frames=10, punch_speed=20.0))
+    simulation = Simulation(double_dome(DoubleDomeParameters(mesh_size=0.02, threads=1, frames=10, punch_speed=20.0)))
     assert not any("quasi-static" in warning for warning in simulation.warnings)
     simulation.run()
     assert any("quasi-static" in warning for warning in simulation.warnings)

@@ -7,9 +7,10 @@ import pytest
 
 from tests.support.tables import columns
 from weavesim.errors import InputError
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
-from weavesim.fabric.weaves import PlainWeave
+from weavesim.run.simulation import Simulation
 from weavesim.scenes import picture_frame
 from weavesim.scenes.picture_frame import PictureFrameParameters
 
@@ -64,7 +65,7 @@ def test_picture_frame_shows_a_friction_loop_that_yarn_tension_widens():
         parameters = PictureFrameParameters(
             mesh_size=0.05, speed=1.0, cycle=True, frames=80, threads=1, yarn_tension=tension
         )
-        simulation = picture_frame.picture_frame(parameters, fabric)
+        simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
         curves = picture_frame.record(parameters, fabric)
         simulation.run([curves])
         found = picture_frame.findings(curves)
@@ -81,7 +82,7 @@ def test_closed_form_counts_a_cell_that_resists_shear_and_has_no_crossovers():
     fabric = assumed_fabric("stitched-tape").with_linear_shear(100.0)
     parameters = PictureFrameParameters(mesh_size=0.1, speed=0.5, frames=30, threads=1, largest_angle=20.0)
     curves = picture_frame.record(parameters, fabric)
-    picture_frame.picture_frame(parameters, fabric).run([curves])
+    Simulation(picture_frame.picture_frame(parameters, fabric)).run([curves])
     found = picture_frame.findings(curves)
     without_cell = 0.04 * fabric.shear.moment(np.radians(20.0), fabric.thickness)
     assert found["closed_form_peak_force_n"] > 100.0 * without_cell
@@ -92,7 +93,7 @@ def test_closed_form_counts_a_cell_that_resists_shear_and_has_no_crossovers():
 def test_picture_frame_with_arms_pulls_for_all_its_fabric():
     parameters = PictureFrameParameters(mesh_size=0.05, side=0.2, arm_length=0.05, speed=1.0, frames=20, threads=1)
     fabric = glass_polypropylene()
-    simulation = picture_frame.picture_frame(parameters, fabric)
+    simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
     # 4 x 4 elements inside, 4 in each arm
     assert simulation.blank.element_count == 32
     assert len(simulation.supports[0].nodes) == 20
@@ -113,7 +114,7 @@ def test_misaligned_yarns_are_stretched_as_the_frame_says():
     parameters = PictureFrameParameters(
         mesh_size=0.05, misalignment=2.0, yarn_tension=0.0, speed=0.5, frames=20, threads=1, precision="float64"
     )
-    simulation = picture_frame.picture_frame(parameters, fabric)
+    simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
     curves = picture_frame.record(parameters, fabric)
     simulation.run([curves])
 

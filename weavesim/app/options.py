@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, field_validator
 
 from ..checks import Parameters, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision
+from ..engine.setup import Solver
+from ..output.writer import chosen_writers, known_writers
 
 LARGEST_MESH_SIZE_M = 0.5
 SMALLEST_MESH_SIZE_M = 1.0e-4
@@ -31,6 +33,10 @@ class RunOptions(Parameters):
         default=None, description="scale the mass until this time step is stable [s]; the added mass is reported"
     )
     out: Path = Field(default=Path("out"), description="folder for the results")
+    write: str | None = Field(
+        default=None, description=f"results to write, of {','.join(known_writers())}, with commas [default: all]"
+    )
+    without: str | None = Field(default=None, description="results to leave out, with commas")
 
     @field_validator("mesh_size")
     @classmethod
@@ -40,3 +46,26 @@ class RunOptions(Parameters):
         if value < SMALLEST_MESH_SIZE_M:
             raise ValueError(f"is in metres and at least {SMALLEST_MESH_SIZE_M}: write 0.005 for 5 mm")
         return value
+
+    @field_validator("write", "without")
+    @classmethod
+    def _are_known(cls, value: str | None) -> str | None:
+        chosen_writers(_names(value))
+        return value
+
+    @property
+    def writers(self) -> tuple[str, ...]:
+        """Names of the writers that are asked for, for a ``ResultFolder``."""
+        return tuple(kind.name for kind in chosen_writers(_names(self.write), _names(self.without) or ()))
+
+    def solver(self, **given: Any) -> Solver:
+        """Where and how to compute, as these options say; ``given`` are further values."""
+        return Solver(
+            device=self.device, precision=self.precision, threads=self.threads, time_step=self.time_step,
+            target_step=self.target_step, **given,
+        )  # fmt: skip
+
+
+def _names(value: str | None) -> list[str] | None:
+    """ "film, report" as a list; None stays None."""
+    return None if value is None else [name.strip() for name in value.split(",") if name.strip()]

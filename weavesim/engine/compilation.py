@@ -28,7 +28,8 @@ from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
-from ..kernels.stepping.node import NodeTraits, node_motion_kernel
+from ..kernels.stepping.node import node_motion_kernel
+from ..kernels.stepping.node_data import NodeTraits
 from ..kernels.stepping.step import look_at_clock, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
@@ -220,7 +221,7 @@ def _compile(kernel_set: KernelSet | MeshKernelSet, indices: list[int], process_
 
 def _cache_folder() -> str:
     """The folder that Warp was given for its cache: it has added its version."""
-    folder = Path(wp.config.kernel_cache_dir)
+    folder = Path(str(wp.config.kernel_cache_dir))
     return str(folder.parent if folder.name == wp.config.version else folder)
 
 

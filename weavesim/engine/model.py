@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import warp as wp
 
 from ..device import Precision
 from ..errors import InputError
-from ..fabric.bending import BendingCurve, IsotropicBending
-from ..fabric.curve import tabulate
+from ..fabric.device import law_traits, sheet_laws
 from ..fabric.fabric import Fabric
-from ..fabric.shear import LARGEST_SHEAR_ANGLE, LinearShear
-from ..kernels.curve import curve_struct
 from ..kernels.lanes import lane_types
 from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
-from ..kernels.shell.laws import SheetTraits, sheet_struct
-from ..kernels.stepping.node import motion_struct, node_struct
+from ..kernels.shell.laws import SheetTraits
+from ..kernels.stepping.node_data import motion_struct, node_struct
 from ..process.dynamics import Dynamics
 from ..process.loads import NodalLoads
 from ..sheet.blank import Blank
@@ -32,10 +28,8 @@ from .layout import BLOCK, RowLayout, lanes_view, padded
 # Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
-# Nodes are looked at again when this share of half the thickness is left between them and a tool.
-SPARE_WAY = 0.5
-# Cubic pieces of a measured curve on the device.
-CURVE_PIECE_COUNT = 512
+# Nodes are measured again when this share of half the thickness is left between them and a tool.
+SPARE_DISTANCE = 0.5
 
 
 class Model:
@@ -138,13 +132,8 @@ class Model:
     @property
     def sheet_traits(self) -> SheetTraits:
         """What the kernels of this sheet are made for."""
-        bending = self.fabric.bending
-        isotropic = isinstance(bending, IsotropicBending)
         return SheetTraits(
-            shear="linear" if isinstance(self.fabric.shear, LinearShear) else "curve",
-            bending="isotropic" if isotropic else "curves" if bending.curved else "yarns",
-            shear_friction=self.fabric.shear_friction is not None,
-            bending_friction=self.fabric.has_bending_friction,
+            **law_traits(self.fabric),
             follows_thickness=self.follows_thickness,
             flat=self.geometry.flat,
             skewed=bool(np.abs(self.geometry.hourglass_offset).max() > 1.0e-9),
@@ -202,47 +191,9 @@ class Model:
         return elements
 
     def _sheet_laws(self):
-        fabric, shear, bending = self.fabric, self.fabric.shear, self.fabric.bending
-        laws = sheet_struct(self.real)()
-        laws.shear.stiffness = fabric.thickness * shear.modulus if isinstance(shear, LinearShear) else 0.0
-        laws.shear.curve = self._curve(lambda angle: shear.moment(angle, fabric.thickness), LARGEST_SHEAR_ANGLE)
-        friction = fabric.shear_friction
-        laws.shear.friction_stiffness = friction.stiffness if friction else 0.0
-        laws.shear.crossover_friction_length = friction.crossover_friction_length if friction else 0.0
-        laws.shear.friction_limit = self._curve(friction.limit_at if friction else np.zeros_like, LARGEST_SHEAR_ANGLE)
-        isotropic = isinstance(bending, IsotropicBending)
-        laws.bending.stiffness = bending.stiffness(fabric.thickness) if isotropic else 0.0
-        laws.bending.poisson_ratio = bending.poisson_ratio if isotropic else 0.0
-        families = (BendingCurve.straight(0.0),) * 2 if isotropic else bending.families
-        per_yarn = (0.0, 0.0) if isotropic else (bending.twist, bending.coupling)
-        laws.bending.warp_stiffness, laws.bending.weft_stiffness = (family.initial_stiffness for family in families)
-        laws.bending.twist_stiffness, laws.bending.coupling_stiffness = per_yarn
-        laws.bending.warp_curve, laws.bending.weft_curve = (
-            self._curve(family.moment, family.curvature[-1]) for family in families
-        )
-        vec2 = wp.types.vector(2, self.real)
-        # a family without friction has a slider that never holds: any spring will do
-        laws.bending.friction_stiffness = vec2(*(family.friction_stiffness or 1.0 for family in families))
-        laws.bending.friction_limit = vec2(*(family.friction_limit for family in families))
-        laws.thickness = fabric.thickness
-        laws.thickening = fabric.compaction.thickening
-        laws.inverse_crossover_modulus = 1.0 / fabric.compaction.modulus(fabric.unit_cell)
-        laws.slip_resolution = 4.0 * np.finfo(self.precision.numpy).eps
-        laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
-        laws.in_plane_bending_stiffness = fabric.in_plane_bending_stiffness
-        laws.compressive_stiffness = fabric.compressive_stiffness
-        laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(fabric)
+        laws = sheet_laws(self.fabric, self.precision, self.device)
+        laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(self.fabric)
         return laws
-
-    def _curve(self, function: Callable[[np.ndarray], np.ndarray], end: float):
-        """Device table of a function from 0 to ``end``."""
-        curve = curve_struct(self.real)()
-        curve.knot_spacing = end / CURVE_PIECE_COUNT
-        curve.knots_per_unit = CURVE_PIECE_COUNT / end
-        coefficients, integral = tabulate(function, end / CURVE_PIECE_COUNT, CURVE_PIECE_COUNT)
-        curve.coefficient = self._array(coefficients, self.types.vec4)
-        curve.integral = self._array(integral, self.real)
-        return curve
 
     def _nodes(self, free: np.ndarray):
         count = self.blank.node_count
@@ -298,7 +249,7 @@ class Model:
         laws.contact_damping_time = 2.0 * self.motion.contact_damping_ratio / math.sqrt(contact_frequency)
         laws.tangential_ratio = TANGENTIAL_RATIO
         laws.in_plane_bending_stiffness = self.fabric.in_plane_bending_stiffness
-        laws.spare_way = SPARE_WAY * 0.5 * self.fabric.thickness
+        laws.spare_distance = SPARE_DISTANCE * 0.5 * self.fabric.thickness
         laws.tool_count = self.tool_count
         return laws
 

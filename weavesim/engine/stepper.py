@@ -24,7 +24,8 @@ from ..kernels.rows import ROWS_PER_CORNER, ClockEntry, CornerRow
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
-from ..kernels.stepping.node import NodeTraits, node_motion_kernel
+from ..kernels.stepping.node import node_motion_kernel
+from ..kernels.stepping.node_data import NodeTraits
 from ..kernels.stepping.step import STEP_GROWTH, look_at_clock, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
@@ -33,12 +34,12 @@ from ..tools.device import DeviceTools
 from .compilation import KernelSet, compile_missing
 from .layout import lanes_view
 from .model import Model
+from .setup import STEP_SAFETY
 from .state import Ahead, State
 from .threads import ThreadChoice
 from .tiles import TILE_SIZE, Part, chunks, divide_step
 
 REFRESH_INTERVAL = 20
-STEP_SAFETY = 0.9
 # Reductions over more entries than this take two launches.
 LARGEST_SINGLE_SUM = 4096
 GROUP_SIZE = 256

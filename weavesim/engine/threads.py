@@ -53,9 +53,9 @@ class ThreadChoice:
 
     def block_count(self) -> int:
         """Blocks after which the present turn should be over, one at least."""
-        known = self.count if self.count in self._turns else self._fastest()
-        if known is None:
+        if not self._turns:
             return 1
+        known = self.count if self.count in self._turns else self._fastest()
         left = (LOOK if self._looking else STAY) - self._turn_seconds
         return max(1, math.ceil(left / self._cost(known)))
 
@@ -82,12 +82,12 @@ class ThreadChoice:
         neighbours = self.counts[max(place - 1, 0) : place] + self.counts[place + 1 : place + 2]
         due = [count for count in neighbours if self._due[count] <= self._now]
         self._looking = bool(due)
-        self.count = min(due, key=self._due.get) if due else fastest
+        self.count = min(due, key=lambda count: self._due[count]) if due else fastest
 
     def _cost(self, count: int) -> float:
         """Seconds per block of late."""
         turns = self._turns[count]
         return sum(turn.seconds for turn in turns) / sum(turn.blocks for turn in turns)
 
-    def _fastest(self) -> int | None:
-        return min(self._turns, key=self._cost, default=None)
+    def _fastest(self) -> int:
+        return min(self._turns, key=self._cost)

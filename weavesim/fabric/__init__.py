@@ -1,21 +1,33 @@
 """Fabrics: laws, unit cells, presets, files."""
 
-from .bending import BendingCurve, IsotropicBending, YarnBending
-from .cell import EnergyCell, UnitCell
+from .bending import BendingCurve, BendingLaw, FamilyBending, IsotropicBending, YarnBending
+from .cell import (
+    EnergyCell,
+    FloatWeave,
+    LinearMembrane,
+    PlainWeave,
+    SatinWeave,
+    TwillWeave,
+    UnidirectionalTape,
+    UnitCell,
+)
 from .compaction import Compaction
+from .device_form import DeviceForm, Tabulated
 from .fabric import Fabric, Stabilisation
 from .file import load_fabric, resolve_fabric
-from .membrane import LinearMembrane
 from .presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
-from .shear import LinearShear, MomentCurve, ShearFriction
-from .tape import UnidirectionalTape
-from .weaves import PlainWeave, SatinWeave, TwillWeave
+from .shear import CrossoverFriction, LinearShear, MomentCurve, ShearFriction, ShearLaw
 
 __all__ = [
     "BendingCurve",
+    "BendingLaw",
     "Compaction",
+    "CrossoverFriction",
+    "DeviceForm",
     "EnergyCell",
     "Fabric",
+    "FamilyBending",
+    "FloatWeave",
     "IsotropicBending",
     "LinearMembrane",
     "LinearShear",
@@ -24,7 +36,9 @@ __all__ = [
     "PlainWeave",
     "SatinWeave",
     "ShearFriction",
+    "ShearLaw",
     "Stabilisation",
+    "Tabulated",
     "TwillWeave",
     "UNIT_CELLS",
     "UnidirectionalTape",

@@ -51,7 +51,7 @@ def check_compaction(compaction: Compaction, thickness: float, areal_density: fl
     fibres, density = compaction.fibre_areal_density, compaction.fibre_density
     if (fibres is None) != (density is None):
         raise ValueError("compaction: fibre_areal_density and fibre_density are needed together")
-    if fibres is None:
+    if fibres is None or density is None:
         return
     if fibres > areal_density * (1.0 + 1.0e-9):
         raise ValueError(

@@ -23,7 +23,11 @@ def check_curve(abscissa: Sequence[float], values: Sequence[float], names: tuple
         raise ValueError(f"{names[1]} must start at 0, where {names[0]} do")
 
 
-def measured_columns(**columns: Sequence[float]) -> tuple[np.ndarray, ...]:
+# Numbers of one quantity.
+Column = Sequence[float] | np.ndarray
+
+
+def measured_columns(**columns: Column) -> tuple[np.ndarray, ...]:
     """Columns of one test, by name, as arrays (n,).
 
     Raises:
@@ -46,7 +50,7 @@ def measured_columns(**columns: Sequence[float]) -> tuple[np.ndarray, ...]:
     return tuple(result)
 
 
-def interpolate(knots: Sequence[float], values: Sequence[float], x: np.ndarray) -> np.ndarray:
+def interpolate(knots: Column, values: Column, x: np.ndarray) -> np.ndarray:
     """Cubic curve through points at ``x`` >= 0; beyond the last point its end slope goes on, never a negative one.
 
     Args:

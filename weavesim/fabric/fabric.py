@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import Field, SerializeAsAny, model_validator
 
 from ..checks import NotNegative, Parameters, Positive, at_most
-from .bending import BendingCurve, IsotropicBending, YarnBending
+from .bending import BendingLaw
 from .cell import UnitCell
 from .compaction import Compaction, check_compaction
-from .shear import LinearShear, MomentCurve, ShearFriction
+from .shear import CrossoverFriction, LinearShear, ShearLaw
 
 # No law may resist locking or slip harder than this share of a yarn's stiffness per width: it enters the stable step.
 LARGEST_LOCKING_SHARE = 0.1
@@ -25,28 +25,28 @@ class Stabilisation(Parameters):
     locked by its own stabilisation. The warping mode is measured without the twist, so that a pure twist costs nothing.
     """
 
-    in_plane: NotNegative = 0.1
-    warping: NotNegative = 0.1
-    director: NotNegative = 0.1
+    in_plane: NotNegative = Field(default=0.1, description="of the in-plane modes, a share of the shear stiffness")
+    warping: NotNegative = Field(default=0.1, description="of the warping mode, a share of transverse shear")
+    director: NotNegative = Field(default=0.1, description="of the directors' modes, a share of the bending stiffness")
 
 
 class Fabric(Parameters):
-    """A woven fabric as the sheet sees it.
+    """A woven fabric as the sheet sees it."""
 
-    Attributes:
-        assumed: names of the values that no source gives; a report labels them so.
-    """
-
-    name: str
+    name: str = Field(description="of the fabric, in reports")
     areal_density: Annotated[Positive, at_most(50.0, "it is in kg/m^2, write 0.6 for 600 g/m^2")] = Field(
-        description="[kg/m^2]"
+        description="mass per reference area [kg/m^2]"
     )
-    thickness: Annotated[Positive, at_most(0.05, "it is in metres, write 0.0012 for 1.2 mm")] = Field(description="[m]")
-    unit_cell: SerializeAsAny[UnitCell]
-    shear: LinearShear | MomentCurve
-    shear_friction: ShearFriction | None = None
-    bending: IsotropicBending | YarnBending
-    transverse_shear_modulus: NotNegative = Field(description="G of equation (6) across the sheet [Pa]")
+    thickness: Annotated[Positive, at_most(0.05, "it is in metres, write 0.0012 for 1.2 mm")] = Field(
+        description="of the undeformed sheet [m]"
+    )
+    unit_cell: SerializeAsAny[UnitCell] = Field(description="what the yarns do")
+    shear: SerializeAsAny[ShearLaw] = Field(description="elastic law of in-plane shear")
+    shear_friction: SerializeAsAny[CrossoverFriction] | None = Field(
+        default=None, description="of the yarns that turn on each other, beside the elastic law"
+    )
+    bending: SerializeAsAny[BendingLaw] = Field(kw_only=True, description="law of bending")
+    transverse_shear_modulus: NotNegative = Field(kw_only=True, description="G of equation (6) across the sheet [Pa]")
     in_plane_bending_stiffness: NotNegative = Field(
         default=0.0,
         description="B of psi = 1/2 B |grad gamma|^2: yarns resist being bent in the plane, so that the shear angle "
@@ -56,17 +56,19 @@ class Fabric(Parameters):
         default=0.0,
         description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]",
     )
-    stabilisation: Stabilisation = Stabilisation()
-    compaction: Compaction = Compaction()
-    source: str = ""
-    assumed: tuple[str, ...] = ()
+    stabilisation: Stabilisation = Field(default=Stabilisation(), description="of the hourglass modes")
+    compaction: Compaction = Field(default=Compaction(), description="thickness and fibre content when deformed")
+    source: str = Field(default="", description="where the values come from")
+    assumed: tuple[str, ...] = Field(
+        default=(), description="names of the values that no source gives; a report labels them so"
+    )
 
     @model_validator(mode="after")
     def _locking_is_bounded(self) -> Self:
         largest = LARGEST_LOCKING_SHARE * min(self.unit_cell.yarn_stiffness_per_width)
-        if isinstance(self.shear, MomentCurve) and self.shear.locking_stiffness > largest * (1 + 1e-9):
+        if self.shear.locking_slope > largest * (1 + 1e-9):
             raise ValueError(
-                f"locking_stiffness = {self.shear.locking_stiffness:.4g} N/m: at most {largest:.4g} N/m, a tenth of "
+                f"locking_stiffness = {self.shear.locking_slope:.4g} N/m: at most {largest:.4g} N/m, a tenth of "
                 "the yarn stiffness per width, is allowed (it enters the stable time step)"
             )
         check_compaction(self.compaction, self.thickness, self.areal_density)
@@ -79,20 +81,19 @@ class Fabric(Parameters):
 
     @model_validator(mode="after")
     def _crossovers_can_rub(self) -> Self:
-        friction = self.shear_friction
-        if friction is not None and friction.crossover_friction_length > 0.0 and not self.unit_cell.has_crossovers:
+        pressed_by = self.shear_friction.pressed_by if self.shear_friction else ""
+        if pressed_by and not self.unit_cell.has_crossovers:
             raise ValueError(
-                f"shear_friction.crossover_friction_length = {friction.crossover_friction_length:.4g} m: the unit cell "
-                f"{type(self.unit_cell).__name__} tells no pressure between warp and weft, so it would do nothing; "
-                "leave it out, or take a cell with crossovers (a cell of your own: crossover_pressure)"
+                f"shear_friction.{pressed_by}: the unit cell {type(self.unit_cell).__name__} reports no pressure "
+                "between warp and weft, so it would do nothing; leave it out, or take a cell with crossovers (a cell "
+                "of your own: crossover_pressure)"
             )
         return self
 
     @property
     def has_bending_friction(self) -> bool:
         """True where a bent yarn of one family at least has friction inside."""
-        bending = self.bending
-        return isinstance(bending, YarnBending) and any(family.friction_limit > 0.0 for family in bending.families)
+        return self.bending.has_friction
 
     @property
     def has_inner_friction(self) -> bool:
@@ -111,19 +112,12 @@ class Fabric(Parameters):
     @property
     def bending_stiffness_scale(self) -> float:
         """Typical bending stiffness [N m] that the director stabilisation scales with."""
-        if isinstance(self.bending, IsotropicBending):
-            return self.bending.stiffness(self.thickness)
-        return 0.5 * sum(
-            family.typical_stiffness if isinstance(family, BendingCurve) else family
-            for family in (self.bending.warp, self.bending.weft)
-        )
+        return self.bending.stiffness_scale(self.thickness)
 
     @property
     def largest_bending_stiffness(self) -> float:
         """Bound of the bending stiffness of any curvature [N m], for the stable step."""
-        if isinstance(self.bending, IsotropicBending):
-            return self.bending.stiffness(self.thickness) * (1.0 + abs(self.bending.poisson_ratio))
-        return self.bending.largest
+        return self.bending.largest_stiffness(self.thickness)
 
     @property
     def transverse_shear_stiffness(self) -> float:

@@ -12,26 +12,11 @@ from typing import Any
 
 from ..checks import Parameters
 from ..errors import InputError
-from .bending import BendingCurve, IsotropicBending, YarnBending
-from .compaction import Compaction
-from .fabric import Fabric, Stabilisation
-from .membrane import LinearMembrane
+from .fabric import Fabric
+from .families import constructors, implied_kind, kinds_of_field, kinds_within
 from .presets import PRESETS
-from .shear import LinearShear, MomentCurve, ShearFriction
-from .tape import UnidirectionalTape
-from .weaves import PlainWeave, SatinWeave, TwillWeave
 
 FABRIC_HELP = f"one of {', '.join(PRESETS)}, or a .toml or .json file"
-# What a table of the file may be, by the name in its ``kind``; "Kind.constructor" calls a class method.
-KINDS: dict[str, type[Parameters]] = {
-    kind.__name__: kind
-    for kind in (
-        PlainWeave, TwillWeave, SatinWeave, UnidirectionalTape, LinearMembrane, LinearShear, MomentCurve, ShearFriction,
-        IsotropicBending, YarnBending, BendingCurve, Compaction, Stabilisation,
-    )
-}  # fmt: skip
-# A table of these names needs no ``kind``.
-IMPLIED = {"shear_friction": "ShearFriction", "compaction": "Compaction", "stabilisation": "Stabilisation"}
 # What a constructor may raise on values that it cannot take.
 _MISTAKES = (TypeError, ValueError, ArithmeticError)
 
@@ -54,11 +39,11 @@ def resolve_fabric(name_or_path: str) -> Fabric:
 def load_fabric(path: str | Path) -> Fabric:
     """The fabric that a TOML or JSON file describes.
 
-    Keys are the names of the parameters of ``Fabric``, in SI units; ``based_on`` names a preset whose values hold where
-    the file is silent. A table chooses its law by ``kind``, such as "TwillWeave", or "MomentCurve.from_picture_frame"
-    to call a constructor; tables may be within tables. In place of a list of numbers, ``{csv = "test.csv",
-    column = "force", scale = 1000.0}`` takes a column of a CSV file with a header, beside the fabric's file, times the
-    scale (by default 1).
+    Keys are the names of the parameters of ``Fabric``, in SI units, as ``Fabric.to_json`` writes them; ``based_on``
+    names a preset whose values hold where the file is silent. A table chooses its law by ``kind``, such as
+    "TwillWeave", or "MomentCurve.from_picture_frame" to call a constructor; tables may be within tables. In place of a
+    list of numbers, ``{csv = "test.csv", column = "force", scale = 1000.0}`` takes a column of a CSV file with a
+    header, beside the fabric's file, times the scale (by default 1).
 
     Raises:
         InputError: a file that is missing or unreadable, an unknown kind, or values that are not allowed.
@@ -77,7 +62,7 @@ def load_fabric(path: str | Path) -> Fabric:
     if based_on is not None and based_on not in PRESETS:
         raise InputError(f"fabric file {path}: based_on = {based_on!r}: one of {', '.join(PRESETS)} is needed")
     try:
-        values = {name: _converted(value, name, path.parent) for name, value in values.items()}
+        values = {name: _converted(value, name, Fabric, path.parent) for name, value in values.items()}
         values.setdefault("name", path.stem)
         if based_on is None:
             return Fabric(**values)
@@ -87,39 +72,37 @@ def load_fabric(path: str | Path) -> Fabric:
         raise InputError(f"fabric file {path}: {error}") from None
 
 
-def _converted(value: Any, name: str, folder: Path) -> Any:
-    """Tables as parameters or columns, lists as tuples."""
+def _converted(value: Any, name: str, owner: type[Parameters] | None, folder: Path) -> Any:
+    """Tables as parameters or columns, lists as tuples; ``name`` is a field of ``owner``, if that is known."""
     if isinstance(value, list):
-        return tuple(_converted(item, name, folder) for item in value)
+        return tuple(_converted(item, name, owner, folder) for item in value)
     if not isinstance(value, dict):
         return value
     if "csv" in value:
         return _column(value, name, folder)
-    values = {key: _converted(item, key, folder) for key, item in value.items() if key != "kind"}
-    kind = value.get("kind", IMPLIED.get(name))
-    if kind is None:
-        raise InputError(f"[{name}] says no kind; one of {', '.join(KINDS)} is needed")
-    kind = str(kind)
-    make = _maker(kind, name)
+    # the argument of a constructor may be of any kind
+    field_of = owner if owner is not None and name in owner.model_fields else None
+    allowed = kinds_of_field(field_of, name) if field_of else kinds_within(Fabric)
+    if not allowed:
+        raise InputError(f"{name}: a value is needed, not a table")
+    given = value.get("kind", implied_kind(field_of, name) if field_of else None)
+    if given is None:
+        raise InputError(f"[{name}] says no kind; one of {', '.join(allowed)} is needed")
+    kind, _, constructor = str(given).partition(".")
+    if kind not in allowed:
+        raise InputError(f"[{name}] kind = {given!r}: one of {', '.join(allowed)} is needed")
+    make: Callable[..., Parameters] = allowed[kind]
+    if constructor:
+        known = constructors(allowed[kind])
+        if constructor not in known:
+            raise InputError(f"[{name}] kind = {given!r}: {kind} has the constructors {', '.join(known) or 'none'}")
+        make = known[constructor]
+    values = {key: _converted(item, key, allowed[kind], folder) for key, item in value.items() if key != "kind"}
     try:
         return make(**values)
     except (InputError, *_MISTAKES) as error:
-        text = str(error).removeprefix(f"{kind.partition('.')[0]}: ")
-        raise InputError(f"[{name}] {kind}: {text}") from None
-
-
-def _maker(kind: str, name: str) -> Callable[..., Parameters]:
-    class_name, _, constructor = kind.partition(".")
-    if class_name not in KINDS:
-        raise InputError(f"[{name}] kind = {kind!r}: one of {', '.join(KINDS)} is needed")
-    cls = KINDS[class_name]
-    if not constructor:
-        return cls
-    own = {key for base in cls.__mro__ for key, item in vars(base).items() if isinstance(item, classmethod)}
-    allowed = sorted(own - {key for base in Parameters.__mro__ for key in vars(base)})
-    if constructor not in allowed:
-        raise InputError(f"[{name}] kind = {kind!r}: {class_name} has the constructors {', '.join(allowed) or 'none'}")
-    return getattr(cls, constructor)
+        text = str(error).removeprefix(f"{kind}: ")
+        raise InputError(f"[{name}] {given}: {text}") from None
 
 
 def _column(value: dict[str, Any], name: str, folder: Path) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""Named fabrics, and one unit cell of every kind."""
+"""Named fabrics, and examples of every kind of unit cell."""
 
 from __future__ import annotations
 
@@ -8,13 +8,11 @@ from functools import partial
 from typing import Literal
 
 from .bending import IsotropicBending
-from .cell import UnitCell
+from .cell import PlainWeave, UnitCell
+from .cell.weaves import GLASS_PITCH, GLASS_YARN_STIFFNESS
 from .compaction import Compaction
 from .fabric import LARGEST_LOCKING_SHARE, Fabric
-from .membrane import LinearMembrane
 from .shear import MomentCurve
-from .tape import UnidirectionalTape
-from .weaves import PlainWeave, SatinWeave, TwillWeave
 
 
 def glass_polypropylene(
@@ -26,25 +24,16 @@ def glass_polypropylene(
     credited there to Cao et al. 2008). Crimp, contact stiffness, yarn bending and sheet bending are assumed.
     """
     thickness = 1.2e-3
-    pitch = 5.2e-3
-    yarn_stiffness = 31.8e3
-    cross_section = 1.0e-6  # only the products E A and E I matter
-    modulus = yarn_stiffness / cross_section
     bending_modulus = 20.0e6  # of the sheet [Pa]; pushed together along its yarns it is as stiff
-    yarn_bending = 1.5e-5  # E I [N m^2], as stiff as the sheet's bending over one pitch
     return Fabric(
         name="glass/polypropylene plain weave",
         areal_density=0.743,
         thickness=thickness,
-        unit_cell=PlainWeave(
-            warp_modulus=modulus, weft_modulus=modulus, contact_modulus=10.0e6,
-            warp_cross_section=cross_section, weft_cross_section=cross_section, contact_cross_section=1.6e-5,
-            warp_second_moment=yarn_bending / modulus, weft_second_moment=yarn_bending / modulus,
-            warp_half_spacing=0.5 * pitch, weft_half_spacing=0.5 * pitch, crossover_height=0.6e-3,
-        ),
+        unit_cell=PlainWeave.glass_polypropylene(),
         shear=MomentCurve.from_stress_polynomial(
             (0.051e6, -0.83e6, 6.1275e6, -12.0972e6, 8.48e6), thickness, convention=convention,
-            locking_angle=locking_angle, locking_stiffness=LARGEST_LOCKING_SHARE * yarn_stiffness / pitch * 0.1,
+            locking_angle=locking_angle,
+            locking_stiffness=LARGEST_LOCKING_SHARE * GLASS_YARN_STIFFNESS / GLASS_PITCH * 0.1,
         ),
         bending=IsotropicBending(modulus=bending_modulus, poisson_ratio=0.0),
         transverse_shear_modulus=10.0e6, compressive_stiffness=bending_modulus * thickness,
@@ -57,28 +46,9 @@ def glass_polypropylene(
     )  # fmt: skip
 
 
-def _glass_yarns(kind: type[UnitCell], **more) -> UnitCell:
-    return kind(**glass_polypropylene().unit_cell.model_dump() | more)
-
-
-def _stitched_tape() -> UnitCell:
-    tow = min(glass_polypropylene().unit_cell.yarn_stiffness_per_width)
-    return UnidirectionalTape(
-        tow_stiffness=tow, tow_compressive_stiffness=2.0e-4 * tow, stitch_stiffness=4.0e4, slip_stiffness=1.0e4,
-        stitch_pitch=5.2e-3, tow_spacing=5.2e-3, stitch_slack=0.01, transverse_stiffness=1.0e3,
-        transverse_compressive_stiffness=2.0e4,
-    )  # fmt: skip
-
-
-# One unit cell of every kind, to try, to test and to measure. All but the first are assumed.
+# Examples of all kinds of unit cells, to try, to test and to measure. All but those of the plain weave are assumed.
 UNIT_CELLS: dict[str, Callable[[], UnitCell]] = {
-    "plain-weave": lambda: _glass_yarns(PlainWeave),
-    "plain-weave-unilateral": lambda: _glass_yarns(PlainWeave, contact="unilateral"),
-    "twill": lambda: _glass_yarns(TwillWeave),
-    "satin-5": lambda: _glass_yarns(SatinWeave),
-    "satin-8": lambda: _glass_yarns(SatinWeave, repeat=8),
-    "stitched-tape": _stitched_tape,
-    "linear-membrane": lambda: LinearMembrane(warp_stiffness=2.0e6, weft_stiffness=1.5e6, coupling_stiffness=0.3e6),
+    name: make for kind in UnitCell.kinds().values() for name, make in sorted(kind.examples().items())
 }
 
 
@@ -87,11 +57,10 @@ def assumed_fabric(unit_cell: str) -> Fabric:
     fabric, cell = glass_polypropylene(), UNIT_CELLS[unit_cell]()
     # locking may be a tenth as stiff as the softer yarns
     largest = LARGEST_LOCKING_SHARE * min(cell.yarn_stiffness_per_width)
-    locking = min(fabric.shear.locking_stiffness, 0.1 * largest)
     return fabric.model_copy(
         update={
             "name": f"assumed {unit_cell.replace('-', ' ')} of glass/polypropylene", "unit_cell": cell,
-            "shear": fabric.shear.model_copy(update={"locking_stiffness": locking}),
+            "shear": fabric.shear.locking_at_most(0.1 * largest),
             "source": f"none; all but the unit cell as in {fabric.name!r}", "assumed": ("everything",),
         }
     )  # fmt: skip
@@ -99,8 +68,5 @@ def assumed_fabric(unit_cell: str) -> Fabric:
 
 PRESETS: dict[str, Callable[[], Fabric]] = {
     "glass-polypropylene": glass_polypropylene,
-    **{
-        f"assumed-{name}": partial(assumed_fabric, name)
-        for name in ("twill", "satin-5", "satin-8", "stitched-tape", "linear-membrane")
-    },
+    **{f"assumed-{name}": partial(assumed_fabric, name) for name in UNIT_CELLS if name not in PlainWeave.examples()},
 }

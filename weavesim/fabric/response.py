@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import warp as wp
+from numpy.typing import ArrayLike
 
 from ..device import initialise, resolve_device, resolve_precision
 from ..errors import InputError
@@ -54,8 +55,8 @@ class UnitCellResponse:
 
 def respond(
     cells: UnitCell | Sequence[UnitCell],
-    stretch: np.ndarray,
-    shear_angle: np.ndarray | float = 0.0,
+    stretch: ArrayLike,
+    shear_angle: ArrayLike = 0.0,
     *,
     increment_count: int = 50,
     start: np.ndarray | None = None,

@@ -3,9 +3,12 @@
 from .files import write_summary
 from .film import Film
 from .folder import ResultFolder
+from .history import History
+from .measured import load_measured_angles, load_measured_outline
 from .report.page import Report, write_report
+from .results import Results
 from .series import ParaViewSeries
-from .tables import History, load_measured_angles, load_measured_outline
+from .writer import Writer, chosen_writers, known_writers
 
 __all__ = [
     "Film",
@@ -13,6 +16,10 @@ __all__ = [
     "ParaViewSeries",
     "Report",
     "ResultFolder",
+    "Results",
+    "Writer",
+    "chosen_writers",
+    "known_writers",
     "load_measured_angles",
     "load_measured_outline",
     "write_report",

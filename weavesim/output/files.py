@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..run.frame import RunInfo, unique_names
 
 
 def temporary_name(path: Path) -> Path:
@@ -47,6 +49,13 @@ def check_writable(folder: Path) -> None:
             f"output folder {folder}: cannot be written to ({error.strerror or error}); "
             "give a folder that you may write to"
         ) from None
+
+
+def file_endings(info: RunInfo) -> tuple[str, ...]:
+    """What the names of files end in, for each sheet: nothing for the only one, else its name."""
+    if len(info.sheets) == 1:
+        return ("",)
+    return tuple(f"_{name}" for name in unique_names(re.sub(r"[^\w.-]+", "_", sheet.name) for sheet in info.sheets))
 
 
 def write_text(path: Path, text: str) -> None:

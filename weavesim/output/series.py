@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from ..errors import InputError
 from ..measures.angles import yarn_components, yarn_vectors
-from ..run.frame import Frame, Outcome, RunInfo
-from .files import replacing, write_text
+from ..run.fields import in_files
+from ..run.frame import Frame, Outcome, RunInfo, SheetFrame, SheetInfo
+from .files import file_endings, replacing, write_text
 
 _VTK_QUAD = 9
 _VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uint8": "UInt8"}
@@ -24,9 +25,12 @@ _TIME_SLACK = 1.0e-9
 class ParaViewSeries:
     """Observer that writes ``frame_0000.vtu`` ..., ``series.pvd`` with their times, and ``final_state.vtu``.
 
-    Point data: ``displacement`` [m] and ``director``. Cell data: every field of the frame; angles in degrees as
-    ``shear_angle_deg``, and the yarn directions. Frames are in single precision, the final state in double. Only the
-    computed part is written (ParaView's Reflect filter mirrors it).
+    With several sheets, each has files of its own, ``frame_0000_NAME.vtu`` ..., that the series holds together.
+
+    Point data: ``displacement`` [m] and ``director``. Cell data: every field of the frame, by its name and in its unit
+    in files (``weavesim.run.fields``), and the yarn directions ``warp_direction`` and ``weft_direction``. Frames are
+    in single precision, the final state in double. Only the computed part is written (ParaView's Reflect filter
+    mirrors it).
 
     Args:
         folder: made if it is not there; numbered frames of a former run are removed at the start.
@@ -44,13 +48,13 @@ class ParaViewSeries:
         self._last: Frame | None = None
 
     def start(self, info: RunInfo) -> None:
-        self._blank = info.sheet.blank
-        self._yarn_components = yarn_components(self._blank)
+        names = file_endings(info)
+        self._sheets = [_SheetFiles(self.folder, *pair) for pair in zip(names, info.sheets, strict=True)]
         self._interval = info.duration / 30.0
         self._next_time = 0.0
-        self._written: list[tuple[float, str]] = []
+        self._written: list[tuple[float, int]] = []
         self.folder.mkdir(parents=True, exist_ok=True)
-        for old in self.folder.glob("frame_[0-9][0-9][0-9][0-9].vtu"):
+        for old in self.folder.glob("frame_[0-9][0-9][0-9][0-9]*.vtu"):
             old.unlink()
 
     def frame(self, frame: Frame) -> None:
@@ -68,14 +72,15 @@ class ParaViewSeries:
             return
         if not self._written or self._written[-1][0] < self._last.time:
             self._add(self._last)
-        self._write(self._last, self.folder / "final_state.vtu", np.float64)
+        self._write(self._last, "final_state", np.float64)
 
     def _add(self, frame: Frame) -> None:
-        name = f"frame_{frame.index:04d}.vtu"
-        self._write(frame, self.folder / name, np.float32)
-        self._written.append((frame.time, name))
+        self._write(frame, f"frame_{frame.index:04d}", np.float32)
+        self._written.append((frame.time, frame.index))
         entries = "\n".join(
-            f'    <DataSet timestep="{float(time)!r}" file={quoteattr(file)}/>' for time, file in self._written
+            f'    <DataSet timestep="{float(time)!r}"{sheet.part} file={quoteattr(sheet.file(f"frame_{index:04d}"))}/>'
+            for time, index in self._written
+            for sheet in self._sheets
         )
         write_text(
             self.folder / "series.pvd",
@@ -83,15 +88,36 @@ class ParaViewSeries:
             f"  <Collection>\n{entries}\n  </Collection>\n</VTKFile>\n",
         )
 
-    def _write(self, frame: Frame, path: Path, real: type) -> None:
+    def _write(self, frame: Frame, stem: str, real: type) -> None:
+        for sheet, state in zip(self._sheets, frame.sheets, strict=True):
+            sheet.write(state, stem, real)
+
+
+class _SheetFiles:
+    """Files of one sheet.
+
+    Attributes:
+        part: what tells them apart in the series, where there are several sheets.
+    """
+
+    def __init__(self, folder: Path, ending: str, info: SheetInfo) -> None:
+        self._folder, self._ending, self._blank = folder, ending, info.blank
+        self.part = f" part={quoteattr(info.name)}" if ending else ""
+        self._yarn_components = yarn_components(info.blank)
+
+    def file(self, stem: str) -> str:
+        """Name of a file."""
+        return f"{stem}{self._ending}.vtu"
+
+    def write(self, frame: SheetFrame, stem: str, real: type) -> None:
+        """The state of a frame in numbers of type ``real``."""
         points = {"displacement": frame.position - self._blank.node_position, "director": frame.director}
-        cells = {name: values for name, values in frame.fields.items() if name != "shear_angle"}
-        cells["shear_angle_deg"] = np.rad2deg(frame.fields["shear_angle"])
+        cells = in_files(frame.fields)
         cells["warp_direction"], cells["weft_direction"] = yarn_vectors(
             self._blank, frame.position, self._yarn_components
         )
         write_quads(
-            path,
+            self._folder / self.file(stem),
             frame.position.astype(real),
             self._blank.quads,
             {name: values.astype(real) for name, values in points.items()},
@@ -117,21 +143,32 @@ def write_quads(
         point_data, cell_data: by name, (count,) or (count, component_count); float32 or float64.
     """
     count = len(quads)
-    cells = {
+    cells: dict[str, np.ndarray] = {
         "connectivity": quads.astype(np.int32),
         "offsets": np.arange(4, 4 * count + 1, 4, dtype=np.int32),
         "types": np.full(count, _VTK_QUAD, dtype=np.uint8),
     }
-    blocks: list[bytes] = []
-    offset = 0
+    sections = (("Points", {"Points": points}), ("Cells", cells), ("PointData", point_data), ("CellData", cell_data))
+    declarations, blocks = _appended(sections)
     lines = [
         '<?xml version="1.0"?>',
         f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{_BYTE_ORDER}" header_type="UInt64">',
         f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">',
+        *declarations,
     ]
-    for section, arrays in (
-        ("Points", {"Points": points}), ("Cells", cells), ("PointData", point_data), ("CellData", cell_data),
-    ):  # fmt: skip
+    lines += ["</Piece></UnstructuredGrid>", '<AppendedData encoding="raw">', "_"]
+    with replacing(path) as temporary, open(temporary, "wb") as file:
+        file.write("\n".join(lines).encode())
+        file.writelines(blocks)
+        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+
+
+def _appended(sections: Iterable[tuple[str, Mapping[str, np.ndarray]]]) -> tuple[list[str], list[bytes]]:
+    """Lines of XML that declare all arrays, and the blocks of bytes behind the XML that they refer to."""
+    lines: list[str] = []
+    blocks: list[bytes] = []
+    offset = 0
+    for section, arrays in sections:
         lines.append(f"<{section}>")
         for name, values in arrays.items():
             shape = "" if values.ndim == 1 or section == "Cells" else f' NumberOfComponents="{values.shape[1]}"'
@@ -142,8 +179,4 @@ def write_quads(
             blocks += [np.uint64(values.nbytes).tobytes(), values.tobytes()]
             offset += 8 + values.nbytes
         lines.append(f"</{section}>")
-    lines += ["</Piece></UnstructuredGrid>", '<AppendedData encoding="raw">', "_"]
-    with replacing(path) as temporary, open(temporary, "wb") as file:
-        file.write("\n".join(lines).encode())
-        file.writelines(blocks)
-        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+    return lines, blocks

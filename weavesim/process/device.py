@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from ..kernels.stepping.node import support_struct
+from ..kernels.stepping.node_data import support_struct
 from .supports import Support
 
 
@@ -18,7 +18,7 @@ class DeviceSupports:
     """Supports as the kernels take them; arrays on one device.
 
     Attributes:
-        struct: ``kernels.node.support_struct``.
+        struct: ``kernels.stepping.node_data.support_struct``.
         first_piece, start, piece: curves of all drives, see ``kernels.support_motion``.
         displacement: of each drive, (drive_count,) of float64 [m].
     """

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError
-from ..sheet.blank import Blank
 from .strokes import SmoothStroke, Stroke
 
 
@@ -135,43 +134,6 @@ class Support:
     def directions(self, k: int) -> np.ndarray:
         """Direction of drive ``k`` at every node of the support, (node_count, 3)."""
         return np.broadcast_to(self.drives[k].direction, (len(self.nodes), 3))
-
-
-def check_supports(supports: Sequence[Support], blank: Blank, symmetry: Sequence[str] = ()) -> None:
-    """Compare supports with the blank and with each other.
-
-    Raises:
-        InputError: a node that the blank does not have or that two supports hold, two equal names, or a node driven
-            off its symmetry plane.
-    """
-    owner = np.full(blank.node_count, -1)
-    for index, support in enumerate(supports):
-        if not isinstance(support, Support):
-            raise InputError(f"supports: entry {index} is {support!r}; it must be a Support.")
-        if not support.name or support.name in [other.name for other in supports[:index]]:
-            raise InputError(f"supports: the name {support.name!r} of entry {index} is empty or taken; outputs use it.")
-        if support.nodes.min() < 0 or support.nodes.max() >= blank.node_count:
-            raise InputError(
-                f"support {support.name}: nodes go from {support.nodes.min()} to {support.nodes.max()}; the blank has "
-                f"{blank.node_count} nodes, counted from 0."
-            )
-        if (owner[support.nodes] >= 0).any():
-            node = support.nodes[np.argmax(owner[support.nodes] >= 0)]
-            raise InputError(
-                f"support {support.name}: node {node} is held by {supports[owner[node]].name} too; a node belongs to "
-                "one support (which may have several drives)."
-            )
-        owner[support.nodes] = index
-        position = blank.node_position[support.nodes]
-        for plane in symmetry:
-            axis = "xy".index(plane)
-            on_plane = np.abs(position[:, axis]) < 1.0e-9 * max(1.0, np.ptp(blank.node_position[:, axis]))
-            for k in range(len(support.drives)):
-                if support.directions(k)[on_plane, axis].any():
-                    raise InputError(
-                        f"support {support.name}: drive {k} moves a node off the symmetry plane {plane} = 0; its "
-                        f"{plane} must stay 0 there."
-                    )
 
 
 def prescribe_start(supports: Sequence[Support], velocity: np.ndarray | None, node_count: int) -> np.ndarray | None:

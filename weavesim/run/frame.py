@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
+from itertools import count
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
@@ -93,6 +95,11 @@ class RunInfo:
         """Nodes of all sheets."""
         return sum(sheet.blank.node_count for sheet in self.sheets)
 
+    @property
+    def tool_names(self) -> tuple[str, ...]:
+        """Names of the tools in outputs: in several worlds two may have the same, there the second is NAME_2."""
+        return unique_names(tool.name for tool in self.tools)
+
     def tools_of(self, sheet: SheetInfo) -> tuple[Tool, ...]:
         """The tools that a sheet may touch."""
         return tuple(self.tools[place] for place in sheet.tools)
@@ -177,6 +184,15 @@ class Frame:
     def fields(self) -> dict[str, np.ndarray]:
         """``fields`` of the only sheet."""
         return self.sheet.fields
+
+
+def unique_names(names: Iterable[str]) -> tuple[str, ...]:
+    """``names`` in order, where the second of the same name is NAME_2, and so on."""
+    taken: list[str] = []
+    for name in names:
+        candidates = (name if k == 1 else f"{name}_{k}" for k in count(1))
+        taken.append(next(candidate for candidate in candidates if candidate not in taken))
+    return tuple(taken)
 
 
 def only_sheet(sheets: tuple[OfSheet, ...]) -> OfSheet:

@@ -7,28 +7,23 @@ import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
-from ..device import initialise, resolve_device, resolve_precision, resolve_thread_counts
+from ..device import initialise, resolve_device, resolve_thread_counts
 from ..engine.compilation import MeshKernelSet, compile_missing
 from ..engine.model import Model
+from ..engine.setup import Setup
 from ..engine.state import State
-from ..engine.stepper import STEP_SAFETY, Stepper
+from ..engine.stepper import Stepper
 from ..errors import InputError, RunError
-from ..fabric.fabric import Fabric
 from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from ..process.device import build_device_supports
-from ..process.dynamics import Dynamics
-from ..process.loads import NodalLoads
-from ..process.supports import Support, check_supports, prescribe_start
-from ..sheet.blank import Blank
-from ..sheet.symmetry import Symmetry
+from ..process.supports import prescribe_start
 from ..tools.device import build_device_tools
 from ..tools.sampling import mesh_parts, sample_meshes
-from ..tools.tool import Tool
 from .frame import Frame, Observer, Outcome, RunInfo, SheetInfo
 from .ledger import Ledger, Penetration
 
@@ -44,109 +39,39 @@ LARGEST_REST_FORCE = 1.0e-4
 class Simulation:
     """One run, ready to go: ``run()`` does it, ``frame`` is the last frame taken.
 
-    Args:
-        name: of the result files.
-        blank: the sheet.
-        fabric: its laws.
-        tools: rigid tools, in the order of all outputs.
-        duration: time at which the run ends [s].
-        free: (node_count, 6) bool, False where a displacement (x, y, z) or a director's rotation about x, y, z is held.
-        supports: nodes that are held and perhaps driven; what they hold need not be in ``free``, and a component that
-            they hold has their velocity from the start.
-        symmetry: planes ("x", "y") through the origin at which the blank is cut; their nodes are held accordingly.
-        motion: gravity and damping.
-        loads: forces and couples prescribed at nodes.
-        initial_velocity: (node_count, 3) [m/s].
-        device: "cpu", "cuda:0", ...
-        precision: "float32" or "float64".
-        threads: CPU threads; None takes as many as turn out to be fastest while it runs.
-        lane_count: elements per kernel thread; chosen by the device if None.
-        frame_count: frames after the first, evenly spaced in time.
-        time_step: largest step allowed [s]; must be stable. None takes the stable one.
-        target_step: step to scale the mass for [s]; None adds none.
-        step_safety: share of the stable step 2/omega that is taken; less quiets yarns that rattle between slack and
-            taut (theory, section 7).
-        leading_tool: index of the tool whose displacement is the stroke.
-        stop_when: called with each frame; True ends the run.
-
     Raises:
-        InputError: anything that would spoil the run, before it starts.
+        InputError: what would spoil the run and can only be seen on its device, such as a step that is not stable.
     """
 
-    def __init__(
-        self,
-        *,
-        name: str,
-        blank: Blank,
-        fabric: Fabric,
-        tools: Sequence[Tool] = (),
-        duration: float,
-        free: np.ndarray | None = None,
-        supports: Sequence[Support] = (),
-        symmetry: Sequence[str] = (),
-        motion: Dynamics | None = None,
-        loads: NodalLoads | None = None,
-        initial_velocity: np.ndarray | None = None,
-        device: str = "cpu",
-        precision: str = "float32",
-        threads: int | None = None,
-        lane_count: int | None = None,
-        frame_count: int = 60,
-        time_step: float | None = None,
-        target_step: float | None = None,
-        step_safety: float = STEP_SAFETY,
-        leading_tool: int = 0,
-        stop_when: Callable[[Frame], bool] | None = None,
-    ) -> None:
-        for label, value in (("duration", duration), ("time_step", time_step), ("target_step", target_step)):
-            if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise InputError(f"{label} = {value} s: a positive, finite number of seconds is needed")
-        if not 0.0 < step_safety <= STEP_SAFETY:
-            raise InputError(f"step_safety = {step_safety}: above 0 and at most {STEP_SAFETY} is stable")
-        if frame_count < 1:
-            raise InputError(f"frame_count = {frame_count}: at least one frame is needed")
-        if tools and not 0 <= leading_tool < len(tools):
-            raise InputError(f"leading_tool = {leading_tool}: there are {len(tools)} tools, counted from 0")
-        if lane_count not in (None, CPU_LANE_COUNT, GPU_LANE_COUNT):
-            raise InputError(f"lane_count = {lane_count}: {GPU_LANE_COUNT} or {CPU_LANE_COUNT} lanes are known")
-        if initial_velocity is not None:
-            initial_velocity = np.asarray(initial_velocity, dtype=np.float64)
-            if initial_velocity.shape != (blank.node_count, 3) or not np.isfinite(initial_velocity).all():
-                raise InputError(
-                    f"initial_velocity: shape {initial_velocity.shape}; finite values of shape ({blank.node_count}, 3) "
-                    "are needed"
-                )
+    def __init__(self, setup: Setup) -> None:
+        if len(setup.sheets) != 1:
+            raise InputError(f"setup {setup.name}: it has {len(setup.sheets)} sheets; a run of one is possible so far")
         initialise()
-        self.name, self.blank, self.fabric, self.tools = name, blank, fabric, tuple(tools)
-        self.symmetry, self.duration, self.frame_count = tuple(symmetry), duration, frame_count
-        self.leading_tool, self.stop_when = leading_tool, stop_when
-        self.precision = resolve_precision(precision)
-        warp_device = resolve_device(device)
+        (world,), (sheet,), solver = setup.worlds, setup.sheets, setup.solver
+        self.setup, self.name = setup, setup.name
+        self.blank, self.fabric, self.tools = sheet.blank, sheet.fabric, world.tools
+        self.symmetry, self.duration, self.frame_count = world.symmetry.planes, setup.duration, setup.frame_count
+        self.precision, self.supports = solver.precision, sheet.supports
+        warp_device = resolve_device(solver.device)
         self.device = str(warp_device)
-        self.thread_counts = resolve_thread_counts(threads) if warp_device.is_cpu else (1,)
-        lane_count = lane_count or (CPU_LANE_COUNT if warp_device.is_cpu else GPU_LANE_COUNT)
-        constraints = np.ones((blank.node_count, 6), dtype=bool) if free is None else np.array(free, dtype=bool)
-        if constraints.shape != (blank.node_count, 6):
-            raise InputError(f"free: shape {constraints.shape}, but ({blank.node_count}, 6) is needed")
-        self.free = Symmetry(self.symmetry).hold(blank, constraints)
-        self.supports = tuple(supports)
-        check_supports(self.supports, blank, self.symmetry)
-        for support in self.supports:
-            self.free[np.ix_(support.nodes, support.held)] = False
+        self.thread_counts = resolve_thread_counts(solver.threads) if warp_device.is_cpu else (1,)
+        lane_count = solver.lane_count or (CPU_LANE_COUNT if warp_device.is_cpu else GPU_LANE_COUNT)
+        self.free = sheet.freedom(world.symmetry)
         self.model = Model(
-            blank, fabric, self.free, motion or Dynamics(), precision=self.precision, device=warp_device,
-            lane_count=lane_count, tool_count=len(self.tools), target_step=target_step, loads=loads,
+            self.blank, self.fabric, self.free, world.dynamics, precision=self.precision, device=warp_device,
+            lane_count=lane_count, tool_count=len(self.tools), target_step=solver.target_step, loads=sheet.loads,
         )  # fmt: skip
         meshes = mesh_parts(self.tools)
         if meshes:
             compile_missing(MeshKernelSet(self.device))
-        samples = sample_meshes(self.tools, self.device, fabric.thickness)
+        samples = sample_meshes(self.tools, self.device, self.fabric.thickness)
         device_tools = build_device_tools(self.tools, self.model.real, self.device, samples)
         device_supports = build_device_supports(
             self.supports, self.model.node_count, self.model.real, lane_count, warp_device
         )
-        self.state = State.initial(self.model, prescribe_start(self.supports, initial_velocity, blank.node_count))
-        self.warnings = [*fabric.unit_cell.warnings(), *self._tool_warnings()]
+        velocity = prescribe_start(self.supports, sheet.initial_velocity, self.blank.node_count)
+        self.state = State.initial(self.model, velocity)
+        self.warnings = [*self.fabric.unit_cell.warnings(), *self._tool_warnings()]
         self.notes = [
             note
             for mesh in meshes.values()
@@ -154,23 +79,24 @@ class Simulation:
         ]
         self.stepper = Stepper(
             self.model, self.state, device_tools, device_supports, thread_counts=self.thread_counts,
-            largest_step=time_step or math.inf, step_safety=step_safety,
+            largest_step=solver.time_step or math.inf, step_safety=solver.step_safety,
         )  # fmt: skip
         stable = self.stepper.stable_step()
-        if time_step is not None and time_step > stable:
+        if solver.time_step is not None and solver.time_step > stable:
             raise InputError(
-                f"time_step = {time_step:.4g} s is unstable for this mesh and fabric: at most {stable:.4g} s "
+                f"time_step = {solver.time_step:.4g} s is unstable for this mesh and fabric: at most {stable:.4g} s "
                 "is stable; take that, a coarser mesh, or mass scaling (target_step)"
             )
-        self.ledger = Ledger(self.stepper, self.tools, leading_tool, self.supports)
+        self.ledger = Ledger(self.stepper, self.tools, setup.leading_tool, self.supports)
         self.info = self._describe()
         self.frame: Frame = self.ledger.frame(0)
         self._check_cell_at_rest()
         self.penetration: Penetration = self.ledger.penetration(self.frame)
-        if self.penetration.at_nodes > 0.5 * fabric.thickness:
+        if self.penetration.at_nodes > 0.5 * self.fabric.thickness:
             raise InputError(
                 f"a tool overlaps the blank by {1e3 * self.penetration.at_nodes:.3g} mm before the run starts; the "
-                f"sheet is {1e3 * fabric.thickness:.3g} mm thick: move the tool half a thickness off the mid-surface"
+                f"sheet is {1e3 * self.fabric.thickness:.3g} mm thick: move the tool half a thickness off the "
+                "mid-surface"
             )
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
@@ -181,7 +107,9 @@ class Simulation:
     def _describe(self) -> RunInfo:
         """What the observers get; its warnings are those of the run, also later."""
         tools, supports = tuple(range(len(self.tools))), tuple(range(len(self.supports)))
-        sheet = SheetInfo("sheet", self.blank, self.fabric, Symmetry(self.symmetry), tools, supports)
+        sheet = SheetInfo(
+            self.setup.sheets[0].name, self.blank, self.fabric, self.setup.worlds[0].symmetry, tools, supports
+        )
         return RunInfo(
             name=self.name, sheets=(sheet,), tools=self.tools, supports=self.supports, duration=self.duration,
             frame_count=self.frame_count, device=self.device, precision=self.precision.value,
@@ -212,7 +140,7 @@ class Simulation:
     # --- the run -----------------------------------------------------------------------------------------------------
 
     def run(self, observers: Sequence[Observer] = ()) -> Outcome:
-        """Run to the end, to ``stop_when``, to Ctrl-C, or until the state is no longer finite.
+        """Run to the end, to rest, to Ctrl-C, or until the state is no longer finite.
 
         Ctrl-C stops a run on a CPU within about a tenth of a second (or a block of steps, if that is longer), on a GPU
         at the next frame.
@@ -242,7 +170,8 @@ class Simulation:
                 self.wall_time = time.perf_counter() - started
                 if not running:
                     break
-                if self.frame.time >= self.duration or (self.stop_when and self.stop_when(self.frame)):
+                rest = self.setup.rest
+                if self.frame.time >= self.duration or (rest and rest.reached(self.frame.time, self.frame.energies)):
                     self.outcome = Outcome.FINISHED
                     break
             for doubt in self.doubts():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -145,7 +146,7 @@ class Blank:
         return cls.from_mesh(np.column_stack([plan, np.full(len(plan), height)]), quads, yarn_angle=yarn_angle)
 
     @classmethod
-    def disc(cls, radius: float, element_size: float, **options: float) -> Blank:
+    def disc(cls, radius: float, element_size: float, **options: Any) -> Blank:
         """A flat disc around the origin [m], as a polygon of 720 sides; ``options`` are those of ``fitted``."""
         angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
         return cls.fitted(radius * np.column_stack([np.cos(angle), np.sin(angle)]), element_size, **options)

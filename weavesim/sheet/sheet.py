@@ -10,7 +10,10 @@ from pydantic import model_validator
 from ..arrays import BoolArray, FloatArray
 from ..checks import Finite, Parameters
 from ..fabric.fabric import Fabric
+from ..process.loads import NodalLoads
+from ..process.supports import Support
 from .blank import Blank
+from .symmetry import AXES, Symmetry
 
 
 class Sheet(Parameters):
@@ -24,6 +27,9 @@ class Sheet(Parameters):
         free: (node_count, 6) bool, False where a displacement (x, y, z) or a director's rotation about x, y, z is held;
             None holds nothing.
         initial_velocity: (node_count, 3) [m/s]; None for rest.
+        supports: nodes that are held and perhaps driven; what they hold need not be in ``free``, and a component that
+            they hold has their velocity from the start. Their names are unique in a run.
+        loads: forces and couples prescribed at nodes.
     """
 
     positional = ("blank", "fabric")
@@ -34,6 +40,8 @@ class Sheet(Parameters):
     orientation: Finite = 0.0
     free: BoolArray | None = None
     initial_velocity: FloatArray | None = None
+    supports: tuple[Support, ...] = ()
+    loads: NodalLoads | None = None
 
     @model_validator(mode="after")
     def _fits_the_blank(self) -> Self:
@@ -45,4 +53,48 @@ class Sheet(Parameters):
             raise ValueError(
                 f"initial_velocity: shape {velocity.shape}; finite values of shape ({count}, 3) are needed"
             )
+        if self.loads is not None:
+            self.loads.arrays(count)
+        owner = np.full(count, -1)
+        for index, support in enumerate(self.supports):
+            self._check_support(support, owner)
+            owner[support.nodes] = index
         return self
+
+    def _check_support(self, support: Support, owner: np.ndarray) -> None:
+        nodes, count = support.nodes, self.blank.node_count
+        if nodes.min() < 0 or nodes.max() >= count:
+            raise ValueError(
+                f"support {support.name}: nodes go from {nodes.min()} to {nodes.max()}; the blank has {count} nodes, "
+                "counted from 0"
+            )
+        if (owner[nodes] >= 0).any():
+            node = nodes[np.argmax(owner[nodes] >= 0)]
+            raise ValueError(
+                f"support {support.name}: node {node} is held by {self.supports[owner[node]].name} too; a node belongs "
+                "to one support (which may have several drives)"
+            )
+
+    def check_symmetry(self, symmetry: Symmetry) -> None:
+        """Compare the sheet with the symmetry of its world.
+
+        Raises:
+            InputError: a plane that no node lies on, or a node that a support drives off its plane.
+        """
+        for plane in symmetry.planes:
+            on_plane = symmetry.held_nodes(self.blank, plane)
+            for support in self.supports:
+                for k in range(len(support.drives)):
+                    if support.directions(k)[on_plane[support.nodes], AXES[plane]].any():
+                        raise ValueError(
+                            f"support {support.name}: drive {k} moves a node off the symmetry plane {plane} = 0; its "
+                            f"{plane} must stay 0 there"
+                        )
+
+    def freedom(self, symmetry: Symmetry) -> np.ndarray:
+        """``free`` with what the supports and the planes of ``symmetry`` hold, (node_count, 6) bool."""
+        free = np.ones((self.blank.node_count, 6), dtype=bool) if self.free is None else self.free
+        free = symmetry.hold(self.blank, free)
+        for support in self.supports:
+            free[np.ix_(support.nodes, support.held)] = False
+        return free

@@ -49,7 +49,8 @@ class Symmetry(Parameters):
     @property
     def mirror_factors(self) -> tuple[tuple[int, int], ...]:
         """Factors of (x, y) that turn the computed part into each copy of the whole; the first is (1, 1)."""
-        return tuple(product(*((1, -1) if plane in self.planes else (1,) for plane in AXES)))
+        along_x, along_y = ((1, -1) if plane in self.planes else (1,) for plane in AXES)
+        return tuple(product(along_x, along_y))
 
     def mirrored(self, points: np.ndarray) -> np.ndarray:
         """``points`` (k, ..., 3) of the computed part and of all its copies, (copy_count k, ..., 3)."""
@@ -63,15 +64,24 @@ class Symmetry(Parameters):
         """
         free = free.copy()
         for plane in self.planes:
-            axis = AXES[plane]
-            on_plane = np.abs(blank.node_position[:, axis]) < 1.0e-9 * max(1.0, np.ptp(blank.node_position[:, axis]))
-            if not on_plane.any():
-                raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
-            free[on_plane, axis] = False
+            axis, held = AXES[plane], self.held_nodes(blank, plane)
+            free[held, axis] = False
             turning = [3, 4, 5]
             turning.remove(3 + axis)
-            free[np.ix_(on_plane, turning)] = False
+            free[np.ix_(held, np.array(turning))] = False
         return free
+
+    def held_nodes(self, blank: Blank, plane: str) -> np.ndarray:
+        """Which nodes of a blank a plane holds, (node_count,) bool.
+
+        Raises:
+            InputError: none of them.
+        """
+        coordinate = blank.node_position[:, AXES[plane]]
+        held = np.abs(coordinate) < 1.0e-9 * max(1.0, np.ptp(coordinate))
+        if not held.any():
+            raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
+        return held
 
 
 # Of a blank that is not cut.

@@ -89,7 +89,7 @@ class MeshSurface:
         area = np.linalg.norm(normal, axis=1)
         if self.closed:
             self.side: Vector | None = None
-            # the volume tells inside from outside
+            # the sign of the volume decides between inside and outside
             self.faces = faces if np.einsum("ij,ij->", p, np.cross(q, r)) > 0.0 else faces[:, ::-1]
         else:
             mean = normal.sum(axis=0)

@@ -93,7 +93,7 @@ def sample_meshes(tools: Iterable[Tool], device: str, thickness: float = 0.0) ->
     Args:
         tools: of which only the meshes count.
         device: Warp's name of it.
-        thickness: of the sheet that the tools will meet [m]: samples must tell its faces apart.
+        thickness: of the sheet that the tools will meet [m]: samples must reach from one of its faces to the other.
 
     Raises:
         InputError: a mesh takes too many samples, or its reach is below the thickness.
@@ -198,7 +198,7 @@ def _chosen_grid(surface: MeshSurface, mesh: wp.Mesh, device: str) -> _Grid:
 
 
 def _grid(surface: MeshSurface, mesh: wp.Mesh, spacing: float, device: str) -> _Grid:
-    """The grid of one spacing; without tiles where even their centres are too many to look at."""
+    """The grid of one spacing; without tiles where even their centres are too many to compute."""
     size = int(TILE_SIZE)
     reach = 6.0 * spacing if surface.reach is None else surface.reach
     lower, upper = surface.vertices.min(axis=0) - reach, surface.vertices.max(axis=0) + reach
@@ -217,7 +217,7 @@ def _grid(surface: MeshSurface, mesh: wp.Mesh, spacing: float, device: str) -> _
 
 
 def _filled_volume(mesh: wp.Mesh, grid: _Grid, device: str) -> wp.Volume:
-    first_voxel = wp.array(grid.first_voxel, dtype=wp.vec3i, device=device)
+    first_voxel: wp.array = wp.array(grid.first_voxel, dtype=wp.vec3i, device=device)
     volume = wp.Volume.allocate_by_tiles(
         first_voxel,
         voxel_size=grid.spacing,
@@ -225,7 +225,7 @@ def _filled_volume(mesh: wp.Mesh, grid: _Grid, device: str) -> wp.Volume:
         translation=tuple(grid.lower),
         device=device,
     )
-    centre_distance = wp.array(grid.centre_distance, dtype=float, device=device)
+    centre_distance: wp.array = wp.array(grid.centre_distance, dtype=float, device=device)
     wp.launch(
         fill_tiles_kernel,
         dim=(len(grid.first_voxel), int(TILE_SIZE) ** 3),

@@ -11,6 +11,7 @@ from importlib import import_module
 import pytest
 import warp as wp
 
+from tests.support.runs import one_sheet_run
 from weavesim.app.command_line import SCENES
 from weavesim.device import Precision
 from weavesim.engine import compilation
@@ -45,11 +46,11 @@ def made(name: str, precision: str) -> list[Simulation]:
     module = import_module(f"weavesim.scenes.{SCENES[name].module}")
     options = {"precision": precision, "threads": 2}
     if name == "double-dome":
-        return [module.double_dome(module.DoubleDomeParameters(mesh_size=0.02, **options))]
+        return [Simulation(module.double_dome(module.DoubleDomeParameters(mesh_size=0.02, **options)))]
     if name == "hemisphere":
-        return [module.hemisphere(module.HemisphereParameters(mesh_size=0.02, **options), "low-bending")]
+        return [Simulation(module.hemisphere(module.HemisphereParameters(mesh_size=0.02, **options), "low-bending"))]
     make = getattr(module, name.replace("-", "_"))
-    return [make(getattr(module, SCENES[name].parameters)(**options))]
+    return [Simulation(make(getattr(module, SCENES[name].parameters)(**options)))]
 
 
 def launched_by(simulation: Simulation) -> list[wp.Kernel]:
@@ -76,14 +77,14 @@ def test_all_scenes_are_compiled_ahead():
 def small_run(**given) -> Simulation:
     blank = Blank.rectangle((-0.01, -0.01), (0.01, 0.01), 0.005)
     settings = {"fabric": glass_polypropylene(), "threads": 1, "lane_count": 1}
-    return Simulation(name="small", blank=blank, duration=1e-3, **(settings | given))
+    return one_sheet_run(name="small", blank=blank, duration=1e-3, **(settings | given))
 
 
 RUNS = {
     "no tools": lambda: {},
     "other laws": lambda: {
         "fabric": assumed_fabric("twill").model_copy(update={"shear": LinearShear(modulus=1e6)}),
-        "motion": Dynamics(contact_thickness="current"), "threads": 2,
+        "dynamics": Dynamics(contact_thickness="current"), "threads": 2,
         "tools": [Tool("plane", Plane(origin=(0.0, 0.0, -0.01)))],
     },
 }  # fmt: skip

@@ -7,9 +7,9 @@ import pytest
 
 from tests.support.paths import ROOT
 from weavesim.errors import InputError
+from weavesim.fabric.cell.weaves import TwillWeave
 from weavesim.fabric.file import load_fabric, resolve_fabric
 from weavesim.fabric.presets import PRESETS, glass_polypropylene
-from weavesim.fabric.weaves import TwillWeave
 
 TOML = """
 based_on = "glass-polypropylene"
@@ -205,5 +205,5 @@ def test_the_documented_files_are_read(tmp_path):
     (tmp_path / "membrane.toml").write_text(membrane)
     assert load_fabric(tmp_path / "membrane.toml").unit_cell.warp_stiffness == 2.0e6
     (tmp_path / "membrane.toml").write_text(membrane + "crossover_friction_length = 1e-4\n")
-    with pytest.raises(InputError, match="LinearMembrane tells no pressure"):
+    with pytest.raises(InputError, match="LinearMembrane reports no pressure"):
         load_fabric(tmp_path / "membrane.toml")

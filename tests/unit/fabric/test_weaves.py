@@ -5,8 +5,8 @@ import math
 import pytest
 
 from weavesim.errors import InputError
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.fabric.weaves import PlainWeave
 
 
 def test_unit_cell_has_the_papers_parameters():

@@ -8,6 +8,7 @@ from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
 
 from weavesim.errors import InputError
 from weavesim.output import Film
+from weavesim.output.film import prim_names
 from weavesim.run.frame import Outcome
 from weavesim.sheet.symmetry import Symmetry
 
@@ -74,7 +75,7 @@ def test_fields_are_element_values(stage, coarse_run):
     frame = coarse_run[1][-1]
     primvars = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheet"))
     for name, expected in (
-        ("shear_angle", np.abs(np.rad2deg(frame.fields["shear_angle"]))),
+        ("shear_angle_deg", np.abs(np.rad2deg(frame.fields["shear_angle"]))),
         ("warp_stretch", frame.fields["warp_stretch"]),
         ("weft_stretch", frame.fields["weft_stretch"]),
         ("thickness", frame.fields["thickness"]),
@@ -208,3 +209,40 @@ def test_a_fabric_without_known_fibres_has_no_fibre_volume_fraction(tmp_path, co
 def test_unknown_endings_are_refused():
     with pytest.raises(InputError, match="must end in .usdc"):
         Film("film.mp4")
+
+
+@pytest.fixture(scope="module")
+def stack_film(tmp_path_factory, stack):
+    return Usd.Stage.Open(str(write_film(tmp_path_factory.mktemp("stack") / "stack.usdc", stack)))
+
+
+def test_every_sheet_of_a_run_is_a_mesh_with_its_own_copies(stack_film, stack):
+    info, frames = stack
+    for sheet, state in zip(info.sheets, frames[-1].sheets, strict=True):
+        mesh = UsdGeom.Mesh.Get(stack_film, f"/World/sheet_{sheet.name}")
+        points = np.array(mesh.GetPointsAttr().Get(frames[-1].index))
+        assert np.array_equal(points, state.position.astype(np.float32))
+        angles = np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("shear_angle_deg").Get(frames[-1].index))
+        assert angles == pytest.approx(np.abs(np.rad2deg(state.fields["shear_angle"])), rel=1e-6)
+    copies = [prim.GetName() for prim in stack_film.Traverse() if "mirrored" in prim.GetName()]
+    assert sorted(copies) == [f"sheet_upper_mirrored_{axes}" for axes in ("x", "x_y", "y")]
+    assert not stack_film.GetPrimAtPath("/World/sheet")
+    assert complaints(stack_film) == []
+
+
+def test_tools_of_two_worlds_that_share_a_name_are_two_prims(stack_film, stack):
+    info, frames = stack
+    for k, name in enumerate(("punch", "die", "blank_holder", "punch_2", "die_2", "blank_holder_2")):
+        transform = UsdGeom.Xformable.Get(stack_film, f"/World/tools/{name}")
+        moved = transform.ComputeLocalToWorldTransform(frames[-1].index).ExtractTranslation()
+        assert np.array(moved) == pytest.approx(frames[-1].tool_displacement[k] * np.array(info.tools[k].axis))
+
+
+def test_the_camera_sees_all_sheets(stack_film, stack):
+    frustum = UsdGeom.Camera.Get(stack_film, "/World/camera").GetCamera(0.0).frustum
+    for state in stack[1][-1].sheets:
+        assert all(frustum.Intersects(Gf.Vec3d(*point)) for point in state.position)
+
+
+def test_names_of_prims_are_valid_and_differ():
+    assert prim_names(["ply 1", "ply-1", "ply_1", "2nd"]) == ["ply_1", "ply_1_2", "ply_1_3", "_nd"]

@@ -100,7 +100,7 @@ def test_summary_tells_thickness_and_fibres_of_the_last_frame(finished, coarse_r
 
 
 def test_a_scene_may_leave_the_draw_in_out(tmp_path, coarse_run):
-    folder = ResultFolder(tmp_path, draw_in=False, film=False, paraview=False)
+    folder = ResultFolder(tmp_path, draw_in=False, writers=["tables", "pictures", "report", "summary"])
     run_into(folder, coarse_run)
     summary = folder.write({})
     assert not [name for name in summary if "draw_in" in name or "integrated_yarn_stretch" in name]
@@ -126,7 +126,7 @@ def test_report_is_whole_by_itself(finished):
 
 
 def test_an_interrupted_run_says_so(tmp_path, coarse_run):
-    folder = ResultFolder(tmp_path, film=False, paraview=False)
+    folder = ResultFolder(tmp_path, writers=["report", "summary"])
     run_into(folder, (coarse_run[0], coarse_run[1][:3]), Outcome.INTERRUPTED)
     summary = folder.write({})
     assert summary["outcome"] == "interrupted" and summary["frame_count"] == 3
@@ -167,7 +167,7 @@ def test_a_full_disk_costs_the_file_but_not_the_run(tmp_path, coarse_run, monkey
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr("weavesim.output.series.ParaViewSeries._write", no_space)
-    monkeypatch.setattr("weavesim.output.tables.History.write", no_space)
+    monkeypatch.setattr("weavesim.output.history.History.write", no_space)
     folder = ResultFolder(tmp_path)
     with caplog.at_level(logging.WARNING, "weavesim"):
         run_into(folder, coarse_run)

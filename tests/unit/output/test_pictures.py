@@ -5,6 +5,7 @@ import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.image import imread
 
+from tests.support.made_run import formed
 from weavesim.measures.angles import shear_angle_at, ten_points
 from weavesim.measures.border import draw_in
 from weavesim.output import History, pictures
@@ -12,6 +13,10 @@ from weavesim.output.colours import LARGEST_SHOWN_ANGLE, colour_table, encoded, 
 from weavesim.output.pictures.sheet import yarn_lines
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.symmetry import WHOLE
+
+
+def placed_tools(info, frame):
+    return [(t.name, t, distance) for t, distance in zip(info.tools, frame.tool_displacement, strict=True)]
 
 
 @pytest.fixture
@@ -37,7 +42,7 @@ def test_colours_rise_in_lightness_and_ignore_the_sign():
 
 def test_formed_sheet_shows_every_element_of_the_whole_part(coarse_run):
     info, frames = coarse_run
-    figure = pictures.formed_sheet(info.sheet.blank, frames[-1], info.sheet.symmetry)
+    figure = pictures.formed_sheet(formed(info, frames[-1]))
     plan = next(axes for axes in figure.axes if axes.get_title(loc="left") == "From above")
     (collection,) = [artist for artist in plan.collections if isinstance(artist, PolyCollection)]
     filled = np.asarray(collection.get_facecolor())[:, 3] > 0.0
@@ -82,13 +87,13 @@ def test_draw_in_names_both_numbers_and_the_measured_outline(coarse_run):
     info, frames = coarse_run
     measured = np.array([[0.2, 0.0], [0.19, 0.05]])
     blank, frame = info.sheet.blank, frames[-1]
-    figure = pictures.draw_in_picture(blank, frame, info.sheet.symmetry, measured)
+    figure = pictures.draw_in_picture(formed(info, frame), measured)
     texts = [text.get_text() for text in figure.axes[0].texts]
     for along in "xy":
         assert f"{1e3 * draw_in(blank, frame.position, along):.1f} mm" in texts
     labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert labels == ["flat", "formed", "measured"]
-    without = pictures.draw_in_picture(blank, frame, info.sheet.symmetry)
+    without = pictures.draw_in_picture(formed(info, frame))
     assert "measured" not in [text.get_text() for text in without.axes[0].get_legend().get_texts()]
 
 
@@ -96,19 +101,19 @@ def test_point_angles_are_the_sampled_ones(coarse_run):
     info, frames = coarse_run
     points = ten_points(0.235, 0.135)
     blank, frame = info.sheet.blank, frames[-1]
-    figure = pictures.point_angles(blank, frame, points, info.sheet.symmetry, (np.array([2, 4]), np.array([5.0, 33.0])))
+    figure = pictures.point_angles(formed(info, frame, points), (np.array([2, 4]), np.array([5.0, 33.0])))
     heights = [bar.get_height() for bar in figure.axes[0].patches]
     expected = shear_angle_at(blank, frame.fields["shear_angle"], points, info.sheet.symmetry)
     assert heights == pytest.approx(expected)
     (measured,) = [line for line in figure.axes[0].lines if line.get_label() == "measured"]
     assert measured.get_xydata().tolist() == [[2.0, 5.0], [4.0, 33.0]]
     assert figure.axes[0].get_ylim()[1] > 33.0
-    assert not [line for line in pictures.point_angles(blank, frame, points).axes[0].lines]
+    assert not [line for line in pictures.point_angles(formed(info, frame, points)).axes[0].lines]
 
 
 def test_tool_forces_are_along_the_axes_and_name_the_part(history, coarse_run):
     info, frames = coarse_run
-    figure = pictures.tool_forces(history, info.tools, info.sheet.symmetry)
+    figure = pictures.tool_forces(history, info.tools, "the computed quarter")
     (axes,) = figure.axes
     assert "quarter" in axes.get_title(loc="left")
     assert [line.get_label() for line in axes.lines] == ["punch", "die", "blank holder"]
@@ -132,7 +137,7 @@ def test_energies_stack_up_to_the_supplied_work(history, coarse_run):
 def test_sections_follow_the_sheet_and_move_the_tools(coarse_run):
     info, frames = coarse_run
     frame = frames[-1]
-    figure = pictures.sections(info.sheet.blank, frame, info.tools, 0.0012, info.sheet.symmetry)
+    figure = pictures.sections(formed(info, frame), placed_tools(info, frame))
     long, short = figure.axes
     sheet = next(patch for patch in long.patches if patch.get_label() == "sheet").get_xy()
     assert sheet[:, 1].min() == pytest.approx(1e3 * frame.position[:, 2].min() - 0.6, abs=0.01)
@@ -144,18 +149,18 @@ def test_sections_follow_the_sheet_and_move_the_tools(coarse_run):
 def test_a_run_at_rest_can_be_drawn(tmp_path, coarse_run):
     """One flat frame without any energy, as an interrupted run may leave."""
     info, frames = coarse_run
-    blank, frame = info.sheet.blank, frames[0]
+    frame = frames[0]
     history = History()
     history.start(info)
     history.frame(frame)
     for i, figure in enumerate(
         (
-            pictures.formed_sheet(blank, frame, info.sheet.symmetry),
-            pictures.draw_in_picture(blank, frame, info.sheet.symmetry),
-            pictures.point_angles(blank, frame, ten_points(0.235, 0.135), info.sheet.symmetry),
-            pictures.tool_forces(history, info.tools, info.sheet.symmetry),
+            pictures.formed_sheet(formed(info, frame)),
+            pictures.draw_in_picture(formed(info, frame)),
+            pictures.point_angles(formed(info, frame, ten_points(0.235, 0.135))),
+            pictures.tool_forces(history, info.tools, "the computed quarter"),
             pictures.energies(history),
-            pictures.sections(blank, frame, info.tools, 0.0012, info.sheet.symmetry),
+            pictures.sections(formed(info, frame), placed_tools(info, frame)),
         )
     ):
         path = tmp_path / f"{i}.png"

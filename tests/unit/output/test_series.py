@@ -93,3 +93,25 @@ def test_streams_are_cheap(tmp_path, fine_run):
     for stream in streams:
         stream.finish(Outcome.FINISHED)
     assert time.process_time() - started < 0.5
+
+
+def test_every_sheet_of_a_run_has_its_files_in_one_series(tmp_path, stack):
+    info, frames = stack
+    write_series(tmp_path, stack)
+    entries = xml.parse(tmp_path / "series.pvd").getroot().findall("./Collection/DataSet")
+    assert [(entry.get("part"), entry.get("file")) for entry in entries[:3]] == [
+        ("upper", "frame_0000_upper.vtu"), ("lower", "frame_0000_lower.vtu"), ("upper", "frame_0001_upper.vtu"),
+    ]  # fmt: skip
+    for sheet, state in zip(info.sheets, frames[-1].sheets, strict=True):
+        mesh = meshio.read(tmp_path / f"final_state_{sheet.name}.vtu")
+        assert np.array_equal(mesh.points, state.position)
+        assert np.array_equal(mesh.cells_dict["quad"], sheet.blank.quads)
+        assert np.array_equal(mesh.cell_data["thickness"][0], state.fields["thickness"])
+    for entry in entries:
+        assert (tmp_path / entry.get("file")).exists()
+
+
+def test_frames_of_a_former_run_of_several_sheets_go_too(tmp_path, coarse_run, stack):
+    write_series(tmp_path, stack)
+    write_series(tmp_path, coarse_run)
+    assert not list(tmp_path.glob("frame_*_upper.vtu"))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from tests.support.runs import one_sheet_run
 from weavesim.errors import InputError
 from weavesim.process.loads import NodalLoads
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
 
@@ -22,4 +22,4 @@ from weavesim.sheet.blank import Blank
 def test_bad_loads_are_refused(given, message, fabric):
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
     with pytest.raises(InputError, match=message):
-        Simulation(name="bad", blank=blank, fabric=fabric(), duration=1.0, loads=NodalLoads(**given))
+        one_sheet_run(name="bad", blank=blank, fabric=fabric(), duration=1.0, loads=NodalLoads(**given))

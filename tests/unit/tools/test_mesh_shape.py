@@ -95,7 +95,7 @@ def test_inside_and_far_outside_have_the_right_sign(ball):
     reach = sampled_distance(ball.surface).reach
     value, _ = distance(ball, np.array([[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.0, 1.0], [0.055, 0.055, 0.055]]))
     np.testing.assert_allclose(value[:2], -reach, rtol=1e-6)
-    # beyond the box: the reach and the way to the box
+    # beyond the box: the reach and the distance to the box
     assert value[2] == pytest.approx(1.0 - RADIUS, abs=1e-3)
     assert value[3] == pytest.approx(reach, rel=1e-6)
 

@@ -55,11 +55,11 @@ def tool(motion, axis=(0.0, 0.0, -1.0)):
 def test_smooth_stroke_goes_all_the_way_never_faster_than_asked(distance, speed, ramp_time, start_time, backwards):
     signed = -distance if backwards else distance
     stroke = Stroke.smooth(signed, speed, ramp_time, start_time)
-    times, way = stroke.curve()
+    times, travel = stroke.curve()
     ramp = min(ramp_time, distance / speed)
     assert stroke.duration == pytest.approx(start_time + distance / speed + ramp)
-    assert way[0] == 0.0 and way[-1] == pytest.approx(signed)
-    velocity = np.diff(way) / np.diff(times)
+    assert travel[0] == 0.0 and travel[-1] == pytest.approx(signed)
+    velocity = np.diff(travel) / np.diff(times)
     assert np.all(np.sign(signed) * velocity >= -1e-6 * speed)
     assert np.abs(velocity).max() <= speed * (1 + 1e-6)
     if ramp_time > 0.0:
@@ -71,7 +71,7 @@ def test_smooth_stroke_keeps_its_speed_between_the_ramps():
     stroke = Stroke.smooth(0.06, 2.0, 0.01, 0.003)
     at = np.linspace(0.013, 0.033, 50)
     np.testing.assert_allclose(np.interp(at, *stroke.curve()), 0.01 + 2.0 * (at - 0.013), atol=1e-12)
-    # half of the ramp time is lost on each ramp, by symmetry a quarter of the way lies behind its middle
+    # half of the ramp time is lost on each ramp, by symmetry a quarter of the travel lies behind its middle
     assert np.interp(0.008, *stroke.curve()) == pytest.approx(2.0 * 0.01 * (0.5**3 - 0.5**5))
 
 
@@ -104,9 +104,9 @@ def test_driven_tool_falls_as_newton_says():
     np.testing.assert_allclose(displacement[:, 0], acceleration * step**2 * n * (n + 1) / 2, rtol=1e-10)
     np.testing.assert_allclose(device.total_reaction.numpy()[0], reaction, atol=1e-12)
     # half of the step before and half of the one to come; the last half is still to come
-    way = step * (velocity[:, 0].sum() - 0.5 * velocity[-1, 0])
+    travel = step * (velocity[:, 0].sum() - 0.5 * velocity[-1, 0])
     on_sheet, driving = device.work.numpy()[:, 0]
-    np.testing.assert_allclose([on_sheet, driving], [-along * way, force * way], rtol=1e-12)
+    np.testing.assert_allclose([on_sheet, driving], [-along * travel, force * travel], rtol=1e-12)
     assert driving - on_sheet == pytest.approx(0.5 * mass * velocity[-1, 0] ** 2, rel=1e-12)
 
 

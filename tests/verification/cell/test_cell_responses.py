@@ -8,10 +8,10 @@ import scipy.optimize
 from matplotlib.figure import Figure
 
 from tests.support.registered_cells import CELLS
-from weavesim.fabric.membrane import LinearMembrane
+from weavesim.fabric.cell.membrane import LinearMembrane
+from weavesim.fabric.cell.weaves import FloatWeave, PlainWeave
 from weavesim.fabric.presets import UNIT_CELLS
 from weavesim.fabric.response import respond
-from weavesim.fabric.weaves import FloatWeave, PlainWeave
 
 # Directions in the plane of stretches, and the largest strain along each.
 PATHS = {

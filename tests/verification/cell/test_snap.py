@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from weavesim.fabric.cell.weaves import FloatWeave, PlainWeave
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.fabric.weaves import FloatWeave, PlainWeave
 from weavesim.sheet.blank import Blank
 
 

@@ -5,27 +5,24 @@ forces, tangents, unknowns and equilibria are compared with.
 """
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg
 import scipy.optimize
-import warp as wp
 from scipy.spatial.transform import Rotation
-from warp import float64 as real
 
 from tests.support.registered_cells import CELLS, KnottedNet, Registered
+from tests.support.runs import one_sheet_run
 from weavesim.engine.stepper import STEP_SAFETY
 from weavesim.errors import InputError
 from weavesim.fabric.cell import UnitCell
-from weavesim.fabric.membrane import LinearMembrane
+from weavesim.fabric.cell.membrane import LinearMembrane
 from weavesim.fabric.presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
 from weavesim.fabric.response import respond
 from weavesim.kernels.rows import MotionRow
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
 # One of each law: the others share the kernels.
@@ -42,7 +39,7 @@ def test_pulled_cells_keep_their_step(name):
         Support("clamp", np.flatnonzero(x < -0.0599)),
         Support("moving_clamp", np.flatnonzero(x > 0.0599), (pull,)),
     )
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="pulled", blank=blank, fabric=assumed_fabric(name), duration=2e-3, supports=supports,
         precision="float64", lane_count=1, threads=1, frame_count=2,
     )  # fmt: skip
@@ -326,8 +323,8 @@ def test_thrown_sheet_keeps_momentum_and_energy(shell_cell):
     laws = {"unit_cell": shell_cell, "shear": shear, "in_plane_bending_stiffness": 0.0}
     settings = {"name": "thrown", "blank": blank, "fabric": glass_polypropylene().model_copy(update=laws)}
     settings |= {"duration": 5e-4, "precision": "float64", "lane_count": 1, "threads": 1}
-    step = 0.1 * Simulation(**settings).model.reference_step
-    simulation = Simulation(**settings, initial_velocity=velocity, frame_count=40, time_step=step)
+    step = 0.1 * one_sheet_run(**settings).model.reference_step
+    simulation = one_sheet_run(**settings, initial_velocity=velocity, frame_count=40, time_step=step)
     mass = simulation.model.node_mass[:, None]
     before = (mass * velocity).sum(axis=0)
     simulation.run()
@@ -385,33 +382,6 @@ def changed_net(**members) -> UnitCell:
 def test_mistakes_in_a_cell_are_named(members, message):
     with pytest.raises(InputError, match=message):
         respond(changed_net(**members), [1.0, 1.0])
-
-
-def test_cell_that_is_not_at_rest_is_refused(fabric):
-    """Unknowns that start off their minimum, with no way there from the undeformed state."""
-    blank = Blank.rectangle((0.0, 0.0), (0.01, 0.01), 0.005)
-    cell = TautNet()
-    with pytest.raises(InputError, match="TautNet: the undeformed sheet carries .* N/m"):
-        Simulation(
-            name="taut", blank=blank, fabric=fabric(unit_cell=cell), duration=1e-3, precision="float64", lane_count=1,
-            threads=1,
-        )  # fmt: skip
-    assert np.isfinite(respond(cell, [1.0, 1.0]).force_per_width).all()
-
-
-@wp.func
-def taut_energy(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
-    """Threads that are free at a stretch of 0.9."""
-    warp = warp_stretch - real(0.9)
-    weft = weft_stretch - real(0.9)
-    return real(0.5) * p.thread * (warp * warp + weft * weft)
-
-
-class TautNet(KnottedNet):
-    """A mistake: the undeformed net is under tension."""
-
-    unknown_count = 0
-    energy = taut_energy
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from tests.support.runs import one_sheet_run
 from weavesim.engine.model import CONTACT_SHARE
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import Stroke
 from weavesim.run.relaxation import relax
@@ -42,9 +43,9 @@ def test_indentation_under_a_known_weight(cloth, manual):
     rows, depths = [], []
     for size in (0.01, 0.005, 0.0025):
         blank = Blank.rectangle((-0.02, -0.01), (0.02, 0.01), size, height=0.5 * cloth.thickness)
-        simulation = Simulation(
+        simulation = one_sheet_run(
             name="rest", blank=blank, fabric=cloth, tools=[Tool("plane", Plane())], duration=1.0, precision="float64",
-            threads=1, motion=Dynamics(gravity=(0.0, 0.0, -9.81)),
+            threads=1, dynamics=Dynamics(gravity=(0.0, 0.0, -9.81)),
         )  # fmt: skip
         relax(simulation, tolerance=1e-5)
         depth = 0.5 * cloth.thickness - simulation.frame.position[:, 2]
@@ -67,10 +68,10 @@ def pressed_by(shape, cloth, size: float) -> Simulation:
     blank = Blank.rectangle((-0.04, -0.04), (0.04, 0.04), size, yarn_angle=30.0)
     free = np.ones((blank.node_count, 6), dtype=bool)
     free[blank.boundary_loop(), :3] = False
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="ball", blank=blank, fabric=cloth, free=free, duration=0.1, precision="float64", threads=1, frame_count=5,
         tools=[Tool("ball", shape, Stroke.smooth(-0.012, 0.2, 0.04), friction=0.2)],
-        motion=Dynamics(damping=100.0, director_damping=100.0),
+        dynamics=Dynamics(damping=100.0, director_damping=100.0),
     )  # fmt: skip
     simulation.run()
     assert abs(simulation.frame.energies["balance_error"]) < 0.01 * simulation.frame.energies["tool_work"]
@@ -164,9 +165,9 @@ def test_symmetric_press_has_equal_reactions(cloth, manual):
         Tool("upper", Sphere(RADIUS, origin=(0.0, 0.0, gap)), squeeze, friction=0.2, axis=(0.0, 0.0, -1.0)),
     ]
     blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005, yarn_angle=20.0)
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="press", blank=blank, fabric=cloth, tools=tools, duration=0.05, precision="float64", threads=1,
-        frame_count=5, motion=Dynamics(damping=50.0),
+        frame_count=5, dynamics=Dynamics(damping=50.0),
     )  # fmt: skip
     simulation.run()
     lower, upper = simulation.frame.tool_reaction

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import Fixed, ForceDriven
 from weavesim.run.simulation import Simulation
@@ -49,9 +50,9 @@ def on_incline(
     angle = np.arctan(ratio * FRICTION)
     flat = Blank.rectangle((-0.02, -0.01), (0.02, 0.01), 0.005)
     blank, plane, gravity, down = resting(flat, angle, tilted)
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="incline", blank=blank, fabric=fabric, tools=[Tool("plane", plane, friction=FRICTION)], duration=duration,
-        precision="float64", lane_count=1, threads=1, frame_count=20, motion=Dynamics(gravity=tuple(gravity)),
+        precision="float64", lane_count=1, threads=1, frame_count=20, dynamics=Dynamics(gravity=tuple(gravity)),
     )  # fmt: skip
     simulation.run([frames])
     ways = [float(((frame.position - blank.node_position) @ down).mean()) for frame in frames.all]
@@ -110,9 +111,9 @@ def under_holder(fabric: Fabric, force: float, *, pull: float, duration: float, 
         edge = blank.node_position[:, 0] > 0.0199
         free[edge, 0] = False
         velocity[edge, 0] = pull
-    return Simulation(
+    return one_sheet_run(
         name="holder", blank=blank, fabric=fabric, tools=tools, duration=duration, free=free, initial_velocity=velocity,
-        precision="float64", lane_count=1, threads=1, frame_count=40, motion=Dynamics(damping=damping),
+        precision="float64", lane_count=1, threads=1, frame_count=40, dynamics=Dynamics(damping=damping),
     )  # fmt: skip
 
 

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
 from weavesim.process.strokes import Stroke
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.tools.shapes import DomeCavity, DomeOpening, DomePunch, Union, rotation_matrix
 from weavesim.tools.tool import Tool
@@ -93,7 +93,7 @@ class Pressed:
         free = np.ones((blank.node_count, 6), dtype=bool)
         free[np.linalg.norm(blank.node_position[:, :2], axis=1).argmin(), :2] = False
         ramp = np.linspace(0.0, 1.0, 21)
-        self.simulation = Simulation(
+        self.simulation = one_sheet_run(
             name="pressed net", blank=blank, fabric=net(), free=free, threads=1, frame_count=4, step_safety=0.8,
             tools=(
                 Tool("shell", shell, closing, friction=0.0),
@@ -103,7 +103,7 @@ class Pressed:
                 force=self.areas()[:, None] * [0.0, 0.0, -WEIGHT],
                 times=tuple(0.6 * DRAPING_TIME * ramp), shares=tuple(0.5 - 0.5 * np.cos(np.pi * ramp)),
             ),
-            duration=closing.duration + SETTLING_TIME, motion=Dynamics(damping=1.0e3, director_damping=1.0e3),
+            duration=closing.duration + SETTLING_TIME, dynamics=Dynamics(damping=1.0e3, director_damping=1.0e3),
         )  # fmt: skip
         self.simulation.run()
         frame = self.simulation.frame

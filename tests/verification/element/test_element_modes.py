@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.sheet.blank import Blank
 
 ALL_TERMS = {

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from weavesim.fabric.bending import YarnBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
-from weavesim.fabric.weaves import PlainWeave
+from weavesim.run.simulation import Simulation
 from weavesim.scenes import bias_extension, cantilever, picture_frame
 from weavesim.scenes.bias_extension import BiasExtensionParameters
 from weavesim.scenes.cantilever import CantileverParameters
@@ -47,7 +48,7 @@ def frame_test(law: str, **given) -> tuple[dict, dict[str, np.ndarray], dict[str
         precision="float64", damping=0.0, yarn_tension=10.0, threads=1, frames=80, **given
     )
     fabric = stiff_straight_yarns(law, 2.0e5)
-    simulation = picture_frame.picture_frame(parameters, fabric)
+    simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
     curves = picture_frame.record(parameters, fabric)
     simulation.run([curves])
     return picture_frame.findings(curves), curves.columns, simulation.frame.energies
@@ -109,7 +110,7 @@ def rubbing_frame_test(
         yarn_tension=tension, mesh_size=mesh_size, speed=0.5, cycle=True, frames=200, threads=1, precision=precision,
         damping=damping,
     )  # fmt: skip
-    simulation = picture_frame.picture_frame(parameters, fabric)
+    simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
     curves = picture_frame.record(parameters, fabric)
     simulation.run([curves])
     history, columns = simulation.history, curves.columns
@@ -208,7 +209,7 @@ def test_bias_extension(law, manual):
     for size in sizes:
         parameters = BiasExtensionParameters(mesh_size=size, threads=1, frames=80, speed=0.25)
         fabric = stiff_straight_yarns(law, 1.0e6)
-        simulation = bias_extension.bias_extension(parameters, fabric)
+        simulation = Simulation(bias_extension.bias_extension(parameters, fabric))
         curves = bias_extension.record(parameters, fabric, simulation.blank)
         simulation.run([curves])
         c = curves.columns
@@ -269,7 +270,7 @@ def test_cantilever(yarn, manual):
         parameters = CantileverParameters(
             mesh_size=length / count, width=2.0 * length / count, yarn=yarn, threads=1, precision="float64"
         )
-        simulation = cantilever.cantilever(parameters, fabric)
+        simulation = Simulation(cantilever.cantilever(parameters, fabric))
         simulation.run()
         found = cantilever.findings(parameters, fabric, simulation)
         assert found["input_bending_stiffness_nm"] == stiffness

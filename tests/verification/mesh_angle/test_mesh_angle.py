@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.run.frame import Frame
+from weavesim.run.simulation import Simulation
 from weavesim.scenes.bias_extension import BiasExtensionParameters, bias_extension, closed_form_force, kinematic_angle
 from weavesim.sheet.blank import Blank
 
@@ -108,7 +109,7 @@ class Pull:
             corners, size, mesh_angle=45.0 + angle, yarn_angle=45.0, distortion=distortion, seed=1
         )
         self.frames: list[Frame] = []
-        self.simulation = bias_extension(self.parameters, fabric, self.blank)
+        self.simulation = Simulation(bias_extension(self.parameters, fabric, self.blank))
         self.simulation.run([self])
         forces = np.array([frame.support_force[:, 0] for frame in self.frames[1:]])
         self.displacement = np.array([frame.stroke for frame in self.frames[1:]])

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
+from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.kernels.rows import MotionRow
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
@@ -35,9 +36,9 @@ def shell_of(fabric, modulus: float, thickness: float, ratio: float, membrane: f
 
 def at_rest(blank, laws, free, *, tolerance=1e-4, gravity=(0.0, 0.0, 0.0), run=0.0, damping=0.0, **given) -> Simulation:
     """A relaxed sheet, after ``run`` seconds of motion; its balance is closed, the hourglass energy small."""
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="shell", blank=blank, fabric=laws, duration=run or 1.0, free=free, precision="float64", threads=1,
-        frame_count=5, motion=Dynamics(gravity=gravity, damping=damping, director_damping=damping), **given,
+        frame_count=5, dynamics=Dynamics(gravity=gravity, damping=damping, director_damping=damping), **given,
     )  # fmt: skip
     if run:
         simulation.run()
@@ -344,7 +345,7 @@ def test_work_of_a_load_on_a_free_sheet(fabric):
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
     force = np.zeros((blank.node_count, 3))
     laws = fabric()
-    simulation = Simulation(name="mass", blank=blank, fabric=laws, duration=1e-3, precision="float64", threads=1)
+    simulation = one_sheet_run(name="mass", blank=blank, fabric=laws, duration=1e-3, precision="float64", threads=1)
     mass = simulation.model.node_mass
     force[:] = mass[:, None] * [3.0, 0.0, -5.0]
     couple = np.zeros((blank.node_count, 3))
@@ -352,7 +353,7 @@ def test_work_of_a_load_on_a_free_sheet(fabric):
     # up, and back to half of it
     loads = NodalLoads(force=force, couple=couple, times=(0.0, 2e-3, 4e-3), shares=(0.0, 2.0, 1.0))
     assert loads.share(3e-3) == 1.5
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="load",
         blank=blank,
         fabric=laws,

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from tests.support.loops import SQUARE, UP
+from tests.support.runs import one_sheet_run
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
@@ -75,9 +76,9 @@ def squeezed(contact_thickness: str, **given) -> Simulation:
     )
     everywhere = Support("frame", np.arange(blank.node_count), drives, displacements="xy", rotations="xyz")
     settings = {"precision": "float64", "lane_count": 1, "threads": 1, "frame_count": 10} | given
-    return Simulation(
+    return one_sheet_run(
         name="squeezed", blank=blank, fabric=fabric, tools=tools, supports=(everywhere,), duration=sine.duration,
-        motion=Dynamics(contact_thickness=contact_thickness), **settings,
+        dynamics=Dynamics(contact_thickness=contact_thickness), **settings,
     )  # fmt: skip
 
 

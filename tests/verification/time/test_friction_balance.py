@@ -3,17 +3,17 @@
 import numpy as np
 
 from tests.support.loops import CURVE
+from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.run.ledger import LOST
 from weavesim.sheet.blank import Blank
 
 
 def test_balance_is_closed_in_a_run_with_friction_inside():
     """A thrown sheet: what the yarns rub away is missing from the vibration, and nothing else is."""
-    from weavesim.run.simulation import Simulation
 
     blank = Blank.rectangle((-0.02, -0.015), (0.02, 0.015), 0.005, yarn_angle=20.0, distortion=0.2)
     straight = PlainWeave.straight(stiffness_per_width=2.0e5)
@@ -27,7 +27,7 @@ def test_balance_is_closed_in_a_run_with_friction_inside():
     )  # fmt: skip
     x, y, _ = blank.node_position.T
     waves = np.column_stack([np.sin(100.0 * y), np.cos(120.0 * x), np.sin(150.0 * x) + np.cos(90.0 * y)])
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="rubbing", blank=blank, fabric=fabric, duration=5e-3, initial_velocity=3.0 * waves, precision="float64",
         lane_count=1, threads=1, frame_count=20,
     )  # fmt: skip

@@ -5,11 +5,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from tests.support.runs import one_sheet_run
 from weavesim.engine.model import CONTACT_SHARE, TANGENTIAL_RATIO
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear, MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import ForceDriven, Stroke
 from weavesim.run.relaxation import relax
@@ -128,7 +129,7 @@ def hourglassed(sheet, fabric) -> list[Found]:
 def run(laws, **given) -> Simulation:
     """A short run in double precision."""
     settings = {"blank": flat(), "duration": 1e-2, "frame_count": 4, "precision": "float64", "threads": 1}
-    simulation = Simulation(name="entry", fabric=laws, **(settings | given))
+    simulation = one_sheet_run(name="entry", fabric=laws, **(settings | given))
     simulation.run()
     return simulation
 
@@ -138,12 +139,12 @@ def moving(sheet, fabric) -> list[Found]:
     mass = laws.areal_density * AREA
     speed = np.zeros((flat().node_count, 3))
     speed[:, 2] = 2.0
-    thrown = run(laws, initial_velocity=speed, motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY)))
+    thrown = run(laws, initial_velocity=speed, dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY)))
     time, rise = thrown.frame.time, 2.0 * thrown.frame.time - 0.5 * GRAVITY * thrown.frame.time**2
-    damped = run(laws, initial_velocity=speed, motion=Dynamics(damping=50.0))
+    damped = run(laws, initial_velocity=speed, dynamics=Dynamics(damping=50.0))
     left = np.exp(-2.0 * 50.0 * damped.frame.time)
     held = run(
-        laws, initial_velocity=speed, motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY)),
+        laws, initial_velocity=speed, dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY)),
         free=np.zeros((flat().node_count, 6), dtype=bool),
     )  # fmt: skip
     tool = Tool("weight", Plane(origin=(0.0, 0.0, -0.1)), ForceDriven.constant(-0.5, mass=0.02))
@@ -173,12 +174,12 @@ def touching(sheet, fabric) -> list[Found]:
     resting = Blank.rectangle((0.0, 0.0), (SIDE, SIDE), SIZE, height=0.5 * laws.thickness)
     settings = {"blank": resting, "duration": 0.2}
     lift = Tool("table", Plane(), Stroke.smooth(rise, 0.05, 0.05), friction=0.3)
-    lifted = run(laws, tools=[lift], **settings, motion=Dynamics(gravity=(0.0, 0.0, -GRAVITY)))
+    lifted = run(laws, tools=[lift], **settings, dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY)))
     relax(lifted, tolerance=1e-5)
     sunk = GRAVITY * lifted.model.reference_step**2 / CONTACT_SHARE
     leaning = run(
         laws, tools=[Tool("table", Plane(), friction=0.3)], **settings,
-        motion=Dynamics(gravity=(GRAVITY * np.sin(lean), 0.0, -GRAVITY * np.cos(lean)), damping=200.0),
+        dynamics=Dynamics(gravity=(GRAVITY * np.sin(lean), 0.0, -GRAVITY * np.cos(lean)), damping=200.0),
     )  # fmt: skip
     relax(leaning, tolerance=1e-5)
     stiffness = TANGENTIAL_RATIO * CONTACT_SHARE / leaning.model.reference_step**2

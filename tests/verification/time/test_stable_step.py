@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from tests.support.runs import one_sheet_run
 from weavesim.engine.stepper import STEP_SAFETY
 from weavesim.errors import InputError
 from weavesim.fabric.bending import IsotropicBending, YarnBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import LinearShear, MomentCurve
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.kernels.rows import MotionRow
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
 
@@ -176,7 +176,7 @@ def swing(fabric, step: float | None, limit: float) -> np.ndarray:
     """Largest displacement after every block of steps of a plate with a tiny random velocity."""
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005, yarn_angle=20.0, distortion=0.2)
     velocity = 1e-6 * np.random.default_rng(0).normal(size=blank.node_position.shape)
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="swing", blank=blank, fabric=fabric, duration=1.0, initial_velocity=velocity, precision="float64",
         lane_count=1, threads=1,
     )  # fmt: skip
@@ -214,7 +214,7 @@ def test_step_follows_the_fabric_through_a_run():
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
     velocity = np.zeros_like(blank.node_position)
     velocity[:, 0] = 200.0 * (blank.node_position[:, 0] - 0.01)
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="pull", blank=blank, fabric=glass_polypropylene(), duration=2e-4, initial_velocity=velocity,
         precision="float64", lane_count=1, threads=1,
     )  # fmt: skip
@@ -225,38 +225,26 @@ def test_step_follows_the_fabric_through_a_run():
     assert simulation.state.step > 0.7 * straight
 
 
-def test_unstable_step_is_refused():
-    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
-    settings = {"name": "step", "blank": blank, "fabric": glass_polypropylene(), "duration": 1e-5}
-    settings |= {"precision": "float64", "lane_count": 1, "threads": 1}
-    stable = Simulation(**settings).stepper.stable_step()
-    with pytest.raises(InputError, match=r"time_step = .* unstable .* at most .* is stable"):
-        Simulation(**settings, time_step=1.05 * stable)
-    slower = Simulation(**settings, time_step=0.3 * stable)
-    slower.run()
-    assert slower.state.step == pytest.approx(0.3 * stable, rel=1e-12)
-
-
 def test_unstable_step_is_refused_without_yarn_bending(fabric):
     """Straight yarns without bending stiffness: nothing holds their height, the tangent must still be a number."""
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
     settings = {"name": "step", "blank": blank, "fabric": plate(fabric), "duration": 1e-5}
     settings |= {"precision": "float64", "lane_count": 1, "threads": 1}
-    stable = Simulation(**settings).stepper.stable_step()
+    stable = one_sheet_run(**settings).stepper.stable_step()
     assert np.isfinite(stable)
     with pytest.raises(InputError, match="unstable"):
-        Simulation(**settings, time_step=2.0 * stable)
+        one_sheet_run(**settings, time_step=2.0 * stable)
 
 
 def test_mass_scaling_reaches_its_step_and_reports_the_mass():
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005, yarn_angle=20.0, distortion=0.2)
     settings = {"name": "mass", "blank": blank, "fabric": glass_polypropylene(), "duration": 1e-5}
     settings |= {"precision": "float64", "lane_count": 1, "threads": 1}
-    plain = Simulation(**settings)
+    plain = one_sheet_run(**settings)
     assert plain.model.added_mass_ratio == 0.0
     assert plain.model.node_mass.sum() == pytest.approx(0.743 * 0.02**2, rel=1e-12)
     target = 1.5 * plain.model.reference_step
-    scaled = Simulation(**settings, target_step=target)
+    scaled = one_sheet_run(**settings, target_step=target)
     assert scaled.model.reference_step >= target * (1.0 - 1e-9)
     assert scaled.stepper.stable_step() >= 0.9 * target
     ratio = scaled.model.added_mass_ratio
@@ -265,4 +253,4 @@ def test_mass_scaling_reaches_its_step_and_reports_the_mass():
     assert scaled.summary()["added_mass_ratio"] == ratio
     assert scaled.model.node_mass.sum() == pytest.approx((1.0 + ratio) * plain.model.node_mass.sum(), rel=1e-12)
     # only small elements get mass: a coarse target leaves all as it is
-    assert Simulation(**settings, target_step=0.5 * plain.model.reference_step).model.added_mass_ratio == 0.0
+    assert one_sheet_run(**settings, target_step=0.5 * plain.model.reference_step).model.added_mass_ratio == 0.0

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from tests.support.runs import one_sheet_run
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
@@ -21,7 +22,7 @@ def end_nodes(blank: Blank) -> tuple[np.ndarray, np.ndarray]:
 
 def strip(supports, *, duration, fabric=None, blank=WHOLE, **given) -> Simulation:
     settings = {"precision": "float64", "lane_count": 1, "threads": 1, "frame_count": 10}
-    return Simulation(
+    return one_sheet_run(
         name="strip", blank=blank, fabric=fabric or glass_polypropylene(), supports=supports, duration=duration,
         **(settings | given),
     )  # fmt: skip
@@ -37,9 +38,9 @@ def test_work_of_moving_supports_closes_the_balance():
     velocity[x > 0.1 - 1e-9, 0] = 0.5
     # the rest starts along, so that no wave is launched
     velocity[:, 0] = 0.5 * x / 0.1
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="strip", blank=blank, fabric=glass_polypropylene(), duration=4e-3, free=free, initial_velocity=velocity,
-        motion=Dynamics(damping=50.0), precision="float64", lane_count=1, frame_count=10,
+        dynamics=Dynamics(damping=50.0), precision="float64", lane_count=1, frame_count=10,
     )  # fmt: skip
     simulation.run()
     energies = simulation.frame.energies
@@ -82,7 +83,7 @@ def test_force_of_supports_accelerates_the_sheet():
     stroke = SmoothStroke.ramped(3e-3, speed=2.0, ramp_time=1e-3)
     simulation = strip(
         (Support("all", everywhere, (Drive(stroke, (0.0, 0.6, 0.8)),)),), duration=0.5e-3, frame_count=5,
-        motion=Dynamics(gravity=(0.0, 0.0, -9.81), damping=100.0),
+        dynamics=Dynamics(gravity=(0.0, 0.0, -9.81), damping=100.0),
     )  # fmt: skip
     simulation.run()
     frame, mass = simulation.frame, 0.743 * 0.1 * 0.05
@@ -109,7 +110,7 @@ def test_pulled_strip_gives_the_force_of_its_yarns(frames, fabric):
     stroke = SmoothStroke.ramped(pull, speed=0.4, ramp_time=2e-3)
     simulation = strip(
         (Support("clamp", first), Support("grip", last, (Drive(stroke, (1.0, 0.0, 0.0)),))), fabric=laws,
-        duration=stroke.duration + 20e-3, motion=Dynamics(damping=800.0),
+        duration=stroke.duration + 20e-3, dynamics=Dynamics(damping=800.0),
     )  # fmt: skip
     simulation.run([frames])
     expected = stiffness * (pull / 0.1) * 0.05
@@ -150,7 +151,7 @@ def test_symmetry_halves_the_force():
         grip = Support("grip", last, (Drive(stroke, (1.0, 0.0, 0.0)),), rotations="")
         simulation = strip(
             (Support("clamp", first, rotations=""), grip), blank=blank,
-            symmetry=symmetry, duration=stroke.duration, motion=Dynamics(damping=100.0), time_step=1e-6,
+            symmetry=symmetry, duration=stroke.duration, dynamics=Dynamics(damping=100.0), time_step=1e-6,
         )  # fmt: skip
         simulation.run()
         forces.append(simulation.frame.support_force[1, 0])

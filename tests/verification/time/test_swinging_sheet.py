@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.process.dynamics import Dynamics
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
@@ -20,10 +21,10 @@ def swinging(fabric, precision: str, time_step: float | None = None) -> Simulati
     free = np.ones((blank.node_count, 6), dtype=bool)
     free[blank.node_position[:, 0] == 0.0, :3] = False
     angle = np.radians(20.0)
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="swing", blank=blank, fabric=fabric, duration=2.2, free=free, frame_count=100, precision=precision,
         threads=1, time_step=time_step,
-        motion=Dynamics(gravity=(9.81 * np.sin(angle), 0.0, -9.81 * np.cos(angle))),
+        dynamics=Dynamics(gravity=(9.81 * np.sin(angle), 0.0, -9.81 * np.cos(angle))),
     )  # fmt: skip
     simulation.run()
     return simulation

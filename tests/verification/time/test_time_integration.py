@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 import trimesh
 
+from tests.support.runs import one_sheet_run
 from weavesim.engine.state import State
 from weavesim.errors import RunError
 from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.cell.membrane import LinearMembrane
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
-from weavesim.fabric.membrane import LinearMembrane
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.fabric.shear import LinearShear, MomentCurve, ShearFriction
-from weavesim.fabric.weaves import PlainWeave
 from weavesim.kernels.lanes import CPU_LANE_COUNT
 from weavesim.kernels.rows import MotionRow
 from weavesim.process.dynamics import Dynamics
@@ -45,7 +46,7 @@ def thrown_sheet(fabric: Fabric, duration: float, **given) -> Simulation:
     waves = np.column_stack([np.sin(100.0 * y), np.cos(120.0 * x), np.sin(150.0 * x) + np.cos(90.0 * y)])
     velocity = np.cross([30.0, -20.0, 200.0], blank.node_position) + [1.0, 2.0, -1.0] + 3.0 * waves
     settings = {"precision": "float64", "lane_count": 1, "threads": 1, "frame_count": 10}
-    return Simulation(
+    return one_sheet_run(
         name="thrown", blank=blank, fabric=fabric, duration=duration, initial_velocity=velocity, **(settings | given)
     )
 
@@ -102,7 +103,7 @@ def test_noise_keeps_its_energy(fabric):
     blank = Blank.rectangle((0.0, 0.0), (0.04, 0.04), 0.01)
     velocity = np.zeros((blank.node_count, 3))
     velocity[:, :2] = np.random.default_rng(0).normal(scale=0.1, size=(blank.node_count, 2))
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="noise", blank=blank, fabric=laws, duration=1.0, initial_velocity=velocity, precision="float64",
         lane_count=1, threads=1,
     )  # fmt: skip
@@ -117,7 +118,7 @@ def test_noise_keeps_its_energy(fabric):
     assert simulation.stepper.step_count == 10_000
 
 
-def test_momentum_is_kept_with_a_changing_step():
+def test_momentum_is_kept_with_a_changing_step(frames):
     """A locking curve makes the stable step shrink and grow during the run."""
     curve = MomentCurve(
         angle=(0.0, 0.5), moment_values=(0.0, 2000.0), locking_angle=0.01, locking_width=0.02, locking_stiffness=6.0e5
@@ -125,8 +126,8 @@ def test_momentum_is_kept_with_a_changing_step():
     simulation = thrown_sheet(glass_polypropylene().model_copy(update={"shear": curve}), 4e-4)
     momentum, angular = momenta(simulation)
     steps = set()
-    simulation.stop_when = lambda frame: steps.add(simulation.state.step)
-    simulation.run()
+    frames.frame = lambda frame: steps.add(simulation.state.step)
+    simulation.run([frames])
     assert len(steps) > 3
     later, angular_later = momenta(simulation)
     assert np.abs(later - momentum).max() < 1e-12 * np.abs(momentum).max()
@@ -143,7 +144,7 @@ def falling_sheet(**given) -> Simulation:
         Tool("ball", Sphere(radius=0.02, origin=(0.003, 0.0, 0.02 + half)), Stroke((0.0, 1e-3), (0.0, -0.006))),
     )
     settings = {"frame_count": 5, "duration": 5e-4}
-    return Simulation(name="falling", blank=blank, fabric=fabric, tools=tools, **(settings | given))
+    return one_sheet_run(name="falling", blank=blank, fabric=fabric, tools=tools, **(settings | given))
 
 
 def loaded_shell(**given) -> Simulation:
@@ -163,7 +164,7 @@ def loaded_shell(**given) -> Simulation:
     force = 0.02 * np.column_stack([x, y, np.zeros_like(x)]) / 0.03
     loads = NodalLoads(force=force, couple=1e-4 * force[:, ::-1], times=(0.0, 3e-4), shares=(0.0, 1.0))
     settings = {"frame_count": 5, "duration": 5e-4}
-    return Simulation(name="shell", blank=blank, fabric=fabric, tools=tools, loads=loads, **(settings | given))
+    return one_sheet_run(name="shell", blank=blank, fabric=fabric, tools=tools, loads=loads, **(settings | given))
 
 
 def snapshot(simulation: Simulation) -> dict[str, np.ndarray]:
@@ -193,7 +194,7 @@ FRAMED = {
 
 def framed_sheet(name: str, **given) -> Simulation:
     make, contact_thickness = FRAMED[name]
-    return falling_sheet(fabric=make(), motion=Dynamics(contact_thickness=contact_thickness), **given)
+    return falling_sheet(fabric=make(), dynamics=Dynamics(contact_thickness=contact_thickness), **given)
 
 
 # With the tools that the sheet touches in the end.
@@ -225,17 +226,17 @@ def test_same_bits_for_any_number_of_threads_and_any_run(name):
 def test_passing_over_far_tools_changes_nothing(precision):
     """A node that is passed over by its tools' bound would not have met them: the same bits as if all are looked at."""
     results = []
-    for spare_way in (None, np.inf):
+    for spare_distance in (None, np.inf):
         simulation = falling_sheet(threads=1, precision=precision)
-        if spare_way is not None:
-            simulation.model.motion_laws.spare_way = spare_way
+        if spare_distance is not None:
+            simulation.model.motion_laws.spare_distance = spare_distance
             simulation.stepper.set_damping(0.0, 0.0)  # records the steps anew
         passed_over = []
         for _ in range(25):
             simulation.stepper.advance(1)
             passed_over.append((simulation.state.gap.numpy() > 0.0).mean())
         results.append(snapshot(simulation) | {"tool_reaction": simulation.take_frame().tool_reaction})
-        assert max(passed_over) == 0.0 if spare_way else max(passed_over) > 0.8 and min(passed_over) < 0.8
+        assert max(passed_over) == 0.0 if spare_distance else max(passed_over) > 0.8 and min(passed_over) < 0.8
     assert np.abs(results[0]["tool_reaction"]).max() > 1.0
     for name, value in results[0].items():
         assert np.array_equal(value, results[1][name]), name
@@ -244,9 +245,9 @@ def test_passing_over_far_tools_changes_nothing(precision):
 @pytest.mark.parametrize("name", FRAMED)
 def test_taking_frames_changes_nothing(name):
     make, contact_thickness = FRAMED[name]
-    motion = Dynamics(contact_thickness=contact_thickness)
+    dynamics = Dynamics(contact_thickness=contact_thickness)
     one, many = (
-        falling_sheet(frame_count=count, fabric=make(), motion=motion, threads=1, lane_count=1) for count in (1, 12)
+        falling_sheet(frame_count=count, fabric=make(), dynamics=dynamics, threads=1, lane_count=1) for count in (1, 12)
     )
     step_counts = set()
     for simulation in (one, many):
@@ -285,9 +286,9 @@ def test_lanes_stay_together_over_a_hundred_steps(precision, tolerance):
 
 def test_gravity_alone_is_free_fall():
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="fall", blank=blank, fabric=glass_polypropylene(), duration=1e-3, precision="float64", lane_count=1,
-        threads=1, frame_count=1, motion=Dynamics(gravity=(0.0, 3.0, -9.81)),
+        threads=1, frame_count=1, dynamics=Dynamics(gravity=(0.0, 3.0, -9.81)),
     )  # fmt: skip
     simulation.run()
     time = simulation.frame.time
@@ -302,7 +303,7 @@ def test_run_that_becomes_non_finite_stops_and_keeps_its_frames(precision, speed
     blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005)
     velocity = np.zeros_like(blank.node_position)
     velocity[12] = (0.0, 0.0, speed)
-    simulation = Simulation(
+    simulation = one_sheet_run(
         name="absurd", blank=blank, fabric=glass_polypropylene(), duration=1e-2, initial_velocity=velocity,
         precision=precision, lane_count=1, threads=1,
     )  # fmt: skip

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...sheet.symmetry import WHOLE, Symmetry
-from ..tables import History
-from .style import FAINT, INK, LINE_COLOURS, PART_NAMES, add_legend, new_axes, new_figure, words
+from ..history import History
+from .style import FAINT, INK, LINE_COLOURS, add_legend, new_axes, new_figure, words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,15 +18,15 @@ if TYPE_CHECKING:
     from ..curves import Chart
 
 
-def tool_forces(history: History, tools: Sequence[Tool], symmetry: Symmetry = WHOLE) -> Figure:
-    """Force between the sheet and each tool along the tool's axis, against the stroke."""
+def tool_forces(history: History, tools: Sequence[Tool], part: str) -> Figure:
+    """Force between sheet and each tool along the tool's axis, against the stroke; ``part`` names what is computed."""
     figure = new_figure(9.0, 4.4)
-    chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {PART_NAMES[symmetry.share]}")
+    chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {part}")
     chart.set(xlabel="stroke [mm]", ylabel="force along the tool's axis [N]")
     for k, tool in enumerate(tools):
         force = np.abs(history.tool_reaction[:, k] @ np.asarray(tool.axis, dtype=float))
         colour = LINE_COLOURS[k % len(LINE_COLOURS)]
-        chart.plot(*_against(history, force), color=colour, label=words(tool.name))
+        chart.plot(*_against(history, force), color=colour, label=words(history.tool_names[k]))
     _name_progress(chart, history)
     chart.set_ylim(bottom=0.0)
     chart.margins(x=0.0)
@@ -76,6 +75,19 @@ def energies(history: History) -> Figure:
     shown = [name for name in parts if size[name] > 0.004 * largest]
     colour = {name: LINE_COLOURS[i % len(LINE_COLOURS)] for i, name in enumerate(parts)}
 
+    charts = (
+        _stack_of_energies(figure, history, shown, colour),
+        _every_energy(figure, history, [name for name in parts if size[name] > 1.0e-6 * largest], colour, largest),
+        _ratios(figure, history, size),
+    )
+    for chart in charts:
+        _name_progress(chart, history)
+        chart.margins(x=0.0)
+    return figure
+
+
+def _stack_of_energies(figure: Figure, history: History, shown: Sequence[str], colour: Mapping[str, str]) -> Axes:
+    book = history.energies
     stack = new_axes(figure, 1, 3, 1, title="Where the work goes", ylabel="energy [J]")
     below = np.zeros(history.frame_count)
     for name in shown:
@@ -88,16 +100,25 @@ def energies(history: History) -> Figure:
     if shown:
         handles, labels = stack.get_legend_handles_labels()
         stack.legend(handles[::-1], labels[::-1], loc="upper left", frameon=False, fontsize=9)
+    return stack
 
+
+def _every_energy(
+    figure: Figure, history: History, names: Sequence[str], colour: Mapping[str, str], largest: float
+) -> Axes:
+    book = history.energies
     every = new_axes(figure, 1, 3, 2, title="Every stored and lost energy", ylabel="energy [J]", yscale="log")
-    for i, name in enumerate(parts):
-        if size[name] > 1.0e-6 * largest:
-            values = np.where(book[name] > 0.0, book[name], np.nan)
-            style = ("-", "--")[i // len(LINE_COLOURS) % 2]
-            every.plot(*_against(history, values), style, color=colour[name], linewidth=1.5, label=words(name))
+    for i, name in enumerate(names):  # the largest first, so none is left out between two
+        values = np.where(book[name] > 0.0, book[name], np.nan)
+        style = ("-", "--")[i // len(LINE_COLOURS) % 2]
+        every.plot(*_against(history, values), style, color=colour[name], linewidth=1.5, label=words(name))
     every.set_ylim(1.0e-6 * largest, 2.0 * largest)
     add_legend(every, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return every
 
+
+def _ratios(figure: Figure, history: History, size: Mapping[str, float]) -> Axes:
+    book = history.energies
     ratios = new_axes(figure, 1, 3, 3, title="Ratios that judge the run", ylabel="[%]", yscale="log")
     for name, over, label in (
         ("kinetic", "internal", "kinetic over internal energy"),
@@ -112,10 +133,7 @@ def energies(history: History) -> Figure:
             ratios.plot(*_against(history, np.where(values > 0.0, values, np.nan)), color=chosen, label=label)
     ratios.set_ylim(1.0e-4, 1.0e5)  # the upper decades hold the legend
     add_legend(ratios, loc="upper right", bbox_to_anchor=(1.0, 1.0))
-    for chart in (stack, every, ratios):
-        _name_progress(chart, history)
-        chart.margins(x=0.0)
-    return figure
+    return ratios
 
 
 def _against(history: History, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

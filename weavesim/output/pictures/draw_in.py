@@ -6,50 +6,41 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...measures.border import border_draw_in, draw_in, outline, symmetry_line, whole_outline
-from ...run.frame import Frame
-from ...sheet.symmetry import WHOLE, Symmetry
+from ...measures.border import symmetry_line, whole_outline
+from ...measures.findings import FormedSheet
 from .style import ACCENT, FAINT, GREY, INK, MEASURED, add_legend, new_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ...sheet.blank import Blank
 
-
-# ------------------------------------------------------------------------------------------------------- draw-in
-
-
-def draw_in_picture(
-    blank: Blank, frame: Frame, symmetry: Symmetry = WHOLE, measured_outline: np.ndarray | None = None
-) -> Figure:
+def draw_in_picture(sheet: FormedSheet, measured_outline: np.ndarray | None = None) -> Figure:
     """Flat and formed outline in plan, and the draw-in along the outline; a measured outline (k, 2) [m] on top."""
+    blank, position, symmetry, border = sheet.blank, sheet.position, sheet.symmetry, sheet.border
     figure = new_figure(12.0, 4.9)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.55, 1.0))
     plan = new_axes(figure, grid[0, 0], aspect="equal", title="Outline in plan", xlabel="x [mm]", ylabel="y [mm]")
     flat = 1.0e3 * whole_outline(blank, blank.material_coordinates, symmetry)
-    formed = 1.0e3 * whole_outline(blank, frame.position, symmetry)
+    formed = 1.0e3 * whole_outline(blank, position, symmetry)
     plan.fill(*flat.T, facecolor="none", edgecolor=FAINT, linestyle=(0, (4, 3)), linewidth=1.4, label="flat")
     plan.fill(*formed[:, :2].T, facecolor="#e9e4f8", edgecolor=ACCENT, linewidth=1.8, label="formed")
     if measured_outline is not None:
         plan.plot(*(1.0e3 * measured_outline.T), "o", color=MEASURED, markersize=3.5, label="measured")
     for along, axis in (("x", 0), ("y", 1)):
-        value = 1.0e3 * draw_in(blank, frame.position, along)
         line = symmetry_line(blank, along)
-        end = 1.0e3 * np.array([line.of(blank.material_coordinates)[-1], line.of(frame.position[:, :2])[-1]])
+        end = 1.0e3 * np.array([line.of(blank.material_coordinates)[-1], line.of(position[:, :2])[-1]])
         plan.annotate("", end[1], end[0], arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.2})
         inward = end[1] - 0.025 * np.ptp(flat[:, 0]) * np.eye(2)[axis]
         place: Any = {"ha": "right", "va": "center"} if axis == 0 else {"ha": "center", "va": "top"}
-        plan.text(inward[0], inward[1], f"{value:.1f} mm", weight="bold", **place)
+        plan.text(inward[0], inward[1], f"{sheet.draw_in_mm[along]:.1f} mm", weight="bold", **place)
     add_legend(plan, loc="center")
 
-    border = outline(blank, symmetry)
     start = blank.material_coordinates[border.node]
     length = 1.0e3 * np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(start, axis=0), axis=1))])
     chart = new_axes(figure, grid[0, 1], title="Draw-in along the outline")
     chart.set(xlabel="length of the flat outline [mm]", ylabel="draw-in, normal to the flat outline [mm]")
     # At a corner the normal jumps: the curve is broken there, and the corner marked.
-    values = 1.0e3 * border_draw_in(blank, frame.position, border)
+    values = sheet.border_draw_in_mm.copy()
     jumps = np.flatnonzero(np.einsum("ki,ki->k", border.normal[:-1], border.normal[1:]) < 0.9)
     corners = [int(i) + 1 for i in jumps if i + 1 in jumps]
     values[corners] = np.nan

@@ -8,43 +8,47 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...measures.border import symmetry_line, whole_outline
-from ...run.frame import Frame
-from ...sheet.symmetry import WHOLE, Symmetry
+from ...measures.findings import FormedSheet
 from .style import INK, LINE_COLOURS, add_legend, new_axes, new_figure, words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ...sheet.blank import Blank
     from ...tools.tool import Tool
 
 
-def sections(blank: Blank, frame: Frame, tools: Sequence[Tool], thickness: float, symmetry: Symmetry = WHOLE) -> Figure:
-    """The formed sheet, in its thickness, and the tools, cut along both symmetry lines."""
+def sections(sheet: FormedSheet, tools: Sequence[tuple[str, Tool, float]]) -> Figure:
+    """The formed sheet, in its thickness, and the tools, cut along both symmetry lines.
+
+    Args:
+        sheet: meets both lines.
+        tools: name, tool and displacement [m] of each.
+    """
     from matplotlib.collections import LineCollection
 
+    blank, position, symmetry = sheet.blank, sheet.position, sheet.symmetry
     figure = new_figure(12.0, 5.6)
     for row, along in enumerate("xy"):
         title = f"Section along {along} ({'y' if along == 'x' else 'x'} = 0)"
         chart = new_axes(figure, 2, 1, row + 1, aspect="equal", title=title, xlabel=f"{along} [mm]", ylabel="z [mm]")
         line = symmetry_line(blank, along)
-        plane = 1.0e3 * line.of(frame.position)[:, [row, 2]]
+        plane = 1.0e3 * line.of(position)[:, [row, 2]]
         tangent = np.gradient(plane, axis=0)
-        across = 0.5e3 * thickness * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+        across = 0.5e3 * sheet.thickness * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
         across /= np.linalg.norm(tangent, axis=1, keepdims=True)
         reach = np.abs(1.0e3 * whole_outline(blank, blank.material_coordinates, symmetry)[:, row]).max()
-        for k, tool in enumerate(tools):
+        for k, (name, tool, displacement) in enumerate(tools):
             cut = _cut(*tool.display_triangles(), 1 - row)
             if len(cut):
-                shift = float(frame.tool_displacement[k]) * np.asarray(tool.axis, dtype=float)
+                shift = float(displacement) * np.asarray(tool.axis, dtype=float)
                 colour = LINE_COLOURS[k % len(LINE_COLOURS)]
                 pieces = 1.0e3 * (cut + shift)[:, :, [row, 2]]
-                label = words(tool.name)
+                label = words(name)
                 chart.add_collection(LineCollection(list(pieces), colors=colour, linewidths=1.3, label=label))
         for factor in (1.0, -1.0) if along in symmetry.planes else (1.0,):
             side = np.concatenate([plane + across, (plane - across)[::-1]]) * (factor, 1.0)
-            name = "sheet" if factor > 0.0 else None
-            chart.fill(*side.T, facecolor=INK, edgecolor=INK, linewidth=0.4, label=name, zorder=3)
+            own = "sheet" if factor > 0.0 else None
+            chart.fill(*side.T, facecolor=INK, edgecolor=INK, linewidth=0.4, label=own, zorder=3)
         depth = np.ptp(plane[:, 1])
         chart.set(xlim=(-1.04 * reach, 1.04 * reach))
         chart.set(ylim=(plane[:, 1].min() - 0.12 * depth - 6.0, plane[:, 1].max() + 0.12 * depth + 12.0))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...measures.border import MaterialLine, outline, whole_outline
-from ...run.frame import Frame
-from ...sheet.symmetry import WHOLE, Symmetry
+from ...measures.border import MaterialLine, whole_outline
+from ...measures.findings import FormedSheet
+from ...sheet.symmetry import Symmetry
 from ..colours import LARGEST_SHOWN_ANGLE
 from .style import INK, colour_map, new_axes, new_figure
 
@@ -24,19 +24,19 @@ _LARGEST_YARN_COUNT = 50
 # --------------------------------------------------------------------------------------------------- formed sheet
 
 
-def formed_sheet(blank: Blank, frame: Frame, symmetry: Symmetry = WHOLE) -> Figure:
+def formed_sheet(sheet: FormedSheet) -> Figure:
     """The whole part, oblique and in plan, coloured by the angle of each element, with lines along the yarns."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    angle = np.abs(np.rad2deg(frame.fields["shear_angle"]))
+    blank, position, symmetry, angle = sheet.blank, sheet.position, sheet.symmetry, sheet.shear_angle_deg
     spacing, lines = yarn_lines(blank, symmetry)
-    corners = symmetry.mirrored(frame.position[blank.quads])
-    segments = symmetry.mirrored(lines.of(frame.position).reshape(-1, 2, 3))
+    corners = symmetry.mirrored(position[blank.quads])
+    segments = symmetry.mirrored(lines.of(position).reshape(-1, 2, 3))
     angles = np.tile(angle, len(symmetry.mirror_factors))
 
-    border = frame.position[outline(blank, symmetry).node, 2]
-    turned = float(border.mean()) > float(frame.position[:, 2].mean())  # a bowl is clearer seen as a dome
+    border = position[sheet.border.node, 2]
+    turned = float(border.mean()) > float(position[:, 2].mean())  # a bowl is clearer seen as a dome
     turn = np.array([1.0, -1.0, -1.0] if turned else [1.0, 1.0, 1.0])
     figure = new_figure(13.0, 5.0)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.12, 1.0))
@@ -118,20 +118,8 @@ def _draw_view(
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 
-    azimuth, elevation = np.deg2rad(direction)
-    to_eye = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
-    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
-    screen = np.stack([right, np.cross(to_eye, right)], axis=1) * 1.0e3
-    light = to_eye + 0.55 * right + np.array([0.0, 0.0, 0.35])
-    light /= np.linalg.norm(light)
-
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1.0e-300)
-    facing = np.sign(normal @ to_eye)[:, None] * normal
-    shade = 0.74 + 0.26 * np.clip(facing @ light, 0.0, 1.0)
-    faces = np.ones((len(corners), 4))
-    faces[:, :3] = colour_map()(np.clip(angles / LARGEST_SHOWN_ANGLE, 0.0, 1.0))[:, :3] * shade[:, None]
-
+    to_eye, right, screen = _projection(direction)
+    faces = _shaded(corners, angles, to_eye, right)
     size = float(np.sqrt(np.median(np.linalg.norm(np.cross(
         corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1)) / 2.0))  # fmt: skip
     strokes = segments[:, [0, 1, 1, 0]]
@@ -141,9 +129,10 @@ def _draw_view(
     colours = np.concatenate([faces, np.zeros((len(strokes), 4))])
     widths = np.concatenate([np.full(len(corners), 0.35), np.full(len(strokes), 0.7)])
     order = np.argsort(depth, kind="stable")
+    sorted_polygons: Any = polygons[order]  # Matplotlib's types know lists only
     axes.add_collection(
         PolyCollection(
-            polygons[order],
+            sorted_polygons,
             facecolors=colours[order],
             edgecolors=edges[order],
             linewidths=widths[order],
@@ -154,8 +143,30 @@ def _draw_view(
     margin = 0.02 * np.ptp(flat, axis=0).max()
     axes.set(xlim=(flat[:, 0].min() - margin, flat[:, 0].max() + margin))
     axes.set(ylim=(flat[:, 1].min() - margin, flat[:, 1].max() + margin), aspect="equal")
-    if elevation > 1.5:
+    if direction[1] > 80.0:
         axes.set(xlabel="x [mm]", ylabel="y [mm]")
     else:
         axes.set_axis_off()
     return axes
+
+
+def _projection(direction: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Unit vectors to the eye and to the right, and the projection to the screen, (3, 2) [mm/m]."""
+    azimuth, elevation = np.deg2rad(direction)
+    to_eye = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    return to_eye, right, np.stack([right, np.cross(to_eye, right)], axis=1) * 1.0e3
+
+
+def _shaded(corners: np.ndarray, angles: np.ndarray, to_eye: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Colours of elements by their angles [degrees], lit from beside the eye, (element_count, 4)."""
+    light = to_eye + 0.55 * right + np.array([0.0, 0.0, 0.35])
+    light /= np.linalg.norm(light)
+
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1.0e-300)
+    facing = np.sign(normal @ to_eye)[:, None] * normal
+    shade = 0.74 + 0.26 * np.clip(facing @ light, 0.0, 1.0)
+    faces = np.ones((len(corners), 4))
+    faces[:, :3] = colour_map()(np.clip(angles / LARGEST_SHOWN_ANGLE, 0.0, 1.0))[:, :3] * shade[:, None]
+    return faces

@@ -10,12 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ...measures.units import split_unit
 from ..files import write_text
 
-# Endings of summary names that are units.
-_UNITS = {
-    "deg": "°", "mm": "mm", "s": "s", "j": "J", "n": "N", "m": "m", "pa": "Pa", "kg": "kg", "per_second": "1/s",
-}  # fmt: skip
 # Longer lists, such as the knots of a curve, are shown by their ends.
 _LONGEST_LIST = 12
 
@@ -56,10 +53,8 @@ def write_report(path: str | Path, report: Report) -> None:
 
 
 def _labelled(name: str, value: Any) -> tuple[str, str]:
-    for ending, unit in _UNITS.items():
-        if name.endswith(f"_{ending}"):
-            return name[: -len(ending) - 1].replace("_", " "), f"{shown(value)}{'' if unit == '°' else ' '}{unit}"
-    return name.replace("_", " "), shown(value)
+    name, unit = split_unit(name)
+    return name.replace("_", " "), unit.after(shown(value))
 
 
 def shown(value: Any) -> str:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from collections.abc import Callable
+from functools import partial
+from typing import Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from ..checks import Positive
-from .cell import EnergyCell
-
-if TYPE_CHECKING:
-    pass
+from ...checks import Positive
+from .contract import EnergyCell, UnitCell
 
 
 class LinearMembrane(EnergyCell):
@@ -31,8 +30,14 @@ class LinearMembrane(EnergyCell):
             )
         return self
 
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {
+            "linear-membrane": partial(cls, warp_stiffness=2.0e6, weft_stiffness=1.5e6, coupling_stiffness=0.3e6)
+        }  # fmt: skip
+
     def functions(self) -> dict[str, Any]:
-        from ..kernels.cell.energies import membrane_energy, membrane_gradient
+        from ...kernels.cell.energies import membrane_energy, membrane_gradient
 
         return {"energy": membrane_energy, "gradient": membrane_gradient}
 

@@ -3,25 +3,34 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..checks import NotNegative, Positive, Share
-from .cell import UNIT_CELL_TOLERANCE, EnergyCell, UnitCell
+from ...checks import NotNegative, Positive, Share
+from .contract import UNIT_CELL_TOLERANCE, EnergyCell, UnitCell
 
 if TYPE_CHECKING:
-    from ..device import Precision
-    from ..kernels.cell.law import CellLaw
+    from ...device import Precision
+    from ...kernels.cell.law import CellLaw
+
+
+# Of the glass/polypropylene weave of the double-dome benchmark (the preset of that name has the source).
+GLASS_PITCH = 5.2e-3  # distance of the yarns [m]
+GLASS_YARN_STIFFNESS = 31.8e3  # E A [N]
 
 
 class CrossedYarns(UnitCell):
     """Warp and weft beam that cross at a contact element: the paper's parameters, and four of our own with defaults.
 
     A yarn's compressive stiffness E A_c defaults to the Euler-like 3 E I / l0^2: a yarn pushed together is a buckled
-    bundle, and a stiffer one gives the cell several equilibria (``warnings`` tells).
+    bundle, and a stiffer one gives the cell several equilibria (``warnings`` says so).
     """
+
+    is_kind: ClassVar[bool] = False
 
     warp_modulus: Positive = Field(description="Young's modulus of the warp yarn [Pa]")
     weft_modulus: Positive = Field(description="Young's modulus of the weft yarn [Pa]")
@@ -50,6 +59,23 @@ class CrossedYarns(UnitCell):
             raise ValueError("crossover_height = 0 leaves E_3 A_3 / L_3 undefined: give contact_stiffness_value [N/m]")
         return self
 
+    @classmethod
+    def glass_polypropylene(cls, **changes: Any) -> Self:
+        """Yarns of the double-dome benchmark's commingled glass/polypropylene, some values changed by their names.
+
+        Pitch and E A are published; crimp, contact stiffness and yarn bending are assumed.
+        """
+        cross_section = 1.0e-6  # only the products E A and E I matter
+        modulus = GLASS_YARN_STIFFNESS / cross_section
+        yarn_bending = 1.5e-5  # E I [N m^2], as stiff as the sheet's bending over one pitch
+        values: dict[str, Any] = {
+            "warp_modulus": modulus, "weft_modulus": modulus, "contact_modulus": 10.0e6,
+            "warp_cross_section": cross_section, "weft_cross_section": cross_section, "contact_cross_section": 1.6e-5,
+            "warp_second_moment": yarn_bending / modulus, "weft_second_moment": yarn_bending / modulus,
+            "warp_half_spacing": 0.5 * GLASS_PITCH, "weft_half_spacing": 0.5 * GLASS_PITCH, "crossover_height": 0.6e-3,
+        }  # fmt: skip
+        return cls(**values | changes)
+
     @property
     def half_spacing(self) -> tuple[float, float]:
         return self.warp_half_spacing, self.weft_half_spacing
@@ -61,7 +87,8 @@ class CrossedYarns(UnitCell):
     @property
     def chord_length(self) -> tuple[float, float]:
         """l0 of warp and weft [m]."""
-        return tuple(math.hypot(L, h) for L, h in zip(self.half_spacing, self.crimp_height, strict=True))
+        warp_height, weft_height = self.crimp_height
+        return math.hypot(self.warp_half_spacing, warp_height), math.hypot(self.weft_half_spacing, weft_height)
 
     @property
     def axial_stiffness(self) -> tuple[float, float]:
@@ -76,13 +103,15 @@ class CrossedYarns(UnitCell):
     @property
     def euler_stiffness(self) -> tuple[float, float]:
         """3 E I / l0^2 of warp and weft [N], the largest compressive stiffness known to leave one equilibrium."""
-        return tuple(3.0 * EI / l0**2 for EI, l0 in zip(self.bending_stiffness, self.chord_length, strict=True))
+        (warp, weft), (warp_length, weft_length) = self.bending_stiffness, self.chord_length
+        return 3.0 * warp / warp_length**2, 3.0 * weft / weft_length**2
 
     @property
     def compressive_stiffness(self) -> tuple[float, float]:
         """E A_c of warp and weft [N]."""
-        given = (self.warp_compressive_stiffness, self.weft_compressive_stiffness)
-        return tuple(e if g is None else g for g, e in zip(given, self.euler_stiffness, strict=True))
+        warp, weft = self.warp_compressive_stiffness, self.weft_compressive_stiffness
+        warp_euler, weft_euler = self.euler_stiffness
+        return warp_euler if warp is None else warp, weft_euler if weft is None else weft
 
     @property
     def contact_stiffness(self) -> float:
@@ -121,8 +150,15 @@ class CrossedYarns(UnitCell):
 class PlainWeave(CrossedYarns):
     """Plain-weave unit cell of crossed beams, written by hand for lanes: the paper's cell."""
 
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {
+            "plain-weave": cls.glass_polypropylene,
+            "plain-weave-unilateral": partial(cls.glass_polypropylene, contact="unilateral"),
+        }
+
     def law(self) -> CellLaw:
-        from ..kernels.cell.plain_weave import PLAIN_WEAVE
+        from ...kernels.cell.plain_weave import PLAIN_WEAVE
 
         return PLAIN_WEAVE
 
@@ -184,10 +220,10 @@ class FloatWeave(CrossedYarns, EnergyCell):
     depends_on_shear: ClassVar[bool] = False
     part_names: ClassVar[tuple[str, ...]] = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")
 
-    repeat: int = Field(ge=2, le=16, description="N, crossovers in a repeat along a yarn")
+    repeat: int = Field(kw_only=True, ge=2, le=16, description="N, crossovers in a repeat along a yarn")
 
     def functions(self) -> dict[str, Any]:
-        from ..kernels.cell.energies import floats_crossover_pressure, floats_energies
+        from ...kernels.cell.energies import floats_crossover_pressure, floats_energies
 
         return {"parts": floats_energies, "crossover_pressure": floats_crossover_pressure}
 
@@ -216,10 +252,18 @@ class FloatWeave(CrossedYarns, EnergyCell):
 class TwillWeave(FloatWeave):
     """2/2 twill: over two, under two."""
 
-    repeat: Literal[4] = 4
+    repeat: Literal[4] = Field(default=4, description="N, crossovers in a repeat along a yarn")
+
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {"twill": cls.glass_polypropylene}
 
 
 class SatinWeave(FloatWeave):
     """Satin of five or eight harnesses: over all but one."""
 
-    repeat: Literal[5, 8] = Field(default=5, description="harnesses")
+    repeat: Literal[5, 8] = Field(default=5, description="N, the harnesses")
+
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {"satin-5": cls.glass_polypropylene, "satin-8": partial(cls.glass_polypropylene, repeat=8)}

@@ -1,63 +1,45 @@
-"""In-plane shear of the sheet: moment per reference area from the shear angle, its history and the crossover force.
-
-All laws speak of one quantity, m = dpsi/dgamma [N/m]: an elastic part (``LinearShear`` or ``MomentCurve``) and, beside
-it, the friction of the yarns that turn on each other (``ShearFriction``).
-"""
+"""A shear law by its measured curve, with the constructors that read the usual tests."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..checks import NotNegative, Parameters, Positive, at_most, positive_number
-from ..errors import InputError
-from .curve import check_curve, interpolate, measured_columns
+from ...checks import NotNegative, Positive, positive_number
+from ...errors import InputError
+from ..curve import Column, check_curve, interpolate, measured_columns
+from ..device_form import DeviceForm, Tabulated
+from .law import LARGEST_SHEAR_ANGLE, ShearLaw, check_radians
 
-# Curves are tabulated up to here [rad].
-LARGEST_SHEAR_ANGLE = 0.5 * math.pi
 # Larger ones are in a wrong unit [m].
 LARGEST_FRAME_SIDE = 5.0
-LARGEST_FRICTION_LENGTH = 0.02
 
 
-class LinearShear(Parameters):
-    """The paper's law, equation (4): S_12 = G_12 E_12 with the tensor component E_12 of the Green-Lagrange strain.
+class MomentCurve(ShearLaw):
+    """Shear moment per reference area m(gamma) [N/m] as a curve, odd in gamma, with a locking branch."""
 
-    At small angles the stress is therefore G_12 gamma / 2: a modulus meant as tau/gamma has to be doubled here.
-    """
-
-    modulus: NotNegative = Field(description="G_12 of equation (4) [Pa]")
-
-    def moment(self, angle: np.ndarray, thickness: float) -> np.ndarray:
-        """m(gamma) = dpsi/dgamma at unit stretch, t/2 G_12 sin(gamma) cos(gamma) [N/m]."""
-        return 0.5 * thickness * self.modulus * np.sin(angle) * np.cos(angle)
-
-
-class MomentCurve(Parameters):
-    """Shear moment per reference area m(gamma) [N/m] as a curve, odd in gamma, with a locking branch.
-
-    Attributes:
-        angle: increasing angles from 0 [rad].
-        moment: m at these angles, without locking [N/m]; beyond the last angle its end slope (never negative) goes on.
-        locking_angle: where the locking branch begins [rad].
-        locking_stiffness: slope dm/dgamma that locking adds, at most a tenth of the yarn stiffness per width [N/m].
-        locking_width: angle over which that slope builds up [rad].
-    """
-
-    angle: tuple[float, ...]
-    moment_values: tuple[float, ...]
-    locking_angle: Positive = math.radians(60.0)
-    locking_stiffness: NotNegative = 0.0
-    locking_width: Positive = math.radians(5.0)
+    angle: tuple[float, ...] = Field(description="increasing angles from 0 [rad]")
+    moment_values: tuple[float, ...] = Field(
+        description="m at these angles, without locking; beyond the last angle its end slope (never negative) "
+        "goes on [N/m]"
+    )
+    locking_angle: Positive = Field(default=math.radians(60.0), description="where the locking branch begins [rad]")
+    locking_stiffness: NotNegative = Field(
+        default=0.0,
+        description="slope dm/dgamma that locking adds, at most a tenth of the yarn stiffness per width [N/m]",
+    )
+    locking_width: Positive = Field(
+        default=math.radians(5.0), description="angle over which that slope builds up [rad]"
+    )
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.angle, self.moment_values, ("angles", "moments"), from_zero=True)
-        _check_radians(self.angle)
+        check_radians(self.angle)
         if min(self.moment_values) < 0.0:
             raise ValueError(
                 f"moments must not be negative (the smallest is {min(self.moment_values):.4g} N/m): shear may not "
@@ -105,8 +87,8 @@ class MomentCurve(Parameters):
     @classmethod
     def from_picture_frame(
         cls,
-        angle: Sequence[float],
-        machine_force: Sequence[float],
+        angle: Column,
+        machine_force: Column,
         *,
         frame_side: float,
         fabric_side: float | None = None,
@@ -131,8 +113,8 @@ class MomentCurve(Parameters):
     @classmethod
     def from_normalised_force(
         cls,
-        angle: Sequence[float],
-        force_per_length: Sequence[float],
+        angle: Column,
+        force_per_length: Column,
         *,
         convention: Literal["frame side", "fabric area"],
         frame_side: float | None = None,
@@ -164,7 +146,7 @@ class MomentCurve(Parameters):
 
     @classmethod
     def from_loading_and_unloading(
-        cls, angle: Sequence[float], loading: Sequence[float], unloading: Sequence[float], **locking: float
+        cls, angle: Column, loading: Column, unloading: Column, **locking: float
     ) -> MomentCurve:
         """The elastic curve of a measured loop: its middle. ``ShearFriction`` has the other half.
 
@@ -186,89 +168,16 @@ class MomentCurve(Parameters):
         locking = self.locking_stiffness * np.where(x < width, x**2 / (2.0 * width), x - 0.5 * width)
         return np.sign(angle) * (interpolate(self.angle, self.moment_values, size) + locking)
 
+    def device_form(self, thickness: float) -> DeviceForm:
+        table = Tabulated(lambda angle: self.moment(angle, thickness), LARGEST_SHEAR_ANGLE)
+        return DeviceForm({"shear": "curve"}, curves={"curve": table})
 
-class ShearFriction(Parameters):
-    """Friction of the crossovers: a spring and a slider beside the elastic law, with a limit that yarn tension raises.
+    @property
+    def locking_slope(self) -> float:
+        return self.locking_stiffness
 
-    The moment k (gamma - slip) keeps within limit(|gamma|) + crossover_friction_length * pressure, because the slip
-    follows; pressure is the crossover force that the unit cell delivers, per reference area. Unloading starts along k
-    and makes a loop whose height is twice the limit; what slipping loses is booked. A limit that depends on tension
-    stores nothing, so no force along the yarns has to answer it: the law dissipates and never creates energy.
-
-    Attributes:
-        stiffness: k, slope before the yarns slip on each other, at most a tenth of the yarn stiffness per width [N/m].
-        limit: moment at which they slip, without tension, at each of ``angle`` [N/m]; constant beyond the last.
-        angle: increasing angles from 0 [rad].
-        crossover_friction_length: friction coefficient times effective radius of a crossover's contact patch (two
-            thirds of the radius of a round patch under even pressure) [m]. Each crossover adds that length times its
-            force; per area of a crossover this is the length times the pressure.
-    """
-
-    stiffness: Positive
-    limit: tuple[NotNegative, ...] = (0.0,)
-    angle: tuple[float, ...] = (0.0,)
-    crossover_friction_length: Annotated[
-        NotNegative, at_most(LARGEST_FRICTION_LENGTH, "it is in metres, write 2e-4 for 0.2 mm")
-    ] = 0.0
-
-    @model_validator(mode="after")
-    def _is_a_curve(self) -> Self:
-        check_curve(self.angle, self.limit, ("angles", "limits"), from_zero=False)
-        _check_radians(self.angle)
-        if max(self.limit) == 0.0 and self.crossover_friction_length == 0.0:
-            raise ValueError("limit = 0 and crossover_friction_length = 0: such a friction does nothing, leave it out")
-        return self
-
-    @classmethod
-    def from_loading_and_unloading(
-        cls,
-        angle: Sequence[float],
-        loading: Sequence[float],
-        unloading: Sequence[float],
-        *,
-        stiffness: float,
-        crossover_friction_length: float = 0.0,
-    ) -> ShearFriction:
-        """The friction of a measured loop: half its height at each angle. ``MomentCurve`` has its middle.
-
-        Args:
-            angle: from 0 [rad].
-            loading, unloading: moments per reference area on the way up and down [N/m].
-            stiffness: slope at which unloading starts minus that of the middle [N/m].
-            crossover_friction_length: as in the class [m].
-
-        Raises:
-            InputError: columns of unequal lengths or no numbers, or a loop without height.
-        """
-        angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
-        half = np.maximum(0.5 * (up - down), 0.0)
-        # at zero angle the loop is closed or not measured: the friction does not vanish there
-        return cls(
-            stiffness=stiffness, angle=tuple(angle), limit=(half[1], *half[1:]),
-            crossover_friction_length=crossover_friction_length,
-        )  # fmt: skip
-
-    def limit_at(self, angle: np.ndarray) -> np.ndarray:
-        """Moment at which the yarns slip without tension [N/m]."""
-        return np.interp(np.abs(angle), self.angle, self.limit)
-
-    def moment_along(self, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0) -> np.ndarray:
-        """Friction moment [N/m] along a path of angles (n,) [rad] from rest, at pressures of the crossovers [Pa]."""
-        angle = np.asarray(angle, dtype=float)
-        pressure = np.maximum(np.broadcast_to(crossover_pressure, angle.shape), 0.0)
-        free = (self.limit_at(angle) + self.crossover_friction_length * pressure) / self.stiffness
-        slip, moment = 0.0, np.empty_like(angle)
-        for i, (gamma, reach) in enumerate(zip(angle, free, strict=True)):
-            slip = gamma - np.clip(gamma - slip, -reach, reach)
-            moment[i] = self.stiffness * (gamma - slip)
-        return moment
-
-
-def _check_radians(angle: Sequence[float]) -> None:
-    if angle[-1] > LARGEST_SHEAR_ANGLE:
-        raise ValueError(
-            f"the last angle is {angle[-1]:.4g} rad: angles must stay below pi/2 rad (1 degree is 0.01745 rad)"
-        )
+    def locking_at_most(self, slope: float) -> Self:
+        return self.model_copy(update={"locking_stiffness": min(self.locking_stiffness, slope)})
 
 
 def _checked_sides(frame_side: float, fabric_side: float) -> tuple[float, float]:

@@ -7,9 +7,9 @@ import pytest
 import scipy.optimize
 
 from weavesim.errors import InputError
+from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.response import UnitCellResponse, respond
-from weavesim.fabric.weaves import PlainWeave
 
 INCREMENT_COUNT = 50
 

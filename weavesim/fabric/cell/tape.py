@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from collections.abc import Callable
+from typing import Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from ..checks import NotNegative, Positive
-from .cell import EnergyCell
-
-if TYPE_CHECKING:
-    pass
+from ...checks import NotNegative, Positive
+from .contract import EnergyCell, UnitCell
+from .weaves import PlainWeave
 
 
 class UnidirectionalTape(EnergyCell):
@@ -32,8 +31,8 @@ class UnidirectionalTape(EnergyCell):
     slip_stiffness: Positive = Field(
         description="of the energy 1/2 k slip^2 per area, where slip is the strain passed from one diagonal on [N/m]"
     )
-    stitch_pitch: Positive = Field(description="way of a diagonal along the tows [m]")
-    tow_spacing: Positive = Field(description="way of a diagonal across the tows [m]")
+    stitch_pitch: Positive = Field(description="distance that a diagonal covers along the tows [m]")
+    tow_spacing: Positive = Field(description="distance that a diagonal covers across the tows [m]")
     stitch_slack: NotNegative = Field(default=0.0, description="strain of a diagonal at which it begins to pull")
     transverse_stiffness: NotNegative = Field(
         default=0.0, description="across tows pulled apart, without stitches [N/m]"
@@ -42,8 +41,22 @@ class UnidirectionalTape(EnergyCell):
         default=0.0, description="across tows pushed together, without stitches [N/m]"
     )
 
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        return {"stitched-tape": cls._glass_tows}
+
+    @classmethod
+    def _glass_tows(cls) -> Self:
+        """Tows as stiff as the glass/polypropylene yarns; all but that is assumed."""
+        tow = min(PlainWeave.glass_polypropylene().yarn_stiffness_per_width)
+        return cls(
+            tow_stiffness=tow, tow_compressive_stiffness=2.0e-4 * tow, stitch_stiffness=4.0e4, slip_stiffness=1.0e4,
+            stitch_pitch=5.2e-3, tow_spacing=5.2e-3, stitch_slack=0.01, transverse_stiffness=1.0e3,
+            transverse_compressive_stiffness=2.0e4,
+        )  # fmt: skip
+
     def functions(self) -> dict[str, Any]:
-        from ..kernels.cell.energies import tape_energies
+        from ...kernels.cell.energies import tape_energies
 
         return {"parts": tape_energies}
 
@@ -65,7 +78,8 @@ class UnidirectionalTape(EnergyCell):
         length = math.hypot(self.stitch_pitch, self.tow_spacing)
         s, t = self.stitch_pitch / length, self.tow_spacing / length
         r = min(s, t)
-        return tuple(2.0 * self.stitch_stiffness * (s + t + r) * share for share in (s, t, r))
+        bound = 2.0 * self.stitch_stiffness * (s + t + r)
+        return bound * s, bound * t, bound * r
 
     @property
     def yarn_stiffness_per_width(self) -> tuple[float, float]:

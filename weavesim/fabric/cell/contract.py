@@ -1,4 +1,4 @@
-"""Unit cells: the contract that every cell fulfils, the paper's plain weave, and others beside it.
+"""Unit cells: the contract that every cell fulfils.
 
 A cell is a set of checked parameters and an energy per reference area, psi(warp stretch, weft stretch, shear angle; q)
 with a few internal unknowns q. ``docs/tutorial_unit_cell.md`` makes one.
@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..checks import Parameters
-from ..errors import InputError
+from ...checks import Kinded
+from ...errors import InputError
 
 if TYPE_CHECKING:
-    from ..device import Precision
-    from ..kernels.cell.law import CellLaw
+    from ...device import Precision
+    from ...kernels.cell.law import CellLaw
 
 # Relative residual that Newton's method reaches in a run of either precision: of the plain weave, which works in the
 # precision of the run, and of all other cells, which work in double precision.
@@ -25,8 +26,13 @@ UNIT_CELL_TOLERANCE = {"float32": 2.0e-5, "float64": 1.0e-11}
 ENERGY_CELL_TOLERANCE = {"float32": 1.0e-5, "float64": 1.0e-11}
 
 
-class UnitCell(Parameters):
+class UnitCell(Kinded):
     """Base of all unit cells: what a sheet asks of one."""
+
+    @classmethod
+    def examples(cls) -> dict[str, Callable[[], UnitCell]]:
+        """One cell of the kind, or a few, by names for presets: to try, to test and to measure; {} for none."""
+        return {}
 
     @abstractmethod
     def law(self) -> CellLaw:
@@ -57,7 +63,7 @@ class UnitCell(Parameters):
 
     @property
     def has_crossovers(self) -> bool:
-        """True if the cell tells the pressure between warp and weft, which friction in shear and compaction use."""
+        """True if the cell reports the pressure between warp and weft, which friction in shear and compaction use."""
         return self.crossover_area > 0.0
 
     @property
@@ -76,7 +82,7 @@ class UnitCell(Parameters):
 
 
 class EnergyCell(UnitCell):
-    """A cell that is told by its energy alone: a Warp function of doubles.
+    """A cell that is given by its energy alone: a Warp function of doubles.
 
     A subclass declares its parameters as fields with their unit in the description, sets ``energy``, and says how
     stiff it is at most (``yarn_stiffness_per_width``, ``shear_stiffness``). The functions get a struct with all numbers
@@ -92,6 +98,8 @@ class EnergyCell(UnitCell):
         gradient: derivatives by the stretches, the angle and the unknowns, one vector, if they are known by hand.
         crossover_pressure: force between warp and weft per reference area [N/m^2].
     """
+
+    is_kind: ClassVar[bool] = False
 
     law_name: ClassVar[str | None] = None
     unknown_count: ClassVar[int] = 0
@@ -123,8 +131,8 @@ class EnergyCell(UnitCell):
         """
         import warp as wp
 
-        from ..kernels.cell.energy_cell import energy_cell
-        from ..kernels.cell.law import LARGEST_UNKNOWN_COUNT
+        from ...kernels.cell.energy_cell import energy_cell
+        from ...kernels.cell.law import LARGEST_UNKNOWN_COUNT
 
         name = type(self).__name__
         functions = {label: function for label, function in self.functions().items() if function is not None}

@@ -1,0 +1,149 @@
+"""One block of nodes advances by a step: translation, supports, directors (docs/theory.md, section 7)."""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from ..contact.penalty import touch_struct
+from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, rows3, scale, store, store_rows3, where_positive
+from ..operators import div, mul  # noqa: F401
+from ..rows import MotionRow
+from .node_data import motion_struct, node_struct, present_struct, support_struct
+
+
+@wp.func
+def freedom_mask(freedom: Any, first_bit: int, like: Any):
+    """1 for a free component, 0 for a fixed one."""
+    result = type(like)()
+    for i in range(len(freedom)):
+        for c in range(3):
+            result[c, i] = like.dtype((freedom[i] >> (first_bit + c)) & 1)
+    return result
+
+
+@cache
+def translate_function(real: type, lane_count: int):
+    """wp.func -> (acceleration, which components are free, new velocity), without supports."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+    Nodes, Present, MotionLaws = node_struct(real, lane_count), present_struct(real, lane_count), motion_struct(real)
+
+    @wp.func
+    def translate(present: Present, nodes: Nodes, laws: MotionLaws, force: lanes3):
+        acceleration = scale(nodes.inverse_mass[present.block], force)
+        for c in range(3):
+            acceleration[c] = acceleration[c] + lanes(laws.gravity[c])
+        free = freedom_mask(nodes.freedom[present.block], 0, lanes3())
+        decay = real(0.5) * laws.damping * present.mean_step
+        change = (real(1.0) / (real(1.0) + decay)) * (
+            present.mean_step * acceleration - (real(2.0) * decay) * present.velocity
+        )
+        return acceleration, free, present.velocity + wp.cw_mul(free, change)
+
+    return translate
+
+
+@cache
+def follow_supports_function(real: type, lane_count: int):
+    """wp.func -> (travel in the step, new velocity), where supports prescribe them."""
+    lanes3 = lane_types(real, lane_count).lanes3
+    Present, Supports = present_struct(real, lane_count), support_struct(real, lane_count)
+
+    @wp.func
+    def follow_supports(present: Present, supports: Supports, travel: lanes3, velocity: lanes3):
+        follows = freedom_mask(supports.held[present.block], 0, lanes3())
+        driven = lanes3()
+        for k in range(supports.increment.shape[0]):
+            driven = driven + supports.increment[k] * load(supports.direction[k], present.block * lane_count, lanes3())
+        # the travel itself is prescribed, so that no rounding of a velocity adds up
+        return (
+            travel + wp.cw_mul(follows, driven - travel),
+            velocity + wp.cw_mul(follows, driven / present.step - velocity),
+        )
+
+    return follow_supports
+
+
+@cache
+def support_work_function(real: type, lane_count: int, supported: bool):
+    """wp.func -> work of what holds the nodes [J]; the forces of the supports are written."""
+    lanes3 = lane_types(real, lane_count).lanes3
+    Present, Supports = present_struct(real, lane_count), support_struct(real, lane_count)
+
+    @wp.func
+    def support_work(present: Present, acceleration: lanes3, gained: lanes3, held: lanes3, supports: Supports):
+        # what holds a node takes up all the force on it, and accelerates its mass
+        work = -present.mean_step * present.mass * dot(acceleration, held)
+        if wp.static(supported):
+            work = work + present.mass * dot(gained, held)
+            needed = scale(present.mass, gained / present.mean_step - acceleration)
+            follows = freedom_mask(supports.held[present.block], 0, lanes3())
+            store(supports.holding, present.block * lane_count, wp.cw_mul(follows, needed))
+        return work
+
+    return support_work
+
+
+@cache
+def place_function(real: type, lane_count: int, has_tools: bool):
+    """wp.func that moves the nodes by ``travel``, and brings all tools nearer by as much."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+    Present, Touch = present_struct(real, lane_count), touch_struct(real, lane_count)
+
+    @wp.func
+    def place(
+        present: Present,
+        tool_count: wp.int32,
+        travel: lanes3,
+        velocity: lanes3,
+        motion: wp.array2d(dtype=lanes),
+        touch: Touch,
+    ):
+        block = present.block
+        if wp.static(has_tools):
+            # a share for the rounding of this sum
+            moved = wp.sqrt(lane_maximum(dot(travel, travel)))
+            for k in range(tool_count):
+                touch.gap[k, block] = real(0.999999) * touch.gap[k, block] - moved
+        store_rows3(motion, MotionRow.velocity, block, velocity)
+        # compensated sum: nothing of a small step is lost beside a large coordinate
+        whole = travel + rows3(motion, MotionRow.remainder, block)
+        position = present.position + whole
+        store_rows3(motion, MotionRow.remainder, block, whole - (position - present.position))
+        store_rows3(motion, MotionRow.position, block, position)
+
+    return place
+
+
+@cache
+def turn_function(real: type, lane_count: int):
+    """wp.func -> (sum of old and new spin, energy lost in the damping of spins [J])."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+    Nodes, Present, MotionLaws = node_struct(real, lane_count), present_struct(real, lane_count), motion_struct(real)
+
+    @wp.func
+    def turn(present: Present, nodes: Nodes, laws: MotionLaws, couple: lanes3, motion: wp.array2d(dtype=lanes)):
+        """I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps the director's length."""
+        block = present.block
+        director = present.director
+        spin = rows3(motion, MotionRow.spin, block)
+        free = freedom_mask(nodes.freedom[block], 3, lanes3())
+        inverse_inertia = nodes.inverse_inertia[block]
+        turning = wp.cw_mul(free, scale(inverse_inertia, cross(director, couple)))
+        decay = real(0.5) * laws.director_damping * present.mean_step
+        new_spin = (real(1.0) / (real(1.0) + decay)) * (present.mean_step * turning + (real(1.0) - decay) * spin)
+        spin_sum = spin + new_spin
+        inertia = where_positive(inverse_inertia, fill(inverse_inertia, 1.0) / inverse_inertia, lanes())
+        loss = (real(0.5) * decay) * inertia * dot(spin_sum, spin_sum)
+        angle = present.step * new_spin
+        quarter = real(0.25) * dot(angle, angle)
+        one = fill(quarter, 1.0)
+        new_director = scale(one / (one + quarter), scale(one - quarter, director) + cross(angle, director))
+        store_rows3(motion, MotionRow.spin, block, new_spin)
+        store_rows3(motion, MotionRow.director, block, new_director)
+        return spin_sum, loss
+
+    return turn

@@ -1,0 +1,105 @@
+"""What the kernel of the nodes works on: traits of a run, constants, and what a step knows of one block of nodes."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import warp as wp
+
+from ..lanes import lane_types
+
+
+@dataclass(frozen=True)
+class NodeTraits:
+    """What acts on the nodes of a run: their kernel is made for it, as those of the sheet are for ``SheetTraits``.
+
+    Attributes:
+        follows_thickness: tools meet the current thickness.
+        loaded: forces or couples are prescribed.
+        supported: nodes are held by supports.
+        shape_kinds: of the parts of all tools, see kernels/contact/tool_shapes.py; none without tools.
+        rotated: some part is.
+    """
+
+    follows_thickness: bool = False
+    loaded: bool = False
+    supported: bool = False
+    shape_kinds: tuple[str, ...] = ()
+    rotated: bool = False
+
+
+@cache
+def node_struct(real: type, lane_count: int):
+    """Constant node data; arrays are [block of lanes] or [row, block]."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Nodes:
+        corner_offset: wp.array2d(dtype=types.indices)  # [slot, block]: first entry of an adjacent corner's rows
+        corner_stride: wp.int32  # entries between two components
+        mass: wp.array(dtype=types.lanes)  # [kg]; 0 for padding
+        inverse_mass: wp.array(dtype=types.lanes)
+        inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
+        angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
+        thickness_weight: wp.array(dtype=types.lanes)  # of each in its mean thickness, if tools meet that
+        load: wp.array2d(dtype=types.vec3)  # rows: see LoadRow
+        load_time: wp.array(dtype=wp.float64)  # knots of the loads' share [s]
+        load_share: wp.array(dtype=wp.float64)
+        freedom: wp.array(dtype=types.indices)  # bits 0-2: x, y, z may move; bits 3-5: director may turn about x, y, z
+
+    return Nodes
+
+
+@cache
+def support_struct(real: type, lane_count: int):
+    """Nodes that are held and perhaps driven; what does not change but ``increment`` and ``holding``."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Supports:
+        held: wp.array(dtype=types.indices)  # bits 0-2: x, y, z of the node follow the drives
+        direction: wp.array2d(dtype=types.vec3)  # [drive, node]: displacement of the node over that of the drive
+        increment: wp.array(dtype=real)  # of each drive in this step [m]
+        holding: wp.array(dtype=types.vec3)  # written: force of a support on its node [N]
+
+    return Supports
+
+
+@cache
+def motion_struct(real: type):
+    """Constants of the time integration and contact."""
+
+    @wp.struct
+    class MotionLaws:
+        gravity: wp.types.vector(3, real)  # [m/s^2]
+        damping: real  # mass-proportional [1/s]
+        director_damping: real  # [1/s]
+        half_thickness: real  # [m]
+        contact_stiffness: real  # of a node over its mass [1/s^2]
+        contact_damping_time: real  # normal dashpot = contact stiffness times this [s]
+        tangential_ratio: real  # friction spring over normal spring
+        in_plane_bending_stiffness: real  # of the sheet [N m]
+        spare_distance: real  # kept of the distance before a contact, for the rounding of positions and distances [m]
+        tool_count: wp.int32
+
+    return MotionLaws
+
+
+@cache
+def present_struct(real: type, lane_count: int):
+    """One block of nodes at the beginning of a step."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Present:
+        block: wp.int32
+        step: real  # to come [s]
+        mean_step: real  # of it and the last one, between whose middles forces act [s]
+        position: types.lanes3  # [m]
+        velocity: types.lanes3  # half a step ago [m/s]
+        director: types.lanes3
+        mass: types.lanes  # [kg]
+        half_thickness: types.lanes  # of the sheet that the tools meet [m]
+        growth: types.lanes  # of the half thickness in this step [m]
+        thickened: real  # largest growth of the half thickness in the last step, not below zero [m]
+
+    return Present

@@ -1,0 +1,116 @@
+"""What the elements and the prescribed loads do to one block of nodes."""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from ..lanes import cross, gather, lane_maximum, lane_types, load, pick, where_positive
+from ..operators import div, mul  # noqa: F401
+from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, NodeReportRow
+from .node_data import motion_struct, node_struct, present_struct
+
+
+@wp.func
+def add_vector(corners: Any, offset: Any, stride: int, row: int, total: Any):
+    """Add the three components of one adjacent corner to ``total``."""
+    return total + gather(corners, offset, row * stride, stride)
+
+
+@wp.func
+def add_scalar(corners: Any, offset: Any, first_row: int, total: Any):
+    """Add the scalar of one adjacent element to ``total``; ``first_row`` is the flat start of its row."""
+    return total + pick(corners, offset, first_row)
+
+
+@wp.func
+def load_share(knot_time: wp.array(dtype=wp.float64), knot_share: wp.array(dtype=wp.float64), time: wp.float64):
+    """Share of the nodal loads, piecewise linear in time and constant beyond its ends."""
+    result = knot_share[0]
+    for k in range(1, knot_time.shape[0]):
+        if time > knot_time[k - 1]:
+            part = wp.min((time - knot_time[k - 1]) / (knot_time[k] - knot_time[k - 1]), wp.float64(1.0))
+            result = knot_share[k - 1] + part * (knot_share[k] - knot_share[k - 1])
+    return result
+
+
+@cache
+def gather_corners_function(real: type, lane_count: int, follows_thickness: bool):
+    """wp.func -> (force, couple, sum of the adjacent shear angles, and of the thicknesses if tools meet them)."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+    Nodes = node_struct(real, lane_count)
+
+    @wp.func
+    def gather_corners(block: wp.int32, nodes: Nodes, corners: wp.array(dtype=real)):
+        force = lanes3()
+        couple = lanes3()
+        angle = lanes()
+        thickness = lanes()
+        for slot in range(nodes.corner_offset.shape[0]):
+            offset = nodes.corner_offset[slot, block]
+            force = add_vector(corners, offset, nodes.corner_stride, CornerRow.force, force)
+            couple = add_vector(corners, offset, nodes.corner_stride, CornerRow.couple, couple)
+            angle = add_scalar(corners, offset, CornerRow.angle * nodes.corner_stride, angle)
+            if wp.static(follows_thickness):
+                thickness = add_scalar(corners, offset, CornerRow.thickness * nodes.corner_stride, thickness)
+        return force, couple, angle, thickness
+
+    return gather_corners
+
+
+@cache
+def follow_angle_function(real: type, lane_count: int):
+    """wp.func -> energy that the new mean shear angle takes from the motion [J]; the angle is written."""
+    lanes = lane_types(real, lane_count).lanes
+    Nodes, MotionLaws = node_struct(real, lane_count), motion_struct(real)
+
+    @wp.func
+    def follow_angle(block: wp.int32, nodes: Nodes, laws: MotionLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
+        # the elements met the mean of one step before: that resists its change, which is booked as damping
+        mean_angle = nodes.angle_weight[block] * angle
+        late = mean_angle - motion[MotionRow.mean_angle, block]
+        weight = nodes.angle_weight[block]
+        motion[MotionRow.mean_angle, block] = mean_angle
+        return where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
+
+    return follow_angle
+
+
+@cache
+def follow_thickness_function(real: type, lane_count: int):
+    """wp.func -> the present with the sheet's current thickness, from the sum of its elements'; both are written."""
+    lanes = lane_types(real, lane_count).lanes
+    Nodes, Present = node_struct(real, lane_count), present_struct(real, lane_count)
+
+    @wp.func
+    def follow_thickness(present: Present, nodes: Nodes, thickness: lanes, report: wp.array2d(dtype=lanes)):
+        block = present.block
+        present.half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
+        # work of the present springs from half a step ago to half a step ahead, whose part is extrapolated
+        last = present.half_thickness - report[NodeReportRow.half_thickness, block]
+        present.growth = real(1.5) * last - real(0.5) * report[NodeReportRow.half_thickness_growth, block]
+        present.thickened = wp.max(lane_maximum(last), real(0.0))
+        report[NodeReportRow.half_thickness, block] = present.half_thickness
+        report[NodeReportRow.half_thickness_growth, block] = last
+        return present
+
+    return follow_thickness
+
+
+@cache
+def apply_loads_function(real: type, lane_count: int):
+    """wp.func -> (force, couple, of these the prescribed ones) at this time."""
+    lanes3 = lane_types(real, lane_count).lanes3
+    Nodes, Present = node_struct(real, lane_count), present_struct(real, lane_count)
+
+    @wp.func
+    def apply_loads(present: Present, nodes: Nodes, clock: wp.array(dtype=wp.float64), force: lanes3, couple: lanes3):
+        first = present.block * lane_count
+        share = real(load_share(nodes.load_time, nodes.load_share, clock[ClockEntry.time]))
+        applied_force = share * load(nodes.load[LoadRow.force], first, lanes3())
+        applied_couple = share * load(nodes.load[LoadRow.couple], first, lanes3())
+        # a moment M turns the director as the conjugate M x d does, without its part along d
+        return force + applied_force, couple + cross(applied_couple, present.director), applied_force, applied_couple
+
+    return apply_loads

@@ -1,0 +1,104 @@
+"""The tables of docs/fabrics.md, made from the registry of laws: kinds, fields, units, defaults, constructors, presets.
+
+Only kinds that weavesim brings are listed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from pydantic.fields import FieldInfo
+
+from weavesim.checks import Parameters
+from weavesim.fabric import PRESETS, UNIT_CELLS, Fabric
+from weavesim.fabric.families import constructors, implied_kind, kinds_of_field
+
+
+def built_in_kinds(owner: type[Parameters], field: str) -> dict[str, type[Parameters]]:
+    """Kinds of a field that are part of weavesim."""
+    return {
+        name: kind
+        for name, kind in kinds_of_field(owner, field).items()
+        if kind.__module__.startswith("weavesim.") and owner is not kind
+    }
+
+
+def tables() -> str:
+    """All tables, as Markdown."""
+    lines = ["### The file", "", *table(Fabric.model_fields.items())]
+    for field in Fabric.model_fields:
+        kinds = built_in_kinds(Fabric, field)
+        if kinds:
+            lines += ["", f"### `[{field}]`", "", *_family(Fabric, field, kinds)]
+    lines += ["", "### Presets", "", "For `based_on` and `--fabric`: " + _listed(PRESETS) + ".", ""]
+    lines += ["Unit cells with values, for `weavesim.fabric.UNIT_CELLS`: " + _listed(UNIT_CELLS) + "."]
+    return "\n".join(lines) + "\n"
+
+
+def _family(owner: type[Parameters], field: str, kinds: dict[str, type[Parameters]]) -> Iterator[str]:
+    implied = implied_kind(owner, field)
+    yield f"Kinds: {_listed(kinds)}." + (f" Without a `kind` it is a `{implied}`." if implied in kinds else "")
+    shown: dict[str, type[Parameters]] = {}
+    for name, kind in kinds.items():
+        yield from ("", f"**`{name}`**: {_summary(kind)}")
+        # a kind with all the fields of one before it shows what is its own
+        like = next((other for other, base in shown.items() if _contains(kind, base)), None)
+        fields = dict(kind.model_fields)
+        if like:
+            fields = {key: item for key, item in fields.items() if key not in shown[like].model_fields}
+            yield from ("", f"All fields of `{like}`" + (", and:" if fields else "."))
+        if fields:
+            yield from ("", *table(fields.items()))
+        if known := constructors(kind):
+            yield from ("", f"Constructors: {_listed(f'{name}.{constructor}' for constructor in known)}.")
+        shown[name] = kind
+        for inner in kind.model_fields:
+            within = {key: item for key, item in built_in_kinds(kind, inner).items() if key not in shown}
+            if within:
+                yield from ("", f"In the place of `{inner}` and the like:", "", *_family(kind, inner, within))
+                shown |= within
+
+
+def table(fields: Iterator[tuple[str, FieldInfo]] | Sequence[tuple[str, FieldInfo]]) -> list[str]:
+    """One row for each field: name, unit, default, meaning."""
+    rows = ["| field | unit | default | meaning |", "|---|---|---|---|"]
+    for name, field in fields:
+        text = field.description or ""
+        unit = re.search(r" ?\[([^\]]+)\]", text)
+        meaning = text.replace(unit.group(0), "", 1).strip() if unit else text
+        rows.append(f"| `{name}` | {unit.group(1) if unit else ''} | {_default(field)} | {_escaped(meaning)} |")
+    return rows
+
+
+def _default(field: FieldInfo) -> str:
+    value = field.default
+    if field.is_required():
+        return "needed"
+    if isinstance(value, Parameters):
+        return "as below"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return "none" if value is None else _escaped(f"`{list(value) if isinstance(value, tuple) else value!r}`")
+
+
+def _contains(kind: type[Parameters], base: type[Parameters]) -> bool:
+    def said(field: FieldInfo) -> tuple[str | None, str]:
+        return field.description, repr(field.default)
+
+    return all(
+        name in kind.model_fields and said(kind.model_fields[name]) == said(field)
+        for name, field in base.model_fields.items()
+    )
+
+
+def _summary(kind: type[Parameters]) -> str:
+    return _escaped((kind.__doc__ or "").strip().split("\n\n")[0].replace("\n", " ").replace("    ", ""))
+
+
+def _listed(names) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _escaped(text: str) -> str:
+    return text.replace("``", "`").replace("|", "\\|")

@@ -1,0 +1,40 @@
+"""Options that every scene shares."""
+
+import pytest
+
+from weavesim.app.options import RunOptions
+from weavesim.errors import InputError
+
+
+@pytest.mark.parametrize(
+    ("given", "writers"),
+    [
+        ({}, ("film", "paraview", "tables", "pictures", "report", "summary")),
+        ({"write": "summary, film"}, ("film", "summary")),
+        ({"without": "film,paraview"}, ("tables", "pictures", "report", "summary")),
+        ({"write": "film,tables", "without": "film"}, ("tables",)),
+    ],
+)
+def test_results_are_chosen_by_name(given, writers):
+    assert RunOptions(**given).writers == writers
+
+
+@pytest.mark.parametrize("option", ["write", "without"])
+def test_an_unknown_result_is_refused_with_the_known_ones(option):
+    with pytest.raises(InputError, match=f"{option} = 'movie': .* choose from film, paraview"):
+        RunOptions(**{option: "movie"})
+
+
+def test_help_names_the_results():
+    assert "film,paraview,tables,pictures,report,summary" in RunOptions.model_fields["write"].description
+
+
+@pytest.mark.parametrize(("size", "message"), [(5.0, "write 0.005 for 5 mm"), (1e-5, "at least"), (-1.0, "mesh_size")])
+def test_a_mesh_size_in_millimetres_is_refused(size, message):
+    with pytest.raises(InputError, match=message):
+        RunOptions(mesh_size=size)
+
+
+def test_the_solver_takes_what_the_options_say():
+    solver = RunOptions(threads=2, precision="float64", target_step=1e-6).solver(step_safety=0.5)
+    assert (solver.threads, solver.precision, solver.target_step, solver.step_safety) == (2, "float64", 1e-6, 0.5)

@@ -1,0 +1,118 @@
+"""Every check of a run, each by a case that it refuses, and what a run does once it is allowed to start."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.support.registered_cells import TautNet
+from tests.support.runs import small_run
+from weavesim.errors import InputError, RunError
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.shapes import Plane
+from weavesim.tools.tool import Tool
+
+NODE_COUNT = 25
+THICKNESS = glass_polypropylene().thickness
+
+
+def with_one_nan() -> np.ndarray:
+    velocity = np.zeros((NODE_COUNT, 3))
+    velocity[3, 1] = math.nan
+    return velocity
+
+
+def plane_at(height: float) -> Tool:
+    """A solid half space below ``height`` [m]; the sheet's mid-surface lies at 0."""
+    return Tool("table", Plane(origin=(0.0, 0.0, height)))
+
+
+def mesh_table(reach: float) -> Tool:
+    """A square of two triangles, 10 mm below the sheet, sampled up to ``reach`` [m]."""
+    corners = np.array([[-0.03, -0.03, 0.0], [0.05, -0.03, 0.0], [0.05, 0.05, 0.0], [-0.03, 0.05, 0.0]])
+    shape = MeshShape.from_triangles(
+        corners, np.array([[0, 1, 2], [0, 2, 3]]), spacing=2.0e-4, reach=reach, origin=(0.0, 0.0, -0.01)
+    )
+    return Tool("table", shape)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+@pytest.mark.parametrize("name", ["duration", "time_step", "target_step"])
+def test_a_time_must_be_positive_and_finite(name, value):
+    with pytest.raises(InputError, match=rf"{name} = .*: a positive, finite number of seconds is needed"):
+        small_run(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"step_safety": 0.0}, r"step_safety = 0.*: above 0 and at most 0\.9 is stable"),
+        ({"step_safety": 0.95}, r"step_safety = 0\.95: above 0 and at most 0\.9 is stable"),
+        ({"frame_count": 0}, "frame_count = 0: at least one frame is needed"),
+        ({"lane_count": 4}, "lane_count = 4: 1 or 16 lanes are known"),
+        ({"threads": 0}, "threads"),
+        ({"precision": "float16"}, "float16"),
+        ({"device": "abacus"}, "abacus"),
+        ({"symmetry": ("z",)}, "symmetry plane 'z'"),
+        ({"tools": [plane_at(-0.01)], "leading_tool": 1}, "leading_tool = 1: there are 1 tools, counted from 0"),
+        ({"tools": [plane_at(-0.01)], "leading_tool": -1}, "leading_tool = -1: there are 1 tools"),
+        ({"initial_velocity": np.zeros((NODE_COUNT, 2))}, r"initial_velocity: .*\(25, 3\)"),
+        ({"initial_velocity": np.zeros((NODE_COUNT - 1, 3))}, r"initial_velocity: .*\(25, 3\)"),
+        ({"initial_velocity": with_one_nan()}, "initial_velocity: .*finite"),
+        ({"free": np.ones((NODE_COUNT, 3), dtype=bool)}, r"free: .*\(25, 3\).*\(25, 6\)"),
+    ],
+    ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
+)
+def test_a_value_that_would_spoil_the_run_is_refused(given, message):
+    with pytest.raises(InputError, match=message):
+        small_run(**given)
+
+
+def test_a_tool_that_overlaps_the_blank_is_refused_with_its_depth():
+    """Half the thickness of the sheet lies below its mid-surface; a plane 1 mm above that is 1.6 mm deep in it."""
+    with pytest.raises(InputError, match=r"overlaps the blank by 1\.6 mm .* 1\.2 mm thick: move the tool half a"):
+        small_run(tools=[plane_at(1e-3)])
+
+
+@pytest.mark.parametrize("height", [-0.5 * THICKNESS, -0.1 * THICKNESS])
+def test_a_tool_may_touch_the_blank_and_reach_up_to_half_its_thickness_into_it(height):
+    simulation = small_run(tools=[plane_at(height)])
+    assert simulation.penetration.at_nodes == pytest.approx(height + 0.5 * THICKNESS, abs=1e-12)
+
+
+def test_a_mesh_must_be_sampled_beyond_the_thickness():
+    with pytest.raises(InputError, match=r"table 0: .* distance of 0\.001 m, but the sheet is 0\.0012 m thick"):
+        small_run(tools=[mesh_table(reach=1.0e-3)])
+    assert small_run(tools=[mesh_table(reach=1.3e-3)]).notes
+
+
+def test_an_unstable_time_step_is_refused_with_the_stable_one():
+    stable = small_run().stepper.stable_step()
+    with pytest.raises(InputError, match=rf"time_step = .* unstable .* at most {stable:.4g} s is stable"):
+        small_run(time_step=1.05 * stable)
+    slower = small_run(time_step=0.3 * stable)
+    slower.run()
+    assert slower.state.step == pytest.approx(0.3 * stable, rel=1e-12)
+
+
+def test_a_cell_that_is_not_at_rest_is_refused():
+    fabric = glass_polypropylene().with_linear_shear(0.0).model_copy(update={"unit_cell": TautNet()})
+    with pytest.raises(InputError, match="TautNet: the undeformed sheet carries 1e[+]04 N/m"):
+        small_run(fabric=fabric)
+
+
+def test_a_run_happens_once():
+    simulation = small_run()
+    simulation.run()
+    with pytest.raises(RunError, match="has been run: make a new one"):
+        simulation.run()
+
+
+def test_a_tool_with_a_radius_that_the_mesh_cannot_follow_is_warned_of():
+    from weavesim.tools.shapes import Sphere
+
+    ball = Tool("ball", Sphere(radius=0.01, origin=(0.01, 0.01, -0.02)))
+    (warning,) = small_run(tools=[ball]).warnings
+    # a quarter of its circumference over 5 mm
+    assert warning.startswith(f"ball: {0.5 * math.pi * 10.0 / 5.0:.1f} elements of 5 mm")

@@ -1,0 +1,109 @@
+"""The unit tests mirror the tree, so that a module's test is found where its name says."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.support.imports import INSIDE, Sources
+from tests.support.paths import ROOT
+
+# Shorter modules outside the kernels may be tested with what uses them.
+LEAST_LENGTH = 60
+SHELL = "verification/element/test_energies.py"
+# Modules whose test has another name, with the file that tests them.
+TESTED_ELSEWHERE = {
+    # A part of a kernel has no answer of its own: forces against energies, patches and modes find its mistakes.
+    "kernels/shell/bending.py": SHELL,
+    "kernels/shell/energy.py": SHELL,
+    "kernels/shell/force.py": SHELL,
+    "kernels/shell/hourglass.py": SHELL,
+    "kernels/shell/kinematics.py": "verification/element/test_patch.py",
+    "kernels/shell/laws.py": SHELL,
+    "kernels/shell/membrane.py": SHELL,
+    "kernels/shell/shear.py": SHELL,
+    "kernels/shell/thickness.py": "verification/shell/test_thickness.py",
+    "kernels/shell/frequency.py": "verification/time/test_stable_step.py",
+    "kernels/shell/eigenvalue.py": "verification/time/test_stable_step.py",
+    "kernels/operators.py": "unit/kernels/test_lanes.py",
+    "kernels/cell/energies.py": "verification/cell/test_unit_cells.py",
+    "kernels/cell/energy_cell.py": "verification/cell/test_unit_cells.py",
+    "kernels/cell/law.py": "verification/cell/test_unit_cells.py",
+    "kernels/cell/response.py": "verification/cell/test_unit_cells.py",
+    "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",
+    "kernels/contact/penalty.py": "verification/contact/test_contact.py",
+    "kernels/contact/tool_shapes.py": "unit/tools/test_shapes.py",
+    "kernels/stepping/machine.py": "unit/engine/test_stepper.py",
+    "kernels/stepping/node_advance.py": "unit/kernels/stepping/test_node.py",
+    "kernels/stepping/node_data.py": "unit/kernels/stepping/test_node.py",
+    "kernels/stepping/node_forces.py": "unit/kernels/stepping/test_node.py",
+    "kernels/stepping/tool_contact.py": "unit/kernels/stepping/test_node.py",
+    "kernels/stepping/step.py": "unit/engine/test_stepper.py",
+    "kernels/stepping/supports.py": "verification/time/test_supports.py",
+    "kernels/stepping/tools.py": "unit/tools/test_motion.py",
+    "weavesim/engine/model.py": "unit/run/test_simulation.py",
+    "weavesim/engine/setup.py": "unit/run/test_simulation.py",
+    "weavesim/sheet/sheet.py": "unit/run/test_simulation.py",
+    "weavesim/engine/state.py": "verification/time/test_time_integration.py",
+    "weavesim/arrays.py": "unit/test_checks.py",
+    "weavesim/fabric/cell/contract.py": "verification/cell/test_unit_cells.py",
+    "weavesim/fabric/cell/tape.py": "verification/cell/test_unit_cells.py",
+    "weavesim/fabric/cell/weaves.py": "unit/fabric/test_weaves.py",
+    "weavesim/fabric/device.py": "unit/kernels/test_curve.py",
+    "weavesim/fabric/curve.py": "unit/kernels/test_curve.py",
+    "weavesim/fabric/response.py": "verification/cell/test_cell_responses.py",
+    "weavesim/output/curves.py": "unit/output/test_tables.py",
+    "weavesim/output/files.py": "unit/output/test_folder.py",
+    "weavesim/output/usd.py": "unit/output/test_film.py",
+    "weavesim/output/report/page.py": "unit/output/test_folder.py",
+    "weavesim/process/device.py": "unit/tools/test_motion.py",
+    "weavesim/run/ledger.py": "verification/time/test_ledger_entries.py",
+    "weavesim/tools/mesh_repair.py": "unit/tools/test_mesh_shape.py",
+    "weavesim/tools/sampling.py": "unit/tools/test_mesh_shape.py",
+    "weavesim/tools/mesh_tool.py": "unit/tools/test_mesh_shape.py",
+    "weavesim/tools/tool.py": "unit/tools/test_shapes.py",
+}
+TESTS = ROOT / "tests"
+
+
+def own_test(module: str) -> Path | None:
+    """The test of a module that is named as from the root of the checkout: its own, or that of its folder."""
+    path = Path(module)
+    parts = path.parts if path.parts[0] in INSIDE else path.parts[1:]
+    folder = TESTS.joinpath("unit", *parts[:-1])
+    places = [folder / f"test_{path.name}"]
+    if len(parts) > 2 and parts[0] not in INSIDE:
+        places.append(folder.with_name(f"test_{folder.name}.py"))
+    return next((place for place in places if place.is_file()), None)
+
+
+def modules() -> list[str]:
+    """All modules that need a test of their own."""
+    sources = Sources(ROOT)
+    result = []
+    for module, file in sources.file_of.items():
+        path = file.relative_to(ROOT)
+        if path.parts[0] in ("scenes", "scripts") or sources.is_package(module):
+            continue
+        if path.parts[0] == "kernels" or len(file.read_text().splitlines()) > LEAST_LENGTH:
+            result.append(str(path))
+    return result
+
+
+@pytest.mark.parametrize("module", modules())
+def test_every_module_has_its_test(module):
+    if module in TESTED_ELSEWHERE:
+        assert (TESTS / TESTED_ELSEWHERE[module]).is_file()
+        assert own_test(module) is None, f"{module} has its own test now: take it out of TESTED_ELSEWHERE"
+    else:
+        assert own_test(module)
+
+
+def test_only_what_exists_is_tested_elsewhere():
+    assert set(TESTED_ELSEWHERE) <= set(modules())
+
+
+@pytest.mark.parametrize("scene", sorted(file.stem for file in (ROOT / "scenes").glob("[!_]*.py")))
+def test_every_scene_is_validated(scene):
+    text = (ROOT / "scenes" / f"{scene}.py").read_text()
+    if "def run(" in text:
+        assert (TESTS / "validation" / f"test_{scene}.py").is_file()

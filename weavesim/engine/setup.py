@@ -1,0 +1,231 @@
+"""All that a run is given, as one value: sheets and tools in their worlds, how long, and how it is solved.
+
+A set-up is checked when it is made; making one loads no Warp, compiles nothing and steps nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Self
+
+from pydantic import field_validator, model_validator
+
+from ..checks import NotNegative, Parameters, Positive
+from ..device import LARGEST_THREAD_COUNT, Precision, resolve_precision
+from ..process.dynamics import Dynamics
+from ..process.supports import Support
+from ..sheet.sheet import Sheet
+from ..sheet.symmetry import Symmetry
+from ..tools.tool import Tool
+
+# Share of the stable step 2/omega that is taken at most.
+STEP_SAFETY = 0.9
+# Elements per kernel thread: on a GPU, and on a CPU.
+LANE_COUNTS = (1, 16)
+# Fields of a world that a set-up of one world takes itself.
+_WORLD_FIELDS = ("sheets", "tools", "symmetry", "dynamics")
+
+
+class Solver(Parameters):
+    """Where and how a run is computed.
+
+    Attributes:
+        device: "cpu", "cuda:0", ...
+        precision: scalar type of state and kernels, "float32" or "float64".
+        threads: CPU threads; None takes as many as turn out to be fastest while it runs.
+        lane_count: elements per kernel thread, 1 or 16; chosen by the device if None.
+        time_step: largest step allowed [s]; must be stable. None takes the stable one.
+        target_step: step to scale the mass for [s]; None adds none.
+        step_safety: share of the stable step 2/omega that is taken; less quiets yarns that rattle between slack and
+            taut (theory, section 7).
+    """
+
+    device: str = "cpu"
+    precision: Precision = Precision.SINGLE
+    threads: int | None = None
+    lane_count: int | None = None
+    time_step: float | None = None
+    target_step: float | None = None
+    step_safety: float = STEP_SAFETY
+
+    @field_validator("precision", mode="before")
+    @classmethod
+    def _is_a_precision(cls, value: Any) -> Precision:
+        return resolve_precision(value)
+
+    @field_validator("threads")
+    @classmethod
+    def _are_some(cls, value: int | None) -> int | None:
+        if value is not None and not 1 <= value <= LARGEST_THREAD_COUNT:
+            raise ValueError(f"1 to {LARGEST_THREAD_COUNT} threads are possible")
+        return value
+
+    @field_validator("lane_count")
+    @classmethod
+    def _is_known(cls, value: int | None) -> int | None:
+        if value not in (None, *LANE_COUNTS):
+            raise ValueError(f"{LANE_COUNTS[0]} or {LANE_COUNTS[1]} lanes are known")
+        return value
+
+    @field_validator("time_step", "target_step")
+    @classmethod
+    def _is_a_time(cls, value: float | None) -> float | None:
+        return None if value is None else _seconds(value)
+
+    @field_validator("step_safety")
+    @classmethod
+    def _is_stable(cls, value: float) -> float:
+        if not 0.0 < value <= STEP_SAFETY:
+            raise ValueError(f"above 0 and at most {STEP_SAFETY} is stable")
+        return value
+
+
+class Rest(Parameters):
+    """Ends a run at the first frame at which its sheets are at rest.
+
+    Attributes:
+        after: not before this time [s].
+        kinetic_share: kinetic over internal energy, below which a sheet counts as at rest.
+    """
+
+    positional = ("after", "kinetic_share")
+
+    after: NotNegative
+    kinetic_share: Positive
+
+    def reached(self, time: float, energies: Mapping[str, float]) -> bool:
+        """Whether a frame at ``time`` [s] with these ``energies`` [J] is at rest."""
+        return time > self.after and energies["kinetic"] < self.kinetic_share * energies["internal"]
+
+
+class World(Parameters):
+    """Sheets that share tools, gravity and damping. What is in two worlds never touches.
+
+    Attributes:
+        sheets: at least one.
+        tools: rigid, in the order of all outputs.
+        symmetry: planes at which the sheets are cut; their nodes there are held accordingly.
+        dynamics: gravity, damping and contact.
+        name: of the world.
+    """
+
+    positional = ("sheets", "tools")
+
+    sheets: tuple[Sheet, ...]
+    tools: tuple[Tool, ...] = ()
+    symmetry: Symmetry = Symmetry()
+    dynamics: Dynamics = Dynamics()
+    name: str = "world"
+
+    @field_validator("symmetry", mode="before")
+    @classmethod
+    def _planes_will_do(cls, value: Any) -> Any:
+        return Symmetry(tuple(value)) if isinstance(value, tuple | list) else value
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if not self.sheets:
+            raise ValueError(f"world {self.name}: at least one sheet is needed")
+        _check_names("tools", [tool.name for tool in self.tools])
+        for sheet in self.sheets:
+            sheet.check_symmetry(self.symmetry)
+        return self
+
+
+class Setup(Parameters):
+    """All that a run is given.
+
+    Where there is one world, its ``sheets``, ``tools``, ``symmetry`` and ``dynamics`` may be given instead of
+    ``worlds``.
+
+    Attributes:
+        name: of the result files.
+        worlds: sheets and their tools; the names of all sheets, and those of all supports, differ.
+        duration: time at which the run ends [s].
+        frame_count: frames after the first, evenly spaced in time.
+        leading_tool: index, among the tools of all worlds, of the one whose displacement is the stroke.
+        rest: ends the run earlier; None does not.
+        solver: where and how it is computed.
+
+    Raises:
+        InputError: anything that would spoil the run and that can be seen without a device.
+    """
+
+    positional = ("name", "worlds")
+
+    name: str
+    worlds: tuple[World, ...]
+    duration: float
+    frame_count: int = 60
+    leading_tool: int = 0
+    rest: Rest | None = None
+    solver: Solver = Solver()
+
+    if TYPE_CHECKING:
+        # a checker of types knows no fields that may be given instead of others
+        def __init__(self, *arguments: Any, **values: Any) -> None: ...
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_world_will_do(cls, values: Any) -> Any:
+        if not isinstance(values, Mapping):
+            return values
+        own = {name: values[name] for name in _WORLD_FIELDS if name in values}
+        if not own:
+            return values
+        if "worlds" in values:
+            raise ValueError(f"{', '.join(own)}: belong into worlds, which are given too")
+        if "sheets" not in own:
+            raise ValueError("sheets: is required")
+        return {**{name: value for name, value in values.items() if name not in own}, "worlds": (World(**own),)}
+
+    @field_validator("duration")
+    @classmethod
+    def _is_a_time(cls, value: float) -> float:
+        return _seconds(value)
+
+    @field_validator("frame_count")
+    @classmethod
+    def _has_frames(cls, value: int) -> int:
+        if value < 1:
+            raise ValueError("at least one frame is needed")
+        return value
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if not self.worlds:
+            raise ValueError("worlds: at least one is needed")
+        if self.tools and not 0 <= self.leading_tool < len(self.tools):
+            raise ValueError(f"leading_tool = {self.leading_tool}: there are {len(self.tools)} tools, counted from 0")
+        _check_names("worlds", [world.name for world in self.worlds])
+        _check_names("sheets", [sheet.name for sheet in self.sheets])
+        _check_names("supports", [support.name for support in self.supports])
+        return self
+
+    @property
+    def sheets(self) -> tuple[Sheet, ...]:
+        """Of all worlds, in order."""
+        return tuple(sheet for world in self.worlds for sheet in world.sheets)
+
+    @property
+    def tools(self) -> tuple[Tool, ...]:
+        """Of all worlds, in order."""
+        return tuple(tool for world in self.worlds for tool in world.tools)
+
+    @property
+    def supports(self) -> tuple[Support, ...]:
+        """Of all sheets, in order."""
+        return tuple(support for sheet in self.sheets for support in sheet.supports)
+
+
+def _seconds(value: float) -> float:
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError("a positive, finite number of seconds is needed")
+    return value
+
+
+def _check_names(what: str, names: list[str]) -> None:
+    for index, name in enumerate(names):
+        if not name or name in names[:index]:
+            raise ValueError(f"{what}: the name {name!r} of entry {index} is empty or taken; outputs use it")

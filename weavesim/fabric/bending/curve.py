@@ -1,0 +1,139 @@
+"""Bending of one yarn family by a measured curve, with friction between its fibres."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ...checks import Kinded, NotNegative, positive_number
+from ..curve import Column, check_curve, interpolate, measured_columns
+
+
+class FamilyBending(Kinded):
+    """Base of what bends one family of yarns where a constant is not enough: a moment per width, odd in the curvature.
+
+    The moment is M(kappa) + M_f, where M_f = friction_stiffness (kappa - slip) keeps within the friction limit because
+    the slip follows: bending starts with the slope of both, softens to that of M alone, and unloads along a loop whose
+    height is twice the limit. What slipping loses is booked.
+    """
+
+    friction_limit: NotNegative = Field(default=0.0, description="largest friction moment [N]")
+    friction_stiffness: NotNegative = Field(default=0.0, description="slope that friction adds before it slips [N m]")
+
+    @property
+    @abstractmethod
+    def end(self) -> float:
+        """Curvature up to which the moment is tabulated, straight beyond [1/m]."""
+
+    @abstractmethod
+    def moment(self, curvature: np.ndarray) -> np.ndarray:
+        """Elastic moment per width [N]."""
+
+    @property
+    @abstractmethod
+    def is_constant(self) -> bool:
+        """True for one slope without friction: moment and curvature are proportional."""
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Slope at zero, without friction [N m]."""
+        step = 1.0e-6 * self.end
+        return float(self.moment(np.array(step)) / step)
+
+    @property
+    def largest_stiffness(self) -> float:
+        """Upper bound of the slope, friction included [N m]."""
+        x = np.linspace(0.0, self.end, 2001)
+        return float(np.max(np.diff(self.moment(x)) / np.diff(x))) * 1.01 + self.friction_stiffness
+
+    @property
+    def typical_stiffness(self) -> float:
+        """Mean of moment over curvature along the curve, friction included [N m]."""
+        x = np.linspace(0.0, self.end, 101)[1:]
+        friction = np.minimum(self.friction_stiffness * x, self.friction_limit)
+        return float(np.mean((self.moment(x) + friction) / x))
+
+
+class BendingCurve(FamilyBending):
+    """Moment per width over curvature of one yarn family."""
+
+    curvature: tuple[float, ...] = Field(kw_only=True, description="increasing curvatures from 0 [1/m]")
+    moment_values: tuple[float, ...] = Field(
+        kw_only=True, description="M at these, moment per width in N m/m; beyond the last, its end slope goes on [N]"
+    )
+
+    @model_validator(mode="after")
+    def _is_a_curve(self) -> Self:
+        check_curve(self.curvature, self.moment_values, ("curvatures", "moments"), from_zero=True)
+        if min(self.moment_values) < 0.0:
+            raise ValueError("moments must not be negative: bending may not release energy")
+        if self.friction_limit > 0.0 and self.friction_stiffness == 0.0:
+            raise ValueError(
+                f"friction_limit = {self.friction_limit:.4g} N needs a friction_stiffness [N m]: the slope before slip"
+            )
+        return self
+
+    @classmethod
+    def straight(cls, stiffness: float) -> BendingCurve:
+        """A constant bending stiffness per width [N m]."""
+        return cls(curvature=(0.0, 1.0), moment_values=(0.0, stiffness))
+
+    @classmethod
+    def from_loading_and_unloading(
+        cls,
+        curvature: Column,
+        loading: Column,
+        unloading: Column,
+        *,
+        friction_stiffness: float,
+    ) -> BendingCurve:
+        """A measured loop: its middle is the elastic curve, half its mean height the friction limit.
+
+        Args:
+            curvature: from 0 [1/m].
+            loading, unloading: moments per width at these curvatures on the way up and down [N].
+            friction_stiffness: initial slope of the test minus that of the middle [N m].
+
+        Raises:
+            InputError: columns of unequal lengths or no numbers, or an unloading above the loading.
+        """
+        curvature, up, down = measured_columns(curvature=curvature, loading=loading, unloading=unloading)
+        middle = 0.5 * (up + down)
+        middle = np.maximum(middle - middle[0], 0.0)
+        return cls(
+            curvature=tuple(curvature), moment_values=tuple(middle),
+            friction_limit=float(np.mean(0.5 * (up - down)[1:])), friction_stiffness=friction_stiffness,
+        )  # fmt: skip
+
+    @classmethod
+    def from_kawabata(cls, rigidity: float, hysteresis: float, *, slip_curvature: float = 10.0) -> BendingCurve:
+        """The two numbers of the Kawabata pure-bending test (KES-FB2): M = B kappa with a loop of height 2HB.
+
+        Args:
+            rigidity: B, the slope [N m] (moment per width over curvature).
+            hysteresis: 2HB, the height of the loop [N].
+            slip_curvature: curvature after which the friction slips [1/m].
+
+        Raises:
+            InputError: a slip curvature that is not above 0, or numbers that are negative.
+        """
+        slip_curvature = positive_number("slip_curvature", slip_curvature)
+        return cls(
+            curvature=(0.0, 1.0), moment_values=(0.0, rigidity),
+            friction_limit=0.5 * hysteresis, friction_stiffness=0.5 * hysteresis / slip_curvature,
+        )  # fmt: skip
+
+    @property
+    def end(self) -> float:
+        return self.curvature[-1]
+
+    def moment(self, curvature: np.ndarray) -> np.ndarray:
+        return np.sign(curvature) * interpolate(self.curvature, self.moment_values, np.abs(curvature))
+
+    @property
+    def is_constant(self) -> bool:
+        slope = np.array(self.moment_values[1:]) / np.array(self.curvature[1:])
+        return self.friction_limit == 0.0 and bool(np.ptp(slope) <= 1.0e-9 * slope.max())

@@ -1,0 +1,119 @@
+"""Bending per yarn family, with constant stiffnesses or measured moment-curvature curves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
+
+from pydantic import Discriminator, Field, SerializeAsAny, Tag, model_validator
+
+from ...checks import NotNegative
+from ..device_form import DeviceForm, Tabulated
+from .curve import BendingCurve, FamilyBending
+from .isotropic import IsotropicBending
+from .law import BendingLaw, YarnName
+
+
+def _constant_or_curve(value: Any) -> str:
+    return "curve" if isinstance(value, Mapping | FamilyBending) else "constant"
+
+
+Family = Annotated[
+    Annotated[NotNegative, Tag("constant")] | Annotated[SerializeAsAny[FamilyBending], Tag("curve")],
+    Discriminator(_constant_or_curve),
+]
+
+
+class YarnBending(BendingLaw):
+    """Bending per yarn family and unit width: a constant stiffness or a moment-curvature curve for each family."""
+
+    warp: Family = Field(description="D_1, or a curve [N m]")
+    weft: Family = Field(description="D_2, or a curve [N m]")
+    twist: NotNegative = Field(description="D_12 [N m]")
+    coupling: float = Field(default=0.0, allow_inf_nan=False, description="D_nu between the two curvatures [N m]")
+
+    @model_validator(mode="after")
+    def _is_stable(self) -> Self:
+        if isinstance(self.warp, FamilyBending) or isinstance(self.weft, FamilyBending):
+            if self.coupling != 0.0:
+                raise ValueError(f"coupling = {self.coupling:.4g} N m: must be 0 where a family has a curve")
+        elif self.coupling**2 > self.warp * self.weft:
+            raise ValueError(
+                f"coupling = {self.coupling:.4g} N m: its square may not exceed warp * weft, or bending releases energy"
+            )
+        return self
+
+    @property
+    def curved(self) -> bool:
+        """True where a family has a curve."""
+        return isinstance(self.warp, FamilyBending) or isinstance(self.weft, FamilyBending)
+
+    @property
+    def families(self) -> tuple[FamilyBending, FamilyBending]:
+        """Warp and weft, constants as straight curves."""
+        warp, weft = (
+            family if isinstance(family, FamilyBending) else BendingCurve.straight(family)
+            for family in (self.warp, self.weft)
+        )
+        return warp, weft
+
+    def stiffness_scale(self, thickness: float) -> float:
+        return 0.5 * sum(
+            family.typical_stiffness if isinstance(family, FamilyBending) else family
+            for family in (self.warp, self.weft)
+        )
+
+    def largest_stiffness(self, thickness: float) -> float:
+        families = max(
+            family.largest_stiffness if isinstance(family, FamilyBending) else family
+            for family in (self.warp, self.weft)
+        )
+        return families + abs(self.coupling) + 2.0 * self.twist
+
+    def strip_stiffness(self, yarn: YarnName, thickness: float) -> float:
+        along, across = (self.warp, self.weft) if yarn == "warp" else (self.weft, self.warp)
+        if isinstance(along, FamilyBending):
+            return along.initial_stiffness
+        # a curve across allows no coupling
+        if isinstance(across, FamilyBending) or not self.coupling:
+            return along
+        return along - self.coupling**2 / across
+
+    def bends_linearly(self, yarn: YarnName) -> bool:
+        along = self.warp if yarn == "warp" else self.weft
+        return not isinstance(along, FamilyBending) or along.is_constant
+
+    @property
+    def has_friction(self) -> bool:
+        return any(family.friction_limit > 0.0 for family in self.families)
+
+    def device_form(self, thickness: float) -> DeviceForm:
+        warp, weft = self.families
+        traits = {"bending": "curves" if self.curved else "yarns", "bending_friction": self.has_friction}
+        constants = {
+            "warp_stiffness": warp.initial_stiffness,
+            "weft_stiffness": weft.initial_stiffness,
+            "twist_stiffness": self.twist,
+            "coupling_stiffness": self.coupling,
+            # a family without friction has a slider that never holds: any spring will do
+            "friction_stiffness": (warp.friction_stiffness or 1.0, weft.friction_stiffness or 1.0),
+            "friction_limit": (warp.friction_limit, weft.friction_limit),
+        }
+        curves = {
+            "warp_curve": Tabulated(warp.moment, warp.end), "weft_curve": Tabulated(weft.moment, weft.end)
+        }  # fmt: skip
+        return DeviceForm(traits, constants, curves if self.curved else {})
+
+    @classmethod
+    def from_moduli(cls, modulus: float, poisson_ratio: float, shear_modulus: float, thickness: float) -> YarnBending:
+        """Equation (6) along the yarns, with a shear modulus G of its own: sigma_12 = G eps_12, eps_12 the tensor's.
+
+        G = E/(1 + nu) would make the sheet isotropic; ``IsotropicBending`` does that in the current tangent plane.
+        """
+        stiffness = IsotropicBending(modulus=modulus, poisson_ratio=poisson_ratio).stiffness(thickness)
+        return cls(
+            warp=stiffness,
+            weft=stiffness,
+            coupling=poisson_ratio * stiffness,
+            twist=shear_modulus * thickness**3 / 24.0,
+        )

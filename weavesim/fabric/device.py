@@ -1,0 +1,69 @@
+"""The laws of a fabric on a device: the structs that the kernels read. Only the engine imports this module."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from ..device import Precision
+from ..kernels.curve import curve_struct
+from ..kernels.lanes import lane_types
+from ..kernels.shell.laws import sheet_struct
+from .curve import tabulate
+from .device_form import DeviceForm, Tabulated
+from .fabric import Fabric
+
+# Cubic pieces of a measured curve on the device.
+CURVE_PIECE_COUNT = 512
+
+
+def law_traits(fabric: Fabric) -> dict[str, Any]:
+    """The fields of ``SheetTraits`` that the fabric's laws decide."""
+    return {name: value for _, form in _forms(fabric) for name, value in form.traits.items()}
+
+
+def sheet_laws(fabric: Fabric, precision: Precision, device: Any) -> Any:
+    """A ``sheet_struct`` with all constants of a fabric but those of the stabilisation."""
+    laws = sheet_struct(precision.real)()
+    for name, form in _forms(fabric):
+        _fill(getattr(laws, name), form, precision, device)
+    laws.thickness = fabric.thickness
+    laws.thickening = fabric.compaction.thickening
+    laws.inverse_crossover_modulus = 1.0 / fabric.compaction.modulus(fabric.unit_cell)
+    laws.slip_resolution = 4.0 * np.finfo(precision.numpy).eps
+    laws.transverse_shear_stiffness = fabric.transverse_shear_stiffness
+    laws.in_plane_bending_stiffness = fabric.in_plane_bending_stiffness
+    laws.compressive_stiffness = fabric.compressive_stiffness
+    return laws
+
+
+def device_curve(table: Tabulated, precision: Precision, device: Any) -> Any:
+    """The device's table of a function."""
+    spacing = table.end / CURVE_PIECE_COUNT
+    coefficients, integral = tabulate(table.function, spacing, CURVE_PIECE_COUNT)
+    curve = curve_struct(precision.real)()
+    curve.knot_spacing = spacing
+    curve.knots_per_unit = CURVE_PIECE_COUNT / table.end
+    curve.coefficient = wp.array(coefficients, dtype=lane_types(precision.real, 1).vec4, device=device)
+    curve.integral = wp.array(integral, dtype=precision.real, device=device)
+    return curve
+
+
+def _forms(fabric: Fabric) -> list[tuple[str, DeviceForm]]:
+    """Each law with the field of ``sheet_struct`` that holds it."""
+    friction = fabric.shear_friction
+    return [
+        ("shear", fabric.shear.device_form(fabric.thickness)),
+        *([("shear", friction.device_form())] if friction else []),
+        ("bending", fabric.bending.device_form(fabric.thickness)),
+    ]
+
+
+def _fill(struct: Any, form: DeviceForm, precision: Precision, device: Any) -> None:
+    for name, value in form.constants.items():
+        vector = wp.types.vector(np.size(value), precision.real)
+        setattr(struct, name, vector(*value) if isinstance(value, tuple) else value)
+    for name, table in form.curves.items():
+        setattr(struct, name, device_curve(table, precision, device))

@@ -1,0 +1,32 @@
+"""What a law hands to the kernels: plain numbers and curves, from which the engine fills the structs of the device."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Tabulated:
+    """A function of x >= 0 that the kernels read from a table between 0 and ``end``, straight beyond."""
+
+    function: Callable[[np.ndarray], np.ndarray]
+    end: float
+
+
+@dataclass(frozen=True)
+class DeviceForm:
+    """One law on the device.
+
+    Attributes:
+        traits: fields of ``kernels.shell.laws.SheetTraits`` that choose the law's device functions by name.
+        constants: fields of the law's struct, numbers and tuples of numbers.
+        curves: fields of the law's struct that are tables.
+    """
+
+    traits: Mapping[str, Any]
+    constants: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict)
+    curves: Mapping[str, Tabulated] = field(default_factory=dict)

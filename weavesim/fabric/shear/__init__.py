@@ -1,0 +1,11 @@
+"""In-plane shear of the sheet: the elastic laws, each a module here, and the friction of the yarns beside them."""
+
+from ..families import define_kinds
+from .friction import CrossoverFriction, ShearFriction
+from .law import LARGEST_SHEAR_ANGLE, ShearLaw
+from .linear import LinearShear
+from .moment_curve import MomentCurve
+
+define_kinds(__name__, __path__)
+
+__all__ = ["LARGEST_SHEAR_ANGLE", "CrossoverFriction", "LinearShear", "MomentCurve", "ShearFriction", "ShearLaw"]

@@ -1,0 +1,135 @@
+"""Friction of the yarns that turn on each other at the crossovers."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Annotated, ClassVar, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ...checks import Kinded, NotNegative, Positive, at_most
+from ..curve import Column, check_curve, measured_columns
+from ..device_form import DeviceForm, Tabulated
+from .law import LARGEST_SHEAR_ANGLE, check_radians
+
+# Larger ones are in a wrong unit [m].
+LARGEST_FRICTION_LENGTH = 0.02
+
+
+class CrossoverFriction(Kinded):
+    """Base of all friction in shear: a spring and a slider beside the elastic law; kinds differ in the slider's limit.
+
+    The moment k (gamma - slip) keeps within the limit, because the slip follows. Unloading starts along k and makes a
+    loop whose height is twice the limit; what slipping loses is booked.
+    """
+
+    implied_kind: ClassVar[str | None] = "ShearFriction"
+
+    stiffness: Positive = Field(
+        description="k, slope before the yarns slip, at most a tenth of the yarn stiffness per width [N/m]"
+    )
+
+    @abstractmethod
+    def limit_under(self, angle: np.ndarray, pressure: np.ndarray) -> np.ndarray:
+        """Moment at which the yarns slip [N/m], at angles [rad] and pressures of the crossovers >= 0 [Pa]."""
+
+    @abstractmethod
+    def device_form(self) -> DeviceForm:
+        """The law as the kernels take it."""
+
+    @property
+    def pressed_by(self) -> str:
+        """The value that makes the limit grow with the pressure of the crossovers, as "name = value"; "" for none."""
+        return ""
+
+    def moment_along(self, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0) -> np.ndarray:
+        """Friction moment [N/m] along a path of angles (n,) [rad] from rest, at pressures of the crossovers [Pa]."""
+        angle = np.asarray(angle, dtype=float)
+        pressure = np.maximum(np.broadcast_to(crossover_pressure, angle.shape), 0.0)
+        free = self.limit_under(angle, pressure) / self.stiffness
+        slip, moment = 0.0, np.empty_like(angle)
+        for i, (gamma, reach) in enumerate(zip(angle, free, strict=True)):
+            slip = gamma - np.clip(gamma - slip, -reach, reach)
+            moment[i] = self.stiffness * (gamma - slip)
+        return moment
+
+
+class ShearFriction(CrossoverFriction):
+    """Friction of the crossovers with a limit over the angle, which yarn tension raises.
+
+    The limit is limit(|gamma|) + crossover_friction_length * pressure; pressure is the crossover force that the unit
+    cell delivers, per reference area. A limit that depends on tension stores nothing, so no force along the yarns has
+    to answer it: the law dissipates and never creates energy.
+    """
+
+    limit: tuple[NotNegative, ...] = Field(
+        default=(0.0,),
+        description="moment at which the yarns slip without tension, at each angle; constant beyond the last [N/m]",
+    )
+    angle: tuple[float, ...] = Field(default=(0.0,), description="increasing angles from 0 [rad]")
+    crossover_friction_length: Annotated[
+        NotNegative, at_most(LARGEST_FRICTION_LENGTH, "it is in metres, write 2e-4 for 0.2 mm")
+    ] = Field(
+        default=0.0,
+        description="friction coefficient times effective radius of a crossover's contact patch, two thirds of the "
+        "radius of a round patch under even pressure; the limit grows by it times the pressure [m]",
+    )
+
+    @model_validator(mode="after")
+    def _is_a_curve(self) -> Self:
+        check_curve(self.angle, self.limit, ("angles", "limits"), from_zero=False)
+        check_radians(self.angle)
+        if max(self.limit) == 0.0 and self.crossover_friction_length == 0.0:
+            raise ValueError("limit = 0 and crossover_friction_length = 0: such a friction does nothing, leave it out")
+        return self
+
+    @classmethod
+    def from_loading_and_unloading(
+        cls,
+        angle: Column,
+        loading: Column,
+        unloading: Column,
+        *,
+        stiffness: float,
+        crossover_friction_length: float = 0.0,
+    ) -> ShearFriction:
+        """The friction of a measured loop: half its height at each angle. ``MomentCurve`` has its middle.
+
+        Args:
+            angle: from 0 [rad].
+            loading, unloading: moments per reference area on the way up and down [N/m].
+            stiffness: slope at which unloading starts minus that of the middle [N/m].
+            crossover_friction_length: as in the class [m].
+
+        Raises:
+            InputError: columns of unequal lengths or no numbers, or a loop without height.
+        """
+        angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
+        half = np.maximum(0.5 * (up - down), 0.0)
+        # at zero angle the loop is closed or not measured: the friction does not vanish there
+        return cls(
+            stiffness=stiffness, angle=tuple(angle), limit=(half[1], *half[1:]),
+            crossover_friction_length=crossover_friction_length,
+        )  # fmt: skip
+
+    def limit_at(self, angle: np.ndarray) -> np.ndarray:
+        """Moment at which the yarns slip without tension [N/m]."""
+        return np.interp(np.abs(angle), self.angle, self.limit)
+
+    def limit_under(self, angle: np.ndarray, pressure: np.ndarray) -> np.ndarray:
+        return self.limit_at(angle) + self.crossover_friction_length * pressure
+
+    @property
+    def pressed_by(self) -> str:
+        length = self.crossover_friction_length
+        return f"crossover_friction_length = {length:.4g} m" if length > 0.0 else ""
+
+    def device_form(self) -> DeviceForm:
+        constants = {
+            "friction_stiffness": self.stiffness,
+            "crossover_friction_length": self.crossover_friction_length,
+        }
+        return DeviceForm(
+            {"shear_friction": True}, constants, {"friction_limit": Tabulated(self.limit_at, LARGEST_SHEAR_ANGLE)}
+        )

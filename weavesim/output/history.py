@@ -1,0 +1,132 @@
+"""Scalars of every frame of a run."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from ..run.frame import Frame, Outcome, RunInfo
+from .tables import write_table
+
+# Entries of the ledger that are named after what they are; the others are energies.
+_NOT_ENERGIES = ("energy", "work", "loss", "error", "supplied", "used")
+
+
+class History:
+    """Observer that keeps the scalars of every frame and the last frame.
+
+    Attributes:
+        tool_names: in the order of the tools.
+        last_frame: the latest frame, None before the first.
+        index, step_count, time [s], stroke [m]: one per frame.
+        tool_displacement: (frame_count, tool_count) [m].
+        tool_reaction: force of the sheet on each tool, (frame_count, tool_count, 3) [N].
+        energies: by name, (frame_count,) [J].
+        support_names, drive_names: in the order of the supports, and of all their drives.
+        support_force: of each support on the sheet, (frame_count, support_count, 3) [N].
+        drive_displacement, drive_force: (frame_count, drive_count) [m], [N].
+    """
+
+    def __init__(self) -> None:
+        self.tool_names: list[str] = []
+        self.support_names: list[str] = []
+        self.drive_names: list[str] = []
+        self.last_frame: Frame | None = None
+        self._rows: list[tuple] = []
+
+    def start(self, info: RunInfo) -> None:
+        self.tool_names = list(info.tool_names)
+        self.support_names = [support.name for support in info.supports]
+        self.drive_names = [f"{s.name}_drive_{k + 1}" for s in info.supports for k in range(len(s.drives))]
+        self.last_frame, self._rows = None, []
+
+    def frame(self, frame: Frame) -> None:
+        self.last_frame = frame
+        self._rows.append(
+            (
+                frame.index,
+                frame.step_count,
+                frame.time,
+                frame.stroke,
+                np.array(frame.tool_displacement, dtype=float),
+                np.array(frame.tool_reaction, dtype=float).reshape(-1, 3),
+                dict(frame.energies),
+                np.array(frame.support_force, dtype=float).reshape(-1, 3),
+                np.array(frame.drive_displacement, dtype=float),
+                np.array(frame.drive_force, dtype=float),
+            )
+        )
+
+    def finish(self, outcome: Outcome) -> None:
+        """Nothing to close; ``write`` makes the file."""
+
+    @property
+    def frame_count(self) -> int:
+        return len(self._rows)
+
+    @property
+    def index(self) -> np.ndarray:
+        return self._column(0)
+
+    @property
+    def step_count(self) -> np.ndarray:
+        return self._column(1)
+
+    @property
+    def time(self) -> np.ndarray:
+        return self._column(2)
+
+    @property
+    def stroke(self) -> np.ndarray:
+        return self._column(3)
+
+    @property
+    def tool_displacement(self) -> np.ndarray:
+        return self._column(4).reshape(self.frame_count, len(self.tool_names))
+
+    @property
+    def tool_reaction(self) -> np.ndarray:
+        return self._column(5).reshape(self.frame_count, len(self.tool_names), 3)
+
+    @property
+    def energies(self) -> dict[str, np.ndarray]:
+        names = self._rows[0][6] if self._rows else {}
+        return {name: np.array([row[6].get(name, math.nan) for row in self._rows], dtype=float) for name in names}
+
+    @property
+    def support_force(self) -> np.ndarray:
+        return self._column(7).reshape(self.frame_count, len(self.support_names), 3)
+
+    @property
+    def drive_displacement(self) -> np.ndarray:
+        return self._column(8).reshape(self.frame_count, len(self.drive_names))
+
+    @property
+    def drive_force(self) -> np.ndarray:
+        return self._column(9).reshape(self.frame_count, len(self.drive_names))
+
+    def _column(self, place: int) -> np.ndarray:
+        return np.array([row[place] for row in self._rows])
+
+    def write(self, path: str | Path) -> None:
+        """Write ``history.csv``: frame, step count, time, stroke; displacement and force of each tool; force of each
+        support; displacement and force of each of their drives; every energy.
+        """
+        energies = self.energies
+        header = ["frame", "step_count", "time_s", "stroke_m"]
+        for name in self.tool_names:
+            header += [f"{name}_displacement_m", *(f"{name}_force_{axis}_n" for axis in "xyz")]
+        header += [f"{name}_force_{axis}_n" for name in self.support_names for axis in "xyz"]
+        header += [f"{name}_{what}" for name in self.drive_names for what in ("displacement_m", "force_n")]
+        header += [f"{name}_j" if name.endswith(_NOT_ENERGIES) else f"{name}_energy_j" for name in energies]
+        rows = []
+        for i, (index, step_count, time, stroke, displacement, reaction, _, support, way, force) in enumerate(
+            self._rows
+        ):
+            tools = np.column_stack([displacement, reaction]).ravel().tolist() if len(displacement) else []
+            supports = [*support.ravel().tolist(), *np.column_stack([way, force]).ravel().tolist()]
+            values = (float(values[i]) for values in energies.values())
+            rows.append([index, step_count, time, stroke, *tools, *supports, *values])
+        write_table(path, header, rows)

@@ -1,0 +1,159 @@
+"""Prims of a film: meshes, tools, materials, camera and light in USD."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..tools.shapes import Triangles
+    from ..tools.tool import Tool
+
+_LARGEST_SMOOTH_ANGLE = 35.0
+
+
+@contextmanager
+def usd_errors() -> Iterator[None]:
+    """USD reports a full disk or a missing folder by errors of its own; here they are what they are."""
+    from pxr import Tf
+
+    try:
+        yield
+    except Tf.ErrorException as error:
+        reasons = [getattr(part, "commentary", str(part)) for part in error.args]
+        raise OSError("; ".join(reasons)) from error
+
+
+def define_mesh(stage: Any, path: str, faces: np.ndarray) -> Any:
+    from pxr import UsdGeom, Vt
+
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(faces), faces.shape[1], dtype=np.int32)))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(np.ascontiguousarray(faces, dtype=np.int32).ravel()))
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateDoubleSidedAttr(True)
+    mesh.CreatePointsAttr()
+    mesh.CreateExtentAttr()
+    return mesh
+
+
+def define_tool(stage: Any, name: str, tool: Tool, triangles: Triangles, opacity: float) -> Any:
+    """A tool as /World/tools/NAME, a transform that holds its mesh."""
+    from pxr import Gf, Sdf, UsdGeom, Vt
+
+    vertices, faces = triangles
+    bounds = np.array([vertices.min(axis=0), vertices.max(axis=0)], dtype=np.float32)
+    UsdGeom.Scope.Define(stage, "/World/tools")
+    transform = UsdGeom.Xform.Define(stage, f"/World/tools/{name}")
+    mesh = define_mesh(stage, f"/World/tools/{name}/surface", faces)
+    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(vertices.astype(np.float32)))
+    mesh.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(bounds))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_corner_normals(vertices, faces)))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
+    mesh.CreateDisplayColorAttr([Gf.Vec3f(*tool.colour)])
+    shader = _preview_surface(stage, f"/World/materials/{name}", roughness=0.35)
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*tool.colour))
+    shader.CreateInput("opacity", Sdf.ValueTypeNames.Float).Set(opacity)
+    if opacity < 1.0:
+        mesh.CreateDisplayOpacityAttr([opacity])
+    bind(mesh, f"/World/materials/{name}")
+    return transform
+
+
+def _preview_surface(stage: Any, path: str, roughness: float) -> Any:
+    from pxr import Sdf, UsdGeom, UsdShade
+
+    UsdGeom.Scope.Define(stage, "/World/materials")
+    material = UsdShade.Material.Define(stage, path)
+    shader = UsdShade.Shader.Define(stage, f"{path}/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(roughness)
+    shader.CreateInput("metallic", Sdf.ValueTypeNames.Float).Set(0.0)
+    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+    return shader
+
+
+def sheet_material(stage: Any) -> str:
+    from pxr import Gf, Sdf, UsdShade
+
+    path = "/World/materials/sheet"
+    shader = _preview_surface(stage, path, roughness=0.7)
+    reader = UsdShade.Shader.Define(stage, f"{path}/colour")
+    reader.CreateIdAttr("UsdPrimvarReader_float3")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("displayColor")
+    reader.CreateInput("fallback", Sdf.ValueTypeNames.Float3).Set(Gf.Vec3f(0.5))
+    reader.CreateOutput("result", Sdf.ValueTypeNames.Float3)
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(reader.ConnectableAPI(), "result")
+    return path
+
+
+def bind(mesh: Any, material_path: str) -> None:
+    from pxr import UsdShade
+
+    material = UsdShade.Material.Get(mesh.GetPrim().GetStage(), material_path)
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+
+
+def define_camera(stage: Any, lower: np.ndarray, upper: np.ndarray) -> None:
+    """A camera above one corner that sees the sphere around ``lower`` and ``upper``."""
+    from pxr import Gf, UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/World/camera")
+    focal_length, aperture = 50.0, (36.0, 24.0)  # tenths of a stage unit, as USD has it; only the ratio counts
+    centre, radius = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
+    distance = 1.05 * radius / np.sin(np.arctan(0.5 * min(aperture) / focal_length))
+    azimuth, elevation = np.deg2rad((-60.0, 38.0))
+    outward = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
+    eye = centre + distance * outward
+    view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(*eye.tolist()), Gf.Vec3d(*centre.tolist()), Gf.Vec3d(0, 0, 1))
+    camera.ClearXformOpOrder()
+    camera.AddTransformOp().Set(view.GetInverse())
+    camera.CreateFocalLengthAttr(focal_length)
+    camera.CreateHorizontalApertureAttr(aperture[0])
+    camera.CreateVerticalApertureAttr(aperture[1])
+    camera.CreateFocusDistanceAttr(float(distance))
+    camera.CreateClippingRangeAttr(Gf.Vec2f(0.01 * distance, 10.0 * distance))
+
+
+def define_light(stage: Any) -> None:
+    from pxr import Gf, UsdGeom, UsdLux
+
+    UsdGeom.Scope.Define(stage, "/World/lights")
+    UsdLux.DomeLight.Define(stage, "/World/lights/sky").CreateIntensityAttr(0.7)
+    sun = UsdLux.DistantLight.Define(stage, "/World/lights/sun")
+    sun.CreateIntensityAttr(2.0)
+    sun.CreateAngleAttr(3.0)
+    sun.AddRotateXYZOp().Set(Gf.Vec3f(-35.0, 20.0, 0.0))
+
+
+def node_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    a, b, c, d = (position[corner].T for corner in quads.T)
+    (x1, y1, z1), (x2, y2, z2) = c - a, d - b
+    corners = quads.T.ravel()
+    total = np.stack(
+        [
+            np.bincount(corners, np.tile(component, 4), len(position))
+            for component in (y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2)
+        ]
+    )
+    return (total / np.maximum(np.sqrt((total * total).sum(axis=0)), 1.0e-300)).T.astype(np.float32, order="C")
+
+
+def _corner_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Normals of the corners of each triangle, (3 face_count, 3): smooth, but for sharp edges."""
+    corner = vertices[faces]
+    side = np.roll(corner, -1, axis=1) - corner
+    side /= np.maximum(np.linalg.norm(side, axis=2, keepdims=True), 1.0e-300)
+    normal = np.cross(side[:, 0], side[:, 1])
+    face = np.repeat(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1.0e-300), 3, axis=0)
+    # weighted by the angles of the corners, so that it does not matter how a flat face is cut into triangles
+    cosine = -np.einsum("fci,fci->fc", side, np.roll(side, 1, axis=1))
+    weighted = face * np.arccos(np.clip(cosine, -1.0, 1.0)).reshape(-1, 1)
+    corners = faces.ravel()
+    total = np.stack([np.bincount(corners, weighted[:, axis], len(vertices)) for axis in range(3)], axis=1)
+    node = (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1.0e-300))[corners]
+    smooth = np.einsum("ki,ki->k", face, node) > np.cos(np.deg2rad(_LARGEST_SMOOTH_ANGLE))
+    return np.where(smooth[:, None], node, face).astype(np.float32)

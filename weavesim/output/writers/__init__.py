@@ -1,0 +1,1 @@
+"""One writer of results per file; see ``weavesim.output.writer``."""

@@ -1,0 +1,36 @@
+"""The film, for usdview, Omniverse, Blender or Houdini."""
+
+from __future__ import annotations
+
+from ...run.frame import Frame, Outcome, RunInfo
+from ..film import Film
+from ..writer import Writer
+
+
+class FilmWriter(Writer):
+    """``NAME.usdc``: a film of sheets and tools for usdview, Blender and others (``weavesim.output.Film``)."""
+
+    name = "film"
+    title = "film"
+
+    @classmethod
+    def load(cls) -> None:
+        """Import USD."""
+        Film.load()
+
+    def start(self, info: RunInfo) -> None:
+        """Begin the film."""
+        self._film = Film(self.folder / f"{info.name}.usdc")
+        self._film.start(info)
+
+    def frame(self, frame: Frame) -> None:
+        """Add a frame."""
+        self._film.frame(frame)
+
+    def finish(self, outcome: Outcome) -> None:
+        """Put the film in its place."""
+        self._film.finish(outcome)
+
+    def discard(self) -> None:
+        """Remove the unfinished film."""
+        self._film.discard()

@@ -1,0 +1,118 @@
+"""All pictures, as PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from .. import pictures
+from ..results import Results
+from ..writer import Writer
+
+
+class Picture(NamedTuple):
+    """A picture to draw.
+
+    Attributes:
+        file: its name.
+        caption: below it in the report.
+        draw: makes the figure.
+    """
+
+    file: str
+    caption: str
+    draw: Callable[[], Any]
+
+
+class PicturesWriter(Writer):
+    """``pictures/*.png``: formed sheets, sections, forces, energies, and what the scene wants to be shown."""
+
+    name = "pictures"
+    title = "pictures"
+    rank = 2
+
+    def write(self, results: Results) -> None:
+        """Draw all that this run has something to show in."""
+        folder = self.folder / "pictures"
+        if not self.attempt("pictures", lambda: folder.mkdir(exist_ok=True)):
+            return
+        for picture in wanted_pictures(results):
+            if self.attempt(picture.file, partial(_draw, picture, folder / picture.file)):
+                results.pictures.append((folder / picture.file, picture.caption))
+
+
+def _draw(picture: Picture, path: Path) -> None:
+    pictures.write_picture(picture.draw(), path)
+
+
+def wanted_pictures(results: Results) -> Iterator[Picture]:
+    """In the order of the report."""
+    yield from _formed_sheets(results)
+    if (curves := results.wanted.curves) is not None:
+        for chart in curves.charts:
+            yield Picture(f"{chart.name}.png", chart.caption, partial(pictures.chart_of, chart, curves.columns))
+    yield from _point_angles(results)
+    yield from _sections(results)
+    yield from _charts(results)
+
+
+def _caption(results: Results, name: str, text: str) -> str:
+    return f"Sheet {name}. {text}" if len(results.sheets) > 1 else text
+
+
+def _formed_sheets(results: Results) -> Iterator[Picture]:
+    text = (
+        "The formed sheet at the last frame. Each element has the colour of its own shear angle, without smoothing; "
+        "the lines follow the yarns."
+    )
+    for sheet in results.sheets:
+        caption = _caption(results, sheet.info.name, text)
+        yield Picture(sheet.file("formed_sheet.png"), caption, partial(pictures.formed_sheet, sheet.formed))
+
+
+def _point_angles(results: Results) -> Iterator[Picture]:
+    text = (
+        "Shear angles at the material points: signed element values averaged to the nodes by area, mirrored elements "
+        "included, then interpolated bilinearly; absolute values are shown."
+    )
+    for sheet in results.sheets if results.wanted.points is not None else ():
+        draw = partial(pictures.point_angles, sheet.formed, results.wanted.measured_angles)
+        yield Picture(sheet.file("point_angles.png"), _caption(results, sheet.info.name, text), draw)
+
+
+def _sections(results: Results) -> Iterator[Picture]:
+    for sheet in results.sheets:
+        if not sheet.formed.meets_both_lines:
+            continue
+        if results.wanted.draw_in:
+            text = "Draw-in: the outline before and after, and the plan movement of the border against its flat normal."
+            draw = partial(pictures.draw_in_picture, sheet.formed, results.wanted.measured_outline)
+            yield Picture(sheet.file("draw_in.png"), _caption(results, sheet.info.name, text), draw)
+        text = "Sections along the symmetry lines, sheet drawn in its thickness."
+        draw = partial(pictures.sections, sheet.formed, sheet.tools)
+        yield Picture(sheet.file("sections.png"), _caption(results, sheet.info.name, text), draw)
+
+
+def _charts(results: Results) -> Iterator[Picture]:
+    history, info = results.history, results.info
+    if info.tools:
+        shares = {sheet.symmetry.share for sheet in info.sheets}
+        part = pictures.PART_NAMES[shares.pop()] if len(shares) == 1 else "the computed parts"
+        yield Picture(
+            "tool_forces.png", "Force between sheet and each tool, along the tool's axis.",
+            partial(pictures.tool_forces, history, info.tools, part),
+        )  # fmt: skip
+    if history.drive_names:
+        yield Picture(
+            "drive_forces.png",
+            "Force of the supports on the sheet along each prescribed motion: work per unit of its displacement.",
+            partial(pictures.drive_forces, history),
+        )
+    yield Picture(
+        "energies.png",
+        "Energies of the ledger: the stack of stored and lost energies against the supplied work, each by itself, and "
+        "the ratios by which a quasi-static run is judged.",
+        partial(pictures.energies, history),
+    )

@@ -1,0 +1,35 @@
+"""All tables, as CSV."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from ..curves import Curves
+from ..results import Results
+from ..tables import write_draw_in, write_shear_angles, write_table
+from ..writer import Writer
+
+
+class TablesWriter(Writer):
+    """``history.csv``: scalars of every frame; ``draw_in.csv``, ``shear_angle.csv``; the curves of the scene."""
+
+    name = "tables"
+    title = "tables"
+    rank = 1
+
+    def write(self, results: Results) -> None:
+        """Write all of them."""
+        self.attempt("history.csv", lambda: results.history.write(self.folder / "history.csv"))
+        for sheet in results.sheets if results.wanted.draw_in else ():
+            name = sheet.file("draw_in.csv")
+            self.attempt(name, partial(write_draw_in, self.folder / name, sheet.formed))
+        for sheet in results.sheets if results.wanted.points is not None else ():
+            name = sheet.file("shear_angle.csv")
+            self.attempt(name, partial(write_shear_angles, self.folder / name, sheet.formed))
+        if results.wanted.curves is not None:
+            self._write_curves(results.wanted.curves)
+
+    def _write_curves(self, curves: Curves) -> None:
+        columns, path = curves.columns, self.folder / f"{curves.name}.csv"
+        rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+        self.attempt(path.name, lambda: write_table(path, list(columns), rows))

@@ -1,0 +1,148 @@
+"""Values per element that frames hold, each named once: what it is, its unit, and how files show it.
+
+Rows that kernels write are described in ``kernels/rows.py``; what the host derives of them stands here, with how it is
+derived. Frames, film, ParaView files and docs read this list. To add a field, add a row there, or a ``Field`` here, or
+one of your own by ``add_field``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import InputError
+from ..kernels.rows import ElementField
+
+if TYPE_CHECKING:
+    from ..fabric.fabric import Fabric
+
+# A cell whose residual ever exceeds this share of the forces that it balances has failed.
+UNIT_CELL_FAILURE = 1.0e-3
+
+Values = Mapping[str, np.ndarray]
+# The field from the fabric, the fields before it, and the report of the unit cells; None where the fabric has none.
+Derivation = Callable[["Fabric", Values, Values], np.ndarray | None]
+
+
+def as_it_is(values: np.ndarray) -> np.ndarray:
+    """``values``."""
+    return values
+
+
+@dataclass(frozen=True)
+class Field:
+    """One value per element.
+
+    Attributes:
+        name: in frames, where it has SI units.
+        unit: there; "1" for a pure number.
+        description: what it is.
+        derive: how the host finds it; None for what a kernel writes.
+        film: how the film shows it; None where it does not.
+    """
+
+    name: str
+    unit: str
+    description: str
+    derive: Derivation | None = None
+    film: Callable[[np.ndarray], np.ndarray] | None = None
+
+    @property
+    def file_name(self) -> str:
+        """In files, where angles are in degrees and say so."""
+        return f"{self.name}_deg" if self.unit == "rad" else self.name
+
+    @property
+    def file_unit(self) -> str:
+        """In files."""
+        return "degrees" if self.unit == "rad" else self.unit
+
+    def in_file(self, values: np.ndarray) -> np.ndarray:
+        """``values`` in the unit of files."""
+        return np.rad2deg(values) if self.unit == "rad" else values
+
+
+# How the film shows rows of the kernel: of the shear angle it has the size.
+_IN_FILM: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "shear_angle": np.abs, "warp_stretch": as_it_is, "weft_stretch": as_it_is,
+}  # fmt: skip
+
+
+def _thickness(fabric: Fabric, fields: Values, report: Values) -> np.ndarray:
+    ratio = fabric.compaction.thickness_ratio(fabric.unit_cell, fields["area_ratio"], fields["crossover_pressure"])
+    return fabric.thickness * ratio
+
+
+def _fibre_volume_fraction(fabric: Fabric, fields: Values, report: Values) -> np.ndarray | None:
+    return fabric.compaction.fibre_volume_fraction(fields["thickness"], fields["area_ratio"])
+
+
+def _crossover_force(fabric: Fabric, fields: Values, report: Values) -> np.ndarray | None:
+    area = fabric.unit_cell.crossover_area
+    return fields["crossover_pressure"] * area if area > 0.0 else None
+
+
+def _failed(fabric: Fabric, fields: Values, report: Values) -> np.ndarray:
+    return (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
+
+
+FIELDS: list[Field] = [
+    *(Field(row.name, row.unit, row.description, film=_IN_FILM.get(row.name)) for row in ElementField),
+    Field("thickness", "m", "current thickness", _thickness, film=as_it_is),
+    Field(
+        "fibre_volume_fraction", "1", "share of the fibres in the volume, if the fabric states its fibre content",
+        _fibre_volume_fraction, film=as_it_is,
+    ),
+    Field("crossover_force", "N", "force of a crossover, if the unit cell has an area of one", _crossover_force),
+    Field(
+        "unit_cell_residual", "1", "worst residual of the unit cell so far, over the forces that it balances",
+        lambda fabric, fields, report: report["worst_residual"],
+    ),
+    Field(
+        "unit_cell_iterations", "1", "iterations of the unit cell in this step",
+        lambda fabric, fields, report: report["iterations"],
+    ),
+    Field("unit_cell_failed", "1", f"1 where that residual is not below {UNIT_CELL_FAILURE:g}, else 0", _failed),
+]  # fmt: skip
+
+
+def add_field(field: Field) -> Field:
+    """Make a field of your own known to all frames and files of this process, behind the others.
+
+    Raises:
+        InputError: a field of this name is known, or it says not how it is derived.
+    """
+    if field.derive is None:
+        raise InputError(f"field {field.name}: derive is missing; only rows of the kernel come without it")
+    if field.name in {other.name for other in FIELDS}:
+        raise InputError(f"field {field.name}: one of this name is known; choose another name")
+    FIELDS.append(field)
+    return field
+
+
+def complete(fabric: Fabric, rows: Values, report: Values) -> dict[str, np.ndarray]:
+    """All fields of a sheet in SI units, by name, (element_count,) each.
+
+    Args:
+        fabric: of the sheet.
+        rows: what the kernel wrote, by the names of ``ElementField``.
+        report: of the unit cells, by the names of ``CellReportRow``.
+    """
+    fields = dict(rows)
+    for field in FIELDS:
+        value = field.derive(fabric, fields, report) if field.derive else None
+        if value is not None:
+            fields[field.name] = value
+    return fields
+
+
+def in_files(fields: Values) -> dict[str, np.ndarray]:
+    """``fields`` by their names in files, in their units there; what is in no list stays as it is."""
+    known = {field.name: field for field in FIELDS}
+    return {
+        known[name].file_name if name in known else name: known[name].in_file(values) if name in known else values
+        for name, values in fields.items()
+    }

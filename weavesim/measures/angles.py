@@ -129,7 +129,7 @@ def yarn_vectors(
     Args:
         blank: the flat sheet.
         position: formed nodes, (node_count, 3) [m].
-        components: ``yarn_components(blank)``, for who takes the directions of many frames.
+        components: ``yarn_components(blank)``, which many frames can share.
     """
     components = yarn_components(blank) if components is None else components
     current = _sides(position[blank.quads])

@@ -49,7 +49,8 @@ class ParaViewSeries:
 
     def start(self, info: RunInfo) -> None:
         names = file_endings(info)
-        self._sheets = [_SheetFiles(self.folder, *pair) for pair in zip(names, info.sheets, strict=True)]
+        parts = zip(range(len(names)), names, info.sheets, strict=True)
+        self._sheets = [_SheetFiles(self.folder, *part) for part in parts]
         self._interval = info.duration / 30.0
         self._next_time = 0.0
         self._written: list[tuple[float, int]] = []
@@ -97,12 +98,13 @@ class _SheetFiles:
     """Files of one sheet.
 
     Attributes:
-        part: what tells them apart in the series, where there are several sheets.
+        part: what identifies them in the series, where there are several sheets.
     """
 
-    def __init__(self, folder: Path, ending: str, info: SheetInfo) -> None:
+    def __init__(self, folder: Path, place: int, ending: str, info: SheetInfo) -> None:
         self._folder, self._ending, self._blank = folder, ending, info.blank
-        self.part = f" part={quoteattr(info.name)}" if ending else ""
+        # ParaView takes numbers for parts
+        self.part = f' part="{place}" name={quoteattr(info.name)}' if ending else ""
         self._yarn_components = yarn_components(info.blank)
 
     def file(self, stem: str) -> str:

@@ -55,8 +55,8 @@ def drive_forces(history: History) -> Figure:
     chart = new_axes(figure, 1, 1, 1, title="Forces of the supports")
     chart.set(xlabel="displacement of the drive [mm]", ylabel="force along the drive [N]")
     for k, name in enumerate(history.drive_names):
-        way, force = 1.0e3 * history.drive_displacement[:, k], history.drive_force[:, k]
-        chart.plot(way, force, color=LINE_COLOURS[k % len(LINE_COLOURS)], label=words(name))
+        travel, force = 1.0e3 * history.drive_displacement[:, k], history.drive_force[:, k]
+        chart.plot(travel, force, color=LINE_COLOURS[k % len(LINE_COLOURS)], label=words(name))
     chart.axhline(0.0, color=FAINT, linewidth=1.0)
     add_legend(chart, loc="best")
     return figure

@@ -13,6 +13,7 @@ from weavesim.scenes import cantilever
 from weavesim.scenes.cantilever import CantileverParameters
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("yarn", ["warp", "weft"])
 def test_cantilever_gives_the_bending_stiffness_back(tmp_path, yarn):
     summary = cantilever.SCENE.run(CantileverParameters(out=tmp_path, mesh_size=0.01, width=0.02, yarn=yarn, threads=1))

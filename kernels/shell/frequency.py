@@ -25,6 +25,17 @@ from .laws import SHEAR_LAWS, SheetTraits, sheet_struct
 from .membrane import bundling_stiffness, unknowns_function
 from .shear import sticking_shear, tangent_struct
 
+# Terms that couple positions and directors, as shares of the leading ones. Transverse shear by the tilt: of positions,
+# linear and squared; of positions and directors.
+TILT_STIFFENING = 4.4
+TILT_SQUARE_STIFFENING = 8.5
+TILT_COUPLING = 5.4
+# Bending by the curvature: of positions, squared; of positions and directors.
+CURVATURE_STIFFENING = 24.0
+CURVATURE_COUPLING = 7.4
+# The warping takes a quarter of x_h.d, and the mean d of four corners is at most half of their norm.
+MEAN_WARPING = 0.125
+
 
 @cache
 def step_bounds_struct(real: type):
@@ -238,8 +249,12 @@ def slope_function(skewed: bool):
             skew = skew + half * (skew12 * skew12 + skew22 * skew22)
             half_directors = half_directors + square_root(skew * size.gradient * size.largest_metric)
         directors = slope * half_directors * half_directors * size.inverse_squared_radius
-        tilting = positions * size.tilt * (fill(slope, slope.dtype(4.4)) + slope.dtype(8.5) * size.tilt)
-        coupling = square_root(positions * directors) * (one + slope.dtype(5.4) * size.tilt)
+        tilting = (
+            positions
+            * size.tilt
+            * (fill(slope, slope.dtype(TILT_STIFFENING)) + slope.dtype(TILT_SQUARE_STIFFENING) * size.tilt)
+        )
+        coupling = square_root(positions * directors) * (one + slope.dtype(TILT_COUPLING) * size.tilt)
         return tilting, coupling, directors
 
     return slope_norms
@@ -248,8 +263,8 @@ def slope_function(skewed: bool):
 @wp.func
 def bending_norms(bending: Any, size: Any):
     """What bending adds to positions, to their coupling with director gradients, and to directors."""
-    positions = (bending.dtype(24.0) * bending) * (size.curvature * size.curvature)
-    coupling = (bending.dtype(7.4) * bending) * (size.inverse_radius * size.curvature)
+    positions = (bending.dtype(CURVATURE_STIFFENING) * bending) * (size.curvature * size.curvature)
+    coupling = (bending.dtype(CURVATURE_COUPLING) * bending) * (size.inverse_radius * size.curvature)
     return positions, coupling, bending * size.inverse_squared_radius
 
 
@@ -261,14 +276,14 @@ def warping_norms(shape: Any, squares: Any, length: Any, size: Any):
     """
     half = length.dtype(0.5)
     quarter = length.dtype(0.25)
-    eighth = length.dtype(0.125)
+    mean_warping = length.dtype(MEAN_WARPING)
     weight11, weight12, weight22 = twist_weights(shape)
     twist = square_root(squares * (weight11 * weight11 + half * weight12 * weight12 + weight22 * weight22))
     root_metric = square_root(size.largest_metric)
     positions = quarter * length + twist * root_metric * size.curvature
-    directors = size.inverse_radius * (twist * root_metric + eighth * size.x_odd)
+    directors = size.inverse_radius * (twist * root_metric + mean_warping * size.x_odd)
     warp = quarter * size.x_odd + twist * size.curvature / size.root_gradient
-    coupling = positions * directors + warp * size.inverse_radius * (eighth * length + twist * size.root_gradient)
+    coupling = positions * directors + warp * size.inverse_radius * (mean_warping * length + twist * size.root_gradient)
     return positions, coupling, directors
 
 

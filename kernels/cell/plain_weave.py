@@ -28,9 +28,8 @@ from ..lanes import (  # noqa: F401 - operators of lanes
     square_root,
     where_positive,
 )
-from .law import CellLaw
+from .law import MAXIMUM_ITERATIONS, CellLaw
 
-MAXIMUM_ITERATIONS = 40
 # A height change in one step beyond this share of the crimp heights is a snap: the energy that it frees is booked.
 SNAP_SHARE = wp.constant(0.05)
 ENERGY_NAMES = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")

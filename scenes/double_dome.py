@@ -7,7 +7,6 @@ double dome; a user's own tool meshes can take its place.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -155,7 +154,8 @@ def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple
 
 def raised(shape: Shape, height: float) -> Shape:
     """``shape`` moved up by ``height`` [m]."""
-    return replace(shape, origin=(shape.origin[0], shape.origin[1], shape.origin[2] + height))
+    x, y, z = shape.origin
+    return shape.model_copy(update={"origin": (x, y, z + height)})
 
 
 def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) -> Setup:
@@ -181,8 +181,6 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
         lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
     )
     tools = make_tools(parameters, fabric, symmetry)
-    stroke = tools[0].motion
-    assert isinstance(stroke, Stroke)
     return Setup(
         "double_dome", sheets=(Sheet(blank, fabric),), tools=tools, symmetry=symmetry,
         dynamics=Dynamics(
@@ -190,7 +188,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             director_damping=DIRECTOR_DAMPING,
             contact_thickness=parameters.contact_thickness,
         ),
-        duration=stroke.duration + REST, frame_count=parameters.frames, solver=parameters.solver(),
+        duration=tools[0].motion.duration + REST, frame_count=parameters.frames, solver=parameters.solver(),
     )  # fmt: skip
 
 

@@ -10,15 +10,17 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import reprlib
 from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Self, dataclass_transform, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 
 import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
@@ -31,6 +33,7 @@ from pydantic import (
     model_serializer,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema
 
 from .errors import InputError
@@ -71,9 +74,29 @@ def positive_number(name: str, value: Any, *, largest: float = float("inf"), hin
     return number
 
 
-# Fields may be given by place, unlike those of Pydantic: checkers of types read it here.
-@dataclass_transform(kw_only_default=False, field_specifiers=(Field,))
-class Parameters(BaseModel):
+if TYPE_CHECKING:
+
+    class _Model:
+        """What type checkers see of a model: of pydantic's they would know no values that are given by place."""
+
+        model_config: ClassVar[ConfigDict]
+        model_fields: ClassVar[dict[str, FieldInfo]]
+
+        def __init__(self, *arguments: Any, **values: Any) -> None: ...
+        @classmethod
+        def model_validate(cls, value: Any) -> Self: ...
+        def model_dump(self, *, mode: str = "python") -> dict[str, Any]: ...
+        @classmethod
+        def model_json_schema(cls) -> dict[str, Any]: ...
+        @classmethod
+        def __pydantic_init_subclass__(cls, **settings: Any) -> None: ...
+        def __getstate__(self) -> dict[str, Any]: ...
+        def __setstate__(self, state: dict[str, Any]) -> None: ...
+else:
+    _Model = BaseModel
+
+
+class Parameters(_Model):
     """Immutable, checked values; a bad one raises InputError that names it.
 
     Equality and hash are those of the content, arrays included. ``positional`` names the fields that may be given
@@ -153,6 +176,11 @@ class Parameters(BaseModel):
     def __hash__(self) -> int:
         return hash(self.content_hash)
 
+    def __getstate__(self) -> dict[Any, Any]:
+        # what is found out about a value is found out again
+        state = super().__getstate__()
+        return {**state, "__dict__": {name: state["__dict__"][name] for name in type(self).model_fields}}
+
     def __setstate__(self, state: dict[Any, Any]) -> None:
         super().__setstate__(state)
         for value in self.__dict__.values():
@@ -180,7 +208,7 @@ def _problems(error: ValidationError) -> str:
         elif isinstance(problem["input"], dict | np.ndarray):  # too long to show
             lines.setdefault(name, f"{name}: {message}" if name else message)
         else:
-            lines.setdefault(name, f"{name} = {problem['input']!r}: {message}" if name else message)
+            lines.setdefault(name, f"{name} = {reprlib.repr(problem['input'])}: {message}" if name else message)
     return "; ".join(lines.values())
 
 
@@ -219,12 +247,17 @@ class Kinded(Parameters):
     @model_validator(mode="wrap")
     @classmethod
     def _made_of_its_kind(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
-        if not isinstance(value, Mapping):
+        if isinstance(value, cls):
             return handler(value)
+        if not isinstance(value, Mapping):
+            raise ValueError(f"one of {', '.join(cls.kinds())} is needed")
         implied = cls.implied_kind if Kinded in cls.__bases__ else None
         name = value.get("kind", implied or cls.__name__)
         if name not in cls.kinds():
-            raise ValueError(f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed")
+            raise ValueError(
+                f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed; import the module that defines a kind of "
+                "your own before it is read"
+            )
         kind, rest = cls.kinds()[name], {key: item for key, item in value.items() if key != "kind"}
         return handler(rest) if kind is cls else kind(**rest)
 
@@ -305,18 +338,49 @@ def finite(what: str, value: Any) -> float:
 def vector(what: str, value: Any) -> Vector:
     """``value`` as three finite floats; InputError otherwise."""
     try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.empty(0)
-    if array.shape != (3,) or not np.all(np.isfinite(array)):
-        raise InputError(f"{what} is {value!r}; it must be three finite numbers.")
-    return (float(array[0]), float(array[1]), float(array[2]))
+        return _vector(value)
+    except ValueError as error:
+        raise InputError(f"{what} is {value!r}; {error}.") from None
 
 
 def unit_vector(what: str, value: Any) -> Vector:
     """``value`` scaled to length one; InputError if it has no direction."""
-    array = np.array(vector(what, value))
-    length = float(np.linalg.norm(array))
+    try:
+        return _unit_vector(value)
+    except ValueError as error:
+        raise InputError(f"{what} is {value!r}; {error}.") from None
+
+
+def _vector(value: Any) -> Vector:
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != (3,) or not np.all(np.isfinite(array)):
+        raise ValueError("it must be three finite numbers")
+    return (float(array[0]), float(array[1]), float(array[2]))
+
+
+def _unit_vector(value: Any) -> Vector:
+    given = _vector(value)
+    length = float(np.linalg.norm(given))
     if length < 1e-12:
-        raise InputError(f"{what} is {value!r}; it must not be zero, for it gives a direction.")
-    return vector(what, array / length)
+        raise ValueError("it must not be zero, for it gives a direction")
+    # one that is scaled already stays the same to the last bit
+    return given if abs(length - 1.0) <= UNIT_ROUNDING else _vector(np.array(given) / length)
+
+
+def _numbers(value: Any) -> tuple[float, ...]:
+    try:
+        items = tuple(value)
+    except TypeError:
+        raise ValueError("it must be a list of numbers") from None
+    return tuple(finite(f"entry {k}", item) for k, item in enumerate(items))
+
+
+# A vector that was scaled to length one differs from it by less than this.
+UNIT_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
+# Types of fields: three finite numbers; the same, scaled to length one; any finite numbers.
+FiniteVector = Annotated[Vector, BeforeValidator(_vector)]
+UnitVector = Annotated[Vector, BeforeValidator(_unit_vector)]
+Numbers = Annotated[tuple[float, ...], BeforeValidator(_numbers)]

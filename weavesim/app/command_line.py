@@ -92,7 +92,7 @@ def devices() -> None:
     for device in wp.get_devices():
         memory = f", {device.total_memory / 2**30:.0f} GiB" if device.is_cuda else f", {available_threads()} cores"
         print(f"{device.alias}: {device.name}{memory}")
-    print(f"CPU features: {cpu_features() or 'not told by this system'}")
+    print(f"CPU features: {cpu_features() or 'not reported by this system'}")
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
 
 

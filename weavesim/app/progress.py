@@ -1,4 +1,4 @@
-"""Observers that tell a person how a run goes: a progress bar on the terminal, a log in the result folder."""
+"""Observers that show a person how a run goes: a progress bar on the terminal, a log in the result folder."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class ProgressBar:
                 TaskProgressColumn(),
                 TextColumn("{task.fields[state]}"),
                 console=self._console,
-                # The computation wants the cores: redraw seldom.
+                # The computation needs the cores: redraw rarely.
                 refresh_per_second=2,
             )
             self._task = self._progress.add_task(self._name, total=self._duration, state="preparing")
@@ -169,8 +169,10 @@ class RunLog:
 
     def frame(self, frame: Frame) -> None:
         forces = ", ".join(
-            f"{name} {1e3 * way:.2f} mm ({x:.4g}, {y:.4g}, {z:.4g}) N"
-            for name, way, (x, y, z) in zip(self._tool_names, frame.tool_displacement, frame.tool_reaction, strict=True)
+            f"{name} {1e3 * travel:.2f} mm ({x:.4g}, {y:.4g}, {z:.4g}) N"
+            for name, travel, (x, y, z) in zip(
+                self._tool_names, frame.tool_displacement, frame.tool_reaction, strict=True
+            )
         )
         energies = ", ".join(f"{name} {value:.4g}" for name, value in frame.energies.items())
         self._logger.info(

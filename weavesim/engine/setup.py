@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from pydantic import field_validator, model_validator
 
@@ -161,10 +161,6 @@ class Setup(Parameters):
     leading_tool: int = 0
     rest: Rest | None = None
     solver: Solver = Solver()
-
-    if TYPE_CHECKING:
-        # a checker of types knows no fields that may be given instead of others
-        def __init__(self, *arguments: Any, **values: Any) -> None: ...
 
     @model_validator(mode="before")
     @classmethod

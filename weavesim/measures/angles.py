@@ -59,31 +59,7 @@ def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     elements, weights = [], []
     for point in np.atleast_2d(np.asarray(points, dtype=float)):
         candidates = np.flatnonzero(np.all((point >= lower) & (point <= upper), axis=1))
-        local = np.zeros((len(candidates), 2))
-        shapes = np.full((len(candidates), 4), 0.25)
-        for _ in range(20):  # Newton on the bilinear map; exact after one step on parallelograms
-            r, s = local.T
-            shapes = 0.25 * np.stack(
-                [(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)], axis=1
-            )
-            by_r = 0.25 * np.stack([s - 1, 1 - s, 1 + s, -1 - s], axis=1)
-            by_s = 0.25 * np.stack([r - 1, -1 - r, 1 + r, 1 - r], axis=1)
-            corner = corners[candidates]
-            jacobian = np.stack([np.einsum("ec,ecx->ex", d, corner) for d in (by_r, by_s)], axis=2)
-            miss = point - np.einsum("ec,ecx->ex", shapes, corner)
-            determinant = jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]
-            solvable = np.abs(determinant) > 1.0e-300
-            step = (
-                np.stack(
-                    [
-                        jacobian[:, 1, 1] * miss[:, 0] - jacobian[:, 0, 1] * miss[:, 1],
-                        jacobian[:, 0, 0] * miss[:, 1] - jacobian[:, 1, 0] * miss[:, 0],
-                    ],
-                    axis=1,
-                )
-                / np.where(solvable, determinant, 1.0)[:, None]
-            )
-            local = np.clip(local + step, -3.0, 3.0)
+        local, shapes = _local_coordinates(corners[candidates], point)
         outside = np.abs(local).max(axis=1, initial=0.0)
         if not len(candidates) or outside[best := int(np.argmin(outside))] > 1.0 + 1.0e-3:
             x, y = blank.material_coordinates.min(axis=0), blank.material_coordinates.max(axis=0)
@@ -94,6 +70,33 @@ def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         elements.append(candidates[best])
         weights.append(shapes[best])
     return np.array(elements), np.array(weights)
+
+
+def _local_coordinates(corner: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where a point lies in each element (k, 4, 2): its coordinates from -1 to 1, (k, 2), and the corners' weights."""
+    local = np.zeros((len(corner), 2))
+    shapes = np.full((len(corner), 4), 0.25)
+    for _ in range(20):  # Newton on the bilinear map; exact after one step on parallelograms
+        r, s = local.T
+        shapes = 0.25 * np.stack([(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)], axis=1)
+        by_r = 0.25 * np.stack([s - 1, 1 - s, 1 + s, -1 - s], axis=1)
+        by_s = 0.25 * np.stack([r - 1, -1 - r, 1 + r, 1 - r], axis=1)
+        jacobian = np.stack([np.einsum("ec,ecx->ex", d, corner) for d in (by_r, by_s)], axis=2)
+        miss = point - np.einsum("ec,ecx->ex", shapes, corner)
+        determinant = jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]
+        solvable = np.abs(determinant) > 1.0e-300
+        step = (
+            np.stack(
+                [
+                    jacobian[:, 1, 1] * miss[:, 0] - jacobian[:, 0, 1] * miss[:, 1],
+                    jacobian[:, 0, 0] * miss[:, 1] - jacobian[:, 1, 0] * miss[:, 0],
+                ],
+                axis=1,
+            )
+            / np.where(solvable, determinant, 1.0)[:, None]
+        )
+        local = np.clip(local + step, -3.0, 3.0)
+    return local, shapes
 
 
 def shear_angle_at(blank: Blank, shear_angle: np.ndarray, points: np.ndarray, symmetry: Symmetry = WHOLE) -> np.ndarray:
@@ -126,7 +129,7 @@ def yarn_vectors(
     Args:
         blank: the flat sheet.
         position: formed nodes, (node_count, 3) [m].
-        components: ``yarn_components(blank)``, for who takes the directions of many frames.
+        components: ``yarn_components(blank)``, which many frames can share.
     """
     components = yarn_components(blank) if components is None else components
     current = _sides(position[blank.quads])

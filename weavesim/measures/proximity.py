@@ -21,6 +21,23 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
     """
     if not distance > 0.0:
         raise InputError(f"distance of close pairs is {distance} m; it must be positive")
+    node, element = _near_pairs(position, quads, distance)
+    far = ~np.isin(element * len(position) + node, _neighbour_keys(quads, len(position)))
+    element, node = element[far], node[far]
+    if len(node) == 0:
+        return 0
+    from trimesh.triangles import closest_point  # takes half a second to import, and a good sheet never needs it
+
+    corners = position[quads]
+    gap = np.full(len(node), np.inf)
+    for triangle in ((0, 1, 2), (0, 2, 3)):
+        nearest = closest_point(corners[element][:, triangle], position[node])
+        gap = np.minimum(gap, np.linalg.norm(nearest - position[node], axis=1))
+    return int((gap < distance).sum())
+
+
+def _near_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and elements of all pairs that may be closer than ``distance``: the node is in reach of the element."""
     corners = position[quads]
     centre = corners.mean(axis=1)
     reach = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1) + distance
@@ -41,18 +58,7 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
         near = np.sum((position[node] - centre[element]) ** 2, axis=1) < reach[element] ** 2
         elements.append(element[near])
         nodes.append(node[near])
-    element, node = np.concatenate(elements), np.concatenate(nodes)
-    far = ~np.isin(element * len(position) + node, _neighbour_keys(quads, len(position)))
-    element, node = element[far], node[far]
-    if len(node) == 0:
-        return 0
-    from trimesh.triangles import closest_point  # takes half a second to import, and a good sheet never needs it
-
-    gap = np.full(len(node), np.inf)
-    for triangle in ((0, 1, 2), (0, 2, 3)):
-        nearest = closest_point(corners[element][:, triangle], position[node])
-        gap = np.minimum(gap, np.linalg.norm(nearest - position[node], axis=1))
-    return int((gap < distance).sum())
+    return np.concatenate(nodes), np.concatenate(elements)
 
 
 def _join(left: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -32,9 +32,10 @@ SECONDS = Unit("s", "s")
 JOULES = Unit("j", "J")
 NEWTONS = Unit("n", "N")
 METRES = Unit("m", "m")
+PER_SECOND = Unit("per_second", "1/s")
 # Longer endings first: "n_per_m" ends in "m" too.
 UNITS = (
-    Unit("n_per_m", "N/m"), Unit("per_second", "1/s"), DEGREES, MILLIMETRES, SECONDS, JOULES, NEWTONS, METRES,
+    Unit("n_per_m", "N/m"), PER_SECOND, DEGREES, MILLIMETRES, SECONDS, JOULES, NEWTONS, METRES,
     Unit("pa", "Pa"), Unit("kg", "kg"),
 )  # fmt: skip
 

@@ -6,6 +6,7 @@ from .folder import ResultFolder
 from .history import History
 from .measured import load_measured_angles, load_measured_outline
 from .report.page import Report, write_report
+from .results import Results
 from .series import ParaViewSeries
 from .writer import Writer, chosen_writers, known_writers
 
@@ -15,6 +16,7 @@ __all__ = [
     "ParaViewSeries",
     "Report",
     "ResultFolder",
+    "Results",
     "Writer",
     "chosen_writers",
     "known_writers",

@@ -122,11 +122,11 @@ class History:
         header += [f"{name}_{what}" for name in self.drive_names for what in ("displacement_m", "force_n")]
         header += [f"{name}_j" if name.endswith(_NOT_ENERGIES) else f"{name}_energy_j" for name in energies]
         rows = []
-        for i, (index, step_count, time, stroke, displacement, reaction, _, support, way, force) in enumerate(
+        for i, (index, step_count, time, stroke, displacement, reaction, _, support, travel, force) in enumerate(
             self._rows
         ):
             tools = np.column_stack([displacement, reaction]).ravel().tolist() if len(displacement) else []
-            supports = [*support.ravel().tolist(), *np.column_stack([way, force]).ravel().tolist()]
+            supports = [*support.ravel().tolist(), *np.column_stack([travel, force]).ravel().tolist()]
             values = (float(values[i]) for values in energies.values())
             rows.append([index, step_count, time, stroke, *tools, *supports, *values])
         write_table(path, header, rows)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -49,7 +49,8 @@ class ParaViewSeries:
 
     def start(self, info: RunInfo) -> None:
         names = file_endings(info)
-        self._sheets = [_SheetFiles(self.folder, *pair) for pair in zip(names, info.sheets, strict=True)]
+        parts = zip(range(len(names)), names, info.sheets, strict=True)
+        self._sheets = [_SheetFiles(self.folder, *part) for part in parts]
         self._interval = info.duration / 30.0
         self._next_time = 0.0
         self._written: list[tuple[float, int]] = []
@@ -97,12 +98,13 @@ class _SheetFiles:
     """Files of one sheet.
 
     Attributes:
-        part: what tells them apart in the series, where there are several sheets.
+        part: what identifies them in the series, where there are several sheets.
     """
 
-    def __init__(self, folder: Path, ending: str, info: SheetInfo) -> None:
+    def __init__(self, folder: Path, place: int, ending: str, info: SheetInfo) -> None:
         self._folder, self._ending, self._blank = folder, ending, info.blank
-        self.part = f" part={quoteattr(info.name)}" if ending else ""
+        # ParaView takes numbers for parts
+        self.part = f' part="{place}" name={quoteattr(info.name)}' if ending else ""
         self._yarn_components = yarn_components(info.blank)
 
     def file(self, stem: str) -> str:
@@ -148,17 +150,27 @@ def write_quads(
         "offsets": np.arange(4, 4 * count + 1, 4, dtype=np.int32),
         "types": np.full(count, _VTK_QUAD, dtype=np.uint8),
     }
-    blocks: list[bytes] = []
-    offset = 0
+    sections = (("Points", {"Points": points}), ("Cells", cells), ("PointData", point_data), ("CellData", cell_data))
+    declarations, blocks = _appended(sections)
     lines = [
         '<?xml version="1.0"?>',
         f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{_BYTE_ORDER}" header_type="UInt64">',
         f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">',
+        *declarations,
     ]
-    sections: dict[str, Mapping[str, np.ndarray]] = {
-        "Points": {"Points": points}, "Cells": cells, "PointData": point_data, "CellData": cell_data,
-    }  # fmt: skip
-    for section, arrays in sections.items():
+    lines += ["</Piece></UnstructuredGrid>", '<AppendedData encoding="raw">', "_"]
+    with replacing(path) as temporary, open(temporary, "wb") as file:
+        file.write("\n".join(lines).encode())
+        file.writelines(blocks)
+        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+
+
+def _appended(sections: Iterable[tuple[str, Mapping[str, np.ndarray]]]) -> tuple[list[str], list[bytes]]:
+    """Lines of XML that declare all arrays, and the blocks of bytes behind the XML that they refer to."""
+    lines: list[str] = []
+    blocks: list[bytes] = []
+    offset = 0
+    for section, arrays in sections:
         lines.append(f"<{section}>")
         for name, values in arrays.items():
             shape = "" if values.ndim == 1 or section == "Cells" else f' NumberOfComponents="{values.shape[1]}"'
@@ -169,8 +181,4 @@ def write_quads(
             blocks += [np.uint64(values.nbytes).tobytes(), values.tobytes()]
             offset += 8 + values.nbytes
         lines.append(f"</{section}>")
-    lines += ["</Piece></UnstructuredGrid>", '<AppendedData encoding="raw">', "_"]
-    with replacing(path) as temporary, open(temporary, "wb") as file:
-        file.write("\n".join(lines).encode())
-        file.writelines(blocks)
-        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+    return lines, blocks

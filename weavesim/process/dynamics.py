@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
-from ..errors import InputError
+from ..checks import FiniteVector, NotNegative, Parameters
 
 
-@dataclass(frozen=True)
-class Dynamics:
+class Dynamics(Parameters):
     """Loads and dissipation of the time integration.
 
     Attributes:
@@ -23,18 +19,10 @@ class Dynamics:
             thickness does on the tools is booked as ``thickness_work``.
     """
 
-    gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    damping: float = 0.0
-    director_damping: float = 0.0
-    contact_damping_ratio: float = 0.1
-    contact_thickness: Literal["initial", "current"] = "initial"
+    positional = ("gravity", "damping", "director_damping", "contact_damping_ratio", "contact_thickness")
 
-    def __post_init__(self) -> None:
-        gravity = np.asarray(self.gravity, dtype=np.float64)
-        damping = np.array([self.damping, self.director_damping, self.contact_damping_ratio])
-        if gravity.shape != (3,) or not (
-            np.isfinite(gravity).all() and np.isfinite(damping).all() and damping.min() >= 0
-        ):
-            raise InputError(f"{self}: gravity needs three finite components, damping is finite and not negative")
-        if self.contact_thickness not in ("initial", "current"):
-            raise InputError(f'contact_thickness = {self.contact_thickness!r}: "initial" or "current" is needed')
+    gravity: FiniteVector = (0.0, 0.0, 0.0)
+    damping: NotNegative = 0.0
+    director_damping: NotNegative = 0.0
+    contact_damping_ratio: NotNegative = 0.1
+    contact_thickness: Literal["initial", "current"] = "initial"

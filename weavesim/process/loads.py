@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
+from pydantic import model_validator
 
+from ..arrays import FloatArray
+from ..checks import Numbers, Parameters
 from ..errors import InputError
 from ..kernels.rows import LoadRow
 
 
-@dataclass(frozen=True)
-class NodalLoads:
+class NodalLoads(Parameters):
     """Dead loads: their directions stay as the sheet moves. Their work is booked as ``load_work``.
 
     With symmetry planes the loads are those on the modelled part.
@@ -24,20 +26,21 @@ class NodalLoads:
         shares: factor of all forces and couples at these times, linear between them, constant before and after.
     """
 
-    force: np.ndarray | None = None
-    couple: np.ndarray | None = None
-    times: tuple[float, ...] = (0.0,)
-    shares: tuple[float, ...] = (1.0,)
+    positional = ("force", "couple", "times", "shares")
 
-    def __post_init__(self) -> None:
-        times, shares = np.array(self.times, dtype=np.float64), np.array(self.shares, dtype=np.float64)
-        if times.ndim != 1 or len(times) == 0 or times.shape != shares.shape or np.any(np.diff(times) <= 0.0):
-            raise InputError(
-                f"NodalLoads: {times.size} times and {shares.size} shares; as many of one as of the other are needed, "
-                "at least one, and times must increase"
+    force: FloatArray | None = None
+    couple: FloatArray | None = None
+    times: Numbers = (0.0,)
+    shares: Numbers = (1.0,)
+
+    @model_validator(mode="after")
+    def _are_a_curve(self) -> Self:
+        if len(self.times) == 0 or len(self.times) != len(self.shares) or np.any(np.diff(self.times) <= 0.0):
+            raise ValueError(
+                f"{len(self.times)} times and {len(self.shares)} shares; as many of one as of the other are needed, at "
+                "least one, and times must increase"
             )
-        if not (np.isfinite(times).all() and np.isfinite(shares).all()):
-            raise InputError("NodalLoads: times and shares must be finite")
+        return self
 
     def arrays(self, node_count: int) -> np.ndarray:
         """Forces and couples at a share of one, rows LoadRow, (row, node_count, 3).
@@ -50,13 +53,12 @@ class NodalLoads:
             given = getattr(self, row.name)
             if given is None:
                 continue
-            values = np.asarray(given, dtype=np.float64)
-            if values.shape != (node_count, 3) or not np.isfinite(values).all():
+            if given.shape != (node_count, 3) or not np.isfinite(given).all():
                 raise InputError(
-                    f"NodalLoads: {row.name} has shape {values.shape}; finite values of shape ({node_count}, 3) are "
+                    f"NodalLoads: {row.name} has shape {given.shape}; finite values of shape ({node_count}, 3) are "
                     "needed"
                 )
-            result[row] = values
+            result[row] = given
         return result
 
     def share(self, time: float) -> float:

@@ -3,20 +3,66 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from typing import ClassVar, Self
 
 import numpy as np
+from pydantic import model_validator
 
-from ..checks import finite, positive
+from ..checks import Kinded, Numbers, Positive, finite, positive
 from ..errors import InputError
 
 # Knots of each smooth ramp: the speed of the piecewise linear stroke then changes by less than 0.4 % at a knot.
 RAMP_KNOT_COUNT = 400
 
 
-@dataclass(frozen=True)
-class Fixed:
+class Motion(Kinded):
+    """How a tool moves along its axis, or a support along its directions."""
+
+    def curve(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of a tool: times [s], and displacements [m] or forces [N] along its axis."""
+        raise NotImplementedError
+
+    @property
+    def duration(self) -> float:
+        """Time from which on nothing changes [s]."""
+        return 0.0
+
+
+class Knots(Motion):
+    """Base of motions that are given at knots in time.
+
+    Attributes:
+        times: increasing [s].
+        values_name: the field that has one value per time.
+    """
+
+    is_kind: ClassVar[bool] = False
+    values_name: ClassVar[str]
+
+    times: Numbers
+
+    @model_validator(mode="after")
+    def _is_a_curve(self) -> Self:
+        times, values = self.times, getattr(self, self.values_name)
+        if len(times) == 0 or len(times) != len(values):
+            raise ValueError(
+                f"it has {len(times)} times and {len(values)} {self.values_name}; it needs as many of one as of the "
+                "other, and at least one"
+            )
+        late = np.flatnonzero(np.diff(times) <= 0.0)
+        if len(late):
+            k = int(late[0])
+            raise ValueError(f"times goes from {times[k]} s to {times[k + 1]} s; times must increase")
+        return self
+
+    @property
+    def duration(self) -> float:
+        """Time of the last knot [s]."""
+        return self.times[-1]
+
+
+class Fixed(Motion):
     """A tool that stays where it is."""
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
@@ -24,8 +70,7 @@ class Fixed:
         return np.zeros(1), np.zeros(1)
 
 
-@dataclass(frozen=True)
-class Stroke:
+class Stroke(Knots):
     """Displacement along the axis prescribed in time: linear between the knots, constant before and after them.
 
     Attributes:
@@ -33,16 +78,10 @@ class Stroke:
         displacements: one per time [m].
     """
 
-    times: tuple[float, ...]
-    displacements: tuple[float, ...]
+    positional = ("times", "displacements")
+    values_name = "displacements"
 
-    def __post_init__(self) -> None:
-        _check_curve(self, "displacements")
-
-    @property
-    def duration(self) -> float:
-        """Time of the last knot [s]."""
-        return self.times[-1]
+    displacements: Numbers
 
     @classmethod
     def smooth(cls, distance: float, speed: float, ramp_time: float, start_time: float = 0.0) -> Stroke:
@@ -87,8 +126,7 @@ class Stroke:
         return np.array(self.times), np.array(self.displacements)
 
 
-@dataclass(frozen=True)
-class ForceDriven:
+class ForceDriven(Knots):
     """A tool that a force moves along its axis, such as a blank holder under pressure.
 
     Attributes:
@@ -97,13 +135,11 @@ class ForceDriven:
         mass: that the force moves [kg].
     """
 
-    times: tuple[float, ...]
-    forces: tuple[float, ...]
-    mass: float
+    positional = ("times", "forces", "mass")
+    values_name = "forces"
 
-    def __post_init__(self) -> None:
-        _check_curve(self, "forces")
-        object.__setattr__(self, "mass", positive("ForceDriven.mass", self.mass))
+    forces: Numbers
+    mass: Positive
 
     @classmethod
     def constant(cls, force: float, mass: float, ramp_time: float = 0.0) -> ForceDriven:
@@ -117,8 +153,7 @@ class ForceDriven:
         return np.array(self.times), np.array(self.forces)
 
 
-@dataclass(frozen=True)
-class SmoothStroke:
+class SmoothStroke(Knots):
     """Displacement prescribed in time without a jump of the speed, for supports.
 
     Cubic between the knots (Hermite), constant before and after them. A support moves the sheet itself, and every jump
@@ -130,21 +165,17 @@ class SmoothStroke:
         speeds: one per time [m/s].
     """
 
-    times: tuple[float, ...]
-    displacements: tuple[float, ...]
-    speeds: tuple[float, ...]
+    positional = ("times", "displacements", "speeds")
+    values_name = "displacements"
 
-    def __post_init__(self) -> None:
-        _check_curve(self, "displacements")
-        speeds = _numbers("SmoothStroke.speeds", self.speeds)
-        if len(speeds) != len(self.times):
-            raise InputError(f"SmoothStroke has {len(self.times)} times and {len(speeds)} speeds; it needs as many.")
-        object.__setattr__(self, "speeds", tuple(speeds))
+    displacements: Numbers
+    speeds: Numbers
 
-    @property
-    def duration(self) -> float:
-        """Time of the last knot [s]."""
-        return self.times[-1]
+    @model_validator(mode="after")
+    def _has_speeds(self) -> Self:
+        if len(self.speeds) != len(self.times):
+            raise ValueError(f"it has {len(self.times)} times and {len(self.speeds)} speeds; it needs as many")
+        return self
 
     @classmethod
     def ramped(cls, distance: float, speed: float, ramp_time: float, start_time: float = 0.0) -> SmoothStroke:
@@ -189,30 +220,3 @@ class SmoothStroke:
             self.displacements + self.displacements[::-1][skip:],
             self.speeds + tuple(-speed for speed in self.speeds[::-1])[skip:],
         )
-
-
-Motion = Fixed | Stroke | ForceDriven
-
-
-def _check_curve(motion: Stroke | ForceDriven | SmoothStroke, values_name: str) -> None:
-    name = type(motion).__name__
-    times = _numbers(f"{name}.times", motion.times)
-    values = _numbers(f"{name}.{values_name}", getattr(motion, values_name))
-    if len(times) == 0 or len(times) != len(values):
-        raise InputError(
-            f"{name} has {len(times)} times and {len(values)} {values_name}; it needs as many of one as of the other, "
-            "and at least one."
-        )
-    late = np.flatnonzero(np.diff(times) <= 0.0)
-    if len(late):
-        k = int(late[0])
-        raise InputError(f"{name}.times goes from {times[k]} s to {times[k + 1]} s; times must increase.")
-    object.__setattr__(motion, "times", tuple(times))
-    object.__setattr__(motion, values_name, tuple(values))
-
-
-def _numbers(what: str, values: Sequence[float]) -> list[float]:
-    try:
-        return [finite(f"entry of {what}", value) for value in values]
-    except TypeError:
-        raise InputError(f"{what} is {values!r}; it must be a list of numbers.") from None

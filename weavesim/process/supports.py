@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
 
 import numpy as np
+from pydantic import SerializeAsAny, field_validator, model_validator
 
-from ..errors import InputError
-from .strokes import SmoothStroke, Stroke
+from ..arrays import FloatArray, IntArray
+from ..checks import Parameters
+from .strokes import Motion, SmoothStroke, Stroke
 
 
-@dataclass(frozen=True)
-class Drive:
+class Drive(Parameters):
     """One prescribed motion of a support.
 
     Attributes:
@@ -21,31 +22,49 @@ class Drive:
             support. Not scaled to length one: a node of direction (0, 0.5, 0) moves half as far as s along y.
     """
 
-    motion: SmoothStroke | Stroke
-    direction: np.ndarray
+    positional = ("motion", "direction")
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.motion, SmoothStroke | Stroke):
-            raise InputError(f"drive: motion is {self.motion!r}; it must be a SmoothStroke or a Stroke.")
+    motion: SerializeAsAny[Motion]
+    direction: FloatArray
+
+    @field_validator("motion")
+    @classmethod
+    def _moves_nodes(cls, value: Motion) -> Motion:
+        if not isinstance(value, SmoothStroke | Stroke):
+            raise ValueError("it must be a SmoothStroke or a Stroke")
+        return value
+
+    @field_validator("direction", mode="before")
+    @classmethod
+    def _are_directions(cls, value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return value
         try:
-            direction = np.array(self.direction, dtype=np.float64)
+            return np.array(value, dtype=np.float64)
         except (TypeError, ValueError):
-            direction = np.empty(0)
-        if direction.ndim not in (1, 2) or direction.shape[-1] != 3 or not np.isfinite(direction).all():
-            raise InputError(
-                f"drive: direction has shape {direction.shape}; finite values, (3,) or (node_count, 3), are needed."
-            )
-        direction.setflags(write=False)
-        object.__setattr__(self, "direction", direction)
+            raise ValueError("finite values, (3,) or (node_count, 3), are needed") from None
+
+    @field_validator("direction")
+    @classmethod
+    def _are_finite(cls, value: np.ndarray) -> np.ndarray:
+        if value.ndim not in (1, 2) or value.shape[-1] != 3 or not np.isfinite(value).all():
+            raise ValueError(f"shape {value.shape}; finite values, (3,) or (node_count, 3), are needed")
+        return value
+
+    @property
+    def _stroke(self) -> SmoothStroke | Stroke:
+        assert isinstance(self.motion, SmoothStroke | Stroke)
+        return self.motion
 
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
         """Start of every cubic piece (n,) [s], and c0 to c3 of its polynomial in the time since then, (n, 4) [m]."""
-        times, value = np.array(self.motion.times), np.array(self.motion.displacements)
+        stroke = self._stroke
+        times, value = np.array(stroke.times), np.array(stroke.displacements)
         pieces = np.zeros((len(times), 4))
         pieces[:, 0] = value
         h, rise = np.diff(times), np.diff(value) / np.diff(times)
-        if isinstance(self.motion, SmoothStroke):
-            v0, v1 = self.motion.speeds[:-1], self.motion.speeds[1:]
+        if isinstance(stroke, SmoothStroke):
+            v0, v1 = stroke.speeds[:-1], stroke.speeds[1:]
             pieces[:-1, 1] = v0
             pieces[:-1, 2] = (3.0 * rise - np.multiply(2.0, v0) - v1) / h
             pieces[:-1, 3] = (np.add(v0, v1) - 2.0 * rise) / h**2
@@ -60,6 +79,11 @@ class Drive:
         return float(np.polynomial.polynomial.polyval(max(time - start[k], 0.0), pieces[k]))
 
     @property
+    def largest_displacement(self) -> float:
+        """Largest distance from zero at any knot [m]."""
+        return float(np.abs(self._stroke.displacements).max())
+
+    @property
     def initial_speed(self) -> float:
         """ds/dt just after time zero [m/s]."""
         start, pieces = self.pieces()
@@ -69,8 +93,7 @@ class Drive:
         return float(np.polynomial.Polynomial(pieces[k]).deriv()(0.0 - start[k]))
 
 
-@dataclass(frozen=True)
-class Support:
+class Support(Parameters):
     """Nodes that follow x = x0 + sum of s_k(t) times direction_k, and whose holding force is an output.
 
     Without a drive they stay where they are. The force of the support on the sheet, and that along each drive (the
@@ -84,47 +107,60 @@ class Support:
         rotations: the axes about which the directors must not turn, any of "xyz".
     """
 
+    positional = ("name", "nodes", "drives", "displacements", "rotations")
+
     name: str
-    nodes: np.ndarray
+    nodes: IntArray
     drives: tuple[Drive, ...] = ()
     displacements: str = "xyz"
     rotations: str = "xyz"
 
-    def __post_init__(self) -> None:
-        nodes = np.array(self.nodes)
+    @field_validator("nodes", mode="before")
+    @classmethod
+    def _are_indices(cls, value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return value
+        nodes = np.array(value)
         if nodes.ndim != 1 or not len(nodes) or not np.issubdtype(nodes.dtype, np.integer):
-            raise InputError(
-                f"support {self.name}: nodes are {self.nodes!r}; indices of one or more nodes are needed "
-                "(np.flatnonzero makes them from a mask)."
-            )
-        if len(np.unique(nodes)) < len(nodes):
-            raise InputError(f"support {self.name}: a node is named twice; each may be there once.")
-        object.__setattr__(self, "nodes", nodes.astype(np.int64))
-        self.nodes.setflags(write=False)
-        object.__setattr__(self, "drives", tuple(self.drives))
-        for label in ("displacements", "rotations"):
-            value = getattr(self, label)
-            if not isinstance(value, str) or set(value) - set("xyz"):
-                raise InputError(f'support {self.name}: {label} is {value!r}; give some of "xyz", or "".')
+            raise ValueError("indices of one or more nodes are needed (np.flatnonzero makes them from a mask)")
+        return nodes
+
+    @field_validator("displacements", "rotations")
+    @classmethod
+    def _are_axes(cls, value: str) -> str:
+        if set(value) - set("xyz"):
+            raise ValueError('give some of "xyz", or ""')
+        return value
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if not self.name:
+            raise ValueError("support: the name is empty; outputs use it")
+        if self.nodes.ndim != 1 or not len(self.nodes):
+            raise ValueError(f"support {self.name}: indices of one or more nodes are needed")
+        if len(np.unique(self.nodes)) < len(self.nodes):
+            raise ValueError(f"support {self.name}: a node is named twice; each may be there once")
         for k, drive in enumerate(self.drives):
-            if not isinstance(drive, Drive):
-                raise InputError(f"support {self.name}: drive {k} is {drive!r}; it must be a Drive.")
-            if drive.direction.ndim == 2 and len(drive.direction) != len(nodes):
-                raise InputError(
-                    f"support {self.name}: drive {k} has {len(drive.direction)} directions for {len(nodes)} nodes; one "
-                    "per node, or one for all, is needed."
+            self._check_drive(k, drive)
+        return self
+
+    def _check_drive(self, k: int, drive: Drive) -> None:
+        if drive.direction.ndim == 2 and len(drive.direction) != len(self.nodes):
+            raise ValueError(
+                f"support {self.name}: drive {k} has {len(drive.direction)} directions for {len(self.nodes)} nodes; "
+                "one per node, or one for all, is needed"
+            )
+        for axis, component in zip("xyz", np.atleast_2d(drive.direction).T, strict=True):
+            if component.any() and axis not in self.displacements:
+                raise ValueError(
+                    f"support {self.name}: drive {k} moves nodes along {axis}, but its displacements "
+                    f"({self.displacements!r}) leave {axis} free; a component is driven or free"
                 )
-            for axis, component in zip("xyz", np.atleast_2d(drive.direction).T, strict=True):
-                if component.any() and axis not in self.displacements:
-                    raise InputError(
-                        f"support {self.name}: drive {k} moves nodes along {axis}, but its displacements "
-                        f"({self.displacements!r}) leave {axis} free; a component is driven or free."
-                    )
-            if abs(drive.at(0.0)) > 1.0e-12 * np.abs(drive.motion.displacements).max():
-                raise InputError(
-                    f"support {self.name}: drive {k} is at {drive.at(0.0):.4g} m at time zero; the blank is where the "
-                    "nodes are at rest, so it must start from 0."
-                )
+        if abs(drive.at(0.0)) > 1.0e-12 * drive.largest_displacement:
+            raise ValueError(
+                f"support {self.name}: drive {k} is at {drive.at(0.0):.4g} m at time zero; the blank is where the "
+                "nodes are at rest, so it must start from 0"
+            )
 
     @property
     def held(self) -> np.ndarray:

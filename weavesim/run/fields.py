@@ -1,8 +1,8 @@
 """Values per element that frames hold, each named once: what it is, its unit, and how files show it.
 
 Rows that kernels write are described in ``kernels/rows.py``; what the host derives of them stands here, with how it is
-derived. Frames, film, ParaView files, report and docs read this list. To add a field, add a row there or a ``Field``
-here.
+derived. Frames, film, ParaView files and docs read this list. To add a field, add a row there, or a ``Field`` here, or
+one of your own by ``add_field``.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import InputError
 from ..kernels.rows import ElementField
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def _failed(fabric: Fabric, fields: Values, report: Values) -> np.ndarray:
     return (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
 
 
-FIELDS = (
+FIELDS: list[Field] = [
     *(Field(row.name, row.unit, row.description, film=_IN_FILM.get(row.name)) for row in ElementField),
     Field("thickness", "m", "current thickness", _thickness, film=as_it_is),
     Field(
@@ -105,7 +106,21 @@ FIELDS = (
         lambda fabric, fields, report: report["iterations"],
     ),
     Field("unit_cell_failed", "1", f"1 where that residual is not below {UNIT_CELL_FAILURE:g}, else 0", _failed),
-)  # fmt: skip
+]  # fmt: skip
+
+
+def add_field(field: Field) -> Field:
+    """Make a field of your own known to all frames and files of this process, behind the others.
+
+    Raises:
+        InputError: a field of this name is known, or it says not how it is derived.
+    """
+    if field.derive is None:
+        raise InputError(f"field {field.name}: derive is missing; only rows of the kernel come without it")
+    if field.name in {other.name for other in FIELDS}:
+        raise InputError(f"field {field.name}: one of this name is known; choose another name")
+    FIELDS.append(field)
+    return field
 
 
 def complete(fabric: Fabric, rows: Values, report: Values) -> dict[str, np.ndarray]:
@@ -131,11 +146,3 @@ def in_files(fields: Values) -> dict[str, np.ndarray]:
         known[name].file_name if name in known else name: known[name].in_file(values) if name in known else values
         for name, values in fields.items()
     }
-
-
-def field_table() -> str:
-    """Markdown: every field with its name in files, its unit there, and what it is."""
-    lines = ["| field | unit | what it is |", "|---|---|---|"]
-    return "\n".join(
-        [*lines, *(f"| `{field.file_name}` | {field.file_unit} | {field.description} |" for field in FIELDS)]
-    )

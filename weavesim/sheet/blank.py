@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
+from pydantic import model_validator
 
+from ..arrays import FloatArray, IndexArray
+from ..checks import Parameters
 from ..errors import InputError
+from .topology import part_of_nodes
 
 # A one-point quadrilateral keeps its sign of area in the four corner triangles while it is convex.
 _LARGEST_EXTENT_M = 20.0
 
 
-@dataclass(frozen=True)
-class Blank:
-    """Immutable sheet mesh. Check happens at construction.
+class Blank(Parameters):
+    """Immutable mesh of one connected sheet, checked when it is made.
 
     Attributes:
         node_position: initial nodes, (node_count, 3) [m].
@@ -26,22 +28,28 @@ class Blank:
         initial_director: unit normals of the nodes, (node_count, 3).
     """
 
-    node_position: np.ndarray
-    material_coordinates: np.ndarray
-    quads: np.ndarray
-    warp_direction: np.ndarray
-    weft_direction: np.ndarray
-    initial_director: np.ndarray
+    positional = (
+        "node_position", "material_coordinates", "quads", "warp_direction", "weft_direction", "initial_director"
+    )  # fmt: skip
 
-    def __post_init__(self) -> None:
-        for name in ("node_position", "material_coordinates", "warp_direction", "weft_direction", "initial_director"):
-            array = np.ascontiguousarray(getattr(self, name), dtype=np.float64)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
-        quads = np.ascontiguousarray(self.quads, dtype=np.int32)
-        quads.setflags(write=False)
-        object.__setattr__(self, "quads", quads)
-        _check_mesh(self.node_position, quads)
+    node_position: FloatArray
+    material_coordinates: FloatArray
+    quads: IndexArray
+    warp_direction: FloatArray
+    weft_direction: FloatArray
+    initial_director: FloatArray
+
+    @model_validator(mode="after")
+    def _is_a_sheet(self) -> Self:
+        _check_mesh(self.node_position, self.quads)
+        _check_connection(self.node_position, self.quads)
+        for name, shape in (
+            ("material_coordinates", (self.node_count, 2)), ("initial_director", (self.node_count, 3)),
+            ("warp_direction", (self.element_count, 3)), ("weft_direction", (self.element_count, 3)),
+        ):  # fmt: skip
+            if getattr(self, name).shape != shape:
+                raise ValueError(f"{name}: shape {getattr(self, name).shape}, but {shape} is needed")
+        return self
 
     @property
     def node_count(self) -> int:
@@ -260,4 +268,18 @@ def _check_mesh(position: np.ndarray, quads: np.ndarray) -> None:
         raise InputError(
             f"blank mesh: the edge from node {a} to node {b} is walked in the same direction by two elements, so one "
             "of them is flipped (or three elements meet there); order the corners of all elements counter-clockwise"
+        )
+
+
+def _check_connection(position: np.ndarray, quads: np.ndarray) -> None:
+    lonely = np.bincount(quads.ravel(), minlength=len(position)) == 0
+    if lonely.any():
+        raise InputError(f"blank mesh: node {int(np.argmax(lonely))} belongs to no element; remove it")
+    part = part_of_nodes(quads, len(position))
+    parts, count = np.unique(part[quads[:, 0]], return_counts=True)
+    if len(parts) > 1:
+        raise InputError(
+            f"blank mesh: it has {len(parts)} parts that share no node, of {', '.join(map(str, count[:5]))}"
+            f"{' and more' if len(parts) > 5 else ''} elements; they would pass through each other without a word: "
+            "give each part a sheet of its own"
         )

@@ -302,7 +302,7 @@ def _smoothed(node: np.ndarray, quads: np.ndarray, border: Outline, on_border: n
 
 
 def _careful(node: np.ndarray, wished: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """``wished`` places, but less of the way, or none of it, where an element would become poor by it."""
+    """``wished`` places, or only a part of the distance there, or none, where an element would become poor by it."""
     before = corner_sines(node, quads)
     for share in (0.5, 0.5, 0.5, 0.0):
         after = corner_sines(wished, quads)

@@ -21,3 +21,17 @@ def flat_areas(blank: Blank) -> np.ndarray:
     corner = blank.material_coordinates[blank.quads]
     p, q = corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]
     return 0.5 * np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
+
+
+def part_of_nodes(quads: np.ndarray, node_count: int) -> np.ndarray:
+    """Smallest node of the connected part that each node is in, (node_count,); elements connect their corners."""
+    part = np.arange(node_count)
+    while True:
+        lowest = part[quads].min(axis=1)
+        before = part.copy()
+        # what the corners belonged to goes over to the lowest of them, with all that follows it
+        np.minimum.at(part, before[quads].ravel(), np.repeat(lowest, 4))
+        while not np.array_equal(part, part[part]):
+            part = part[part]
+        if np.array_equal(part, before):
+            return part

@@ -91,7 +91,7 @@ def build_device_tools(
         total_reaction=wp.zeros(len(tools), dtype=wp.vec3d, device=device),
         work=wp.zeros((2, len(tools)), dtype=wp.float64, device=device),
         samples=tuple(samples.values()),
-        shape_kinds=tuple(sorted({part.kind for part in parts})),
+        shape_kinds=tuple(sorted({part.distance_function for part in parts})),
         rotated=any(part.rotation != IDENTITY for part in parts),
     )
 
@@ -116,17 +116,18 @@ def _tool_data(tools: Sequence[Tool], real: type, samples: Samples) -> list[Any]
 
 def _part_data(part: Shape, real: type, samples: Samples) -> Any:
     """Kind, frame and dimensions of a part as a Warp ``ToolPart``."""
-    known = SHAPE_KINDS.get(part.kind)
+    known = SHAPE_KINDS.get(part.distance_function)
     if known is None:
         raise InputError(
-            f"{type(part).__name__} is of the kind {part.kind!r}, which has no distance function; "
+            f"{type(part).__name__} names the distance function {part.distance_function!r}, which does not exist; "
             f"there are {', '.join(SHAPE_KINDS)} (kernels/contact/tool_shapes.py)"
         )
     dimensions = samples[part.surface].dimensions() if isinstance(part, MeshShape) else part.dimensions()
     if set(dimensions) != set(known.dimensions):
         raise InputError(
-            f"{type(part).__name__} states the dimensions {', '.join(dimensions) or 'none'}, but the distance of the "
-            f"kind {part.kind!r} takes {', '.join(known.dimensions) or 'none'}: state these in its dimensions()"
+            f"{type(part).__name__} states the dimensions {', '.join(dimensions) or 'none'}, but the distance "
+            f"function {part.distance_function!r} takes {', '.join(known.dimensions) or 'none'}: state these in its "
+            "dimensions()"
         )
     data = part_struct(real)()
     data.kind = known.number

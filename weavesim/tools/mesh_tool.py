@@ -11,13 +11,15 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
-from ..checks import Vector, positive, unit_vector
+from ..arrays import FloatArray, IntArray
+from ..checks import FiniteVector, Parameters, Vector, positive, unit_vector
 from ..errors import InputError
 from .mesh_repair import (
     SEAM,
@@ -140,17 +142,48 @@ class MeshSurface:
         return lines
 
 
-@dataclass(frozen=True, eq=False)
+class TriangleMesh(Parameters):
+    """Triangles as they were given, and what is to be done with them; ``MeshShape.from_triangles`` explains it.
+
+    Attributes:
+        vertices: (n, 3) [m].
+        faces: three vertex indices each, (m, 3).
+        name: for messages.
+        path: of the file that they come from, if any.
+    """
+
+    vertices: FloatArray = Field(repr=False)
+    faces: IntArray = Field(repr=False)
+    name: str = "tool mesh"
+    path: str | None = None
+    side: FiniteVector | None = None
+    mirror: tuple[str, ...] = ()
+    spacing: float | None = None
+    reach: float | None = None
+
+    @model_validator(mode="after")
+    def _bounds_a_tool(self) -> Self:
+        self.surface  # noqa: B018
+        return self
+
+    @cached_property
+    def surface(self) -> MeshSurface:
+        """The checked mesh."""
+        options = {name: getattr(self, name) for name in ("name", "side", "mirror", "spacing", "reach")}
+        return MeshSurface(self.vertices, self.faces, **options)
+
+
 class MeshShape(Shape):
     """A shape bounded by a triangle mesh.
 
     Attributes:
-        surface: the checked mesh, in the shape's own frame.
+        mesh: its triangles, in the shape's own frame.
     """
 
-    kind: ClassVar[str] = "volume"
+    distance_function = "volume"
+    positional = ("mesh",)
 
-    surface: MeshSurface = field(repr=False)
+    mesh: TriangleMesh
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str], *, unit_scale: float = 1.0, **options: Any) -> Self:
@@ -179,7 +212,8 @@ class MeshShape(Shape):
                 "give a triangle mesh, for example in STL, OBJ or PLY."
             ) from error
         check_size(f"tool mesh {path}", vertices, unit_scale)
-        return cls.from_triangles(unit_scale * vertices, faces, name=f"tool mesh {path}", **options)
+        options = {"name": f"tool mesh {path}", "path": str(path), **options}
+        return cls.from_triangles(unit_scale * vertices, faces, **options)
 
     @classmethod
     def from_triangles(
@@ -187,19 +221,17 @@ class MeshShape(Shape):
         vertices: Any,
         faces: Any,
         *,
-        name: str = "tool mesh",
-        side: Any = None,
-        mirror: Sequence[str] = (),
-        spacing: float | None = None,
-        reach: float | None = None,
         origin: Any = (0.0, 0.0, 0.0),
         rotation: Any = None,
+        **options: Any,
     ) -> Self:
         """A shape from vertices (n, 3) [m] and triangles (m, 3).
 
         Args:
             vertices: [m].
             faces: three vertex indices each.
+            origin: where the mesh's origin lies [m].
+            rotation: 3 x 3, columns: the mesh's axes in the world.
             name: for messages.
             side: of an open sheet, the direction from it to the fabric, in the mesh's frame. By default the mean of
                 its triangles' normals. A closed mesh needs none.
@@ -209,15 +241,18 @@ class MeshShape(Shape):
                 samples allows.
             reach: distances are sampled up to it [m], at least four and by default six times the spacing. A node that
                 gets deeper than this is no longer pushed out.
-            origin: where the mesh's origin lies [m].
-            rotation: 3 x 3, columns: the mesh's axes in the world.
+            path: of the file that they come from, as a note.
 
         Raises:
             InputError: no triangles, vertices that are not finite, or a size that no tool has.
         """
-        surface = MeshSurface(vertices, faces, name=name, side=side, mirror=mirror, spacing=spacing, reach=reach)
         frame = {} if rotation is None else {"rotation": rotation}
-        return cls(surface=surface, origin=origin, **frame)
+        return cls(TriangleMesh(vertices=vertices, faces=faces, **options), origin=origin, **frame)
+
+    @property
+    def surface(self) -> MeshSurface:
+        """The checked mesh, one for all copies of the shape."""
+        return self.mesh.surface
 
     @property
     def smallest_radius(self) -> float:

@@ -7,12 +7,12 @@ shape names its kind, states its dimensions, and draws itself.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
+from pydantic import BeforeValidator, SerializeAsAny, field_validator, model_validator
 
-from ..checks import Vector, finite, positive, unit_vector, vector
+from ..checks import FiniteVector, Kinded, NotNegative, Positive, Vector, unit_vector, vector
 from ..errors import InputError
 from .drawing import CIRCLE_COUNT, Triangles, ring_triangles, stadium_rings, swept
 
@@ -37,37 +37,27 @@ def _matrix(value: Any) -> Matrix:
     array = np.array(rows)
     if array.shape != (3, 3) or np.abs(array @ array.T - np.eye(3)).max() > 1e-6 or np.linalg.det(array) < 0.0:
         raise InputError(
-            f"rotation is {value!r}; it must be a 3 x 3 rotation matrix (orthonormal columns, right-handed), "
-            "for example weavesim.tools.rotation_matrix((0, 1, 0), angle)."
+            "it must be a 3 x 3 rotation matrix (orthonormal columns, right-handed), for example "
+            "weavesim.rotation_matrix((0, 1, 0), angle)"
         )
     return (rows[0], rows[1], rows[2])
 
 
-@dataclass(frozen=True, kw_only=True)
-class Shape:
+class Shape(Kinded):
     """A shape with its own frame: a point p of it lies at ``origin + rotation @ p`` while the tool has not moved.
 
     Attributes:
         origin: [m].
         rotation: 3 x 3, its columns are the shape's axes in the world.
-        kind: name of the distance function in ``kernels/contact/tool_shapes.py``.
+        distance_function: its name in ``kernels/contact/tool_shapes.py``.
         dimension_names: attributes that it takes.
     """
 
-    kind: ClassVar[str] = ""
+    distance_function: ClassVar[str] = ""
     dimension_names: ClassVar[tuple[str, ...]] = ()
 
-    origin: Vector = (0.0, 0.0, 0.0)
-    rotation: Matrix = IDENTITY
-
-    # Names of the fields that must be positive lengths [m].
-    _lengths: ClassVar[tuple[str, ...]] = ()
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "origin", vector("origin", self.origin))
-        object.__setattr__(self, "rotation", _matrix(self.rotation))
-        for name in self._lengths:
-            object.__setattr__(self, name, positive(f"{type(self).__name__}.{name}", getattr(self, name)))
+    origin: FiniteVector = (0.0, 0.0, 0.0)
+    rotation: Annotated[Matrix, BeforeValidator(_matrix)] = IDENTITY
 
     @property
     def smallest_radius(self) -> float:
@@ -78,14 +68,11 @@ class Shape:
         """The shapes of this union, all in one frame; a single shape is its own only part."""
         return (self,)
 
-    def placed(self, origin: Any, rotation: Any = IDENTITY) -> Shape:
+    def placed(self, origin: Any, rotation: Any = IDENTITY) -> Self:
         """This shape, moved as a whole: turned by ``rotation`` about the world's origin, then shifted by ``origin``."""
         turn = np.array(_matrix(rotation))
-        return replace(
-            self,
-            origin=vector("origin", turn @ np.array(self.origin) + np.array(vector("origin", origin))),
-            rotation=_matrix(turn @ np.array(self.rotation)),
-        )
+        place = turn @ np.array(self.origin) + np.array(vector("origin", origin))
+        return self.model_copy(update={"origin": place, "rotation": turn @ np.array(self.rotation)})
 
     def dimensions(self) -> dict[str, float]:
         """What the distance function takes beside the frame [m]."""
@@ -107,33 +94,33 @@ class Shape:
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
 class Plane(Shape):
     """Solid z < 0. ``display_size`` [m] is the size along x and y at which it is drawn; it acts everywhere."""
 
-    kind = "plane"
+    distance_function = "plane"
 
-    display_size: tuple[float, float] = (0.6, 0.6)
+    positional = ("display_size",)
+
+    display_size: tuple[Positive, Positive] = (0.6, 0.6)
 
     @property
     def smallest_radius(self) -> float:
         return math.inf
 
     def _local_display_triangles(self) -> Triangles:
-        half = 0.5 * np.array([positive("Plane.display_size", size) for size in self.display_size])
+        half = 0.5 * np.array(self.display_size)
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
         return np.column_stack([corners, np.zeros(4)]), np.array([[0, 1, 2], [0, 2, 3]])
 
 
-@dataclass(frozen=True)
 class Sphere(Shape):
     """A ball of ``radius`` [m]."""
 
-    kind = "sphere"
+    distance_function = "sphere"
     dimension_names = ("radius",)
+    positional = ("radius",)
 
-    radius: float
-    _lengths = ("radius",)
+    radius: Positive
 
     @property
     def smallest_radius(self) -> float:
@@ -144,16 +131,15 @@ class Sphere(Shape):
         return swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), 0.0)
 
 
-@dataclass(frozen=True)
 class Capsule(Shape):
     """All points within ``radius`` [m] of a segment along x that reaches ``half_length`` [m] to either side."""
 
-    kind = "capsule"
+    distance_function = "capsule"
     dimension_names = ("radius", "half_length")
+    positional = ("radius", "half_length")
 
-    radius: float
-    half_length: float
-    _lengths = ("radius", "half_length")
+    radius: Positive
+    half_length: Positive
 
     @property
     def smallest_radius(self) -> float:
@@ -164,21 +150,21 @@ class Capsule(Shape):
         return swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
 
 
-@dataclass(frozen=True)
 class Torus(Shape):
     """A tube of ``radius`` [m] along a circle of ``major_radius`` [m] about z."""
 
-    kind = "torus"
+    distance_function = "torus"
     dimension_names = ("radius", "major_radius")
+    positional = ("radius", "major_radius")
 
-    radius: float
-    major_radius: float
-    _lengths = ("radius", "major_radius")
+    radius: Positive
+    major_radius: Positive
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    @model_validator(mode="after")
+    def _has_a_hole(self) -> Self:
         if self.radius >= self.major_radius:
-            raise InputError(f"Torus.radius is {self.radius} m; it must be below major_radius, {self.major_radius} m.")
+            raise ValueError(f"radius = {self.radius} m: it must be below major_radius, {self.major_radius} m")
+        return self
 
     @property
     def smallest_radius(self) -> float:
@@ -189,26 +175,21 @@ class Torus(Shape):
         return swept(self.major_radius + self.radius * np.cos(angle), self.radius * np.sin(angle), 0.0)
 
 
-@dataclass(frozen=True)
 class _Dome(Shape):
     """What ``DomePunch`` and ``DomeCavity`` share: balls of ``radius`` with centres 2 ``half_length`` apart along x."""
 
+    is_kind: ClassVar[bool] = False
     dimension_names = ("radius", "half_length")
+    positional: ClassVar[tuple[str, ...]] = ("radius", "half_length")
 
-    radius: float
-    half_length: float
-    _lengths = ("radius",)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _non_negative(self, "half_length")
+    radius: Positive
+    half_length: NotNegative
 
     @property
     def smallest_radius(self) -> float:
         return self.radius
 
 
-@dataclass(frozen=True)
 class DomePunch(_Dome):
     """Two half-balls joined by a half-cylinder along x, facing -z, with vertical walls that go up without end.
 
@@ -218,19 +199,20 @@ class DomePunch(_Dome):
         display_height: of the drawn walls above the centres [m]; None draws one radius.
     """
 
-    kind = "dome_punch"
+    distance_function = "dome_punch"
 
-    display_height: float | None = None
+    positional = ("radius", "half_length", "display_height")
+
+    display_height: Positive | None = None
 
     def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
-        height = self.radius if self.display_height is None else positive("display_height", self.display_height)
+        height = self.radius if self.display_height is None else self.display_height
         out = np.append(self.radius * np.cos(latitude), self.radius)
         z = np.append(self.radius * np.sin(latitude), height)
         return swept(out, z, self.half_length, capped=True)
 
 
-@dataclass(frozen=True)
 class DomeOpening(Shape):
     """A plate, solid z < 0, with a vertical opening around the segment |x| <= half_length and a rounded upper edge.
 
@@ -242,20 +224,15 @@ class DomeOpening(Shape):
         display_depth: depth down to which the wall is drawn [m]; None draws one radius.
     """
 
-    kind = "dome_opening"
+    distance_function = "dome_opening"
     dimension_names = ("radius", "half_length", "edge_radius")
+    positional = ("radius", "half_length", "edge_radius", "display_size", "display_depth")
 
-    radius: float
-    half_length: float
-    edge_radius: float
-    display_size: tuple[float, float] | None = None
-    display_depth: float | None = None
-    _lengths = ("radius",)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _non_negative(self, "half_length")
-        _non_negative(self, "edge_radius")
+    radius: Positive
+    half_length: NotNegative
+    edge_radius: NotNegative
+    display_size: tuple[Positive, Positive] | None = None
+    display_depth: Positive | None = None
 
     @property
     def smallest_radius(self) -> float:
@@ -266,13 +243,13 @@ class DomeOpening(Shape):
         if self.display_size is None:
             half = np.array([self.half_length + rim + 2.0 * self.radius, rim + 2.0 * self.radius])
         else:
-            half = 0.5 * np.array([positive("DomeOpening.display_size", size) for size in self.display_size])
+            half = 0.5 * np.array(self.display_size)
         if half[0] <= self.half_length + rim or half[1] <= rim:
             raise InputError(
                 f"DomeOpening.display_size is {self.display_size} m; the opening with its rounded edge alone takes "
                 f"{2 * (self.half_length + rim):.4g} m by {2 * rim:.4g} m."
             )
-        depth = self.radius if self.display_depth is None else positive("display_depth", self.display_depth)
+        depth = self.radius if self.display_depth is None else self.display_depth
         depth = max(depth, 1.01 * self.edge_radius)
         angle = np.linspace(0.0, 0.5, CIRCLE_COUNT // 8 + 1 if self.edge_radius > 0.0 else 1) * np.pi
         out = np.concatenate([[self.radius], rim - self.edge_radius * np.cos(angle)])
@@ -288,7 +265,6 @@ class DomeOpening(Shape):
         return vertices, faces[:, ::-1]  # rings run upwards along the wall: seen from the opening the other way round
 
 
-@dataclass(frozen=True)
 class DomeCavity(_Dome):
     """A block, solid z < 0, with a hollow: two quarter-balls joined by a half-cylinder along x, open to +z.
 
@@ -300,7 +276,7 @@ class DomeCavity(_Dome):
         half_length: half the distance of the balls' centres [m]; zero gives a hemispherical hollow.
     """
 
-    kind = "dome_cavity"
+    distance_function = "dome_cavity"
 
     def _local_display_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
@@ -308,20 +284,22 @@ class DomeCavity(_Dome):
         return vertices, faces[:, ::-1]  # seen from inside the hollow
 
 
-@dataclass(frozen=True)
 class Union(Shape):
     """Several shapes as one tool: its distance is that of the nearest shape.
 
     Exact outside; inside, where shapes overlap, it is a bound.
     """
 
-    shapes: tuple[Shape, ...] = field(default=())
+    positional = ("shapes",)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "shapes", tuple(self.shapes))
-        if not self.shapes or not all(isinstance(shape, Shape) for shape in self.shapes):
-            raise InputError(f"Union is given {self.shapes!r}; it takes one or more shapes, such as Sphere or Capsule.")
+    shapes: tuple[SerializeAsAny[Shape], ...]
+
+    @field_validator("shapes")
+    @classmethod
+    def _are_some(cls, value: tuple[Shape, ...]) -> tuple[Shape, ...]:
+        if not value:
+            raise ValueError("it takes one or more shapes, such as Sphere or Capsule")
+        return value
 
     @property
     def smallest_radius(self) -> float:
@@ -334,10 +312,3 @@ class Union(Shape):
         vertices, faces = zip(*(part.display_triangles() for part in self.parts()), strict=True)
         first = np.cumsum([0, *(len(part) for part in vertices[:-1])])
         return np.concatenate(vertices), np.concatenate([f + start for f, start in zip(faces, first, strict=True)])
-
-
-def _non_negative(shape: Shape, name: str) -> None:
-    value = finite(f"{type(shape).__name__}.{name}", getattr(shape, name))
-    if value < 0.0:
-        raise InputError(f"{type(shape).__name__}.{name} is {value} m; it must not be negative.")
-    object.__setattr__(shape, name, value)

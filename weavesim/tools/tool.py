@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from pydantic import Field, SerializeAsAny, field_validator
 
-from ..checks import Vector, finite, unit_vector, vector
-from ..errors import InputError
-from ..process.strokes import Fixed, Motion
+from ..checks import NotNegative, Parameters, UnitVector
+from ..process.strokes import Fixed, Motion, SmoothStroke
 from .shapes import Shape, Triangles
 
 if TYPE_CHECKING:
     import trimesh
 
 
-@dataclass(frozen=True)
-class Tool:
+# Of one of the three colours: 0 is black.
+_Shade = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+class Tool(Parameters):
     """A rigid body that moves along one axis and that the sheet may touch on either face.
 
     Attributes:
@@ -29,27 +31,21 @@ class Tool:
         colour: to draw it, red, green and blue from 0 to 1.
     """
 
-    name: str
-    shape: Shape
-    motion: Motion = Fixed()
-    friction: float = 0.2
-    axis: Vector = (0.0, 0.0, 1.0)
-    colour: Vector = (0.62, 0.65, 0.70)
+    positional = ("name", "shape", "motion", "friction", "axis", "colour")
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.shape, Shape):
-            raise InputError(f"tool {self.name}: shape is {self.shape!r}; it must be a shape, such as Plane or Sphere.")
-        if not isinstance(self.motion, Motion):
-            raise InputError(f"tool {self.name}: motion is {self.motion!r}; it must be Fixed, Stroke or ForceDriven.")
-        friction = finite(f"tool {self.name}: friction", self.friction)
-        if friction < 0.0:
-            raise InputError(f"tool {self.name}: friction is {friction}; it must not be negative.")
-        colour = vector(f"tool {self.name}: colour", self.colour)
-        if min(colour) < 0.0 or max(colour) > 1.0:
-            raise InputError(f"tool {self.name}: colour is {colour}; each of red, green and blue goes from 0 to 1.")
-        object.__setattr__(self, "friction", friction)
-        object.__setattr__(self, "colour", colour)
-        object.__setattr__(self, "axis", unit_vector(f"tool {self.name}: axis", self.axis))
+    name: str
+    shape: SerializeAsAny[Shape]
+    motion: SerializeAsAny[Motion] = Fixed()
+    friction: NotNegative = 0.2
+    axis: UnitVector = (0.0, 0.0, 1.0)
+    colour: tuple[_Shade, _Shade, _Shade] = (0.62, 0.65, 0.70)
+
+    @field_validator("motion")
+    @classmethod
+    def _moves_a_tool(cls, value: Motion) -> Motion:
+        if isinstance(value, SmoothStroke):
+            raise ValueError("it must be Fixed, Stroke or ForceDriven")
+        return value
 
     @property
     def smallest_radius(self) -> float:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from scripts.fabric_tables import PAGE, page_with_tables
+from scripts.doc_tables import text_of, text_with_tables
 from tests.support.registered_cells import CELLS
 from tests.support.registered_laws import TERMS
 from weavesim.checks import Kinded, json_schema
@@ -105,8 +105,7 @@ def test_schema_holds_every_kind():
 
 
 def test_the_documented_tables_are_those_of_the_laws():
-    page = PAGE.read_text(encoding="utf-8")
-    assert page_with_tables(page) == page, "run python scripts/fabric_tables.py"
+    assert text_with_tables("fabrics.md") == text_of("fabrics.md"), "run python scripts/doc_tables.py"
 
 
 def test_every_field_says_what_it_means():

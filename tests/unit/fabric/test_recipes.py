@@ -1,12 +1,10 @@
 """The recipes of CONTRIBUTING for a unit cell and a law, as they stand there: each adds one and runs it."""
 
-import re
-
 import numpy as np
 import pytest
 
 from tests.support.kinds import imported, kinds_forgotten
-from tests.support.paths import ROOT
+from tests.support.recipes import written_recipe
 from tests.support.runs import one_sheet_run
 from tests.support.sheet import plain_fabric
 from weavesim.errors import InputError
@@ -15,17 +13,13 @@ from weavesim.fabric.response import respond
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
-PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-
 
 @pytest.fixture
 def recipe(tmp_path):
     """Writes and imports the file of a recipe, by its name; its kinds are forgotten afterwards."""
 
     def module(name: str):
-        (code,) = re.findall(rf"```python\n# {name}\n(.*?)```", PAGE, flags=re.DOTALL)
-        (tmp_path / name).write_text(code, encoding="utf-8")
-        return imported(tmp_path / name, patch)
+        return imported(written_recipe(name, tmp_path), patch)
 
     with pytest.MonkeyPatch.context() as patch, kinds_forgotten():
         yield module

@@ -99,9 +99,11 @@ def test_every_sheet_of_a_run_has_its_files_in_one_series(tmp_path, stack):
     info, frames = stack
     write_series(tmp_path, stack)
     entries = xml.parse(tmp_path / "series.pvd").getroot().findall("./Collection/DataSet")
-    assert [(entry.get("part"), entry.get("file")) for entry in entries[:3]] == [
-        ("upper", "frame_0000_upper.vtu"), ("lower", "frame_0000_lower.vtu"), ("upper", "frame_0001_upper.vtu"),
-    ]  # fmt: skip
+    assert [(entry.get("part"), entry.get("name"), entry.get("file")) for entry in entries[:3]] == [
+        ("0", "upper", "frame_0000_upper.vtu"),
+        ("1", "lower", "frame_0000_lower.vtu"),
+        ("0", "upper", "frame_0001_upper.vtu"),
+    ]
     for sheet, state in zip(info.sheets, frames[-1].sheets, strict=True):
         mesh = meshio.read(tmp_path / f"final_state_{sheet.name}.vtu")
         assert np.array_equal(mesh.points, state.position)

@@ -5,7 +5,7 @@ import pytest
 
 from tests.support.runs import small_run
 from weavesim.errors import InputError
-from weavesim.process.strokes import SmoothStroke, Stroke
+from weavesim.process.strokes import Fixed, SmoothStroke, Stroke
 from weavesim.process.supports import Drive, Support
 
 PULL = SmoothStroke.ramped(1e-3, speed=1.0, ramp_time=1e-4)
@@ -20,7 +20,8 @@ PULL = SmoothStroke.ramped(1e-3, speed=1.0, ramp_time=1e-4)
         (lambda: Support("grip", [1], displacements="xw"), 'give some of "xyz"'),
         (lambda: Drive(PULL, (np.nan, 0.0, 0.0)), "finite values"),
         (lambda: Drive(PULL, (1.0, 0.0)), "finite values"),
-        (lambda: Drive(0.5, (1.0, 0.0, 0.0)), "must be a SmoothStroke or a Stroke"),
+        (lambda: Drive(0.5, (1.0, 0.0, 0.0)), "SmoothStroke is needed"),
+        (lambda: Drive(Fixed(), (1.0, 0.0, 0.0)), "must be a SmoothStroke or a Stroke"),
         (lambda: Support("grip", [1, 2], (Drive(PULL, np.ones((3, 3))),)), "3 directions for 2 nodes"),
         (lambda: Support("grip", [1, 2], (Drive(PULL, (0.0, 1.0, 0.0)),), displacements="xz"), "driven or free"),
         (lambda: Support("grip", [1], (Drive(Stroke((0.0,), (1e-3,)), (1.0, 0.0, 0.0)),)), "must start from 0"),
@@ -30,7 +31,7 @@ PULL = SmoothStroke.ramped(1e-3, speed=1.0, ramp_time=1e-4)
         (lambda: small_run(supports=[Support("grip", [25])]), "counted from 0"),
         (lambda: small_run(supports=[Support("a", [1, 2]), Support("b", [2, 3])]), "node 2 is held by a too"),
         (lambda: small_run(supports=[Support("a", [1]), Support("a", [3])]), "empty or taken"),
-        (lambda: small_run(supports=["grip"]), "an instance of Support"),
+        (lambda: small_run(supports=["grip"]), "valid dictionary or instance of Support"),
         (
             lambda: small_run(supports=[Support("a", [0, 7], (Drive(PULL, (1.0, 1.0, 0.0)),))], symmetry=("y",)),
             "off the symmetry plane y = 0",

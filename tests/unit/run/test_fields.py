@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from weavesim.errors import InputError
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.rows import CellReportRow, ElementField
-from weavesim.run.fields import FIELDS, UNIT_CELL_FAILURE, complete, field_table, in_files
+from weavesim.run.fields import FIELDS, UNIT_CELL_FAILURE, Field, add_field, complete, in_files
 
 
 @pytest.fixture
@@ -55,7 +56,15 @@ def test_angles_are_degrees_in_files_and_say_so(rows):
     assert files["warp_force"] is rows["warp_force"] and files["mine"].tolist() == [1.0] * 5
 
 
-def test_the_table_has_every_field():
-    lines = field_table().splitlines()[2:]
-    assert [line.split("`")[1] for line in lines] == [field.file_name for field in FIELDS]
-    assert "| `shear_angle_deg` | degrees |" in lines[0]
+@pytest.mark.parametrize(
+    ("field", "message"),
+    [
+        (Field("thickness", "m", "again", derive=lambda *given: None), "field thickness: one of this name is known"),
+        (Field("colour", "1", "how red"), "field colour: derive is missing"),
+    ],
+)
+def test_fields_that_are_refused(field, message):
+    count = len(FIELDS)
+    with pytest.raises(InputError, match=message):
+        add_field(field)
+    assert len(FIELDS) == count

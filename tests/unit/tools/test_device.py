@@ -1,8 +1,5 @@
 """Tools as the kernels take them: every shape has its kind, and what has none is refused."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import numpy as np
 import pytest
 import warp as wp
@@ -15,33 +12,30 @@ from weavesim.tools.device import build_device_tools
 from weavesim.tools.sampling import sample_meshes
 
 
-@dataclass(frozen=True)
 class Cone(Shape):
-    kind: ClassVar[str] = "cone"
+    distance_function = "cone"
 
 
-@dataclass(frozen=True)
 class Shapeless(Shape):
     pass
 
 
-@dataclass(frozen=True)
 class BallWithoutRadius(Shape):
-    kind: ClassVar[str] = "sphere"
+    distance_function = "sphere"
 
 
 def test_every_shape_has_a_kind_of_its_own_and_every_kind_a_shape():
     classes = [getattr(weavesim.tools, name) for name in weavesim.tools.__all__]
     shapes = [shape for shape in classes if isinstance(shape, type) and issubclass(shape, Shape)]
-    assert sorted(shape.kind for shape in shapes if shape not in (Shape, Union)) == sorted(SHAPE_KINDS)
+    assert sorted(shape.distance_function for shape in shapes if shape not in (Shape, Union)) == sorted(SHAPE_KINDS)
 
 
 @pytest.mark.parametrize(
     ("shape", "says"),
     [
-        (Cone(), "Cone is of the kind 'cone', which has no distance function; there are plane, sphere"),
-        (Shapeless(), "Shapeless is of the kind ''"),
-        (BallWithoutRadius(), "states the dimensions none, but the distance of the kind 'sphere' takes radius"),
+        (Cone(), "Cone names the distance function 'cone', which does not exist; there are plane, sphere"),
+        (Shapeless(), "Shapeless names the distance function ''"),
+        (BallWithoutRadius(), "states the dimensions none, but the distance function 'sphere' takes radius"),
     ],
 )
 def test_part_that_the_kernels_do_not_know_is_refused(shape, says):

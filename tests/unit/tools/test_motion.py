@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from weavesim.errors import InputError
 from weavesim.kernels.rows import ClockEntry
 from weavesim.kernels.stepping.tools import tool_motion_kernel
-from weavesim.process.strokes import Fixed, ForceDriven, Stroke
+from weavesim.process.strokes import Fixed, ForceDriven, SmoothStroke, Stroke
 from weavesim.tools.device import build_device_tools
 from weavesim.tools.shapes import Plane
 from weavesim.tools.tool import Tool
@@ -148,13 +148,14 @@ def test_no_tools_make_empty_arrays():
         (lambda: Stroke((), ()), "at least one"),
         (lambda: Stroke((0.0, 1.0), (0.0,)), "2 times and 1 displacements"),
         (lambda: Stroke((0.0, 0.0), (0.0, 1.0)), "must increase"),
-        (lambda: Stroke((0.0, math.nan), (0.0, 1.0)), "Stroke.times"),
+        (lambda: Stroke((0.0, math.nan), (0.0, 1.0)), "Stroke: times = .* it must be finite"),
         (lambda: Stroke(0.0, 1.0), "list of numbers"),
         (lambda: Stroke.smooth(0.0, 1.0, 0.1), "Fixed"),
         (lambda: Stroke.smooth(0.1, -1.0, 0.1), "speed"),
         (lambda: Stroke.smooth(0.1, 1.0, -0.1), "must not be negative"),
-        (lambda: ForceDriven((0.0,), (1.0,), 0.0), "ForceDriven.mass"),
-        (lambda: Tool("punch", Plane(), "down"), "Fixed, Stroke or ForceDriven"),
+        (lambda: ForceDriven((0.0,), (1.0,), 0.0), "ForceDriven: mass = 0.0"),
+        (lambda: Tool("punch", Plane(), "down"), "one of Fixed, Stroke, ForceDriven"),
+        (lambda: Tool("punch", Plane(), SmoothStroke((0.0,), (0.0,), (0.0,))), "Fixed, Stroke or ForceDriven"),
         (lambda: Tool("punch", "round"), "shape"),
         (lambda: Tool("punch", Plane(), friction=-0.1), "friction"),
         (lambda: Tool("punch", Plane(), axis=(0, 0, 0)), "axis"),

@@ -16,14 +16,19 @@ if TYPE_CHECKING:
 
 def point_angles(sheet: FormedSheet, measured_angles: tuple[np.ndarray, np.ndarray] | None = None) -> Figure:
     """Shear angle at the material points of the sheet, which has some, and where they lie on the flat blank."""
-    from matplotlib.collections import PolyCollection
-    from matplotlib.patheffects import Normal, Stroke
-
-    blank, angles = sheet.blank, sheet.point_angles_deg
-    number = np.arange(1, len(angles) + 1)
     figure = new_figure(12.0, 4.6)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.3, 1.0))
-    chart = new_axes(figure, grid[0, 0], title=f"Shear angle at the {len(angles)} points", xlabel="point")
+    _draw_bars(figure, grid[0, 0], sheet.point_angles_deg, measured_angles)
+    _draw_points(figure, grid[0, 1], sheet)
+    return figure
+
+
+def _draw_bars(
+    figure: Figure, place: Any, angles: np.ndarray, measured_angles: tuple[np.ndarray, np.ndarray] | None
+) -> None:
+    """Computed angles as bars, measured ones beside them."""
+    number = np.arange(1, len(angles) + 1)
+    chart = new_axes(figure, place, title=f"Shear angle at the {len(angles)} points", xlabel="point")
     chart.set(ylabel="shear angle [degrees]", xticks=number)
     chart.bar(number, angles, width=0.62, color="#d9d0f3", edgecolor=ACCENT, linewidth=1.2, label="computed")
     highest = float(angles.max(initial=1.0))
@@ -39,7 +44,14 @@ def point_angles(sheet: FormedSheet, measured_angles: tuple[np.ndarray, np.ndarr
     chart.set_ylim(0.0, 1.14 * highest)
     chart.grid(axis="x", visible=False)
 
-    plan = new_axes(figure, grid[0, 1], aspect="equal", title="Where they lie on the flat blank")
+
+def _draw_points(figure: Figure, cell: Any, sheet: FormedSheet) -> None:
+    """The points on the flat blank, in the colours of the elements."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patheffects import Normal, Stroke
+
+    blank = sheet.blank
+    plan = new_axes(figure, cell, aspect="equal", title="Where they lie on the flat blank")
     plan.set(xlabel="material x [mm]", ylabel="material y [mm]")
     colours = colour_map()(np.clip(sheet.shear_angle_deg / LARGEST_SHOWN_ANGLE, 0.0, 1.0))
     flat = 1.0e3 * blank.material_coordinates
@@ -47,7 +59,7 @@ def point_angles(sheet: FormedSheet, measured_angles: tuple[np.ndarray, np.ndarr
     place = 1.0e3 * np.asarray(sheet.points)
     marker: Any = {"markerfacecolor": INK, "markeredgecolor": "white", "markersize": 6}
     plan.plot(*place.T, "o-", color="white", linewidth=1.0, clip_on=False, **marker)
-    for n, (x, y) in zip(number.tolist(), place, strict=True):
+    for n, (x, y) in enumerate(place, start=1):
         plan.annotate(
             str(n), (x, y), (6, 5), textcoords="offset points", weight="bold", fontsize=9, color="white",
             path_effects=[Stroke(linewidth=2.2, foreground=INK), Normal()],
@@ -56,4 +68,3 @@ def point_angles(sheet: FormedSheet, measured_angles: tuple[np.ndarray, np.ndarr
     plan.set(xlim=(flat[:, 0].min() - margin, flat[:, 0].max() + margin))
     plan.set(ylim=(flat[:, 1].min() - margin, flat[:, 1].max() + margin))
     plan.grid(visible=False)
-    return figure

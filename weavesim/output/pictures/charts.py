@@ -55,8 +55,8 @@ def drive_forces(history: History) -> Figure:
     chart = new_axes(figure, 1, 1, 1, title="Forces of the supports")
     chart.set(xlabel="displacement of the drive [mm]", ylabel="force along the drive [N]")
     for k, name in enumerate(history.drive_names):
-        way, force = 1.0e3 * history.drive_displacement[:, k], history.drive_force[:, k]
-        chart.plot(way, force, color=LINE_COLOURS[k % len(LINE_COLOURS)], label=words(name))
+        travel, force = 1.0e3 * history.drive_displacement[:, k], history.drive_force[:, k]
+        chart.plot(travel, force, color=LINE_COLOURS[k % len(LINE_COLOURS)], label=words(name))
     chart.axhline(0.0, color=FAINT, linewidth=1.0)
     add_legend(chart, loc="best")
     return figure
@@ -75,6 +75,19 @@ def energies(history: History) -> Figure:
     shown = [name for name in parts if size[name] > 0.004 * largest]
     colour = {name: LINE_COLOURS[i % len(LINE_COLOURS)] for i, name in enumerate(parts)}
 
+    charts = (
+        _stack_of_energies(figure, history, shown, colour),
+        _every_energy(figure, history, [name for name in parts if size[name] > 1.0e-6 * largest], colour, largest),
+        _ratios(figure, history, size),
+    )
+    for chart in charts:
+        _name_progress(chart, history)
+        chart.margins(x=0.0)
+    return figure
+
+
+def _stack_of_energies(figure: Figure, history: History, shown: Sequence[str], colour: Mapping[str, str]) -> Axes:
+    book = history.energies
     stack = new_axes(figure, 1, 3, 1, title="Where the work goes", ylabel="energy [J]")
     below = np.zeros(history.frame_count)
     for name in shown:
@@ -87,16 +100,25 @@ def energies(history: History) -> Figure:
     if shown:
         handles, labels = stack.get_legend_handles_labels()
         stack.legend(handles[::-1], labels[::-1], loc="upper left", frameon=False, fontsize=9)
+    return stack
 
+
+def _every_energy(
+    figure: Figure, history: History, names: Sequence[str], colour: Mapping[str, str], largest: float
+) -> Axes:
+    book = history.energies
     every = new_axes(figure, 1, 3, 2, title="Every stored and lost energy", ylabel="energy [J]", yscale="log")
-    for i, name in enumerate(parts):
-        if size[name] > 1.0e-6 * largest:
-            values = np.where(book[name] > 0.0, book[name], np.nan)
-            style = ("-", "--")[i // len(LINE_COLOURS) % 2]
-            every.plot(*_against(history, values), style, color=colour[name], linewidth=1.5, label=words(name))
+    for i, name in enumerate(names):  # the largest first, so none is left out between two
+        values = np.where(book[name] > 0.0, book[name], np.nan)
+        style = ("-", "--")[i // len(LINE_COLOURS) % 2]
+        every.plot(*_against(history, values), style, color=colour[name], linewidth=1.5, label=words(name))
     every.set_ylim(1.0e-6 * largest, 2.0 * largest)
     add_legend(every, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return every
 
+
+def _ratios(figure: Figure, history: History, size: Mapping[str, float]) -> Axes:
+    book = history.energies
     ratios = new_axes(figure, 1, 3, 3, title="Ratios that judge the run", ylabel="[%]", yscale="log")
     for name, over, label in (
         ("kinetic", "internal", "kinetic over internal energy"),
@@ -111,10 +133,7 @@ def energies(history: History) -> Figure:
             ratios.plot(*_against(history, np.where(values > 0.0, values, np.nan)), color=chosen, label=label)
     ratios.set_ylim(1.0e-4, 1.0e5)  # the upper decades hold the legend
     add_legend(ratios, loc="upper right", bbox_to_anchor=(1.0, 1.0))
-    for chart in (stack, every, ratios):
-        _name_progress(chart, history)
-        chart.margins(x=0.0)
-    return figure
+    return ratios
 
 
 def _against(history: History, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -118,20 +118,8 @@ def _draw_view(
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 
-    azimuth, elevation = np.deg2rad(direction)
-    to_eye = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
-    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
-    screen = np.stack([right, np.cross(to_eye, right)], axis=1) * 1.0e3
-    light = to_eye + 0.55 * right + np.array([0.0, 0.0, 0.35])
-    light /= np.linalg.norm(light)
-
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1.0e-300)
-    facing = np.sign(normal @ to_eye)[:, None] * normal
-    shade = 0.74 + 0.26 * np.clip(facing @ light, 0.0, 1.0)
-    faces = np.ones((len(corners), 4))
-    faces[:, :3] = colour_map()(np.clip(angles / LARGEST_SHOWN_ANGLE, 0.0, 1.0))[:, :3] * shade[:, None]
-
+    to_eye, right, screen = _projection(direction)
+    faces = _shaded(corners, angles, to_eye, right)
     size = float(np.sqrt(np.median(np.linalg.norm(np.cross(
         corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1)) / 2.0))  # fmt: skip
     strokes = segments[:, [0, 1, 1, 0]]
@@ -155,8 +143,30 @@ def _draw_view(
     margin = 0.02 * np.ptp(flat, axis=0).max()
     axes.set(xlim=(flat[:, 0].min() - margin, flat[:, 0].max() + margin))
     axes.set(ylim=(flat[:, 1].min() - margin, flat[:, 1].max() + margin), aspect="equal")
-    if elevation > 1.5:
+    if direction[1] > 80.0:
         axes.set(xlabel="x [mm]", ylabel="y [mm]")
     else:
         axes.set_axis_off()
     return axes
+
+
+def _projection(direction: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Unit vectors to the eye and to the right, and the projection to the screen, (3, 2) [mm/m]."""
+    azimuth, elevation = np.deg2rad(direction)
+    to_eye = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    return to_eye, right, np.stack([right, np.cross(to_eye, right)], axis=1) * 1.0e3
+
+
+def _shaded(corners: np.ndarray, angles: np.ndarray, to_eye: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Colours of elements by their angles [degrees], lit from beside the eye, (element_count, 4)."""
+    light = to_eye + 0.55 * right + np.array([0.0, 0.0, 0.35])
+    light /= np.linalg.norm(light)
+
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1.0e-300)
+    facing = np.sign(normal @ to_eye)[:, None] * normal
+    shade = 0.74 + 0.26 * np.clip(facing @ light, 0.0, 1.0)
+    faces = np.ones((len(corners), 4))
+    faces[:, :3] = colour_map()(np.clip(angles / LARGEST_SHOWN_ANGLE, 0.0, 1.0))[:, :3] * shade[:, None]
+    return faces

@@ -46,7 +46,7 @@ def write_picture(figure: Figure, path: str | Path) -> None:
     """Write the figure, as the ending of ``path`` says, with 150 dots per inch."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    # laid out here: savefig would draw all of it once more only to have that done
+    # laid out here: savefig would draw everything twice for that
     FigureCanvasAgg(figure)
     figure.set_dpi(_RESOLUTION)
     if (engine := figure.get_layout_engine()) is not None:

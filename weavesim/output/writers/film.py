@@ -8,7 +8,7 @@ from ..writer import Writer
 
 
 class FilmWriter(Writer):
-    """``NAME.usdc``; see ``Film``."""
+    """``NAME.usdc``: a film of sheets and tools for usdview, Blender and others (``weavesim.output.Film``)."""
 
     name = "film"
     title = "film"

@@ -8,7 +8,7 @@ from ..writer import Writer
 
 
 class ParaViewWriter(Writer):
-    """``paraview/``; see ``ParaViewSeries``."""
+    """``paraview/``: about 30 frames, and the final state in double precision (``weavesim.output.ParaViewSeries``)."""
 
     name = "paraview"
     title = "ParaView series"

@@ -27,7 +27,7 @@ class Picture(NamedTuple):
 
 
 class PicturesWriter(Writer):
-    """``pictures/*.png``."""
+    """``pictures/*.png``: formed sheets, sections, forces, energies, and what the scene wants to be shown."""
 
     name = "pictures"
     title = "pictures"

@@ -21,7 +21,7 @@ SHARES = {1.0: "whole blank", 0.5: "half of the blank", 0.25: "quarter of the bl
 
 
 class ReportWriter(Writer):
-    """``report.html``, with the pictures and warnings of the writers before it."""
+    """``report.html``: one page with all numbers, and the pictures and warnings of the writers before it."""
 
     name = "report"
     title = "report.html"

@@ -8,7 +8,7 @@ from ..writer import Writer
 
 
 class SummaryWriter(Writer):
-    """``summary.json``, with the warnings of all other writers."""
+    """``summary.json``: all numbers of the run, and the warnings of the other writers."""
 
     name = "summary"
     title = "summary.json"

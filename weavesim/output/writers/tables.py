@@ -11,7 +11,7 @@ from ..writer import Writer
 
 
 class TablesWriter(Writer):
-    """``history.csv``; for each sheet ``draw_in.csv`` and ``shear_angle.csv``; the curves of the scene."""
+    """``history.csv``: scalars of every frame; ``draw_in.csv``, ``shear_angle.csv``; the curves of the scene."""
 
     name = "tables"
     title = "tables"

@@ -1,26 +1,18 @@
 """The tables of docs/fabrics.md, made from the registry of laws: kinds, fields, units, defaults, constructors, presets.
 
-    python scripts/fabric_tables.py          # writes them
-    python scripts/fabric_tables.py --check  # exits with code 1 where the page differs
-
 Only kinds that weavesim brings are listed.
 """
 
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 from pydantic.fields import FieldInfo
 
 from weavesim.checks import Parameters
 from weavesim.fabric import PRESETS, UNIT_CELLS, Fabric
 from weavesim.fabric.families import constructors, implied_kind, kinds_of_field
-
-PAGE = Path(__file__).parents[1] / "docs" / "fabrics.md"
-BEGIN, END = "<!-- begin of scripts/fabric_tables.py -->\n", "<!-- end of scripts/fabric_tables.py -->\n"
 
 
 def built_in_kinds(owner: type[Parameters], field: str) -> dict[str, type[Parameters]]:
@@ -110,28 +102,3 @@ def _listed(names) -> str:
 
 def _escaped(text: str) -> str:
     return text.replace("``", "`").replace("|", "\\|")
-
-
-def page_with_tables(page: str) -> str:
-    """The page with its tables made again.
-
-    Raises:
-        ValueError: a page without the two marks.
-    """
-    before, rest = page.split(BEGIN)
-    return before + BEGIN + "\n" + tables() + "\n" + END + rest.split(END)[1]
-
-
-def main() -> int:
-    old = PAGE.read_text(encoding="utf-8")
-    new = page_with_tables(old)
-    if "--check" not in sys.argv[1:]:
-        PAGE.write_text(new, encoding="utf-8")
-        return 0
-    if new != old:
-        print("docs/fabrics.md differs from the laws: run python scripts/fabric_tables.py", file=sys.stderr)
-    return int(new != old)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

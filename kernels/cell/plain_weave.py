@@ -14,18 +14,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import (  # noqa: F401 - operators of lanes
-    div,
-    fill,
-    inverses,
-    lane_maximum,
-    larger,
-    magnitude,
-    mul,
-    smaller,
-    spread,
-    where_positive,
-)
+from ..lanes import fill, inverses, lane_maximum, larger, magnitude, smaller, where_positive
+from ..operators import div, mul  # noqa: F401
 from .law import MAXIMUM_ITERATIONS, CellLaw
 from .yarn import yarn_axial_stiffness, yarn_expansion, yarn_forces, yarn_hessian, yarn_remainder, yarn_strain
 
@@ -97,7 +87,7 @@ def regular_parts(cell: Any, hessian: Any, elastic: Any, stiffness: Any):
     determinant = hessian[0] * hessian[1] + stiffness * (hessian[0] + hessian[1])
     definite = smaller(determinant, hessian[0] + stiffness)
     # a slack yarn without bending stiffness has none: the least that keeps the matrix regular
-    floor = spread(stiffness, cell.stiffness_floor)
+    floor = fill(stiffness, cell.stiffness_floor)
     own1 = where_positive(definite, hessian[0], elastic[0] + floor)
     own2 = where_positive(definite, hessian[1], elastic[1] + floor)
     return wp.matrix_from_rows(own1, own2), definite
@@ -140,8 +130,8 @@ def safeguarded(cell: Any, gradient: Any, diagonal: Any, stiffness: Any, newton:
     A step is at most a quarter of the chord; a previous one that overshot is taken back in part instead.
     """
     one = fill(slope, 1.0)
-    limit1 = spread(slope, slope.dtype(0.25) * cell.chord_length[0])
-    limit2 = spread(slope, slope.dtype(0.25) * cell.chord_length[1])
+    limit1 = fill(slope, slope.dtype(0.25) * cell.chord_length[0])
+    limit2 = fill(slope, slope.dtype(0.25) * cell.chord_length[1])
     shrink = smaller(
         one,
         smaller(
@@ -194,7 +184,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         stiffness = cell.contact_stiffness * contact_active(cell, -(w[0] + w[1]))
         crossover = -(stiffness * (w[0] + w[1]))
         gradient = wp.matrix_from_rows(by_w[0] - crossover, by_w[1] - crossover)
-        least = spread(u1, cell.force_floor) + cell.resolution * stiffness * (magnitude(w[0]) + magnitude(w[1]))
+        least = fill(u1, cell.force_floor) + cell.resolution * stiffness * (magnitude(w[0]) + magnitude(w[1]))
         size = residual_size(sizes, crossover, least)
         own, definite = regular_parts(cell, hessian, elastic, stiffness)
         diagonal = wp.matrix_from_rows(own[0] + stiffness, own[1] + stiffness)
@@ -216,7 +206,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         better = where_positive(definite, residual - remainder, zero)
         remainder = where_positive(better, remainder, residual)
         # a NaN compares false, and is caught by the caller; it must not stall the other lanes
-        unfinished = where_positive(remainder - spread(u1, cell.tolerance), fill(u1, 1.0), zero)
+        unfinished = where_positive(remainder - fill(u1, cell.tolerance), fill(u1, 1.0), zero)
         if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
             for k in range(2):
                 last[k] = where_positive(better, last[k], zero)
@@ -298,7 +288,7 @@ def energies(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: An
     warp, weft, bending, contact = unit_cell_energies(
         cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, q[0], q[1]
     )
-    cells = area / spread(area, area.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
+    cells = area / fill(area, area.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
     return wp.matrix_from_rows(cells * warp, cells * weft, cells * bending, cells * contact)
 
 
@@ -348,12 +338,12 @@ def snap_loss(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: 
             + (bending_before - bending_after)
             + (contact_before - contact_after)
         )
-        snapped = jump - spread(jump, least)
+        snapped = jump - fill(jump, least)
         # a fast but steady change frees 1/2 dw.H dw, half of what the gradient at its start promises, and the
         # work of the forces contains that; a snap starts near an equilibrium and frees far more
         promised = unit_cell_descent(cell, u1, u2, start[0], start[1], change1, change2)
         snapped = where_positive(snapped, freed - promised, snapped)
-        density = freed / spread(freed, freed.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
+        density = freed / fill(freed, freed.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
         loss = where_positive(snapped, density, loss)
     return loss
 

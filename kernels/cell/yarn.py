@@ -4,18 +4,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import (  # noqa: F401 - operators of lanes
-    angle_of,
-    div,
-    fill,
-    inverses,
-    larger,
-    magnitude,
-    mul,
-    spread,
-    square_root,
-    where_positive,
-)
+from ..lanes import angle_of, fill, inverses, larger, magnitude, square_root, where_positive
+from ..operators import div, mul  # noqa: F401
 
 # Rows of a yarn's state, of which its higher derivatives are made: l - l0, axial stiffness [N/m], moment [N m], cosine
 # and sine of the chord, 1/l.
@@ -36,12 +26,12 @@ def yarn_strain(cell: Any, k: int, u: Any, w: Any):
     half_spacing = cell.half_spacing[k]
     crimp_height = cell.crimp_height[k]
     chord_length = cell.chord_length[k]
-    x = spread(u, half_spacing) + u
-    h = spread(u, crimp_height) + w
+    x = fill(u, half_spacing) + u
+    h = fill(u, crimp_height) + w
     length = square_root(x * x + h * h)
-    along = u * (u.dtype(2.0) * spread(u, half_spacing) + u)
-    across = w * (u.dtype(2.0) * spread(u, crimp_height) + w)
-    inverse_length, inverse_sum = inverses(length, length + spread(u, chord_length))
+    along = u * (u.dtype(2.0) * fill(u, half_spacing) + u)
+    across = w * (u.dtype(2.0) * fill(u, crimp_height) + w)
+    inverse_length, inverse_sum = inverses(length, length + fill(u, chord_length))
     elongation = (along + across) * inverse_sum
     parts = (magnitude(along) + magnitude(across)) * inverse_sum
     rotation = angle_of(half_spacing * w - crimp_height * u, half_spacing * x + crimp_height * h, chord_length * length)
@@ -51,7 +41,7 @@ def yarn_strain(cell: Any, k: int, u: Any, w: Any):
 @wp.func
 def yarn_axial_stiffness(cell: Any, k: int, elongation: Any):
     return where_positive(
-        elongation, spread(elongation, cell.tensile_stiffness[k]), spread(elongation, cell.compressive_stiffness[k])
+        elongation, fill(elongation, cell.tensile_stiffness[k]), fill(elongation, cell.compressive_stiffness[k])
     )
 
 
@@ -134,7 +124,7 @@ def yarn_hessian(cell: Any, k: int, u: Any, w: Any, in_tension: bool):
     stiffness = yarn_axial_stiffness(cell, k, elongation)
     axial = stiffness * elongation * inverse_length
     if in_tension:
-        stiffness = spread(u, cell.tensile_stiffness[k])
+        stiffness = fill(u, cell.tensile_stiffness[k])
         axial = larger(axial, fill(u, 0.0))
     bending = cell.rotation_stiffness[k] * inverse_length * inverse_length
     moment = cell.rotation_stiffness[k] * rotation * inverse_length * inverse_length

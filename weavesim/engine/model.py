@@ -104,7 +104,8 @@ class Model:
         self.step_bounds.contact_frequency = 2.0 * contact_frequency if tool_count else 0.0
         self.step_bounds.bending = fabric.largest_bending_stiffness
         cell = fabric.unit_cell
-        self.step_bounds.cell = self.types.vec3(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
+        self.step_bounds.warp, self.step_bounds.weft = cell.yarn_stiffness_per_width
+        self.step_bounds.shear = cell.shear_stiffness
         # padding elements keep an infinite areal density: they never decide the step
         inertia = np.stack([1.0 / density, 1.0 / frequencies.rotary_radius_squared])
         self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)

@@ -23,6 +23,7 @@ TESTED_ELSEWHERE = {
     "kernels/shell/shear.py": SHELL,
     "kernels/shell/thickness.py": "verification/shell/test_thickness.py",
     "kernels/shell/frequency.py": "verification/time/test_stable_step.py",
+    "kernels/shell/coupling.py": "verification/time/test_stable_step.py",
     "kernels/shell/eigenvalue.py": "verification/time/test_stable_step.py",
     "kernels/operators.py": "unit/kernels/test_lanes.py",
     "kernels/cell/energies.py": "verification/cell/test_unit_cells.py",

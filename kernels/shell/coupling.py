@@ -1,4 +1,4 @@
-"""What couples the motions of positions and directors in the bound of an element's frequency (docs/theory.md, section 7).
+"""What couples positions and directors in the bound of an element's frequency (docs/theory.md, section 7).
 
 Norms come in threes: what a term of the energy adds to positions, to their coupling with directors, and to directors.
 """

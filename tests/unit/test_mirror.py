@@ -28,6 +28,7 @@ TESTED_ELSEWHERE = {
     "kernels/cell/energies.py": "verification/cell/test_unit_cells.py",
     "kernels/cell/energy_cell.py": "verification/cell/test_unit_cells.py",
     "kernels/cell/law.py": "verification/cell/test_unit_cells.py",
+    "kernels/cell/yarn.py": "unit/kernels/cell/test_plain_weave.py",
     "kernels/cell/response.py": "verification/cell/test_unit_cells.py",
     "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",
     "kernels/contact/penalty.py": "verification/contact/test_contact.py",

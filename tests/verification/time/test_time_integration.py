@@ -205,6 +205,7 @@ SHARED_OUT = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHARED_OUT)
 def test_same_bits_for_any_number_of_threads_and_any_run(name):
     make, touched_count = SHARED_OUT[name]
@@ -222,6 +223,7 @@ def test_same_bits_for_any_number_of_threads_and_any_run(name):
             assert np.isfinite(value).all() and np.array_equal(value, other[array]), array
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_passing_over_far_tools_changes_nothing(precision):
     """A node that is passed over by its tools' bound would not have met them: the same bits as if all are looked at."""

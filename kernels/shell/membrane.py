@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.energy_cell import emitted_late
+from ..cell.newton import emitted_late
 from ..cell.law import CellLaw
 from ..lanes import inverses, lane_maximum, lane_types, larger
 from ..operators import div, mul  # noqa: F401

@@ -5,8 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.newton import emitted_late
 from ..cell.law import CellLaw
+from ..cell.newton import emitted_late
 from ..lanes import dot, fill, lane_types, larger, magnitude, square_root, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, CurvatureRow, InertiaRow, MotionRow, TransverseShearRow

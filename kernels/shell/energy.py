@@ -5,8 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.energy_cell import emitted_late
 from ..cell.law import CellLaw
+from ..cell.newton import emitted_late
 from ..curve import spring_energy
 from ..lanes import dot, fill, lane_types, where_positive
 from ..laws.contract import device_law

@@ -5,8 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.energy_cell import emitted_late
 from ..cell.law import CellLaw
+from ..cell.newton import emitted_late
 from ..lanes import inverses, lane_maximum, lane_types, larger
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401

@@ -6,6 +6,7 @@ import pytest
 
 from tests.support.imports import INSIDE, Sources
 from tests.support.paths import ROOT
+from weavesim.scenes.scene import known_scenes
 
 # Shorter modules outside the kernels may be tested with what uses them.
 LEAST_LENGTH = 60
@@ -43,7 +44,6 @@ TESTED_ELSEWHERE = {
     "kernels/stepping/supports.py": "verification/time/test_supports.py",
     "kernels/stepping/tools.py": "unit/tools/test_motion.py",
     "weavesim/engine/model.py": "unit/run/test_simulation.py",
-    "weavesim/engine/setup.py": "unit/run/test_simulation.py",
     "weavesim/sheet/sheet.py": "unit/run/test_simulation.py",
     "weavesim/engine/state.py": "verification/time/test_time_integration.py",
     "weavesim/arrays.py": "unit/test_checks.py",
@@ -104,8 +104,6 @@ def test_only_what_exists_is_tested_elsewhere():
     assert set(TESTED_ELSEWHERE) <= set(modules())
 
 
-@pytest.mark.parametrize("scene", sorted(file.stem for file in (ROOT / "scenes").glob("[!_]*.py")))
+@pytest.mark.parametrize("scene", known_scenes().values(), ids=lambda scene: scene.module)
 def test_every_scene_is_validated(scene):
-    text = (ROOT / "scenes" / f"{scene}.py").read_text()
-    if "def run(" in text:
-        assert (TESTS / "validation" / f"test_{scene}.py").is_file()
+    assert (TESTS / "validation" / f"test_{scene.module}.py").is_file()

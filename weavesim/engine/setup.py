@@ -13,6 +13,7 @@ from pydantic import field_validator, model_validator
 
 from ..checks import NotNegative, Parameters, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision, resolve_precision
+from ..errors import InputError
 from ..process.dynamics import Dynamics
 from ..process.supports import Support
 from ..sheet.sheet import Sheet
@@ -203,6 +204,17 @@ class Setup(Parameters):
     def sheets(self) -> tuple[Sheet, ...]:
         """Of all worlds, in order."""
         return tuple(sheet for world in self.worlds for sheet in world.sheets)
+
+    @property
+    def sheet(self) -> Sheet:
+        """The sheet of a run that has one.
+
+        Raises:
+            InputError: the run has several.
+        """
+        if len(self.sheets) != 1:
+            raise InputError(f"setup {self.name}: it has {len(self.sheets)} sheets; take one of setup.sheets")
+        return self.sheets[0]
 
     @property
     def tools(self) -> tuple[Tool, ...]:

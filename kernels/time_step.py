@@ -34,7 +34,7 @@ from .lanes import (
     where_positive,
 )
 from .node import CLOCK_MEAN_STEP, CLOCK_STEP
-from .sheet import SheetTraits, shear_friction_limit, sheet_struct
+from .sheet import BENDING_ISOTROPIC, SheetTraits, shear_friction_limit, sheet_struct
 
 
 @wp.func
@@ -209,6 +209,19 @@ def largest_in_plane(
     return size * power
 
 
+# Terms that couple positions and directors, as shares of the leading ones: proven bounds (docs/theory.md, section 7,
+# *Coupled terms*), all but those of the yarns rounded up. Transverse shear by the tilt: of positions, linear and
+# squared; of positions and directors.
+TILT_STIFFENING = wp.constant(4.4)  # proven: 1 + sqrt 2 = 2.42
+TILT_SQUARE_STIFFENING = wp.constant(8.5)  # proven: 1 + 2 sqrt 2 + (1 + sqrt 2)/2 = 5.04
+TILT_COUPLING = wp.constant(5.4)  # proven: sqrt 5 = 2.24
+# Bending by the curvature: of positions, squared; of positions and directors.
+CURVATURE_STIFFENING = wp.constant(24.0)  # proven: 13.72
+CURVATURE_COUPLING = wp.constant(7.4)  # proven: 5.17
+YARN_CURVATURE_STIFFENING = wp.constant(19.0)
+YARN_CURVATURE_COUPLING = wp.constant(6.0)
+# The warping takes a quarter of x_h.d, and the mean d of four corners is at most half of their norm.
+MEAN_WARPING = wp.constant(0.125)
 # A step that shrinks goes to this share of the limit, so that it need not shrink again at once.
 STEP_MARGIN = wp.constant(0.98)
 # A step grows by one factor per refresh as soon as the limit is the other one above it.
@@ -249,6 +262,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
     Unknowns, StepBounds = wp.types.matrix((cell.row_count, lane_count), real), step_bounds_struct(real)
     stable_tangent = cell.stable_tangent
     flat, skewed, curved_shear, shear_slides = traits.flat, traits.skewed, traits.curved_shear, traits.shear_friction
+    isotropic = traits.bending == int(BENDING_ISOTROPIC)
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_frequencies(
@@ -394,13 +408,21 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
             skew = skew + half * (skew12 * skew12 + skew22 * skew22)
             half_directors = half_directors + square_root(skew * gradient * largest_metric)
         mean_directors = slope * half_directors * half_directors * radius
-        tilting = slope_positions * tilt * (lanes(real(4.4)) + real(8.5) * tilt)
-        slope_coupling = square_root(slope_positions * mean_directors) * (one + real(5.4) * tilt)
+        tilting = slope_positions * tilt * (lanes(real(TILT_STIFFENING)) + real(TILT_SQUARE_STIFFENING) * tilt)
+        slope_coupling = square_root(slope_positions * mean_directors) * (one + real(TILT_COUPLING) * tilt)
 
         # bending couples positions and director gradients
-        bending = (bounds.bending * area_ratio) * gradient
-        bending_positions = (real(24.0) * bending) * (curvature * curvature)
-        bending_coupling = (real(7.4) * bending) * (inverse_radius * curvature)
+        bending = bounds.bending * area_ratio
+        stiffening = real(CURVATURE_STIFFENING)
+        bent_coupling = real(CURVATURE_COUPLING)
+        if wp.static(not isotropic):
+            # these laws hold no J; oblique yarns share the curvature along the diagonal between them
+            bending = bounds.bending * (one + magnitude(sine))
+            stiffening = real(YARN_CURVATURE_STIFFENING)
+            bent_coupling = real(YARN_CURVATURE_COUPLING)
+        bending = bending * gradient
+        bending_positions = (stiffening * bending) * (curvature * curvature)
+        bending_coupling = (bent_coupling * bending) * (inverse_radius * curvature)
         bending_directors = bending * radius
         constraint = mean_directors * tilt * lean + bending_directors * curvature * lean / root_gradient
 
@@ -415,10 +437,10 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         tipping = x_odd * root_gradient
         in_plane_odd = in_plane_stiffness * length * (length + two * tipping * (one + tipping))
         warp_positions = real(0.25) * length + twist * root_metric * curvature
-        warp_directors = inverse_radius * (twist * root_metric + real(0.125) * x_odd)
+        warp_directors = inverse_radius * (twist * root_metric + real(MEAN_WARPING) * x_odd)
         warp = real(0.25) * x_odd + twist * curvature / root_gradient
         warp_coupling = warp_positions * warp_directors + warp * inverse_radius * (
-            real(0.125) * length + twist * root_gradient
+            real(MEAN_WARPING) * length + twist * root_gradient
         )
         root_squares = square_root(squares)
         odd_positions = root_squares * d_odd

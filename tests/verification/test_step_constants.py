@@ -6,7 +6,7 @@ An energy along a straight change of its arguments is a series to second order, 
 import numpy as np
 import pytest
 
-from kernels import time_step
+from weavesim.kernels import time_step
 
 ROOT2, ROOT5 = np.sqrt(2.0), np.sqrt(5.0)
 FLAT = np.eye(3)[:, :2]

@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import InputError
 
 if TYPE_CHECKING:
+    from ..engine.setup import Setup
     from ..fabric.fabric import Fabric
     from ..process.supports import Support
     from ..sheet.blank import Blank
@@ -61,6 +62,7 @@ class RunInfo:
         internal_energies: names of the entries of the ledger whose sum is the internal energy.
         warnings: what a user should know; the run adds to this list until it ends.
         notes: what was found about the input.
+        setup: all that the run is given.
     """
 
     name: str
@@ -75,6 +77,7 @@ class RunInfo:
     internal_energies: tuple[str, ...] = ()
     warnings: list[str] = field(default_factory=list)
     notes: tuple[str, ...] = ()
+    setup: Setup | None = None
 
     @property
     def sheet(self) -> SheetInfo:

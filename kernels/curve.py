@@ -5,7 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from .lanes import div, magnitude, mul, spread, where_positive  # noqa: F401 - operators of lanes
+from .lanes import fill, magnitude, where_positive
+from .operators import div, mul  # noqa: F401
 
 
 @cache
@@ -78,7 +79,7 @@ def slide(strain: Any, slip: Any, spring_before: Any, stiffness: Any, limit: Any
     so that stored and lost together are the work of the mean forces, whatever the limit does meanwhile.
     """
     spring = strain - slip
-    free = limit / spread(strain, stiffness)
+    free = limit / fill(strain, stiffness)
     excess = magnitude(spring) - free - resolution * (magnitude(strain) + magnitude(slip) + free)
     held = where_positive(spring, free, -free)
     new_slip = where_positive(excess, strain - held, slip)

@@ -4,8 +4,11 @@ A kernel thread holds W scalars in a Warp vector ("lanes") and W 3-vectors in a 
 Clang turns the componentwise operations into SIMD instructions; on a GPU, and in most tests, W = 1 and the same
 source is plain scalar code. The functions below are generic: they never name W or the precision.
 
-Componentwise ``a * b`` and ``a / b`` of two lane vectors come from the overloads ``mul`` and ``div``: a module whose
-formulas use them must import these two names, because Warp looks an operator up among the globals of the module.
+Numbers: a bare literal is a single-precision constant and fits no lanes. A formula writes ``x.dtype(2.0)`` for a factor
+and ``fill(x, 1.0)`` for lanes, where x is any lanes in it; ``fill(x, laws.thickness)`` spreads a scalar of their own
+precision. On its way into ``fill`` a literal is rounded to single precision, into ``x.dtype`` it is not: a number that
+single precision does not hold is ``fill(x, x.dtype(4.4))``. Only a kernel, which knows its precision, may write
+``real(2.0)`` and, for lanes of zeros, ``lanes()``. Componentwise products of lanes: see operators.py.
 """
 
 from dataclasses import dataclass
@@ -46,65 +49,18 @@ def lane_types(real: type, lane_count: int) -> LaneTypes:
     )
 
 
-_Single1 = lane_types(wp.float32, GPU_LANE_COUNT).lanes
-_Single16 = lane_types(wp.float32, CPU_LANE_COUNT).lanes
-_Double1 = lane_types(wp.float64, GPU_LANE_COUNT).lanes
-_Double16 = lane_types(wp.float64, CPU_LANE_COUNT).lanes
-
-
-@wp.func
-def mul(a: _Single1, b: _Single1):
-    return wp.cw_mul(a, b)
-
-
-@wp.func
-def mul(a: _Single16, b: _Single16):  # noqa: F811
-    return wp.cw_mul(a, b)
-
-
-@wp.func
-def mul(a: _Double1, b: _Double1):  # noqa: F811
-    return wp.cw_mul(a, b)
-
-
-@wp.func
-def mul(a: _Double16, b: _Double16):  # noqa: F811
-    return wp.cw_mul(a, b)
-
-
-@wp.func
-def div(a: _Single1, b: _Single1):
-    return wp.cw_div(a, b)
-
-
-@wp.func
-def div(a: _Single16, b: _Single16):  # noqa: F811
-    return wp.cw_div(a, b)
-
-
-@wp.func
-def div(a: _Double1, b: _Double1):  # noqa: F811
-    return wp.cw_div(a, b)
-
-
-@wp.func
-def div(a: _Double16, b: _Double16):  # noqa: F811
-    return wp.cw_div(a, b)
+ALL_LANE_TYPES = tuple(
+    lane_types(real, lane_count) for real in (wp.float32, wp.float64) for lane_count in (GPU_LANE_COUNT, CPU_LANE_COUNT)
+)
 
 
 # --- scalars in lanes -------------------------------------------------------------------------------------------------
 
 
 @wp.func
-def fill(like: Any, value: float):
-    """``value`` in every lane."""
+def fill(like: Any, value: Any):
+    """``value`` in every lane: a number, or a scalar of the lanes' own precision."""
     return type(like)(like.dtype(value))
-
-
-@wp.func
-def spread(like: Any, value: Any):
-    """A scalar of the lanes' own precision in every lane."""
-    return type(like)(value)
 
 
 @wp.func
@@ -159,7 +115,7 @@ def where_positive(condition: Any, if_positive: Any, otherwise: Any):
 @wp.func
 def inverses(a: Any, b: Any):
     """1/a and 1/b by one division; their product must be finite and not zero."""
-    inverse = fill(a, 1.0) / wp.cw_mul(a, b)
+    inverse = wp.cw_div(fill(a, 1.0), wp.cw_mul(a, b))
     return wp.cw_mul(b, inverse), wp.cw_mul(a, inverse)
 
 
@@ -213,7 +169,7 @@ def cross(a: Any, b: Any):
 
 # Warp finds an entry by its stride in bytes, with indices of twice the length, of which half as many fit into a
 # register: in C++ a gather takes half the instructions. One overload per precision and lane count.
-for _types in (lane_types(r, n) for r in (wp.float32, wp.float64) for n in (GPU_LANE_COUNT, CPU_LANE_COUNT)):
+for _types in ALL_LANE_TYPES:
 
     @wp.func_native(f"""
         const auto *from = source.data + first;
@@ -303,30 +259,24 @@ def polynomial(x: Any, coefficients: Any):
     even = type(x)()
     odd = type(x)()
     for k in range(len(coefficients) // 2):
-        even = wp.cw_mul(even, square) + spread(x, coefficients[len(coefficients) - 2 - 2 * k])
-        odd = wp.cw_mul(odd, square) + spread(x, coefficients[len(coefficients) - 1 - 2 * k])
+        even = wp.cw_mul(even, square) + fill(x, coefficients[len(coefficients) - 2 - 2 * k])
+        odd = wp.cw_mul(odd, square) + fill(x, coefficients[len(coefficients) - 1 - 2 * k])
     return even + wp.cw_mul(x, odd)
 
 
-@wp.func
-def arctangent_ratio(square: _Single1):
-    """atan(x)/x of ``square`` = x^2 up to 1, to the precision of the lanes."""
-    return polynomial(square, _SINGLE_ARCTANGENT)
+for _types in ALL_LANE_TYPES:
+    if _types.real is wp.float32:
 
+        @wp.func
+        def arctangent_ratio(square: _types.lanes):
+            """atan(x)/x of ``square`` = x^2 up to 1, to the precision of the lanes."""
+            return polynomial(square, _SINGLE_ARCTANGENT)
+    else:
 
-@wp.func
-def arctangent_ratio(square: _Single16):  # noqa: F811
-    return polynomial(square, _SINGLE_ARCTANGENT)
-
-
-@wp.func
-def arctangent_ratio(square: _Double1):  # noqa: F811
-    return polynomial(square, _DOUBLE_ARCTANGENT)
-
-
-@wp.func
-def arctangent_ratio(square: _Double16):  # noqa: F811
-    return polynomial(square, _DOUBLE_ARCTANGENT)
+        @wp.func
+        def arctangent_ratio(square: _types.lanes):
+            """atan(x)/x of ``square`` = x^2 up to 1, to the precision of the lanes."""
+            return polynomial(square, _DOUBLE_ARCTANGENT)
 
 
 @wp.func
@@ -340,5 +290,5 @@ def angle_of(sine: Any, cosine: Any, radius: Any):
     beside = radius + cosine
     tangent = wp.cw_div(smaller(size, beside), larger(size, beside))
     half = wp.cw_mul(tangent, arctangent_ratio(wp.cw_mul(tangent, tangent)))
-    half = where_positive(size - beside, spread(half, half.dtype(_RIGHT_ANGLE)) - half, half)
+    half = where_positive(size - beside, fill(half, half.dtype(_RIGHT_ANGLE)) - half, half)
     return where_positive(sine, half + half, -(half + half))

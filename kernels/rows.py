@@ -163,10 +163,10 @@ class LoadRow(Rows):
 class GradientRow(Rows):
     """Shape functions of the elements: gradient of the diagonals p = x_1 - x_3 and q = x_2 - x_4 by warp and weft."""
 
-    p1 = "1/m", "b_p1, of p along the warp"
-    p2 = "1/m", "b_p2, of p along the weft"
-    q1 = "1/m", "b_q1, of q along the warp"
-    q2 = "1/m", "b_q2, of q along the weft"
+    bp1 = "1/m", "b_p1, of p along the warp"
+    bp2 = "1/m", "b_p2, of p along the weft"
+    bq1 = "1/m", "b_q1, of q along the warp"
+    bq2 = "1/m", "b_q2, of q along the weft"
 
 
 class OffsetRow(Rows):

@@ -14,20 +14,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import (  # noqa: F401 - operators of lanes
-    angle_of,
-    div,
-    fill,
-    inverses,
-    lane_maximum,
-    larger,
-    magnitude,
-    mul,
-    smaller,
-    spread,
-    square_root,
-    where_positive,
-)
+from ..lanes import angle_of, fill, inverses, lane_maximum, larger, magnitude, smaller, square_root, where_positive
+from ..operators import div, mul  # noqa: F401
 from .law import CellLaw
 
 MAXIMUM_ITERATIONS = 40
@@ -67,12 +55,12 @@ def yarn_strain(cell: Any, k: int, u: Any, w: Any):
     half_spacing = cell.half_spacing[k]
     crimp_height = cell.crimp_height[k]
     chord_length = cell.chord_length[k]
-    x = spread(u, half_spacing) + u
-    h = spread(u, crimp_height) + w
+    x = fill(u, half_spacing) + u
+    h = fill(u, crimp_height) + w
     length = square_root(x * x + h * h)
-    along = u * (u.dtype(2.0) * spread(u, half_spacing) + u)
-    across = w * (u.dtype(2.0) * spread(u, crimp_height) + w)
-    inverse_length, inverse_sum = inverses(length, length + spread(u, chord_length))
+    along = u * (u.dtype(2.0) * fill(u, half_spacing) + u)
+    across = w * (u.dtype(2.0) * fill(u, crimp_height) + w)
+    inverse_length, inverse_sum = inverses(length, length + fill(u, chord_length))
     elongation = (along + across) * inverse_sum
     parts = (magnitude(along) + magnitude(across)) * inverse_sum
     rotation = angle_of(half_spacing * w - crimp_height * u, half_spacing * x + crimp_height * h, chord_length * length)
@@ -82,7 +70,7 @@ def yarn_strain(cell: Any, k: int, u: Any, w: Any):
 @wp.func
 def yarn_axial_stiffness(cell: Any, k: int, elongation: Any):
     return where_positive(
-        elongation, spread(elongation, cell.tensile_stiffness[k]), spread(elongation, cell.compressive_stiffness[k])
+        elongation, fill(elongation, cell.tensile_stiffness[k]), fill(elongation, cell.compressive_stiffness[k])
     )
 
 
@@ -198,7 +186,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
     stiffness = zero
     residual = one
     iterations = zero
-    tolerance = spread(u1, cell.tolerance)
+    tolerance = fill(u1, cell.tolerance)
     for iteration in range(MAXIMUM_ITERATIONS + 1):
         by_u1, by_w1, hessian1, elastic1, size1, elongation1, axial1, moment1, cosine1, sine1, inverse1 = yarn_forces(
             cell, 0, u1, w1
@@ -210,15 +198,15 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
         crossover = -(stiffness * (w1 + w2))
         gradient1 = by_w1 - crossover
         gradient2 = by_w2 - crossover
-        least = spread(u1, cell.force_floor) + cell.resolution * stiffness * (magnitude(w1) + magnitude(w2))
+        least = fill(u1, cell.force_floor) + cell.resolution * stiffness * (magnitude(w1) + magnitude(w2))
         size = larger(size1, size2) + magnitude(crossover) + least
         # Newton step with a positive definite matrix
         # (h1 + k)(h2 + k) - k^2, written so that a stiff contact does not cancel it
         determinant = hessian1 * hessian2 + stiffness * (hessian1 + hessian2)
         definite = smaller(determinant, hessian1 + stiffness)
         # a slack yarn without bending stiffness has none: the least that keeps the matrix regular
-        own1 = where_positive(definite, hessian1, elastic1 + spread(u1, cell.stiffness_floor))
-        own2 = where_positive(definite, hessian2, elastic2 + spread(u1, cell.stiffness_floor))
+        own1 = where_positive(definite, hessian1, elastic1 + fill(u1, cell.stiffness_floor))
+        own2 = where_positive(definite, hessian2, elastic2 + fill(u1, cell.stiffness_floor))
         diagonal1 = own1 + stiffness
         diagonal2 = own2 + stiffness
         inverse, inverse_size = inverses(own1 * own2 + stiffness * (own1 + own2), size)
@@ -260,8 +248,8 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
             residual = remainder
             break
         iterations = iterations + unfinished
-        limit1 = spread(u1, u1.dtype(0.25) * cell.chord_length[0])
-        limit2 = spread(u1, u1.dtype(0.25) * cell.chord_length[1])
+        limit1 = fill(u1, u1.dtype(0.25) * cell.chord_length[0])
+        limit2 = fill(u1, u1.dtype(0.25) * cell.chord_length[1])
         shrink = smaller(
             one,
             smaller(
@@ -315,7 +303,7 @@ def yarn_hessian(cell: Any, k: int, u: Any, w: Any, in_tension: bool):
     stiffness = yarn_axial_stiffness(cell, k, elongation)
     axial = stiffness * elongation * inverse_length
     if in_tension:
-        stiffness = spread(u, cell.tensile_stiffness[k])
+        stiffness = fill(u, cell.tensile_stiffness[k])
         axial = larger(axial, fill(u, 0.0))
     bending = cell.rotation_stiffness[k] * inverse_length * inverse_length
     moment = cell.rotation_stiffness[k] * rotation * inverse_length * inverse_length
@@ -371,7 +359,7 @@ def energies(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: An
     warp, weft, bending, contact = unit_cell_energies(
         cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, q[0], q[1]
     )
-    cells = area / spread(area, area.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
+    cells = area / fill(area, area.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
     return wp.matrix_from_rows(cells * warp, cells * weft, cells * bending, cells * contact)
 
 
@@ -421,12 +409,12 @@ def snap_loss(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: 
             + (bending_before - bending_after)
             + (contact_before - contact_after)
         )
-        snapped = jump - spread(jump, least)
+        snapped = jump - fill(jump, least)
         # a fast but steady change frees 1/2 dw.H dw, half of what the gradient at its start promises, and the
         # work of the forces contains that; a snap starts near an equilibrium and frees far more
         promised = unit_cell_descent(cell, u1, u2, start[0], start[1], change1, change2)
         snapped = where_positive(snapped, freed - promised, snapped)
-        density = freed / spread(freed, freed.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
+        density = freed / fill(freed, freed.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])
         loss = where_positive(snapped, density, loss)
     return loss
 

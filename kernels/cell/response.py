@@ -4,7 +4,7 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import div, lane_types, mul  # noqa: F401 - operators of lanes
+from ..lanes import lane_types
 from ..rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
 from .law import CellLaw
 

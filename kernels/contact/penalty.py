@@ -5,7 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import div, dot, fill, lane_types, larger, mul, scale, square_root, where_positive  # noqa: F401 - operators of lanes
+from ..lanes import dot, fill, lane_types, larger, scale, square_root, where_positive
+from ..operators import div, mul  # noqa: F401
 
 
 @cache

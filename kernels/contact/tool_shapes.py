@@ -12,17 +12,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import (  # noqa: F401 - operators of lanes
-    div,
-    fill,
-    larger,
-    magnitude,
-    mul,
-    smaller,
-    spread,
-    square_root,
-    where_positive,
-)
+from ..lanes import fill, larger, magnitude, smaller, square_root, where_positive
+from ..operators import div, mul  # noqa: F401
 from .mesh_distance import volume_distance
 
 
@@ -52,7 +43,7 @@ def part_struct(real: type):
 def stadium_profile(x: Any, y: Any, half_length: Any):
     """Distance to a segment along x in the plan view, and the two components of its vector."""
     zero = fill(x, 0.0)
-    over = larger(magnitude(x) - spread(x, half_length), zero)
+    over = larger(magnitude(x) - fill(x, half_length), zero)
     along = where_positive(x, over, -over)
     return square_root(along * along + y * y), along, y
 
@@ -69,7 +60,7 @@ def segment_distance(x: Any, y: Any, z: Any, half_length: Any, radius: Any):
     out, along, across = stadium_profile(x, y, half_length)
     length = square_root(out * out + z * z)
     inverse = safe_inverse(length)
-    distance = length - spread(x, radius)
+    distance = length - fill(x, radius)
     return distance, wp.matrix_from_rows(along * inverse, across * inverse, z * inverse)
 
 
@@ -105,11 +96,11 @@ def torus_distance(part: Any, p: Any):
     y = p[1]
     z = p[2]
     out = square_root(x * x + y * y)
-    a = out - spread(x, part.major_radius)
+    a = out - fill(x, part.major_radius)
     length = square_root(a * a + z * z)
     inverse = safe_inverse(length)
     inverse_out = safe_inverse(out)
-    distance = length - spread(x, part.radius)
+    distance = length - fill(x, part.radius)
     return distance, wp.matrix_from_rows(a * inverse * x * inverse_out, a * inverse * y * inverse_out, z * inverse)
 
 
@@ -122,9 +113,9 @@ def dome_opening_distance(part: Any, p: Any):
     one = fill(x, 1.0)
     out, along, across = stadium_profile(x, p[1], part.half_length)
     inverse_out = safe_inverse(out)
-    edge = spread(x, part.edge_radius)
+    edge = fill(x, part.edge_radius)
     # coordinates from the centre of the edge circle: a < 0 over the opening, b > 0 above
-    a = out - spread(x, part.radius + part.edge_radius)
+    a = out - fill(x, part.radius + part.edge_radius)
     b = z + edge
     wall = smaller(a, zero)
     top = larger(b, zero)
@@ -152,10 +143,10 @@ def dome_cavity_distance(part: Any, p: Any):
     # below the top: the hollow, or the top itself where that is nearer
     deep = square_root(out * out + z * z)
     inverse_deep = safe_inverse(deep)
-    hollow = spread(x, part.radius) - deep
+    hollow = fill(x, part.radius) - deep
     top_nearer = z - hollow
     # above it: the rim, or the top beside it
-    wall = larger(spread(x, part.radius) - out, zero)
+    wall = larger(fill(x, part.radius) - out, zero)
     high = square_root(wall * wall + z * z)
     inverse_high = safe_inverse(high)
     distance = where_positive(z, high, larger(hollow, z))

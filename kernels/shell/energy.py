@@ -1,39 +1,138 @@
 """Energies and fields of the current state, for output frames only (docs/theory.md, section 8). One lane."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
+from ..cell.energy_cell import emitted_late
 from ..cell.law import CellLaw
 from ..curve import spring_energy
-from ..lanes import angle_of, div, dot, fill, lane_types, mul, where_positive  # noqa: F401 - operators of lanes
+from ..lanes import dot, fill, lane_types, where_positive
+from ..operators import div, mul  # noqa: F401
 from ..rows import CellReportRow, ElementField, MotionRow, SheetEnergy, SlipRow
-from .bending import bending_energy, bending_moments, transverse_shear_forces
-from .hourglass import hourglass_stiffnesses, hourglass_strains
+from .bending import bending_friction_energy, resultants_struct, transverse_shear
+from .hourglass import hourglass_function, hourglass_stiffnesses
 from .kinematics import (
+    bend_function,
     corner_angles,
-    element_positions,
-    element_strains,
     element_struct,
-    element_vectors,
-    surface_metric,
-    yarn_strains,
+    membrane_function,
+    shape_functions,
+    shape_struct,
+    vectors_functions,
 )
-from .laws import SheetTraits, sheet_struct
-from .shear import shear_energy, shear_moment
+from .laws import BENDING_LAWS, SHEAR_LAWS, SheetTraits, sheet_struct
+from .membrane import unknowns_function
 from .thickness import compressive_force
+
+
+@cache
+def cell_energies_function(real: type, cell: CellLaw):
+    """Function for the forces of an element's unit cell and its pressure; changes no state, books the energy."""
+    part_count, solve, cell_energies = len(cell.energy_names), cell.solve, cell.energies
+    read_unknowns, late = unknowns_function(real, 1, cell), cell.lane_by_lane
+
+    @wp.func
+    def book_cell(cell: Any, e: int, m: Any, area: Any, cell_unknowns: Any, energies: Any):
+        if wp.static(late):
+            _late = wp.grad(emitted_late)(wp.float64(0.0))
+        start = read_unknowns(cell_unknowns, e)
+        unknowns, warp_force, weft_force, moment, pressure, residual, iterations = solve(
+            cell, m.strain1, m.strain2, m.angle, start
+        )
+        parts = cell_energies(cell, m.strain1, m.strain2, m.angle, unknowns, area)
+        for k in range(part_count):
+            energies[k, e] = parts[k]
+        return warp_force, weft_force, moment, pressure
+
+    return book_cell
+
+
+@wp.func
+def compressive_energy(laws: Any, m: Any):
+    """Twice psi of the sheet's own compressive stiffness [J/m^2]."""
+    one = fill(m.stretch1, 1.0)
+    warp = compressive_force(laws, m.stretch1) * (m.stretch1 - one)
+    weft = compressive_force(laws, m.stretch2) * (m.stretch2 - one)
+    return warp + weft
+
+
+@cache
+def shear_energies_function(part_count: int, traits: SheetTraits):
+    """Function that books the energy of shear with its friction, and gives the moment [N/m]."""
+    shear_energy, shear_moment = SHEAR_LAWS[traits.shear].energy, SHEAR_LAWS[traits.shear].moment
+    shear_slides = traits.shear_friction
+
+    @wp.func
+    def book_shear(laws: Any, e: int, m: Any, area: Any, cell_moment: Any, slip: Any, energies: Any):
+        energy = shear_energy(laws, m)
+        moment = shear_moment(laws, m) + cell_moment
+        if wp.static(shear_slides):
+            spring = slip[SlipRow.shear_spring, e]
+            energy = energy + spring_energy(laws.shear.friction_stiffness, spring)
+            moment = moment + laws.shear.friction_stiffness * spring
+            energies[part_count + SheetEnergy.shear_friction_loss, e] = area * slip[SlipRow.shear_friction_loss, e]
+        energies[part_count + SheetEnergy.shear, e] = area * energy
+        return moment
+
+    return book_shear
+
+
+@cache
+def bending_energies_function(real: type, part_count: int, traits: SheetTraits):
+    """Function that books the energies of bending with its friction, and of transverse shear."""
+    Resultants = resultants_struct(real, 1)
+    law, bending_slides = BENDING_LAWS[traits.bending], traits.bending_friction
+    bending_resultants, bending_energy = law.resultants, law.energy
+
+    @wp.func
+    def book_bending(laws: Any, e: int, m: Any, b: Any, area: Any, slip: Any, energies: Any):
+        r = transverse_shear(laws, m, b, bending_resultants(laws, m, b, Resultants()))
+        energy = bending_energy(laws, m, b, r)
+        if wp.static(bending_slides):
+            warp, weft = bending_friction_energy(laws, e, slip)
+            energy = energy + warp + weft
+            energies[part_count + SheetEnergy.bending_friction_loss, e] = area * slip[SlipRow.bending_friction_loss, e]
+        energies[part_count + SheetEnergy.bending, e] = area * energy
+        half = area.dtype(0.5)
+        energies[part_count + SheetEnergy.transverse_shear, e] = (
+            half * area * (r.shear_force1 * b.g1 + r.shear_force2 * b.g2)
+        )
+
+    return book_bending
+
+
+@cache
+def hourglass_energy_function(flat: bool):
+    """Function for twice psi of the stabilisation [J/m^2]."""
+    hourglass_strains = hourglass_function(flat)
+
+    @wp.func
+    def hourglass_energy(elements: Any, laws: Any, e: int, shape: Any, x: Any, d: Any, m: Any, b: Any):
+        in_plane, warping_stiffness, director_stiffness = hourglass_stiffnesses(laws, shape)
+        warping, director1, director2 = hourglass_strains(elements, e, shape, x, d, b)
+        height = dot(x.hourglass, m.normal) / m.area_ratio
+        return (
+            in_plane * (dot(x.hourglass, x.hourglass) - height * height)
+            + warping_stiffness * warping * warping
+            + director_stiffness * (director1 * director1 + director2 * director2)
+        )
+
+    return hourglass_energy
 
 
 @cache
 def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
     """Energies [J] and fields of every element; changes nothing of the state."""
-    lanes = lane_types(real, 1).lanes
-    Elements, UnitCell, SheetLaws = element_struct(real, 1), cell.parameters(real), sheet_struct(real)
-    unknown_count, part_count = cell.unknown_count, len(cell.energy_names)
-    Unknowns = wp.types.matrix((cell.row_count, 1), real)
-    solve, cell_energies = cell.solve, cell.energies
-    flat, skewed, curved_shear, bending_kind = traits.flat, traits.skewed, traits.curved_shear, traits.bending
-    shear_slides, bending_slides = traits.shear_friction, traits.bending_friction
+    lanes, layout, part_count = lane_types(real, 1).lanes, (real, 1), len(cell.energy_names)
+    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real)
+    Shape = shape_struct(*layout)
+    positions, vectors = vectors_functions(*layout)
+    stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)
+    book_cell, book_shear = cell_energies_function(real, cell), shear_energies_function(part_count, traits)
+    book_bending = bending_energies_function(real, part_count, traits)
+    hourglass_energy = hourglass_energy_function(traits.flat)
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_ledger(
@@ -44,85 +143,39 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         motion: wp.array(dtype=real),
         mean_angles: wp.array(dtype=real),  # the motion array that has those of the nodes
         cell_unknowns: wp.array2d(dtype=lanes),
-        cell_report: wp.array2d(dtype=lanes),
-        slip: wp.array2d(dtype=lanes),
+        cell_report: wp.array2d(dtype=lanes),  # rows: see CellReportRow
+        slip: wp.array2d(dtype=lanes),  # rows: see SlipRow
         # Out
-        energies: wp.array2d(dtype=lanes),
-        fields: wp.array2d(dtype=lanes),
+        energies: wp.array2d(dtype=lanes),  # rows: the parts of the unit cell, SheetEnergy
+        fields: wp.array2d(dtype=lanes),  # rows: see ElementField
     ):
         e = wp.tid()
-        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion)
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, MotionRow.director)
-        m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
-        strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
-        angle = angle_of(m12, area_ratio, stretch1 * stretch2)
-        start = Unknowns()
-        for k in range(unknown_count):
-            start[k] = cell_unknowns[k, e]
-        unknowns, warp_force, weft_force, cell_moment, pressure, residual, iterations = solve(
-            cell, strain1, strain2, angle, start
-        )
         area = elements.area[e]
-        parts = cell_energies(cell, strain1, strain2, angle, unknowns, area)
-        for k in range(part_count):
-            energies[k, e] = parts[k]
         half = real(0.5)
-        inverse_ratio = fill(area_ratio, 1.0) / area_ratio
-        k11, k12, k22, g1, g2 = element_strains(elements, e, flat, skewed, a1, a2, d1, d2, mean_director)
-        moment11, moment12, moment22, b11, b12, b22 = bending_moments(
-            laws, bending_kind, m11, m12, m22, inverse_ratio, k11, k12, k22
-        )
-        q1, q2, s11, s12, s22 = transverse_shear_forces(laws, m11, m12, m22, area_ratio, inverse_ratio, g1, g2)
-        in_plane, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
-        warping, twist1, twist2 = hourglass_strains(
-            elements, e, flat, a1, a2, mean_director, x_hourglass, d_hourglass, k11, k12, k22
-        )
-        height = dot(x_hourglass, normal) / area_ratio
-        squeeze1 = compressive_force(laws, stretch1)
-        squeeze2 = compressive_force(laws, stretch2)
-        energies[part_count + SheetEnergy.compression, e] = (
-            half * area * (squeeze1 * (stretch1 - fill(stretch1, 1.0)) + squeeze2 * (stretch2 - fill(stretch2, 1.0)))
-        )
-        shear = shear_energy(laws, curved_shear, m12, angle)
-        moment = shear_moment(laws, curved_shear, m12, area_ratio, angle) + cell_moment
-        bending = bending_energy(laws, bending_kind, m11, m22, k11, k12, k22, moment11, moment12, moment22)
-        if wp.static(shear_slides):
-            spring = slip[SlipRow.shear_spring, e]
-            shear = shear + spring_energy(laws.shear.friction_stiffness, spring)
-            moment = moment + laws.shear.friction_stiffness * spring
-            energies[part_count + SheetEnergy.shear_friction_loss, e] = area * slip[SlipRow.shear_friction_loss, e]
-        if wp.static(bending_slides):
-            bending = (
-                bending
-                + spring_energy(laws.bending.friction_stiffness[0], slip[SlipRow.warp_bending_spring, e])
-                + spring_energy(laws.bending.friction_stiffness[1], slip[SlipRow.weft_bending_spring, e])
-            )
-            energies[part_count + SheetEnergy.bending_friction_loss, e] = area * slip[SlipRow.bending_friction_loss, e]
-        energies[part_count + SheetEnergy.shear, e] = area * shear
-        difference, square = corner_angles(elements, e, mean_angles, angle)
-        real_element = where_positive(area, fill(area, 1.0), lanes())
-        energies[part_count + SheetEnergy.in_plane_bending, e] = (
-            (half * laws.in_plane_bending_stiffness) * real_element * square
-        )
-        energies[part_count + SheetEnergy.bending, e] = area * bending
-        energies[part_count + SheetEnergy.transverse_shear, e] = half * area * (q1 * g1 + q2 * g2)
-        energies[part_count + SheetEnergy.hourglass, e] = (
-            half
-            * area
-            * (
-                in_plane * (dot(x_hourglass, x_hourglass) - height * height)
-                + warping_stiffness * warping * warping
-                + director_stiffness * (twist1 * twist1 + twist2 * twist2)
-            )
-        )
+        shape = shape_functions(elements, e, Shape())
+        x = positions(elements, e, shape, motion)
+        d = vectors(elements, e, shape, motion, MotionRow.director)
+        m = stretch_membrane(x.by1, x.by2)
+        b = bend(elements, e, shape, x, d)
+
+        warp_force, weft_force, cell_moment, pressure = book_cell(cell, e, m, area, cell_unknowns, energies)
+        moment = book_shear(laws, e, m, area, cell_moment, slip, energies)
+        book_bending(laws, e, m, b, area, slip, energies)
+        hourglass = hourglass_energy(elements, laws, e, shape, x, d, m, b)
+        difference, square = corner_angles(elements, e, mean_angles, m.angle)
+        in_plane_bending = (half * laws.in_plane_bending_stiffness) * where_positive(area, fill(area, 1.0), lanes())
+        energies[part_count + SheetEnergy.compression, e] = half * area * compressive_energy(laws, m)
+        energies[part_count + SheetEnergy.in_plane_bending, e] = in_plane_bending * square
+        energies[part_count + SheetEnergy.hourglass, e] = half * area * hourglass
         energies[part_count + SheetEnergy.snap_loss, e] = area * cell_report[CellReportRow.snap_loss, e]
-        fields[ElementField.shear_angle, e] = angle
-        fields[ElementField.warp_stretch, e] = stretch1
-        fields[ElementField.weft_stretch, e] = stretch2
-        fields[ElementField.warp_force, e] = warp_force + squeeze1
-        fields[ElementField.weft_force, e] = weft_force + squeeze2
+
+        fields[ElementField.shear_angle, e] = m.angle
+        fields[ElementField.warp_stretch, e] = m.stretch1
+        fields[ElementField.weft_stretch, e] = m.stretch2
+        fields[ElementField.warp_force, e] = warp_force + compressive_force(laws, m.stretch1)
+        fields[ElementField.weft_force, e] = weft_force + compressive_force(laws, m.stretch2)
         fields[ElementField.crossover_pressure, e] = pressure
-        fields[ElementField.area_ratio, e] = area_ratio
+        fields[ElementField.area_ratio, e] = m.area_ratio
         fields[ElementField.shear_moment, e] = moment
 
     return element_ledger

@@ -1,25 +1,29 @@
 """Stable time step from the condensed tangent of every element's own unit cell (docs/theory.md, section 7)."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
+from ..cell.energy_cell import emitted_late
 from ..cell.law import CellLaw
-from ..lanes import angle_of, div, dot, lane_types, larger, magnitude, mul, square_root, where_positive  # noqa: F401 - operators of lanes
-from ..rows import ClockEntry, CurvatureRow, GradientRow, InertiaRow, MotionRow, OffsetRow, TransverseShearRow
-from .eigenvalue import largest_in_plane, largest_of_pencil
+from ..lanes import dot, fill, lane_types, larger, magnitude, square_root, where_positive
+from ..operators import div, mul  # noqa: F401
+from ..rows import ClockEntry, CurvatureRow, InertiaRow, MotionRow, TransverseShearRow
+from .eigenvalue import in_tangent_plane, largest_in_plane, largest_of_pencil, symmetric2_struct, symmetric4_struct
 from .hourglass import hourglass_stiffnesses, twist_weights
 from .kinematics import (
     corner_angles,
-    element_positions,
     element_struct,
-    element_vectors,
+    membrane_function,
+    shape_functions,
+    shape_struct,
     skew_weights,
-    surface_metric,
-    yarn_strains,
+    vectors_functions,
 )
-from .laws import SheetTraits, sheet_struct
-from .shear import shear_tangent
+from .laws import SHEAR_LAWS, SheetTraits, sheet_struct
+from .membrane import bundling_stiffness, unknowns_function
+from .shear import sticking_shear, tangent_struct
 
 
 @cache
@@ -28,7 +32,9 @@ def step_bounds_struct(real: type):
 
     @wp.struct
     class StepBounds:
-        cell: wp.types.vector(3, real)  # largest stiffness of the cell along warp and weft, and in shear [N/m]
+        warp: real  # largest stiffness of the cell along warp and weft, and in shear [N/m]
+        weft: real
+        shear: real
         bending: real  # largest bending stiffness of any curvature [N m]
         contact_frequency: real  # squared, of the contact springs [1/s^2]
         steps_ahead: wp.int32  # steps until the next look
@@ -42,6 +48,282 @@ def frequency_lane_count(lane_count: int, cell: CellLaw) -> int:
 
 
 @cache
+def sizes_struct(real: type, lane_count: int):
+    """Sizes in the current metric that couple positions and directors, for a block of elements."""
+    lanes = lane_types(real, lane_count).lanes
+
+    @wp.struct
+    class Sizes:
+        gradient: lanes  # largest eigenvalue of the inverse metric times B [1/m^2], and its root
+        root_gradient: lanes
+        curvature: lanes  # [1/m]
+        tilt: lanes  # of the mean director
+        x_odd: lanes  # lengths of the hourglass vectors of positions [m] and directors
+        d_odd: lanes
+        lean: lanes  # of any director at the corners
+        largest_metric: lanes
+        inverse_radius: lanes  # of the scaled rotary inertia [1/m], and its square
+        inverse_squared_radius: lanes
+
+    return Sizes
+
+
+@cache
+def ahead_function(cell: CellLaw):
+    """Function for the strains that the cells may have before the next look."""
+    cell_shears = cell.depends_on_shear
+
+    @wp.func
+    def strains_ahead(x: Any, v: Any, m: Any, horizon: Any):
+        """Where the present rate takes yarns and angle within ``horizon`` [s]; x are positions, v velocities."""
+        zero = fill(m.angle, 0.0)
+        strain1 = m.strain1 + horizon * (larger(dot(x.by1, v.by1), zero) / m.stretch1)
+        strain2 = m.strain2 + horizon * (larger(dot(x.by2, v.by2), zero) / m.stretch2)
+        angle = m.angle
+        if wp.static(cell_shears):
+            # dgamma/da_1 = (a_2 - a_1 m12/m11)/J
+            rate = dot(x.by2, v.by1) - dot(x.by1, v.by1) * m.m12 / m.m11
+            rate = (rate + dot(x.by1, v.by2) - dot(x.by2, v.by2) * m.m12 / m.m22) / m.area_ratio
+            angle = angle + horizon * rate
+        return strain1, strain2, angle
+
+    return strains_ahead
+
+
+@cache
+def cell_tangent_function(real: type, lane_count: int, cell: CellLaw):
+    """Function for the ``Tangent`` of one stable state of a block's unit cells, and the pressure of its crossovers.
+
+    A tangent that no state of the cell can have comes from differences across a kink, where a yarn goes slack: it is
+    replaced by the largest.
+    """
+    Tangent = tangent_struct(real, lane_count)
+    stable_tangent, cell_shears, late = cell.stable_tangent, cell.depends_on_shear, cell.lane_by_lane
+
+    @wp.func
+    def cell_tangent(cell: Any, bounds: Any, strain1: Any, strain2: Any, angle: Any, start: Any, state: int):
+        if wp.static(late):
+            _late = wp.grad(emitted_late)(wp.float64(0.0))
+        c11, c12, c22, c13, c23, c33, n1, n2, moment, pressure = stable_tangent(
+            cell, strain1, strain2, angle, start, state
+        )
+        zero = fill(c11, 0.0)
+        beyond = larger(magnitude(c11) - fill(c11, bounds.warp), magnitude(c22) - fill(c11, bounds.weft))
+        beyond = larger(beyond, magnitude(c12) - fill(c11, wp.sqrt(bounds.warp * bounds.weft)))
+        if wp.static(cell_shears):
+            beyond = larger(beyond, magnitude(c33) - fill(c11, bounds.shear))
+            beyond = larger(beyond, magnitude(c13) - fill(c11, wp.sqrt(bounds.warp * bounds.shear)))
+            beyond = larger(beyond, magnitude(c23) - fill(c11, wp.sqrt(bounds.weft * bounds.shear)))
+            c13 = where_positive(beyond, zero, c13)
+            c23 = where_positive(beyond, zero, c23)
+            c33 = where_positive(beyond, fill(c11, bounds.shear), c33)
+        c11 = where_positive(beyond, fill(c11, bounds.warp), c11)
+        c12 = where_positive(beyond, zero, c12)
+        c22 = where_positive(beyond, fill(c11, bounds.weft), c22)
+        return Tangent(c11, c12, c22, c13, c23, c33, n1, n2, moment), pressure
+
+    return cell_tangent
+
+
+@cache
+def sheet_tangent_function(cell: CellLaw, traits: SheetTraits):
+    """Function for the ``Tangent`` of cell and sheet together."""
+    shear_tangent, shear_slides = SHEAR_LAWS[traits.shear].tangent, traits.shear_friction
+    cell_shears = cell.depends_on_shear
+
+    @wp.func
+    def sheet_tangent(laws: Any, m: Any, sine: Any, cosine: Any, pressure: Any, c: Any):
+        """c: the cell's; what it takes up of the yarns' tension counts, what it pushes does not."""
+        zero = fill(sine, 0.0)
+        t = shear_tangent(laws, m, sine, cosine, type(c)())
+        if wp.static(shear_slides):
+            t = sticking_shear(laws, m.angle, pressure, t)
+        if wp.static(cell_shears):
+            t.c13 = t.c13 + c.c13
+            t.c23 = t.c23 + c.c23
+            t.c33 = t.c33 + c.c33
+            t.moment = t.moment + c.moment
+        t.c11 = c.c11 + t.c11 + fill(sine, laws.compressive_stiffness)
+        t.c12 = c.c12 + t.c12
+        t.c22 = c.c22 + t.c22 + fill(sine, laws.compressive_stiffness)
+        t.n1 = larger(c.n1, zero) + t.n1
+        t.n2 = larger(c.n2, zero) + t.n2
+        return t
+
+    return sheet_tangent
+
+
+@wp.func
+def squared_gradients(shape: Any, b: Any):
+    """B: sum over the corners of N_,alpha N_,beta [1/m^2], into an empty matrix."""
+    two = shape.bp1.dtype(2.0)
+    b.a11 = two * (shape.bp1 * shape.bp1 + shape.bq1 * shape.bq1)
+    b.a22 = two * (shape.bp2 * shape.bp2 + shape.bq2 * shape.bq2)
+    b.a12 = two * (shape.bp1 * shape.bp2 + shape.bq1 * shape.bq2)
+    return b
+
+
+@wp.func
+def inverse_metric(m: Any, raised: Any):
+    """Inverse of the metric of a1 and a2, into an empty matrix."""
+    raised.a11 = m.m22 / (m.area_ratio * m.area_ratio)
+    raised.a12 = -(m.m12 / (m.area_ratio * m.area_ratio))
+    raised.a22 = m.m11 / (m.area_ratio * m.area_ratio)
+    return raised
+
+
+@wp.func
+def largest_across(t: Any, m: Any, slope: Any, raised: Any, b: Any):
+    """Largest eigenvalue of motions across the plane: tension, shear and transverse shear."""
+    turn = t.moment / m.area_ratio
+    h = type(b)()
+    h.a11 = t.n1 / m.stretch1 - turn * m.m12 / m.m11 + slope * raised.a11
+    h.a12 = turn + slope * raised.a12
+    h.a22 = t.n2 / m.stretch2 - turn * m.m12 / m.m22 + slope * raised.a22
+    return largest_of_pencil(h, b)
+
+
+@cache
+def sizes_function(real: type, lane_count: int, flat: bool):
+    """Function for the ``Sizes`` of a block."""
+    Sizes = sizes_struct(real, lane_count)
+
+    @wp.func
+    def measure(elements: Any, block: int, x: Any, d: Any, m: Any, raised: Any, b: Any, inverse_squared_radius: Any):
+        two = inverse_squared_radius.dtype(2.0)
+        zero = fill(inverse_squared_radius, 0.0)
+        gradient = largest_of_pencil(raised, b)
+        tilt1 = dot(x.by1, d.mean)
+        tilt2 = dot(x.by2, d.mean)
+        curvature = raised.a11 * dot(d.by1, d.by1) + two * (raised.a12 * dot(d.by1, d.by2))
+        curvature = curvature + raised.a22 * dot(d.by2, d.by2)
+        tilt = raised.a11 * tilt1 * tilt1 + two * (raised.a12 * tilt1 * tilt2) + raised.a22 * tilt2 * tilt2
+        if wp.static(not flat):
+            raising = raised.a11 + raised.a22
+            k11 = elements.initial_curvature[CurvatureRow.k11, block]
+            k12 = elements.initial_curvature[CurvatureRow.k12, block]
+            k22 = elements.initial_curvature[CurvatureRow.k22, block]
+            g1 = elements.initial_transverse_shear[TransverseShearRow.g1, block]
+            g2 = elements.initial_transverse_shear[TransverseShearRow.g2, block]
+            curvature = two * (curvature + raising * raising * (k11 * k11 + two * (k12 * k12) + k22 * k22))
+            tilt = two * (tilt + raising * (g1 * g1 + g2 * g2))
+        curvature = square_root(larger(curvature, zero))
+        tilt = square_root(larger(tilt, zero))
+        x_odd = square_root(dot(x.hourglass, x.hourglass))
+        d_odd = square_root(dot(d.hourglass, d.hourglass))
+        root_gradient = square_root(gradient)
+        lean = tilt + curvature / root_gradient + inverse_squared_radius.dtype(0.25) * d_odd
+        return Sizes(
+            gradient, root_gradient, curvature, tilt, x_odd, d_odd, lean, m.m11 + m.m22,
+            square_root(inverse_squared_radius), inverse_squared_radius,
+        )  # fmt: skip
+
+    return measure
+
+
+@cache
+def slope_function(skewed: bool):
+    """Function for what transverse shear adds to positions, their coupling with directors, and directors."""
+
+    @wp.func
+    def slope_norms(shape: Any, slope: Any, size: Any):
+        """Transverse shear couples slopes and mean directors, by the directors' full length in a flat element too."""
+        one = fill(slope, 1.0)
+        half = slope.dtype(0.5)
+        positions = slope * size.gradient
+        half_directors = fill(slope, 0.5)
+        if wp.static(skewed):
+            skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(shape)
+            skew = skew11 * skew11 + skew13 * skew13 + skew21 * skew21 + skew23 * skew23
+            skew = skew + half * (skew12 * skew12 + skew22 * skew22)
+            half_directors = half_directors + square_root(skew * size.gradient * size.largest_metric)
+        directors = slope * half_directors * half_directors * size.inverse_squared_radius
+        tilting = positions * size.tilt * (fill(slope, slope.dtype(4.4)) + slope.dtype(8.5) * size.tilt)
+        coupling = square_root(positions * directors) * (one + slope.dtype(5.4) * size.tilt)
+        return tilting, coupling, directors
+
+    return slope_norms
+
+
+@wp.func
+def bending_norms(bending: Any, size: Any):
+    """What bending adds to positions, to their coupling with director gradients, and to directors."""
+    positions = (bending.dtype(24.0) * bending) * (size.curvature * size.curvature)
+    coupling = (bending.dtype(7.4) * bending) * (size.inverse_radius * size.curvature)
+    return positions, coupling, bending * size.inverse_squared_radius
+
+
+@wp.func
+def warping_norms(shape: Any, squares: Any, length: Any, size: Any):
+    """Warping by positions and directors, and their coupling: a quarter of x_h, and the twist of the curvature.
+
+    x_h has the norm ``length``.
+    """
+    half = length.dtype(0.5)
+    quarter = length.dtype(0.25)
+    eighth = length.dtype(0.125)
+    weight11, weight12, weight22 = twist_weights(shape)
+    twist = square_root(squares * (weight11 * weight11 + half * weight12 * weight12 + weight22 * weight22))
+    root_metric = square_root(size.largest_metric)
+    positions = quarter * length + twist * root_metric * size.curvature
+    directors = size.inverse_radius * (twist * root_metric + eighth * size.x_odd)
+    warp = quarter * size.x_odd + twist * size.curvature / size.root_gradient
+    coupling = positions * directors + warp * size.inverse_radius * (eighth * length + twist * size.root_gradient)
+    return positions, coupling, directors
+
+
+@wp.func
+def largest_of_blocks(positions: Any, coupling: Any, directors: Any):
+    """Largest eigenvalue of the symmetric 2 x 2 matrix of norms."""
+    half = positions.dtype(0.5)
+    mean = half * (positions + directors)
+    difference = half * (positions - directors)
+    return mean + square_root(difference * difference + coupling * coupling)
+
+
+@cache
+def coupled_function(traits: SheetTraits):
+    """Function for the bound of a block's eigenvalues by all motions, from that within and across its plane."""
+    slope_norms = slope_function(traits.skewed)
+
+    @wp.func
+    def couple(laws: Any, bending: Any, slope: Any, shape: Any, b: Any, size: Any, in_plane: Any, across: Any):
+        one = fill(slope, 1.0)
+        two = slope.dtype(2.0)
+        tilting, slope_coupling, mean_directors = slope_norms(shape, slope, size)
+        bending_positions, bending_coupling, bending_directors = bending_norms(bending, size)
+        constraint = mean_directors * size.tilt * size.lean
+        constraint = constraint + bending_directors * size.curvature * size.lean / size.root_gradient
+
+        in_plane_stiffness, warping_stiffness, director_stiffness = hourglass_stiffnesses(laws, shape)
+        squares = b.a11 + b.a22
+        length = square_root(
+            fill(slope, 4.0) + two * (shape.offset_p * shape.offset_p + shape.offset_q * shape.offset_q)
+        )
+        tipping = size.x_odd * size.root_gradient
+        in_plane_odd = in_plane_stiffness * length * (length + two * tipping * (one + tipping))
+        warp_positions, warp_coupling, warp_directors = warping_norms(shape, squares, length, size)
+        odd_positions = square_root(squares) * size.d_odd
+        odd_directors = size.inverse_radius * (length * square_root(size.largest_metric))
+
+        # in a flat element slopes with mean directors, and warping with director gradients, move by themselves
+        positions = larger(
+            larger(in_plane, across) + tilting,
+            larger(in_plane_odd, warping_stiffness * warp_positions * warp_positions),
+        )
+        positions = positions + bending_positions + director_stiffness * odd_positions * odd_positions
+        directors = larger(
+            larger(mean_directors, bending_directors + warping_stiffness * warp_directors * warp_directors),
+            director_stiffness * odd_directors * odd_directors,
+        )
+        coupling = larger(slope_coupling, warping_stiffness * warp_coupling) + bending_coupling
+        coupling = coupling + (two * director_stiffness) * (odd_positions * odd_directors)
+        return largest_of_blocks(positions, coupling, directors + constraint)
+
+    return couple
+
+
+@cache
 def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Square of each element's highest frequency, bounded from above [1/s^2].
 
@@ -49,12 +331,15 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
     directors, and of those that couple both, each over the lumped masses. In a flat element the first falls apart into
     motions in the plane, across it, and hourglass modes, of which the largest counts.
     """
-    lanes = lane_types(real, lane_count).lanes
-    Elements, UnitCell, SheetLaws = element_struct(real, lane_count), cell.parameters(real), sheet_struct(real)
-    unknown_count, state_count, cell_shears = cell.unknown_count, cell.stable_state_count, cell.depends_on_shear
-    Unknowns, StepBounds = wp.types.matrix((cell.row_count, lane_count), real), step_bounds_struct(real)
-    stable_tangent = cell.stable_tangent
-    flat, skewed, curved_shear, shear_slides = traits.flat, traits.skewed, traits.curved_shear, traits.shear_friction
+    lanes, layout, state_count = lane_types(real, lane_count).lanes, (real, lane_count), cell.stable_state_count
+    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real)
+    StepBounds, Shape = step_bounds_struct(real), shape_struct(*layout)
+    Symmetric2, Symmetric4 = symmetric2_struct(*layout), symmetric4_struct(*layout)
+    positions, vectors = vectors_functions(*layout)
+    stretch_membrane, strains_ahead = membrane_function(*layout), ahead_function(cell)
+    read_unknowns, cell_tangent = unknowns_function(*layout, cell), cell_tangent_function(*layout, cell)
+    sheet_tangent, measure = sheet_tangent_function(cell, traits), sizes_function(*layout, traits.flat)
+    couple = coupled_function(traits)
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_frequencies(
@@ -71,191 +356,40 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         # Out
         squared_frequency: wp.array(dtype=lanes),
     ):
-        e = first + wp.tid()
-        a1, a2, mean_offset, x_hourglass = element_positions(elements, e, motion)
-        d1, d2, mean_director, d_hourglass = element_vectors(elements, e, motion, MotionRow.director)
-        m11, m12, m22, normal, area_ratio = surface_metric(a1, a2)
-        strain1, strain2, stretch1, stretch2 = yarn_strains(m11, m22)
-        bp1 = elements.shape_gradient[GradientRow.p1, e]
-        bp2 = elements.shape_gradient[GradientRow.p2, e]
-        bq1 = elements.shape_gradient[GradientRow.q1, e]
-        bq2 = elements.shape_gradient[GradientRow.q2, e]
-        zero = lanes()
-        one = lanes(real(1.0))
-        half = real(0.5)
-        two = real(2.0)
-        b11 = two * (bp1 * bp1 + bq1 * bq1)
-        b22 = two * (bp2 * bp2 + bq2 * bq2)
-        b12 = two * (bp1 * bp2 + bq1 * bq2)
-        inverse_product = one / (stretch1 * stretch2)
-        sine = m12 * inverse_product
-        cosine = area_ratio * inverse_product
-        angle = angle_of(m12, area_ratio, stretch1 * stretch2)
+        block = first + wp.tid()
+        shape = shape_functions(elements, block, Shape())
+        x = positions(elements, block, shape, motion)
+        d = vectors(elements, block, shape, motion, MotionRow.director)
+        v = vectors(elements, block, shape, motion, MotionRow.velocity)
+        m = stretch_membrane(x.by1, x.by2)
+        inverse_product = lanes(real(1.0)) / (m.stretch1 * m.stretch2)
+        sine = m.m12 * inverse_product
+        cosine = m.area_ratio * inverse_product
+        b = squared_gradients(shape, Symmetric2())
+        raised = inverse_metric(m, Symmetric2())
+        slope = laws.transverse_shear_stiffness * m.area_ratio
+        bundling = bundling_stiffness(laws, shape)
+        difference, square = corner_angles(elements, block, motion, m.angle)
 
-        # in the plane; where the present rate takes the yarns before the next look, twice as far for safety
-        v1, v2, mean_velocity, v_hourglass = element_vectors(elements, e, motion, MotionRow.velocity)
-        horizon = two * real(clock[ClockEntry.step]) * real(bounds.steps_ahead)
-        strain1 = strain1 + horizon * (larger(dot(a1, v1), zero) / stretch1)
-        strain2 = strain2 + horizon * (larger(dot(a2, v2), zero) / stretch2)
-        angle_ahead = angle
-        if wp.static(cell_shears):
-            # dgamma/da_1 = (a_2 - a_1 m12/m11)/J
-            rate = (dot(a2, v1) - dot(a1, v1) * m12 / m11 + dot(a1, v2) - dot(a2, v2) * m12 / m22) / area_ratio
-            angle_ahead = angle + horizon * rate
-        start = Unknowns()
-        for k in range(unknown_count):
-            start[k] = cell_unknowns[k, e]
-        bundling = (two * laws.in_plane_bending_stiffness) * (bp1 * bq2 - bp2 * bq1)
-        difference, square = corner_angles(elements, e, motion, angle)
-        bundled = bundling * difference
-        metric11 = m22 / (area_ratio * area_ratio)
-        metric12 = -(m12 / (area_ratio * area_ratio))
-        metric22 = m11 / (area_ratio * area_ratio)
-        slope = laws.transverse_shear_stiffness * area_ratio
-        in_plane = zero
-        across = zero
+        # twice as far as the next look, for safety
+        horizon = real(2.0) * real(clock[ClockEntry.step]) * real(bounds.steps_ahead)
+        strain1, strain2, angle = strains_ahead(x, v, m, horizon)
+        start = read_unknowns(cell_unknowns, block)
+        in_plane = lanes()
+        across = lanes()
         for state in range(state_count):
-            c11, c12, c22, c13, c23, c33, n1, n2, turning, pressure = stable_tangent(
-                cell, strain1, strain2, angle_ahead, start, state
-            )
-            # a tangent that no state of the cell can have comes from differences across a kink, where a yarn goes slack
-            beyond = larger(magnitude(c11) - lanes(bounds.cell[0]), magnitude(c22) - lanes(bounds.cell[1]))
-            beyond = larger(beyond, magnitude(c12) - lanes(wp.sqrt(bounds.cell[0] * bounds.cell[1])))
-            if wp.static(cell_shears):
-                beyond = larger(beyond, magnitude(c33) - lanes(bounds.cell[2]))
-                beyond = larger(beyond, magnitude(c13) - lanes(wp.sqrt(bounds.cell[0] * bounds.cell[2])))
-                beyond = larger(beyond, magnitude(c23) - lanes(wp.sqrt(bounds.cell[1] * bounds.cell[2])))
-                c13 = where_positive(beyond, zero, c13)
-                c23 = where_positive(beyond, zero, c23)
-                c33 = where_positive(beyond, lanes(bounds.cell[2]), c33)
-            c11 = where_positive(beyond, lanes(bounds.cell[0]), c11)
-            c12 = where_positive(beyond, zero, c12)
-            c22 = where_positive(beyond, lanes(bounds.cell[1]), c22)
-            s11, s12, s22, s13, s23, s33, pull1, pull2, moment = shear_tangent(
-                laws, curved_shear, shear_slides, stretch1, stretch2, sine, cosine, angle, pressure
-            )
-            if wp.static(cell_shears):
-                s13 = s13 + c13
-                s23 = s23 + c23
-                s33 = s33 + c33
-                moment = moment + turning
-            n1 = larger(n1, zero) + pull1
-            n2 = larger(n2, zero) + pull2
-            moment = moment + bundled
-            in_plane = larger(
-                in_plane,
-                largest_in_plane(
-                    c11 + s11 + lanes(laws.compressive_stiffness),
-                    c12 + s12,
-                    c22 + s22 + lanes(laws.compressive_stiffness),
-                    s13, s23, s33 + real(4.0) * bundling, n1, n2, moment,
-                    stretch1, stretch2, sine, cosine, b11, b12, b22,
-                ),
-            )  # fmt: skip
-            # across the plane: tension, shear and transverse shear
-            turn = moment / area_ratio
-            across = larger(
-                across,
-                largest_of_pencil(
-                    n1 / stretch1 - turn * m12 / m11 + slope * metric11,
-                    turn + slope * metric12,
-                    n2 / stretch2 - turn * m12 / m22 + slope * metric22,
-                    b11, b12, b22,
-                ),
-            )  # fmt: skip
+            c, pressure = cell_tangent(cell, bounds, strain1, strain2, angle, start, state)
+            t = sheet_tangent(laws, m, sine, cosine, pressure, c)
+            t.c33 = t.c33 + real(4.0) * bundling
+            t.moment = t.moment + bundling * difference
+            h = in_tangent_plane(t, m, sine, cosine, Symmetric4())
+            in_plane = larger(in_plane, largest_in_plane(h, b))
+            across = larger(across, largest_across(t, m, slope, raised, b))
 
-        # what couples positions and directors: curvature [1/m], tilt of the directors, hourglass vectors; sizes in the
-        # current metric
-        gradient = largest_of_pencil(metric11, metric12, metric22, b11, b12, b22)
-        squares = b11 + b22
-        tilt1 = dot(a1, mean_director)
-        tilt2 = dot(a2, mean_director)
-        curvature = metric11 * dot(d1, d1) + two * (metric12 * dot(d1, d2)) + metric22 * dot(d2, d2)
-        tilt = metric11 * tilt1 * tilt1 + two * (metric12 * tilt1 * tilt2) + metric22 * tilt2 * tilt2
-        if wp.static(not flat):
-            raising = metric11 + metric22
-            k11 = elements.initial_curvature[CurvatureRow.k11, e]
-            k12 = elements.initial_curvature[CurvatureRow.k12, e]
-            k22 = elements.initial_curvature[CurvatureRow.k22, e]
-            g1 = elements.initial_transverse_shear[TransverseShearRow.g1, e]
-            g2 = elements.initial_transverse_shear[TransverseShearRow.g2, e]
-            curvature = two * (curvature + raising * raising * (k11 * k11 + two * (k12 * k12) + k22 * k22))
-            tilt = two * (tilt + raising * (g1 * g1 + g2 * g2))
-        curvature = square_root(larger(curvature, zero))
-        tilt = square_root(larger(tilt, zero))
-        x_odd = square_root(dot(x_hourglass, x_hourglass))
-        d_odd = square_root(dot(d_hourglass, d_hourglass))
-        root_gradient = square_root(gradient)
-        lean = tilt + curvature / root_gradient + real(0.25) * d_odd
-        radius = inertia[InertiaRow.inverse_squared_radius, e]
-        inverse_radius = square_root(radius)
-        largest_metric = m11 + m22
-
-        # transverse shear couples slopes and mean directors, by the directors' full length in a flat element too
-        slope_positions = slope * gradient
-        half_directors = lanes(half)
-        if wp.static(skewed):
-            skew11, skew12, skew13, skew21, skew22, skew23 = skew_weights(elements, e)
-            skew = skew11 * skew11 + skew13 * skew13 + skew21 * skew21 + skew23 * skew23
-            skew = skew + half * (skew12 * skew12 + skew22 * skew22)
-            half_directors = half_directors + square_root(skew * gradient * largest_metric)
-        mean_directors = slope * half_directors * half_directors * radius
-        tilting = slope_positions * tilt * (lanes(real(4.4)) + real(8.5) * tilt)
-        slope_coupling = square_root(slope_positions * mean_directors) * (one + real(5.4) * tilt)
-
-        # bending couples positions and director gradients
-        bending = (bounds.bending * area_ratio) * gradient
-        bending_positions = (real(24.0) * bending) * (curvature * curvature)
-        bending_coupling = (real(7.4) * bending) * (inverse_radius * curvature)
-        bending_directors = bending * radius
-        constraint = mean_directors * tilt * lean + bending_directors * curvature * lean / root_gradient
-
-        # hourglass modes; x_h has the norm ``length``, the warping takes a quarter of it and ``twist`` of the curvature
-        in_plane_stiffness, warping_stiffness, director_stiffness = hourglass_stiffnesses(elements, laws, e)
-        offset_p = elements.hourglass_offset[OffsetRow.p, e]
-        offset_q = elements.hourglass_offset[OffsetRow.q, e]
-        length = square_root(lanes(real(4.0)) + two * (offset_p * offset_p + offset_q * offset_q))
-        weight11, weight12, weight22 = twist_weights(elements, e)
-        twist = square_root(squares * (weight11 * weight11 + half * weight12 * weight12 + weight22 * weight22))
-        root_metric = square_root(largest_metric)
-        tipping = x_odd * root_gradient
-        in_plane_odd = in_plane_stiffness * length * (length + two * tipping * (one + tipping))
-        warp_positions = real(0.25) * length + twist * root_metric * curvature
-        warp_directors = inverse_radius * (twist * root_metric + real(0.125) * x_odd)
-        warp = real(0.25) * x_odd + twist * curvature / root_gradient
-        warp_coupling = warp_positions * warp_directors + warp * inverse_radius * (
-            real(0.125) * length + twist * root_gradient
-        )
-        root_squares = square_root(squares)
-        odd_positions = root_squares * d_odd
-        odd_directors = inverse_radius * (length * root_metric)
-
-        # in a flat element slopes with mean directors, and warping with director gradients, move by themselves
-        positions = (
-            larger(
-                larger(in_plane, across) + tilting,
-                larger(in_plane_odd, warping_stiffness * warp_positions * warp_positions),
-            )
-            + bending_positions
-            + director_stiffness * odd_positions * odd_positions
-        )
-        directors = (
-            larger(
-                larger(mean_directors, bending_directors + warping_stiffness * warp_directors * warp_directors),
-                director_stiffness * odd_directors * odd_directors,
-            )
-            + constraint
-        )
-        coupling = (
-            larger(slope_coupling, warping_stiffness * warp_coupling)
-            + bending_coupling
-            + (two * director_stiffness) * (odd_positions * odd_directors)
-        )
-        mean = half * (positions + directors)
-        difference = half * (positions - directors)
-        largest = mean + square_root(difference * difference + coupling * coupling)
-        squared_frequency[e] = real(4.0) * inertia[InertiaRow.inverse_areal_density, e] * largest + lanes(
-            bounds.contact_frequency
-        )
+        size = measure(elements, block, x, d, m, raised, b, inertia[InertiaRow.inverse_squared_radius, block])
+        bending = (bounds.bending * m.area_ratio) * size.gradient
+        largest = couple(laws, bending, slope, shape, b, size, in_plane, across)
+        inverse_density = inertia[InertiaRow.inverse_areal_density, block]
+        squared_frequency[block] = real(4.0) * inverse_density * largest + lanes(bounds.contact_frequency)
 
     return element_frequencies

@@ -1,20 +1,19 @@
-"""Laws of the sheet beside the unit cell: in-plane shear, bending, transverse shear, stabilisation (theory, 3-5).
-
-Symbols, per element and with one value per lane: a1, a2 the convected yarn vectors; m11, m12, m22 their metric;
-area_ratio J = |a1 x a2|; k11, k12, k22 the curvatures; g1, g2 the transverse shears. Resultants are per reference area:
-T the part of dpsi/da_alpha along a_beta, M the moments, Q the transverse shear forces.
-"""
+"""What a sheet is made of: its traits, which choose the laws that a kernel holds, and its constants."""
 
 from dataclasses import dataclass
 from functools import cache
 
 import warp as wp
 
-from ..curve import curve_struct
+from .bending import CURVED_BENDING, ISOTROPIC_BENDING, YARN_BENDING, BendingDevice, bending_struct
+from .shear import CURVED_SHEAR, LINEAR_SHEAR, ShearDevice, shear_struct
 
-BENDING_ISOTROPIC = wp.constant(0)
-BENDING_YARNS = wp.constant(1)
-BENDING_CURVES = wp.constant(2)
+SHEAR_LAWS: dict[str, ShearDevice] = {"linear": LINEAR_SHEAR, "curve": CURVED_SHEAR}
+BENDING_LAWS: dict[str, BendingDevice] = {
+    "isotropic": ISOTROPIC_BENDING,
+    "yarns": YARN_BENDING,
+    "curves": CURVED_BENDING,
+}
 
 
 @dataclass(frozen=True)
@@ -24,8 +23,8 @@ class SheetTraits:
     A branch costs more than its test: the lanes of all that lives on behind it are taken apart and put together again.
 
     Attributes:
-        curved_shear: the shear moment is a curve over the angle; False: the linear law.
-        bending: BENDING_ISOTROPIC, BENDING_YARNS or BENDING_CURVES.
+        shear: one of SHEAR_LAWS.
+        bending: one of BENDING_LAWS.
         shear_friction: between the yarns that turn on each other.
         bending_friction: inside the bent yarns of one family at least.
         follows_thickness: tools meet the current thickness.
@@ -33,45 +32,13 @@ class SheetTraits:
         skewed: some element is no parallelogram.
     """
 
-    curved_shear: bool = True
-    bending: int = int(BENDING_ISOTROPIC)
+    shear: str = "curve"
+    bending: str = "isotropic"
     shear_friction: bool = False
     bending_friction: bool = False
     follows_thickness: bool = False
     flat: bool = True
     skewed: bool = False
-
-
-@cache
-def shear_struct(real: type):
-    """Constants of in-plane shear in one precision, as a Warp struct."""
-
-    @wp.struct
-    class ShearLaw:
-        stiffness: real  # t G_12 of the linear law [N/m]
-        curve: curve_struct(real)  # moment per reference area over the angle [N/m]
-        friction_stiffness: real  # of the spring before the slider [N/m]
-        friction_limit: curve_struct(real)  # moment that makes it slip, over the angle [N/m]
-        crossover_friction_length: real  # times the pressure of the crossovers, is added to that limit [m]
-
-    return ShearLaw
-
-
-@cache
-def bending_struct(real: type):
-    """Constants of bending in one precision, as a Warp struct."""
-
-    @wp.struct
-    class BendingLaw:
-        stiffness: real  # D [N m]
-        poisson_ratio: real
-        yarn_stiffness: wp.types.vector(4, real)  # D_1, D_2, D_12, coupling D_nu [N m]
-        warp_curve: curve_struct(real)  # moment over curvature [N]
-        weft_curve: curve_struct(real)
-        friction_stiffness: wp.types.vector(2, real)  # of the springs before the sliders [N m], not zero
-        friction_limit: wp.types.vector(2, real)  # moment that makes them slip [N]
-
-    return BendingLaw
 
 
 @cache
@@ -83,7 +50,7 @@ def sheet_struct(real: type):
         shear: shear_struct(real)
         bending: bending_struct(real)
         transverse_shear_stiffness: real  # 5/6 G t [N/m]
-        in_plane_bending_stiffness: real  # B: resists a varying shear angle, psi = 1/2 B |grad gamma|^2 [N m]
+        in_plane_bending_stiffness: real  # beta: resists a varying shear angle, psi = 1/2 beta |grad gamma|^2 [N m]
         compressive_stiffness: real  # of the sheet itself along a yarn that is pushed together [N/m]
         hourglass_in_plane: real  # factors of the sum of squared shape gradients: [N/m]
         hourglass_warping: real

@@ -1,19 +1,71 @@
-"""In-plane shear: moment, energy, second derivatives, friction (docs/theory.md, section 3)."""
+"""In-plane shear (docs/theory.md, section 3): the linear law, the law by a curve, and friction between the yarns.
 
+Each law is a ``ShearDevice`` of functions of lanes; kernels are made for one of them. m is a ``Membrane``, angle its
+shear angle gamma.
+"""
+
+from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import warp as wp
 
-from ..curve import curve_energy, curve_size, odd_curve, slide
-from ..lanes import (
-    fill,
-    larger,
-    mul,  # noqa: F401 - operators of lanes
-    spread,
-    where_positive,
-)
+from ..curve import curve_energy, curve_size, curve_struct, odd_curve, slide
+from ..lanes import fill, lane_types, larger, where_positive
+from ..operators import div, mul  # noqa: F401
+from ..rows import SlipRow
 
-# --- in-plane shear ---------------------------------------------------------------------------------------------------
+
+@dataclass(frozen=True, eq=False)
+class ShearDevice:
+    """One law of shear without friction, as the kernels use it.
+
+    Attributes:
+        resultants: (laws, m) -> moment dpsi/dgamma [N/m], and T12 beside what follows from the moment.
+        energy: (laws, m) -> psi [J/m^2].
+        moment: (laws, m) -> dpsi/dgamma at constant stretches [N/m], all of it.
+        tangent: (laws, m, sine, cosine, t) -> the ``Tangent`` t, filled; sine and cosine are those of the angle.
+    """
+
+    resultants: Any
+    energy: Any
+    moment: Any
+    tangent: Any
+
+
+@cache
+def shear_struct(real: type):
+    """Constants of in-plane shear in one precision, as a Warp struct."""
+
+    @wp.struct
+    class ShearLaw:
+        stiffness: real  # t G_12 of the linear law [N/m]
+        curve: curve_struct(real)  # moment per reference area over the angle [N/m]
+        friction_stiffness: real  # of the spring before the slider [N/m]
+        friction_limit: curve_struct(real)  # moment that makes it slip, over the angle [N/m]
+        crossover_friction_length: real  # times the pressure of the crossovers, is added to that limit [m]
+
+    return ShearLaw
+
+
+@cache
+def tangent_struct(real: type, lane_count: int):
+    """First and second derivatives of an energy by (stretch 1, stretch 2, shear angle) [N/m]."""
+    lanes = lane_types(real, lane_count).lanes
+
+    @wp.struct
+    class Tangent:
+        c11: lanes
+        c12: lanes
+        c22: lanes
+        c13: lanes
+        c23: lanes
+        c33: lanes
+        n1: lanes
+        n2: lanes
+        moment: lanes
+
+    return Tangent
 
 
 @wp.func
@@ -27,37 +79,84 @@ def moment_resultants(moment: Any, m12: Any, inverse1: Any, inverse2: Any, inver
     return across * inverse1 * inverse1, t12, across * inverse2 * inverse2
 
 
-@wp.func
-def shear_resultants(laws: Any, curved: bool, m12: Any, angle: Any):
-    """In-plane shear without friction: its moment, and T12 beside what follows from the moment.
-
-    Curve: dpsi/da_1 = m dgamma/da_1. Linear: S_12 = G_12 E_12 with E_12 = 1/2 a_1.a_2, equation (4) of the paper.
-    """
-    moment = fill(angle, 0.0)
-    t12 = fill(angle, 0.0)
-    if curved:
-        moment, tangent = odd_curve(laws.shear.curve, angle)
-    else:
-        t12 = m12.dtype(0.5) * laws.shear.stiffness * m12
-    return moment, t12
+# --- linear: S_12 = G_12 E_12 with E_12 = 1/2 a_1.a_2, equation (4) of the paper --------------------------------------
 
 
 @wp.func
-def shear_energy(laws: Any, curved: bool, m12: Any, angle: Any):
-    """psi of in-plane shear [J/m^2]; linear law: t G_12 E_12^2."""
-    energy = m12.dtype(0.25) * laws.shear.stiffness * m12 * m12
-    if curved:
-        energy = curve_energy(laws.shear.curve, angle)
-    return energy
+def linear_resultants(laws: Any, m: Any):
+    m12 = m.m12
+    return fill(m12, 0.0), m12.dtype(0.5) * laws.shear.stiffness * m12
 
 
 @wp.func
-def shear_moment(laws: Any, curved: bool, m12: Any, area_ratio: Any, angle: Any):
-    """dpsi/dgamma at constant stretches, without friction [N/m]; linear law: T12 dm12/dgamma = T12 J."""
-    moment = m12.dtype(0.5) * laws.shear.stiffness * m12 * area_ratio
-    if curved:
-        moment, tangent = odd_curve(laws.shear.curve, angle)
+def linear_energy(laws: Any, m: Any):
+    """psi = t G_12 E_12^2."""
+    m12 = m.m12
+    return m12.dtype(0.25) * laws.shear.stiffness * m12 * m12
+
+
+@wp.func
+def linear_moment(laws: Any, m: Any):
+    """T12 dm12/dgamma = T12 J."""
+    m12 = m.m12
+    return m12.dtype(0.5) * laws.shear.stiffness * m12 * m.area_ratio
+
+
+@wp.func
+def linear_tangent(laws: Any, m: Any, sine: Any, cosine: Any, t: Any):
+    """psi = 1/4 t G_12 (stretch1 stretch2 sin)^2."""
+    half = sine.dtype(0.5) * laws.shear.stiffness
+    product = m.stretch1 * m.stretch2
+    c11 = half * (m.stretch2 * sine) * (m.stretch2 * sine)
+    c22 = half * (m.stretch1 * sine) * (m.stretch1 * sine)
+    mixed = (sine.dtype(2.0) * half) * (product * sine * cosine)
+    t.c11 = c11
+    t.c12 = (sine.dtype(2.0) * half) * (product * sine * sine)
+    t.c22 = c22
+    t.c13 = m.stretch2 * mixed
+    t.c23 = m.stretch1 * mixed
+    t.c33 = half * (product * product) * (cosine * cosine - sine * sine)
+    t.n1 = m.stretch1 * c11
+    t.n2 = m.stretch2 * c22
+    t.moment = half * (product * product) * (sine * cosine)
+    return t
+
+
+LINEAR_SHEAR = ShearDevice(linear_resultants, linear_energy, linear_moment, linear_tangent)
+
+
+# --- by a curve of the moment over the angle: dpsi/da_1 = m dgamma/da_1 -----------------------------------------------
+
+
+@wp.func
+def curve_resultants(laws: Any, m: Any):
+    moment, tangent = odd_curve(laws.shear.curve, m.angle)
+    return moment, fill(moment, 0.0)
+
+
+@wp.func
+def curve_psi(laws: Any, m: Any):
+    return curve_energy(laws.shear.curve, m.angle)
+
+
+@wp.func
+def curve_moment(laws: Any, m: Any):
+    moment, tangent = odd_curve(laws.shear.curve, m.angle)
     return moment
+
+
+@wp.func
+def curve_tangent(laws: Any, m: Any, sine: Any, cosine: Any, t: Any):
+    moment, stiffness = odd_curve(laws.shear.curve, m.angle)
+    t.c33 = larger(stiffness, fill(stiffness, 0.0))
+    t.moment = moment
+    return t
+
+
+CURVED_SHEAR = ShearDevice(curve_resultants, curve_psi, curve_moment, curve_tangent)
+
+
+# --- friction between the yarns that turn on each other ---------------------------------------------------------------
 
 
 @wp.func
@@ -68,57 +167,27 @@ def shear_friction_limit(laws: Any, angle: Any, crossover_pressure: Any):
 
 
 @wp.func
-def shear_friction(laws: Any, angle: Any, slip: Any, spring: Any, crossover_pressure: Any):
-    """Slip and spring of the friction between the yarns [rad], work lost [J/m^2]; the moment is stiffness x spring."""
+def shear_friction(laws: Any, block: int, angle: Any, crossover_pressure: Any, slip: Any):
+    """Moment of the friction [N/m]; writes its slip, its spring and the work lost."""
     limit = shear_friction_limit(laws, angle, crossover_pressure)
-    return slide(angle, slip, spring, laws.shear.friction_stiffness, limit, laws.slip_resolution)
+    turned, spring, lost = slide(
+        angle,
+        slip[SlipRow.shear_slip, block],
+        slip[SlipRow.shear_spring, block],
+        laws.shear.friction_stiffness,
+        limit,
+        laws.slip_resolution,
+    )
+    slip[SlipRow.shear_slip, block] = turned
+    slip[SlipRow.shear_spring, block] = spring
+    slip[SlipRow.shear_friction_loss, block] = slip[SlipRow.shear_friction_loss, block] + lost
+    return laws.shear.friction_stiffness * spring
 
 
 @wp.func
-def shear_tangent(
-    laws: Any,
-    curved: bool,
-    sticking: bool,
-    stretch1: Any,
-    stretch2: Any,
-    sine: Any,
-    cosine: Any,
-    angle: Any,
-    crossover_pressure: Any,
-):
-    """Second derivatives of the shear energy by (stretch 1, stretch 2, angle): C11, C12, C22, C13, C23, C33 [N/m].
-
-    Then its first derivatives n_1, n_2, m. Friction (``sticking``) counts with all the moment that it can bear.
-    """
-    zero = fill(angle, 0.0)
-    c11 = zero
-    c12 = zero
-    c22 = zero
-    c13 = zero
-    c23 = zero
-    c33 = zero
-    n1 = zero
-    n2 = zero
-    moment = zero
-    if curved:
-        moment, c33 = odd_curve(laws.shear.curve, angle)
-        c33 = larger(c33, zero)
-    else:
-        # psi = 1/4 t G_12 (stretch1 stretch2 sin)^2
-        half = angle.dtype(0.5) * laws.shear.stiffness
-        product = stretch1 * stretch2
-        c11 = half * (stretch2 * sine) * (stretch2 * sine)
-        c12 = (angle.dtype(2.0) * half) * (product * sine * sine)
-        c22 = half * (stretch1 * sine) * (stretch1 * sine)
-        mixed = (angle.dtype(2.0) * half) * (product * sine * cosine)
-        c13 = stretch2 * mixed
-        c23 = stretch1 * mixed
-        c33 = half * (product * product) * (cosine * cosine - sine * sine)
-        n1 = stretch1 * c11
-        n2 = stretch2 * c22
-        moment = half * (product * product) * (sine * cosine)
-    if sticking:
-        limit = shear_friction_limit(laws, angle, crossover_pressure)
-        c33 = c33 + spread(angle, laws.shear.friction_stiffness)
-        moment = moment + where_positive(moment, limit, -limit)
-    return c11, c12, c22, c13, c23, c33, n1, n2, moment
+def sticking_shear(laws: Any, angle: Any, crossover_pressure: Any, t: Any):
+    """Add friction to a ``Tangent`` of shear: it sticks, and counts with all the moment that it can bear."""
+    limit = shear_friction_limit(laws, angle, crossover_pressure)
+    t.c33 = t.c33 + fill(angle, laws.shear.friction_stiffness)
+    t.moment = t.moment + where_positive(t.moment, limit, -limit)
+    return t

@@ -4,9 +4,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import div, fill, mul, power, where_positive  # noqa: F401 - operators of lanes
-
-# --- compression ------------------------------------------------------------------------------------------------------
+from ..lanes import fill, power, where_positive
+from ..operators import div, mul  # noqa: F401
 
 
 @wp.func
@@ -14,9 +13,6 @@ def compressive_force(laws: Any, stretch: Any):
     """Resistance of the sheet itself to a yarn that is pushed together [N/m]; psi = 1/2 k min(stretch - 1, 0)^2."""
     shortening = stretch - fill(stretch, 1.0)
     return laws.compressive_stiffness * where_positive(shortening, fill(stretch, 0.0), shortening)
-
-
-# --- thickness --------------------------------------------------------------------------------------------------------
 
 
 @wp.func

@@ -7,7 +7,8 @@ import warp as wp
 
 from ..contact.penalty import touch_struct
 from ..contact.tool_distance import tool_set_struct
-from ..lanes import div, dot, lane_types, mul, rows3  # noqa: F401 - operators of lanes
+from ..lanes import dot, lane_types, rows3
+from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, MotionRow, NodeReportRow
 from .node_advance import (
     follow_supports_function,

@@ -6,21 +6,8 @@ from typing import Any
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import (  # noqa: F401 - operators of lanes
-    cross,
-    div,
-    dot,
-    fill,
-    lane_maximum,
-    lane_types,
-    load,
-    mul,
-    rows3,
-    scale,
-    store,
-    store_rows3,
-    where_positive,
-)
+from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, rows3, scale, store, store_rows3, where_positive
+from ..operators import div, mul  # noqa: F401
 from ..rows import MotionRow
 from .node_data import motion_struct, node_struct, present_struct, support_struct
 

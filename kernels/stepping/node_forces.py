@@ -5,17 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import (  # noqa: F401 - operators of lanes
-    cross,
-    div,
-    gather,
-    lane_maximum,
-    lane_types,
-    load,
-    mul,
-    pick,
-    where_positive,
-)
+from ..lanes import cross, gather, lane_maximum, lane_types, load, pick, where_positive
+from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, NodeReportRow
 from .node_data import motion_struct, node_struct, present_struct
 

@@ -6,17 +6,8 @@ import warp as wp
 
 from ..contact.penalty import friction_spring, normal_force, touch_struct
 from ..contact.tool_distance import tool_distance_function, tool_set_struct
-from ..lanes import (  # noqa: F401 - operators of lanes
-    div,
-    dot,
-    lane_maximum,
-    lane_sum,
-    lane_types,
-    mul,
-    rows3,
-    scale,
-    store_rows3,
-)
+from ..lanes import dot, lane_maximum, lane_sum, lane_types, rows3, scale, store_rows3
+from ..operators import div, mul  # noqa: F401
 from ..rows import NodeReportRow
 from .node_data import NodeTraits, motion_struct, present_struct
 

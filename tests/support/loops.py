@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 
-from weavesim.fabric.shear import MomentCurve, ShearFriction
+from weavesim.fabric.shear import ShearFriction
 from weavesim.sheet.blank import Blank
 
 SQUARE = Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.05)
 UP = np.tile([0.0, 0.0, 1.0], (SQUARE.node_count, 1))
-CURVE = MomentCurve(angle=(0.0, 0.2, 0.5, 1.0), moment_values=(0.0, 3.0, 5.0, 20.0))
 FRICTION = ShearFriction(stiffness=60.0, angle=(0.0, 0.8), limit=(1.5, 3.0))
 
 

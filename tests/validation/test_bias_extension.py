@@ -15,6 +15,7 @@ def bias_test(tmp_path_factory):
     return out, bias_extension.run(BiasExtensionParameters(out=out, mesh_size=0.0125, speed=0.5, frames=30, threads=1))
 
 
+@pytest.mark.slow
 def test_bias_extension_has_its_three_zones(bias_test):
     out, summary = bias_test
     assert summary["kinematic_angle_deg"] == pytest.approx(40.0, abs=1e-3)

@@ -13,6 +13,9 @@ from weavesim.measures.border import draw_in
 from weavesim.run.simulation import Simulation
 from weavesim.scenes.double_dome import BLANK_LENGTH, BLANK_WIDTH, DoubleDomeParameters, double_dome, run
 
+# Forming runs of seconds each.
+pytestmark = pytest.mark.slow
+
 SUMMARY_KEYS = {
     "weavesim_version", "device", "precision", "threads", "element_count", "node_count", "step_count", "time_step_s",
     "wall_time_s", "stepping_time_s", "output_time_s", "element_steps_per_second", "max_shear_angle_deg",

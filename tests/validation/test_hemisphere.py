@@ -8,6 +8,9 @@ import pytest
 from weavesim.scenes.hemisphere import CASES, UNEVENNESS, HemisphereParameters, run, unevenness
 from weavesim.sheet.blank import Blank
 
+# Forming runs of seconds each.
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):

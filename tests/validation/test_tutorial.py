@@ -25,6 +25,7 @@ def played(tmp_path_factory):
     return names, folder
 
 
+@pytest.mark.slow
 def test_the_net_forms_over_the_double_dome(played):
     names, _ = played
     summary, simulation = names["summary"], names["simulation"]

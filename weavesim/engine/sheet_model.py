@@ -162,7 +162,8 @@ class SheetModel:
         bounds, cell = step_bounds_struct(self.real)(), self.fabric.unit_cell
         bounds.contact_frequency = 2.0 * self._contact_frequency if self.tool_count else 0.0
         bounds.bending = self.fabric.largest_bending_stiffness
-        bounds.cell = self.types.vec3(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
+        bounds.warp, bounds.weft = cell.yarn_stiffness_per_width
+        bounds.shear = cell.shear_stiffness
         bounds.steps_ahead = REFRESH_INTERVAL
         return bounds
 

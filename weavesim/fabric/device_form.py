@@ -22,7 +22,7 @@ class DeviceForm:
     """One law on the device.
 
     Attributes:
-        traits: fields of ``kernels.shell.laws.SheetTraits`` that choose the law's device functions.
+        traits: fields of ``kernels.shell.laws.SheetTraits`` that choose the law's device functions by name.
         constants: fields of the law's struct, numbers and tuples of numbers.
         curves: fields of the law's struct that are tables.
     """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cached_property
 from typing import Self
 
@@ -100,9 +99,8 @@ class Sheet(Parameters):
             return self.blank
         cosine, sine = np.cos(np.radians(self.orientation)), np.sin(np.radians(self.orientation))
         warp, weft = self.blank.warp_direction, self.blank.weft_direction
-        return replace(
-            self.blank, warp_direction=cosine * warp + sine * weft, weft_direction=cosine * weft - sine * warp
-        )
+        turned = {"warp_direction": cosine * warp + sine * weft, "weft_direction": cosine * weft - sine * warp}
+        return self.blank.model_copy(update=turned)
 
     @property
     def start_velocity(self) -> np.ndarray | None:

@@ -125,6 +125,7 @@ def test_a_program_is_told_but_starts_no_processes(monkeypatch, caplog, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_the_command_line_compiles_side_by_side_what_is_missing(monkeypatch, tmp_path):
     monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path / wp.config.version))
     monkeypatch.setattr(compilation, "available_threads", lambda: 2)
@@ -147,6 +148,7 @@ def test_runs_look_for_their_kernels_before_they_load_them(monkeypatch):
     assert asked == [MeshKernelSet("cpu"), *simulation.stepper.kernel_sets]
 
 
+@pytest.mark.slow
 def test_what_is_loaded_is_not_compiled_again_by_its_launch(tmp_path):
     code = """
 import warp as wp

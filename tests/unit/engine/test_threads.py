@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -38,6 +39,7 @@ class Machine:
 FACTORS = st.lists(st.floats(1.05, 3.0), min_size=1, max_size=5)
 
 
+@pytest.mark.slow
 @given(FACTORS, st.data(), st.floats(1e-5, 2.0))
 def test_the_fastest_is_found_and_looking_costs_little(factors, data, scale):
     best = data.draw(st.integers(0, len(factors)))
@@ -58,6 +60,7 @@ def test_the_fastest_is_found_and_looking_costs_little(factors, data, scale):
     assert {used for _, used, _ in machine.used} <= set(counts)
 
 
+@pytest.mark.slow
 @given(st.floats(1e-4, 0.02), st.floats(1.5, 8.0))
 def test_load_of_others_is_left_alone_and_forgotten_when_it_ends(cost, slowdown):
     def loaded(count: int, time: float) -> float:

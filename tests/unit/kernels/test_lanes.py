@@ -9,6 +9,7 @@ from weavesim.kernels.lanes import (
     angle_of,
     cross,
     dot,
+    fill,
     gather,
     lane_maximum,
     lane_sum,
@@ -21,6 +22,7 @@ from weavesim.kernels.lanes import (
     store,
     where_positive,
 )
+from weavesim.kernels.operators import div, mul  # noqa: F401
 
 
 @pytest.fixture(params=[1, 16], ids=["one lane", "sixteen lanes"])
@@ -157,3 +159,33 @@ def test_vectors_load_gather_and_store(types):
     assert np.allclose(numbers(products), product, rtol=0.0, atol=10.0 * tolerance(types))
     expected = np.cross(values, other) + product[:, None] * values
     assert np.allclose(result.numpy(), expected, rtol=0.0, atol=50.0 * tolerance(types))
+
+
+def test_product_and_quotient_go_lane_by_lane(types):
+    lanes = types.lanes
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def operate(a: wp.array(dtype=lanes), b: wp.array(dtype=lanes), result: wp.array2d(dtype=lanes)):
+        result[0, wp.tid()] = a[wp.tid()] * b[wp.tid()]
+        result[1, wp.tid()] = a[wp.tid()] / b[wp.tid()]
+
+    a, b = np.linspace(-2.0, 3.0, types.lane_count), np.linspace(1.0, 7.0, types.lane_count)
+    result = scalars(types, np.zeros((2, types.lane_count)))
+    wp.launch(operate, dim=1, inputs=[scalars(types, a), scalars(types, b)], outputs=[result], device="cpu")
+    assert np.allclose(numbers(result), np.concatenate([a * b, a / b]), rtol=tolerance(types))
+
+
+def test_number_in_every_lane(types):
+    lanes, third = types.lanes, types.real(1.0 / 3.0)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def fill_all(result: wp.array2d(dtype=lanes)):
+        like = lanes()
+        result[0, 0] = fill(like, 0.5)
+        result[1, 0] = fill(like, third)
+        result[2, 0] = fill(like, like.dtype(0.1))
+
+    result = scalars(types, np.zeros((3, types.lane_count)))
+    wp.launch(fill_all, dim=1, outputs=[result], device="cpu")
+    expected = np.repeat(np.array([0.5, 1.0 / 3.0, 0.1]), types.lane_count)
+    assert np.array_equal(numbers(result), expected.astype(wp.dtype_to_numpy(types.real)).astype(np.float64))

@@ -4,6 +4,8 @@ import json
 import subprocess
 import sys
 
+import pytest
+
 from tests.support.paths import ROOT
 
 SCRIPT = ROOT / "scripts" / "benchmark.py"
@@ -15,6 +17,7 @@ def benchmark(*arguments: str) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.slow
 def test_rates_are_told_with_their_problem_and_beside_earlier_ones(tmp_path):
     file = tmp_path / "rates.json"
     what = ("rates", "--case", "double_dome_10mm", "--precision", "float32", "--threads", "1,2")

@@ -145,6 +145,7 @@ def test_shallow_points_near_a_border_are_pushed_back_up(flat):
     np.testing.assert_allclose(normal[:, 2], 1.0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_sheet_of_the_die_has_the_distance_of_the_die():
     die = DomeOpening(0.0412, 0.03, 0.01, display_size=(0.22, 0.16), display_depth=0.03)
     mesh = die.display_mesh()

@@ -98,6 +98,7 @@ def test_punch_is_the_union_of_capsules_stacked_upwards(seed, radius, half_lengt
     assert np.all(value >= stacked - 0.6e-4)
 
 
+@pytest.mark.slow
 @cases
 @given(seeds, length, length)
 def test_cavity_is_as_far_as_the_nearest_point_of_its_profile(seed, radius, half_length):
@@ -122,6 +123,7 @@ def test_cavity_is_as_far_as_the_nearest_point_of_its_profile(seed, radius, half
     np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1.0, atol=1e-9)
 
 
+@pytest.mark.slow
 @cases
 @given(seeds, length, length, st.floats(0.001, 0.03))
 def test_opening_is_as_far_as_the_nearest_point_of_its_profile(seed, radius, half_length, edge):

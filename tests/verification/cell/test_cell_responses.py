@@ -56,6 +56,7 @@ def reference_forces(registered, cell, point: np.ndarray, q: np.ndarray, change:
     return np.array(result)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CELLS)
 def test_response_is_that_of_an_independent_minimisation(name, manual):
     """Uniaxial, biaxial and compressive, for every registered cell."""

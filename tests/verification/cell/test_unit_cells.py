@@ -104,6 +104,7 @@ def test_rest_is_free_of_force(registered):
     assert np.abs(response.energy).max() == 0.0
 
 
+@pytest.mark.slow
 def test_energy_is_the_reference_energy_at_its_minimum(registered):
     """SciPy minimises the NumPy energy along the same path."""
     cell = registered.make()

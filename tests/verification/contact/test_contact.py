@@ -90,6 +90,7 @@ def ball_meshes(spacing: float) -> dict[str, MeshShape]:
     }
 
 
+@pytest.mark.slow
 def test_three_descriptions_of_a_ball_drape_alike(cloth, manual):
     case = manual(
         "Contact", "One ball as analytic distance, closed mesh, and open mesh",
@@ -116,6 +117,7 @@ def test_three_descriptions_of_a_ball_drape_alike(cloth, manual):
     case.table(["tool", "reaction [N]", "largest difference of a node", "of a shear angle"], rows)
 
 
+@pytest.mark.slow
 def test_sampled_distance_converges_with_its_spacing(manual):
     case = manual(
         "Contact", "Error of a sampled distance against its spacing",

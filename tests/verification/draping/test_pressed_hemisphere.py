@@ -152,6 +152,7 @@ def test_table_of_the_net():
         assert np.degrees(g(np.interp(degrees, latitude, u) ** 2)) == pytest.approx(angle, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh", ["0°", "30°"])
 def test_pressed_net_on_a_coarse_mesh(mesh):
     net = Pressed(mesh, 14)

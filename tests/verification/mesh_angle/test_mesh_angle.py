@@ -167,6 +167,7 @@ def pictures(pulls: dict[tuple[int, str], Pull], element_count: int):
     return figure
 
 
+@pytest.mark.slow
 def test_bias_extension_on_two_meshes(fabric):
     """Coarse and quick: twelve elements across."""
     pulls = [Pull(mesh, 12, glass_polypropylene(), speed=1.0) for mesh in ("15°", "45°")]

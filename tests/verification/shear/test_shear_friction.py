@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.support.loops import CURVE, FRICTION, SQUARE, UP, cycle, loop_figure, sheared, walk
+from tests.support.loops import FRICTION, SQUARE, UP, cycle, loop_figure, sheared, walk
+from tests.support.registered_laws import CURVE
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
 from weavesim.kernels.rows import SlipRow

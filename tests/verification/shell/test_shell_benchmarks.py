@@ -93,6 +93,7 @@ def check_roll(turn: float, gap: float, simulation: Simulation, tolerance: float
     assert max(energies[name] for name in ("transverse_shear", "hourglass", "warp_axial")) < 1e-3 * exact
 
 
+@pytest.mark.slow
 def test_strip_rolls_into_a_circle(fabric):
     check_roll(*rolled(fabric, 20), tolerance=0.02)
 

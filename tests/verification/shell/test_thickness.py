@@ -82,6 +82,7 @@ def squeezed(contact_thickness: str, **given) -> Simulation:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_tools_meet_the_current_thickness(frames):
     """The sheet thickens by 1/cos 40: it fills the gap and presses, and the balance knows the work of that."""
     plain = squeezed("initial")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.support.loops import CURVE
+from tests.support.registered_laws import CURVE
 from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import BendingCurve, YarnBending
 from weavesim.fabric.cell.weaves import PlainWeave

@@ -132,6 +132,7 @@ def check_shares(shares: dict[str, list[float]], state: str) -> None:
         assert least <= min(values) <= max(values) <= 1.0, (name, values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("state", STATES)
 def test_estimate_is_a_bound_for_deformed_sheets(state, sheet, fabric):
     check_shares(random_shares(sheet, fabric, state, 1, 7), state)

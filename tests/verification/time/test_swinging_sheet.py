@@ -45,6 +45,7 @@ def cloth(fabric):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_swinging_sheet_keeps_its_energy(cloth, manual):
     case = manual(
         "Energy and time step", "A swinging sheet keeps its energy",

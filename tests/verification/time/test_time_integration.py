@@ -30,9 +30,8 @@ from weavesim.tools.tool import Tool
 
 def momenta(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """Momentum [kg m/s], and angular momentum about the origin [kg m^2/s] with that of the directors."""
-    motion = simulation.model.sheet.read_motion(simulation.state.sheet.motion)[
-        :, : simulation.setup.sheet.blank.node_count
-    ].astype(np.float64)
+    model = simulation.model.sheet
+    motion = model.read_motion(simulation.state.sheet.motion)[:, : model.blank.node_count].astype(np.float64)
     position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
     velocity, spin = motion[MotionRow.velocity.vector], motion[MotionRow.spin.vector]
     mass, inertia = simulation.model.sheet.node_mass[:, None], simulation.model.sheet.node_inertia[:, None]
@@ -205,6 +204,7 @@ SHARED_OUT = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHARED_OUT)
 def test_same_bits_for_any_number_of_threads_and_any_run(name):
     make, touched_count = SHARED_OUT[name]
@@ -221,6 +221,7 @@ def test_same_bits_for_any_number_of_threads_and_any_run(name):
             assert np.isfinite(value).all() and np.array_equal(value, other[array]), array
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_passing_over_far_tools_changes_nothing(precision):
     """A node that is passed over by its tools' bound would not have met them: the same bits as if all are looked at."""

@@ -29,7 +29,5 @@ class IsotropicBending(BendingLaw):
         return self.stiffness(thickness) * (1.0 - self.poisson_ratio**2)
 
     def device_form(self, thickness: float) -> DeviceForm:
-        from ...kernels.shell.laws import BENDING_ISOTROPIC
-
         constants = {"stiffness": self.stiffness(thickness), "poisson_ratio": self.poisson_ratio}
-        return DeviceForm({"bending": int(BENDING_ISOTROPIC)}, constants)
+        return DeviceForm({"bending": "isotropic"}, constants)

@@ -88,14 +88,13 @@ class YarnBending(BendingLaw):
         return any(family.friction_limit > 0.0 for family in self.families)
 
     def device_form(self, thickness: float) -> DeviceForm:
-        from ...kernels.shell.laws import BENDING_CURVES, BENDING_YARNS
-
         warp, weft = self.families
-        traits = {
-            "bending": int(BENDING_CURVES if self.curved else BENDING_YARNS), "bending_friction": self.has_friction
-        }  # fmt: skip
+        traits = {"bending": "curves" if self.curved else "yarns", "bending_friction": self.has_friction}
         constants = {
-            "yarn_stiffness": (warp.initial_stiffness, weft.initial_stiffness, self.twist, self.coupling),
+            "warp_stiffness": warp.initial_stiffness,
+            "weft_stiffness": weft.initial_stiffness,
+            "twist_stiffness": self.twist,
+            "coupling_stiffness": self.coupling,
             # a family without friction has a slider that never holds: any spring will do
             "friction_stiffness": (warp.friction_stiffness or 1.0, weft.friction_stiffness or 1.0),
             "friction_limit": (warp.friction_limit, weft.friction_limit),

@@ -23,4 +23,4 @@ class LinearShear(ShearLaw):
         return 0.5 * thickness * self.modulus * np.sin(angle) * np.cos(angle)
 
     def device_form(self, thickness: float) -> DeviceForm:
-        return DeviceForm({"curved_shear": False}, {"stiffness": thickness * self.modulus})
+        return DeviceForm({"shear": "linear"}, {"stiffness": thickness * self.modulus})

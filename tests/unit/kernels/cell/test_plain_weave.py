@@ -207,6 +207,7 @@ def relative_difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.abs(a - b).max(axis=1) / np.abs(b).max(axis=1)
 
 
+@pytest.mark.slow
 def test_energy_and_forces_agree_with_an_independent_minimisation(many):
     _, stretch, response, reference, w = many
     u = (stretch - 1.0) * reference.spacing
@@ -220,6 +221,7 @@ def test_energy_and_forces_agree_with_an_independent_minimisation(many):
     assert relative_difference(response.force_per_width, per_width).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_reference_itself_agrees_with_scipy(many):
     """The minimum of SciPy's trust-region method along the same path, for the first hundred cells."""
     cells, stretch, response, _, _ = many
@@ -246,6 +248,7 @@ def test_reference_itself_agrees_with_scipy(many):
     assert worst < 1e-6
 
 
+@pytest.mark.slow
 def test_solution_is_a_strict_minimum(many):
     _, stretch, response, reference, _ = many
     u = (stretch - 1.0) * reference.spacing
@@ -253,6 +256,7 @@ def test_solution_is_a_strict_minimum(many):
     assert response.residual.max() < 1e-9
 
 
+@pytest.mark.slow
 def test_second_start_finds_the_same_point(many):
     """From anywhere within a third of the chord, in one increment: the energy has one minimum."""
     cells, stretch, response, reference, _ = many

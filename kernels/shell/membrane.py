@@ -1,0 +1,123 @@
+"""The membrane of an element: its unit cell, its shear, and the bending of its yarns within the plane."""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from ..cell.energy_cell import emitted_late
+from ..cell.law import CellLaw
+from ..lanes import inverses, lane_maximum, lane_types, larger
+from ..operators import div, mul  # noqa: F401
+from ..rows import CellReportRow
+from .kinematics import corner_angles
+from .laws import SHEAR_LAWS, SheetTraits
+from .shear import moment_resultants, shear_friction
+from .thickness import compressive_force
+
+
+@cache
+def cell_answer_struct(real: type, lane_count: int):
+    """What a unit cell answers."""
+    lanes = lane_types(real, lane_count).lanes
+
+    @wp.struct
+    class CellAnswer:
+        warp_force: lanes  # n_1, n_2, m [N/m]
+        weft_force: lanes
+        moment: lanes
+        pressure: lanes  # of the crossovers, per reference area [N/m^2]
+
+    return CellAnswer
+
+
+@cache
+def unknowns_function(real: type, lane_count: int, cell: CellLaw):
+    """Function that reads the unknowns of a block's unit cells, a matrix with a row for each."""
+    unknown_count = cell.unknown_count
+    Unknowns = wp.types.matrix((cell.row_count, lane_count), real)
+
+    @wp.func
+    def read_unknowns(cell_unknowns: Any, block: int):
+        unknowns = Unknowns()
+        for k in range(unknown_count):
+            unknowns[k] = cell_unknowns[k, block]
+        return unknowns
+
+    return read_unknowns
+
+
+@cache
+def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
+    """Function for what a block's unit cells answer; it keeps their unknowns, and reports.
+
+    Warp emits functions that use gradients behind all others, and an ``energy_cell``, which takes lane by lane, is made
+    of such: what calls it has to look like them. So have its callers in energy.py and frequency.py.
+    """
+    CellAnswer, read_unknowns = cell_answer_struct(real, lane_count), unknowns_function(real, lane_count, cell)
+    unknown_count, solve, snap_loss, late = cell.unknown_count, cell.solve, cell.snap_loss, cell.lane_by_lane
+
+    @wp.func
+    def answer_cell(cell: Any, block: int, m: Any, cell_unknowns: Any, cell_report: Any):
+        if wp.static(late):
+            _late = wp.grad(emitted_late)(wp.float64(0.0))
+        start = read_unknowns(cell_unknowns, block)
+        unknowns, warp_force, weft_force, moment, pressure, residual, iterations = solve(
+            cell, m.strain1, m.strain2, m.angle, start
+        )
+        for k in range(unknown_count):
+            cell_unknowns[k, block] = unknowns[k]
+        cell_report[CellReportRow.iterations, block] = iterations
+        cell_report[CellReportRow.worst_residual, block] = larger(
+            cell_report[CellReportRow.worst_residual, block], residual
+        )
+        if wp.static(unknown_count > 0):
+            freed = snap_loss(cell, m.strain1, m.strain2, m.angle, start, unknowns)
+            if lane_maximum(freed) > freed.dtype(0.0):
+                cell_report[CellReportRow.snap_loss, block] = cell_report[CellReportRow.snap_loss, block] + freed
+        return CellAnswer(warp_force, weft_force, moment, pressure)
+
+    return answer_cell
+
+
+@wp.func
+def bundling_stiffness(laws: Any, shape: Any):
+    """beta/area of the in-plane bending of the yarns [N/m], which resists a shear angle that varies.
+
+    b_p x b_q is 1/(2 area); the area itself is zero in padding elements.
+    """
+    bp1 = shape.bp1
+    return (bp1.dtype(2.0) * laws.in_plane_bending_stiffness) * (bp1 * shape.bq2 - shape.bp2 * shape.bq1)
+
+
+@cache
+def shear_moment_function(cell: CellLaw, traits: SheetTraits):
+    """Function for the moment of all shear [N/m], and for T12 beside what follows from the moment; writes the slip."""
+    shear_resultants, shear_slides = SHEAR_LAWS[traits.shear].resultants, traits.shear_friction
+    cell_shears = cell.depends_on_shear
+
+    @wp.func
+    def shear_moment(elements: Any, laws: Any, block: int, shape: Any, m: Any, answer: Any, motion: Any, slip: Any):
+        moment, t12 = shear_resultants(laws, m)
+        if wp.static(cell_shears):
+            moment = moment + answer.moment
+        difference, square = corner_angles(elements, block, motion, m.angle)
+        moment = moment + bundling_stiffness(laws, shape) * difference
+        if wp.static(shear_slides):
+            moment = moment + shear_friction(laws, block, m.angle, answer.pressure, slip)
+        return moment, t12
+
+    return shear_moment
+
+
+@wp.func
+def membrane_resultants(laws: Any, m: Any, answer: Any, moment: Any, shear12: Any, r: Any):
+    """Set T of the unit cell, the sheet's own compressive stiffness, and shear."""
+    inverse1, inverse2 = inverses(m.stretch1, m.stretch2)
+    t11 = (answer.warp_force + compressive_force(laws, m.stretch1)) * inverse1
+    t22 = (answer.weft_force + compressive_force(laws, m.stretch2)) * inverse2
+    turned11, turned12, turned22 = moment_resultants(moment, m.m12, inverse1, inverse2, m.inverse_ratio)
+    r.t11 = t11 + turned11
+    r.t12 = turned12 + shear12
+    r.t22 = t22 + turned22
+    return r

@@ -13,17 +13,15 @@ from typing import Any, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
 from weavesim.fabric.fabric import Fabric
-from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
+from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.frame import Frame
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
@@ -35,6 +33,7 @@ from .fabric_test import (
     trellis_angle,
     trellis_angle_rate,
 )
+from .scene import Scene
 
 RAMP_SHARE = 0.2
 DIRECTOR_DAMPING = 1.0e4
@@ -135,7 +134,7 @@ def bias_extension(
     return Setup(
         "bias_extension", sheets=(Sheet(blank, fabric, supports=supports),),
         dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
-        duration=stroke.duration, frame_count=parameters.frames, solver=parameters.solver(step_safety=STEP_SAFETY),
+        duration=stroke.duration, frame_count=parameters.frame_count, solver=parameters.solver(step_safety=STEP_SAFETY),
     )  # fmt: skip
 
 
@@ -203,11 +202,16 @@ def findings(curves: Curves) -> dict[str, Any]:
     }
 
 
-def run(parameters: BiasExtensionParameters) -> dict[str, Any]:
-    """Run the test and leave its results in ``parameters.out``; returns the summary."""
-    simulation = Simulation(bias_extension(parameters))
-    curves = record(parameters, simulation.setup.sheet.fabric, simulation.setup.sheet.blank)
-    return run_into_folder(
-        lambda: simulation, ResultFolder(parameters.out, curves=curves, draw_in=False, writers=parameters.writers),
-        setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
-    )  # fmt: skip
+def wanted(parameters: BiasExtensionParameters, setup: Setup) -> Wanted:
+    """Curves of the zones and of the force; the border moves with the clamps."""
+    return Wanted(curves=record(parameters, setup.sheet.fabric, setup.sheet.blank), draw_in=False)
+
+
+SCENE = Scene(
+    name="bias-extension",
+    help="Pull a woven fabric in its bias direction.",
+    parameters=BiasExtensionParameters,
+    make=bias_extension,
+    wanted=wanted,
+    findings=lambda parameters, simulation, wanted: findings(wanted.curves) if wanted.curves else {},
+)

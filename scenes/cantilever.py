@@ -10,12 +10,11 @@ from __future__ import annotations
 import logging
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import Field
 
-from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
 from weavesim.device import Precision
 from weavesim.engine.setup import Rest, Setup
@@ -24,16 +23,19 @@ from weavesim.fabric.bending.law import YarnName
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.fabric import LARGEST_LOCKING_SHARE, Fabric
-from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
+from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.supports import Support
 from weavesim.run.frame import Frame
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
 from .fabric_test import FabricTestParameters, chosen_fabric
+from .scene import Scene
+
+if TYPE_CHECKING:
+    from weavesim.run.simulation import Simulation
 
 logger = logging.getLogger(__name__)
 
@@ -174,7 +176,7 @@ def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -
         "cantilever", sheets=(Sheet(blank, soft, supports=(clamp,)),),
         dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=damping, director_damping=damping),
         duration=LONGEST_TIME / frequency, rest=Rest(SHORTEST_TIME / frequency, REST),
-        frame_count=parameters.frames, solver=parameters.solver(),
+        frame_count=parameters.frame_count, solver=parameters.solver(),
     )  # fmt: skip
 
 
@@ -185,9 +187,8 @@ def chord_angle(blank: Blank, position: np.ndarray) -> float:
     return math.atan2(-tip[2], tip[0])
 
 
-def record(simulation: Simulation) -> Curves:
+def record(blank: Blank) -> Curves:
     """How the tip comes to rest."""
-    blank = simulation.setup.sheet.blank
 
     def measure(state: Frame) -> dict[str, float]:
         tip = state.position[blank.node_position[:, 0] > blank.node_position[:, 0].max() - 1.0e-9].mean(axis=0)
@@ -235,12 +236,16 @@ def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simul
     }
 
 
-def run(parameters: CantileverParameters) -> dict[str, Any]:
-    """Run the test and leave its results in ``parameters.out``; returns the summary."""
-    fabric, simulation = chosen_fabric(parameters), Simulation(cantilever(parameters))
-    return run_into_folder(
-        lambda: simulation,
-        ResultFolder(parameters.out, curves=record(simulation), draw_in=False, writers=parameters.writers),
-        setup=parameters.model_dump(mode="json"),
-        measure=lambda simulation: findings(parameters, fabric, simulation),
-    )  # fmt: skip
+def wanted(parameters: CantileverParameters, setup: Setup) -> Wanted:
+    """Curves of the tip; the border says nothing."""
+    return Wanted(curves=record(setup.sheet.blank), draw_in=False)
+
+
+SCENE = Scene(
+    name="cantilever",
+    help="Let a strip of woven fabric hang over an edge.",
+    parameters=CantileverParameters,
+    make=cantilever,
+    wanted=wanted,
+    findings=lambda parameters, simulation, wanted: findings(parameters, chosen_fabric(parameters), simulation),
+)

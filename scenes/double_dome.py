@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field
 
 from weavesim.app.options import RunOptions
-from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
 from weavesim.errors import InputError
@@ -21,15 +20,20 @@ from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
 from weavesim.measures.angles import ten_points
 from weavesim.measures.border import taut_path_draw_in
-from weavesim.output import ResultFolder, load_measured_angles, load_measured_outline
+from weavesim.output import load_measured_angles, load_measured_outline
+from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import Fixed, ForceDriven, Motion, Stroke
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import DomeOpening, DomePunch, Shape, rotation_matrix
 from weavesim.tools.tool import Tool
+
+from .scene import Scene
+
+if TYPE_CHECKING:
+    from weavesim.run.simulation import Simulation
 
 # Full blank of the paper [m].
 BLANK_LENGTH = 0.470
@@ -79,10 +83,12 @@ class DoubleDomeParameters(RunOptions):
         description="way of the punch from first touch [m]: depth 60 mm below the die face, plus the thickness",
     )
     damping: NotNegative = Field(default=100.0, description="mass-proportional damping rate [1/s]")
-    frames: int = Field(default=80, ge=1, description="frames after the first")
+    frame_count: int = Field(default=80, ge=1, description="frames after the first")
     punch: Path | None = Field(default=None, description="triangle mesh of an own punch, its lowest point at z = 0")
     die: Path | None = Field(default=None, description="triangle mesh of an own die, its flange at z = 0")
-    binder: Path | None = Field(default=None, description="triangle mesh of an own blank holder, its flange at z = 0")
+    blank_holder: Path | None = Field(
+        default=None, description="triangle mesh of an own blank holder, its flange at z = 0"
+    )
     unit_scale: Positive = Field(default=1.0, description="metres per unit of the tool meshes: 0.001 for millimetres")
     tools_are_cut: bool = Field(default=False, description="the tool meshes end at the symmetry planes of the part")
     measured_angles: Path | None = Field(
@@ -119,7 +125,7 @@ def tool_shapes(parameters: DoubleDomeParameters, symmetry: tuple[str, ...]) -> 
     return (
         own(parameters.punch, -1.0) if parameters.punch else punch,
         own(parameters.die, 1.0) if parameters.die else die,
-        own(parameters.binder, -1.0) if parameters.binder else blank_holder,
+        own(parameters.blank_holder, -1.0) if parameters.blank_holder else blank_holder,
     )
 
 
@@ -188,24 +194,21 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             director_damping=DIRECTOR_DAMPING,
             contact_thickness=parameters.contact_thickness,
         ),
-        duration=tools[0].motion.duration + REST, frame_count=parameters.frames, solver=parameters.solver(),
+        duration=tools[0].motion.duration + REST, frame_count=parameters.frame_count, solver=parameters.solver(),
     )  # fmt: skip
 
 
-def run(parameters: DoubleDomeParameters) -> dict[str, Any]:
-    """Run the double dome and leave its results in ``parameters.out``; returns the summary."""
-    points = ten_points(0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH)
-    folder = ResultFolder(
-        parameters.out,
-        points=points,
+def wanted(parameters: DoubleDomeParameters, setup: Setup) -> Wanted:
+    """The ten points of the paper, and what was measured.
+
+    Raises:
+        InputError: a file that cannot be read.
+    """
+    return Wanted(
+        points=ten_points(0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH),
         measured_angles=load_measured_angles(parameters.measured_angles) if parameters.measured_angles else None,
         measured_outline=load_measured_outline(parameters.measured_outline) if parameters.measured_outline else None,
-        writers=parameters.writers,
     )
-    return run_into_folder(
-        lambda: Simulation(double_dome(parameters)), folder, setup=parameters.model_dump(mode="json"),
-        measure=lambda simulation: expected_draw_in(parameters, simulation),
-    )  # fmt: skip
 
 
 def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -> dict[str, Any]:
@@ -214,7 +217,7 @@ def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -
     There is none where the path is not defined: with own tools, with yarns across the symmetry lines, or deeper than
     the punch is round.
     """
-    own_tools = (parameters.punch, parameters.die, parameters.binder)
+    own_tools = (parameters.punch, parameters.die, parameters.blank_holder)
     if any(own_tools) or parameters.yarn_angle % 90.0 != 0.0:
         return {}
     thickness = simulation.setup.sheet.fabric.thickness
@@ -223,3 +226,13 @@ def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -
         return {}
     taut = taut_path_draw_in(PUNCH_RADIUS, DIE_ENTRY_RADIUS, depth, thickness, CLEARANCE)
     return {"taut_path_draw_in_mm": 1.0e3 * taut}
+
+
+SCENE = Scene(
+    name="double-dome",
+    help="Form a woven blank over a double dome.",
+    parameters=DoubleDomeParameters,
+    make=double_dome,
+    wanted=wanted,
+    findings=lambda parameters, simulation, wanted: expected_draw_in(parameters, simulation),
+)

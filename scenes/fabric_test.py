@@ -12,7 +12,6 @@ from weavesim.app.options import RunOptions
 from weavesim.checks import Positive
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
-from weavesim.fabric.response import respond
 
 # Nothing but the fabric damps a test. A yarn that rattles between slack and taut gains energy near the largest stable
 # step, because its stiffness jumps there; at this share of it the little damping that a test has is enough.
@@ -27,7 +26,7 @@ class FabricTestParameters(RunOptions):
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
     shear_modulus: Positive = Field(default=0.25e6, description="G_12 of the linear law [Pa]")
-    frames: int = Field(default=60, ge=1, description="frames after the first")
+    frame_count: int = Field(default=60, ge=1, description="frames after the first")
 
 
 def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
@@ -65,6 +64,8 @@ def moment_along(
     angle = np.asarray(angle, dtype=float)
     moment = np.asarray(fabric.shear.moment(angle, fabric.thickness))
     if fabric.unit_cell.law().depends_on_shear:
+        from weavesim.fabric.response import respond
+
         moment = moment + respond(fabric.unit_cell, np.full((len(angle), 2), stretch), angle).moment
     if fabric.shear_friction is not None:
         moment = moment + fabric.shear_friction.moment_along(angle, crossover_pressure)

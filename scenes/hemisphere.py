@@ -8,15 +8,13 @@ fabric and ball are this scene's own, and assumed.
 from __future__ import annotations
 
 import math
-from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import Field
 
 from weavesim.app.options import RunOptions
-from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
 from weavesim.fabric.bending import IsotropicBending
@@ -25,13 +23,16 @@ from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import MomentCurve
 from weavesim.measures.folds import rim_folds
 from weavesim.measures.proximity import close_pairs
-from weavesim.output import ResultFolder
 from weavesim.process.dynamics import Dynamics
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 from weavesim.tools.shapes import Sphere
 from weavesim.tools.tool import Tool
+
+from .scene import Scene
+
+if TYPE_CHECKING:
+    from weavesim.run.simulation import Simulation
 
 GRAVITY = 9.81
 CASES = ("low-bending", "high-bending")
@@ -60,7 +61,7 @@ class HemisphereParameters(RunOptions):
     damping: NotNegative = Field(default=15.0, description="mass-proportional damping rate, of the air [1/s]")
     duration: Positive = Field(default=2.0, description="time to fall and come to rest [s]")
     seed: int = Field(default=0, ge=0, description="of the unevenness that lets the cloth choose its folds")
-    frames: int = Field(default=60, ge=1, description="frames after the first")
+    frame_count: int = Field(default=60, ge=1, description="frames after the first")
 
 
 def cloth(case: str) -> Fabric:
@@ -120,7 +121,7 @@ def hemisphere(parameters: HemisphereParameters, case: str) -> Setup:
         tools=(Tool("hemisphere", Sphere(parameters.radius), friction=parameters.friction),),
         dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         duration=parameters.duration,
-        frame_count=parameters.frames,
+        frame_count=parameters.frame_count,
         solver=parameters.solver(),
     )
 
@@ -158,23 +159,11 @@ def wrinkles(parameters: HemisphereParameters, simulation: Simulation) -> dict[s
     }
 
 
-def _start(parameters: HemisphereParameters, case: str) -> Simulation:
-    return Simulation(hemisphere(parameters, case))
-
-
-def run(parameters: HemisphereParameters) -> dict[str, Any]:
-    """Run one case or both; each leaves its results in a folder of its own. Returns the summaries by case."""
-    cases = CASES if parameters.case == "both" else (parameters.case,)
-    folders = {case: ResultFolder(parameters.out / case, writers=parameters.writers) for case in cases}
-    summaries: dict[str, Any] = {}
-    for case, folder in folders.items():
-        summaries[case] = run_into_folder(
-            partial(_start, parameters, case),
-            folder,
-            setup={**parameters.model_dump(mode="json"), "case": case},
-            measure=lambda simulation: wrinkles(parameters, simulation),
-        )
-        summaries["outcome"] = summaries[case]["outcome"]
-        if summaries["outcome"] != "finished":
-            break
-    return summaries
+SCENE = Scene(
+    name="hemisphere",
+    help="Let a square cloth fall on a hemisphere.",
+    parameters=HemisphereParameters,
+    make=hemisphere,
+    cases=lambda parameters: CASES if parameters.case == "both" else (parameters.case,),
+    findings=lambda parameters, simulation, wanted: wrinkles(parameters, simulation),
+)

@@ -13,19 +13,16 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from weavesim.app.run_into_folder import run_into_folder
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
 from weavesim.errors import InputError
 from weavesim.fabric.fabric import Fabric
-from weavesim.fabric.response import respond
-from weavesim.output import ResultFolder
 from weavesim.output.curves import Chart, Curves
+from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.frame import Frame
-from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
@@ -37,6 +34,7 @@ from .fabric_test import (
     trellis_angle,
     trellis_angle_rate,
 )
+from .scene import Scene
 
 # Time to reach the yarn tension, and of each start and stop of the crosshead, as a share of its stroke's time.
 TENSION_TIME = 10.0e-3
@@ -121,6 +119,8 @@ def tension_stretch(fabric: Fabric, tension: float) -> float:
     """
     if tension == 0.0:
         return 1.0
+    from weavesim.fabric.response import respond
+
     low, high = 1.0, LARGEST_TENSION_STRETCH
 
     def force(stretch: float) -> float:
@@ -163,7 +163,7 @@ def picture_frame(parameters: PictureFrameParameters, fabric: Fabric | None = No
     return Setup(
         "picture_frame", sheets=(Sheet(blank, fabric, supports=(frame.support(blank, clamped),)),),
         dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
-        duration=frame.shear.duration, frame_count=parameters.frames,
+        duration=frame.shear.duration, frame_count=parameters.frame_count,
         solver=parameters.solver(step_safety=STEP_SAFETY),
     )  # fmt: skip
 
@@ -246,11 +246,16 @@ def findings(curves: Curves) -> dict[str, Any]:
     }
 
 
-def run(parameters: PictureFrameParameters) -> dict[str, Any]:
-    """Run the test and leave its results in ``parameters.out``; returns the summary."""
-    curves = record(parameters, chosen_fabric(parameters))
-    return run_into_folder(
-        lambda: Simulation(picture_frame(parameters)),
-        ResultFolder(parameters.out, curves=curves, draw_in=False, writers=parameters.writers),
-        setup=parameters.model_dump(mode="json"), measure=lambda simulation: findings(curves),
-    )  # fmt: skip
+def wanted(parameters: PictureFrameParameters, setup: Setup) -> Wanted:
+    """Curves of angle and force; the border moves with the frame."""
+    return Wanted(curves=record(parameters, setup.sheet.fabric), draw_in=False)
+
+
+SCENE = Scene(
+    name="picture-frame",
+    help="Shear a woven fabric in a picture frame.",
+    parameters=PictureFrameParameters,
+    make=picture_frame,
+    wanted=wanted,
+    findings=lambda parameters, simulation, wanted: findings(wanted.curves) if wanted.curves else {},
+)

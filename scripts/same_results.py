@@ -93,7 +93,7 @@ CASES = {
 
 # Other spellings of an option of the cases, in versions before or after this one: the first that a version knows is
 # taken. {"--binder": ("--binder", "--holder")}
-SPELLINGS: dict[str, tuple[str, ...]] = {}
+SPELLINGS: dict[str, tuple[str, ...]] = {"--binder": ("--blank-holder", "--binder")}
 # Names of entries that were changed on purpose, old to new.
 RENAMED: dict[str, str] = {}
 

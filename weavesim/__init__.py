@@ -16,13 +16,14 @@ if (_checkout / "pyproject.toml").is_file():
     __path__.append(str(_checkout))
 
 if TYPE_CHECKING:
-    from .checks import json_schema  # noqa: F401
+    from .checks import NotNegative, Positive, json_schema  # noqa: F401
     from .device import Precision  # noqa: F401
     from .engine.setup import Rest, Setup, Solver, World  # noqa: F401
     from .errors import InputError, RunError  # noqa: F401
     from .fabric.fabric import Fabric  # noqa: F401
     from .fabric.file import load_fabric  # noqa: F401
     from .fabric.presets import assumed_fabric, glass_polypropylene  # noqa: F401
+    from .fabric.response import respond  # noqa: F401
     from .process.dynamics import Dynamics  # noqa: F401
     from .process.loads import NodalLoads  # noqa: F401
     from .process.strokes import Fixed, ForceDriven, SmoothStroke, Stroke  # noqa: F401
@@ -49,13 +50,14 @@ if TYPE_CHECKING:
 
 # Where the public names are; the imports above say the same to type checkers.
 _names_in = {
-    "checks": ("json_schema",),
+    "checks": ("NotNegative", "Positive", "json_schema"),
     "device": ("Precision",),
     "engine.setup": ("Rest", "Setup", "Solver", "World"),
     "errors": ("InputError", "RunError"),
     "fabric.fabric": ("Fabric",),
     "fabric.file": ("load_fabric",),
     "fabric.presets": ("assumed_fabric", "glass_polypropylene"),
+    "fabric.response": ("respond",),
     "process.dynamics": ("Dynamics",),
     "process.loads": ("NodalLoads",),
     "process.strokes": ("Fixed", "ForceDriven", "SmoothStroke", "Stroke"),

@@ -157,11 +157,15 @@ class Parameters(_Model):
             InputError: text that is not JSON, or values that are not allowed; the message says where.
         """
         try:
-            return cls.model_validate(json.loads(text))
-        except ValidationError as error:
-            raise InputError(f"{cls.__name__}: {_problems(error)}") from None
+            content = json.loads(text)
         except ValueError as error:
             raise InputError(f"{cls.__name__}: no JSON ({error})") from None
+        try:
+            return cls.model_validate(content)
+        except ValidationError as error:
+            # values within values say themselves whose they are, and so may this one
+            problems, prefix = _problems(error), f"{cls.__name__}: "
+            raise InputError(prefix + problems.removeprefix(prefix)) from None
 
     @cached_property
     def content_hash(self) -> str:

@@ -1,4 +1,4 @@
-"""The contract of a unit cell, and how any energy becomes one (docs/theory.md, section 2).
+"""How any energy becomes a unit cell (docs/theory.md, section 2).
 
 A cell answers the strains of an element, warp stretch - 1, weft stretch - 1 and shear angle, with what follows from its
 energy psi per reference area: n_1 = dpsi/dlambda_1, n_2 = dpsi/dlambda_2, m = dpsi/dgamma. What else it needs are
@@ -14,10 +14,15 @@ from functools import cache
 from typing import Any
 
 import warp as wp
+from warp import float64 as real
 
 from .law import CellLaw
+from .newton import CellEnergy, condensed_tangent_function, emitted_late, equilibrium_function
 
-MAXIMUM_ITERATIONS = 40
+# A change of an unknown in one time step beyond this may be a snap.
+SNAP_CHANGE = wp.constant(real(0.05))
+# Tangents are also taken in tension: with slack yarns stretched by this much.
+PULL = wp.constant(real(1.0e-3))
 
 
 @cache
@@ -30,25 +35,6 @@ def parameter_struct(name: str, fields: tuple[tuple[str, int], ...]):
     members = {field: kind(length) for field, length in fields}
     members |= {"tolerance": wp.float64, "force_floor": wp.float64, "resolution": wp.float64}
     return wp.struct(type(name, (), {"__annotations__": members, "__module__": __name__}))
-
-
-# A step of differences: unknowns, stretches and angles are all of order one.
-LARGEST_FORWARD_STEP = wp.constant(wp.float64(1.0e-7))
-SMALLEST_FORWARD_STEP = wp.constant(wp.float64(1.0e-10))
-CENTRAL_STEP = wp.constant(wp.float64(1.0e-8))
-# Largest change of an unknown in one Newton step, and what is small enough to be taken unseen.
-STEP_LIMIT = wp.constant(wp.float64(0.25))
-SMALL_STEP = wp.constant(wp.float64(1.0e-3))
-# A change of an unknown in one time step beyond this may be a snap.
-SNAP_CHANGE = wp.constant(wp.float64(0.05))
-# Yarns are looked at in tension: stretched by this much, whatever they are now.
-PULL = wp.constant(wp.float64(1.0e-3))
-
-
-@wp.func
-def emitted_late(x: wp.float64):
-    """Differentiated, without a use, wherever a gradient is used: see there."""
-    return x
 
 
 @cache
@@ -81,18 +67,51 @@ def energy_cell(
         crossover_pressure: of the same arguments: force between warp and weft per reference area [N/m^2].
         depends_on_shear: False if the shear angle is not used.
     """
-    n, part_count, rows = unknown_count, len(part_names), max(unknown_count, 1)
-    real = wp.float64
-    size = 3 + n
     Parameters = parameter_struct(name, fields)
-    vector = wp.types.vector(size, real)
-    unknowns = wp.types.vector(rows, real)
-    part_vector = wp.types.vector(part_count, real)
-    square = wp.types.matrix((rows, rows), real)
-    stiffness = wp.types.vector(6, real)
-    by_hand, has_parts, has_crossover = gradient is not None, parts is not None, crossover_pressure is not None
+    if energy is None:
+        energy = sum_function(Parameters, unknown_count, parts, len(part_names))
+    cell = cell_energy(Parameters, unknown_count, energy, gradient)
+    lane_state, condensed = lane_state_function(cell), condensed_tangent_function(cell)
+    crossover_of = crossover_function(cell, crossover_pressure)
+    solve, stable_tangent = solution_functions(cell, crossover_of, condensed, lane_state)
+    energies = energies_function(cell, parts_function(cell, parts, len(part_names)), len(part_names), lane_state)
+    return CellLaw(
+        name=name,
+        parameters=lambda precision: Parameters,
+        unknown_count=unknown_count,
+        energy_names=part_names,
+        depends_on_shear=depends_on_shear,
+        lane_by_lane=True,
+        stable_state_count=2,
+        solve=solve,
+        energies=energies,
+        tangent=tangent_function(condensed, lane_state),
+        stable_tangent=stable_tangent,
+        snap_loss=snap_loss_function(cell, lane_state),
+    )
 
-    # --- the energy as a function of one vector, and its derivatives --------------------------------------------------
+
+# --- the energy as a function of one vector, and its derivatives ------------------------------------------------------
+
+
+def sum_function(Parameters: Any, unknown_count: int, parts: wp.Function, part_count: int) -> wp.Function:
+    """The energy as the sum of its parts, with their arguments."""
+    unknowns = wp.types.vector(max(unknown_count, 1), real)
+
+    @wp.func
+    def total_energy(p: Parameters, warp_stretch: real, weft_stretch: real, shear_angle: real, q: unknowns):
+        values = parts(p, warp_stretch, weft_stretch, shear_angle, q)
+        total = real(0.0)
+        for k in range(part_count):
+            total = total + values[k]
+        return total
+
+    return total_energy
+
+
+def unknowns_function(n: int) -> wp.Function:
+    """Warp function x -> q."""
+    vector, unknowns = wp.types.vector(3 + n, real), wp.types.vector(max(n, 1), real)
 
     @wp.func
     def unknowns_of(x: vector):
@@ -101,23 +120,18 @@ def energy_cell(
             q[k] = x[3 + k]
         return q
 
-    if energy is not None:
+    return unknowns_of
 
-        @wp.func
-        def energy_of(p: Parameters, x: vector):
-            return energy(p, real(1.0) + x[0], real(1.0) + x[1], x[2], unknowns_of(x))
 
-    else:
+def cell_energy(Parameters: Any, n: int, energy: wp.Function, gradient: wp.Function | None) -> CellEnergy:
+    """The energy as a function of one vector; its gradient by hand, or by ``wp.grad``."""
+    vector, unknowns_of = wp.types.vector(3 + n, real), unknowns_function(n)
 
-        @wp.func
-        def energy_of(p: Parameters, x: vector):
-            values = parts(p, real(1.0) + x[0], real(1.0) + x[1], x[2], unknowns_of(x))
-            total = real(0.0)
-            for k in range(part_count):
-                total = total + values[k]
-            return total
+    @wp.func
+    def energy_of(p: Parameters, x: vector):
+        return energy(p, real(1.0) + x[0], real(1.0) + x[1], x[2], unknowns_of(x))
 
-    if by_hand:
+    if gradient is not None:
 
         @wp.func
         def gradient_of(p: Parameters, x: vector):
@@ -130,6 +144,15 @@ def energy_cell(
             by_parameters, by_x = wp.grad(energy_of)(p, x)
             return by_x
 
+    return CellEnergy(n, Parameters, vector, energy_of, gradient_of)
+
+
+def parts_function(cell: CellEnergy, parts: wp.Function | None, part_count: int) -> wp.Function:
+    """Warp function (p, x) -> vector of the energy's parts; without any, the energy is the only one."""
+    Parameters, vector, energy_of = cell.parameters, cell.vector, cell.energy
+    unknowns_of = unknowns_function(cell.unknown_count)
+    part_vector, has_parts = wp.types.vector(part_count, real), parts is not None
+
     @wp.func
     def parts_of(p: Parameters, x: vector):
         values = part_vector()
@@ -139,193 +162,31 @@ def energy_cell(
             values[0] = energy_of(p, x)
         return values
 
+    return parts_of
+
+
+def crossover_function(cell: CellEnergy, pressure_of: wp.Function | None) -> wp.Function:
+    """Warp function (p, x) -> force between warp and weft per reference area; zero if the cell knows none."""
+    Parameters, vector, unknowns_of = cell.parameters, cell.vector, unknowns_function(cell.unknown_count)
+    has_crossover = pressure_of is not None
+
     @wp.func
     def crossover_of(p: Parameters, x: vector):
         pressure = real(0.0)
         if wp.static(has_crossover):
-            pressure = crossover_pressure(p, real(1.0) + x[0], real(1.0) + x[1], x[2], unknowns_of(x))
+            pressure = pressure_of(p, real(1.0) + x[0], real(1.0) + x[1], x[2], unknowns_of(x))
         return pressure
 
-    # Warp 1.19 writes functions that call wp.grad after all others, whose callers it does not move along: so every
-    # function below that needs a gradient, also through another one, calls wp.grad itself, for nothing.
+    return crossover_of
 
-    # --- Newton's method ----------------------------------------------------------------------------------------------
 
-    @wp.func
-    def cholesky(h: square, least: real):
-        """Lower triangle of H + tau diag |H|, tau the first of 0, 1e-3, 2e-3, ... that makes it positive definite.
+# --- the contract of kernels/cell/law.py, lane by lane ----------------------------------------------------------------
+# Loops over lanes run at run time: unrolled, sixteen lanes of Newton's method would be sixteen copies of it.
 
-        An unknown that nothing holds, such as the stretch of a float of no length, gets a stiffness of its own.
-        """
-        largest = least
-        for k in range(n):
-            largest = wp.max(largest, wp.abs(h[k, k]))
-        factor = square()
-        shift = real(0.0)
-        for _attempt in range(60):
-            definite = real(1.0)
-            for i in range(n):
-                own = wp.abs(h[i, i])
-                idle = own < real(1.0e-12) * largest
-                own = wp.where(idle, largest, own)
-                for j in range(i + 1):
-                    s = h[i, j]
-                    for k in range(j):
-                        s = s - factor[i, k] * factor[j, k]
-                    if i == j:
-                        s = wp.where(idle, own, s + shift * own)
-                        # written so that a NaN is not definite
-                        if not s > real(1.0e-9) * own:
-                            definite = real(0.0)
-                            s = own
-                        factor[i, i] = wp.sqrt(s)
-                    else:
-                        factor[i, j] = s / factor[j, j]
-            if definite > real(0.0):
-                break
-            shift = wp.max(real(2.0) * shift, real(1.0e-3))
-        return factor
 
-    @wp.func
-    def solved(factor: square, b: unknowns):
-        """(L L^T)^-1 b."""
-        y = unknowns()
-        for i in range(n):
-            s = b[i]
-            for k in range(i):
-                s = s - factor[i, k] * y[k]
-            y[i] = s / factor[i, i]
-        z = unknowns()
-        for r in range(n):
-            i = n - 1 - r
-            s = y[i]
-            for k in range(r):
-                s = s - factor[n - 1 - k, i] * z[n - 1 - k]
-            z[i] = s / factor[i, i]
-        return z
-
-    @wp.func
-    def relative_residual(p: Parameters, g: vector, stiffest: real):
-        """Largest |dpsi/dq| over the forces, a floor, and what rounding leaves of the stiffest unknown's."""
-        worst = real(0.0)
-        for k in range(n):
-            worst = wp.max(worst, wp.abs(g[3 + k]))
-            # wp.max drops a NaN
-            worst = wp.where(g[3 + k] == g[3 + k], worst, g[3 + k])
-        return worst / (wp.abs(g[0]) + wp.abs(g[1]) + wp.abs(g[2]) + p.force_floor + p.resolution * stiffest)
-
-    @wp.func
-    def equilibrium(p: Parameters, start: vector):
-        """(x, gradient, residual, iterations) where dpsi/dq = 0, by a safeguarded Newton method.
-
-        A Hessian that is not positive definite is shifted; a step is limited, and taken back in part while it
-        overshoots (the slope along it has changed sign and keeps more than half its size) or, unless it is small, the
-        energy grows; then until the slope has lost half its size.
-        """
-        _late = wp.grad(emitted_late)(real(0.0))
-        x = start
-        g = gradient_of(p, x)
-        stiffest = real(0.0)
-        reach = LARGEST_FORWARD_STEP
-        iterations = real(0.0)
-        residual = relative_residual(p, g, stiffest)
-        for _iteration in range(MAXIMUM_ITERATIONS):
-            # a NaN ends it too
-            if not residual > p.tolerance:
-                break
-            h = square()
-            for k in range(n):
-                # towards the minimum: a member that becomes taut on the way is then met with its stiffness
-                change = wp.where(g[3 + k] > real(0.0), -reach, reach)
-                y = x
-                y[3 + k] = y[3 + k] + change
-                ahead = gradient_of(p, y)
-                for j in range(n):
-                    h[j, k] = (ahead[3 + j] - g[3 + j]) / change
-                stiffest = wp.max(stiffest, wp.abs(h[k, k]) * (real(1.0) + wp.abs(x[3 + k])))
-            by_q = unknowns()
-            for k in range(n):
-                by_q[k] = g[3 + k]
-            step = solved(cholesky(h, real(1.0e-12) * p.force_floor), by_q)
-            longest = real(0.0)
-            for k in range(n):
-                longest = wp.max(longest, wp.abs(step[k]))
-            if longest > STEP_LIMIT:
-                step = (STEP_LIMIT / longest) * step
-                longest = STEP_LIMIT
-            slope = wp.dot(by_q, step)
-            before = real(0.0)
-            if longest > SMALL_STEP:
-                before = energy_of(p, x)
-            y = x
-            share = real(1.0)
-            low = real(0.0)
-            high = real(0.0)
-            fall = slope
-            for trial in range(30):
-                for k in range(n):
-                    y[3 + k] = x[3 + k] - share * step[k]
-                g = gradient_of(p, y)
-                # directional derivative here: positive beyond the minimum along the step
-                rise = real(0.0)
-                for k in range(n):
-                    rise = rise - g[3 + k] * step[k]
-                grown = real(0.0)
-                if share * longest > SMALL_STEP:
-                    grown = energy_of(p, y) - before - real(1.0e-15) * (wp.abs(before) + p.force_floor)
-                # between two known points by turns of the secant and the middle: at a kink the secant alone creeps
-                part = real(0.5)
-                if rise > real(0.5) * slope or grown > real(0.0):
-                    high = share
-                    if trial % 2 == 0 and rise > real(0.0):
-                        part = wp.clamp(fall / (fall + rise), real(0.1), real(0.9))
-                elif high > real(0.0) and rise < real(-0.5) * slope:
-                    low = share
-                    fall = -rise
-                else:
-                    break
-                share = low + part * (high - low)
-            x = y
-            # near a kink that is closer than the reach of the differences they would mix both sides
-            reach = wp.clamp(real(0.01) * share * longest, SMALLEST_FORWARD_STEP, LARGEST_FORWARD_STEP)
-            residual = relative_residual(p, g, stiffest)
-            iterations = iterations + real(1.0)
-        return x, g, residual, iterations
-
-    @wp.func
-    def condensed(p: Parameters, x: vector):
-        """C11, C12, C22, C13, C23, C33: psi_ss - psi_sq psi_qq^-1 psi_qs, by central differences of the gradient."""
-        _late = wp.grad(emitted_late)(real(0.0))
-        h = wp.matrix(shape=(size, size), dtype=real)
-        for k in range(size):
-            low = x
-            high = x
-            low[k] = low[k] - CENTRAL_STEP
-            high[k] = high[k] + CENTRAL_STEP
-            change = (gradient_of(p, high) - gradient_of(p, low)) / (real(2.0) * CENTRAL_STEP)
-            for j in range(size):
-                h[j, k] = change[j]
-        inner = square()
-        for j in range(n):
-            for k in range(n):
-                inner[j, k] = h[3 + j, 3 + k]
-        factor = cholesky(inner, real(1.0e-12) * p.force_floor)
-        c = wp.matrix(shape=(3, 3), dtype=real)
-        for k in range(3):
-            column = unknowns()
-            for j in range(n):
-                column[j] = h[3 + j, k]
-            z = solved(factor, column)
-            for i in range(3):
-                s = h[i, k]
-                for j in range(n):
-                    s = s - h[i, 3 + j] * z[j]
-                c[i, k] = s
-        half = real(0.5)
-        c = half * (c + wp.transpose(c))
-        return stiffness(c[0, 0], c[0, 1], c[1, 1], c[0, 2], c[1, 2], c[2, 2])
-
-    # --- functions of lanes -------------------------------------------------------------------------------------------
+def lane_state_function(cell: CellEnergy) -> wp.Function:
+    """Warp function (strains, q, lane) -> x."""
+    n, vector = cell.unknown_count, cell.vector
 
     @wp.func
     def lane_state(strain1: Any, strain2: Any, angle: Any, q: Any, i: int):
@@ -337,6 +198,15 @@ def energy_cell(
             x[3 + k] = real(q[k, i])
         return x
 
+    return lane_state
+
+
+def solution_functions(
+    cell: CellEnergy, crossover_of: wp.Function, condensed: wp.Function, lane_state: wp.Function
+) -> tuple[wp.Function, wp.Function]:
+    """``solve`` and ``stable_tangent``."""
+    n, equilibrium = cell.unknown_count, equilibrium_function(cell)
+
     @wp.func
     def solve(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any):
         _late = wp.grad(emitted_late)(real(0.0))
@@ -347,7 +217,6 @@ def energy_cell(
         pressure = type(strain1)()
         residual = type(strain1)()
         iterations = type(strain1)()
-        # a loop at run time: unrolled, sixteen lanes of Newton's method would be sixteen copies of it
         i = wp.int32(0)
         while i < len(strain1):
             x, g, worst, count = equilibrium(p, lane_state(strain1, strain2, angle, start, i))
@@ -361,30 +230,6 @@ def energy_cell(
             iterations[i] = strain1.dtype(count)
             i = i + 1
         return q, force1, force2, moment, pressure, residual, iterations
-
-    @wp.func
-    def energies(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: Any):
-        values = parts_of(p, lane_state(strain1, strain2, angle, q, 0))
-        result = wp.matrix(shape=(part_count, 1), dtype=area.dtype)
-        for k in range(part_count):
-            result[k, 0] = area[0] * area.dtype(values[k])
-        return result
-
-    @wp.func
-    def six_lanes(like: Any, c: stiffness):
-        return (
-            type(like)(like.dtype(c[0])),
-            type(like)(like.dtype(c[1])),
-            type(like)(like.dtype(c[2])),
-            type(like)(like.dtype(c[3])),
-            type(like)(like.dtype(c[4])),
-            type(like)(like.dtype(c[5])),
-        )
-
-    @wp.func
-    def tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any):
-        _late = wp.grad(emitted_late)(real(0.0))
-        return six_lanes(strain1, condensed(p, lane_state(strain1, strain2, angle, q, 0)))
 
     @wp.func
     def stable_tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int):
@@ -421,6 +266,46 @@ def energy_cell(
             i = i + 1
         return c11, c12, c22, c13, c23, c33, force1, force2, moment, pressure
 
+    return solve, stable_tangent
+
+
+def energies_function(cell: CellEnergy, parts_of: wp.Function, part_count: int, lane_state: wp.Function) -> wp.Function:
+    @wp.func
+    def energies(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: Any):
+        values = parts_of(p, lane_state(strain1, strain2, angle, q, 0))
+        result = wp.matrix(shape=(part_count, 1), dtype=area.dtype)
+        for k in range(part_count):
+            result[k, 0] = area[0] * area.dtype(values[k])
+        return result
+
+    return energies
+
+
+def tangent_function(condensed: wp.Function, lane_state: wp.Function) -> wp.Function:
+    stiffness = wp.types.vector(6, real)
+
+    @wp.func
+    def six_lanes(like: Any, c: stiffness):
+        return (
+            type(like)(like.dtype(c[0])),
+            type(like)(like.dtype(c[1])),
+            type(like)(like.dtype(c[2])),
+            type(like)(like.dtype(c[3])),
+            type(like)(like.dtype(c[4])),
+            type(like)(like.dtype(c[5])),
+        )
+
+    @wp.func
+    def tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any):
+        _late = wp.grad(emitted_late)(real(0.0))
+        return six_lanes(strain1, condensed(p, lane_state(strain1, strain2, angle, q, 0)))
+
+    return tangent
+
+
+def snap_loss_function(cell: CellEnergy, lane_state: wp.Function) -> wp.Function:
+    n, energy_of, gradient_of = cell.unknown_count, cell.energy, cell.gradient
+
     @wp.func
     def snap_loss(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: Any):
         _late = wp.grad(emitted_late)(real(0.0))
@@ -445,17 +330,4 @@ def energy_cell(
             i = i + 1
         return loss
 
-    return CellLaw(
-        name=name,
-        parameters=lambda precision: Parameters,
-        unknown_count=n,
-        energy_names=part_names,
-        depends_on_shear=depends_on_shear,
-        lane_by_lane=True,
-        stable_state_count=2,
-        solve=solve,
-        energies=energies,
-        tangent=tangent,
-        stable_tangent=stable_tangent,
-        snap_loss=snap_loss,
-    )
+    return snap_loss

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 LARGEST_UNKNOWN_COUNT = 4
+# Newton iterations of a cell in one step; what is left after them is reported as its residual.
+MAXIMUM_ITERATIONS = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +29,7 @@ class CellLaw:
         energies: (..., q, area) -> one row per part [J]; like ``tangent`` for kernels of one lane.
         tangent: (..., q) -> derivatives of (n_1, n_2, m) at equilibrium: C11, C12, C22, C13, C23, C33 [N/m].
         stable_tangent: (..., q, state) -> the same six, n_1, n_2, m and the pressure, with the yarns in tension: what
-            becomes of the cell as soon as it is pulled. Where one state does not tell, several are looked at.
+            becomes of the cell as soon as it is pulled. Where one state is not enough, there are several.
         snap_loss: (..., start q, q) -> energy that a jump to another equilibrium freed [J/m^2], 0 where none happened.
     """
 

@@ -14,11 +14,11 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import angle_of, fill, inverses, lane_maximum, larger, magnitude, smaller, square_root, where_positive
+from ..lanes import fill, inverses, lane_maximum, larger, magnitude, smaller, where_positive
 from ..operators import div, mul  # noqa: F401
-from .law import CellLaw
+from .law import MAXIMUM_ITERATIONS, CellLaw
+from .yarn import yarn_axial_stiffness, yarn_expansion, yarn_forces, yarn_hessian, yarn_remainder, yarn_strain
 
-MAXIMUM_ITERATIONS = 40
 # A height change in one step beyond this share of the crimp heights is a snap: the energy that it frees is booked.
 SNAP_SHARE = wp.constant(0.05)
 ENERGY_NAMES = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")
@@ -47,109 +47,6 @@ def unit_cell_struct(real: type):
 
 
 @wp.func
-def yarn_strain(cell: Any, k: int, u: Any, w: Any):
-    """Elongation l - l0 and rotation phi of yarn k's chord, the chord (X, H, 1/l), and the size of what cancels.
-
-    Both are written so that nothing cancels: l - l0 = (l^2 - l0^2)/(l + l0), and sin(phi) l l0 = L w - h u.
-    """
-    half_spacing = cell.half_spacing[k]
-    crimp_height = cell.crimp_height[k]
-    chord_length = cell.chord_length[k]
-    x = fill(u, half_spacing) + u
-    h = fill(u, crimp_height) + w
-    length = square_root(x * x + h * h)
-    along = u * (u.dtype(2.0) * fill(u, half_spacing) + u)
-    across = w * (u.dtype(2.0) * fill(u, crimp_height) + w)
-    inverse_length, inverse_sum = inverses(length, length + fill(u, chord_length))
-    elongation = (along + across) * inverse_sum
-    parts = (magnitude(along) + magnitude(across)) * inverse_sum
-    rotation = angle_of(half_spacing * w - crimp_height * u, half_spacing * x + crimp_height * h, chord_length * length)
-    return elongation, rotation, x, h, inverse_length, parts
-
-
-@wp.func
-def yarn_axial_stiffness(cell: Any, k: int, elongation: Any):
-    return where_positive(
-        elongation, fill(elongation, cell.tensile_stiffness[k]), fill(elongation, cell.compressive_stiffness[k])
-    )
-
-
-@wp.func
-def yarn_forces(cell: Any, k: int, u: Any, w: Any):
-    """Forces of yarn k alone, and what its higher derivatives are made of.
-
-    Returns dPi/du, dPi/dw, d2Pi/dw2, its positive part, the size of the terms of dPi/dw; elongation, axial stiffness,
-    moment, cosine and sine of the chord, 1/l.
-    """
-    elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
-    stiffness = yarn_axial_stiffness(cell, k, elongation)
-    axial = stiffness * elongation
-    moment = cell.rotation_stiffness[k] * rotation
-    cosine = x * inverse_length
-    sine = h * inverse_length
-    shear = moment * inverse_length
-    by_u = axial * cosine - shear * sine
-    by_w = axial * sine + shear * cosine
-    # d2Pi/dw2: elastic part K_E, geometric part K_G
-    turning = cosine * inverse_length
-    elastic = stiffness * sine * sine + cell.rotation_stiffness[k] * turning * turning
-    geometric = (axial * cosine - u.dtype(2.0) * shear * sine) * turning
-    # what the residual is compared with: the terms themselves, and what rounding leaves of the elongation
-    size = magnitude(axial * sine) + magnitude(shear * cosine) + cell.resolution * stiffness * parts * magnitude(sine)
-    return by_u, by_w, elastic + geometric, elastic, size, elongation, stiffness, moment, cosine, sine, inverse_length
-
-
-@wp.func
-def yarn_expansion(
-    cell: Any, k: int, elongation: Any, stiffness: Any, moment: Any, cosine: Any, sine: Any, inverse_length: Any
-):
-    """Further derivatives of yarn k's energy, from what ``yarn_forces`` tells: uw, uww, www."""
-    one = fill(moment, 1.0)
-    two = moment.dtype(2.0)
-    four = moment.dtype(4.0)
-    bending = cell.rotation_stiffness[k] * inverse_length * inverse_length
-    shear = moment * inverse_length * inverse_length
-    along = stiffness - stiffness * elongation * inverse_length - two * bending
-    c2 = cosine * cosine
-    s2 = sine * sine
-    turning = cosine * inverse_length
-    twice_shear = two * shear * inverse_length
-    uw = cosine * sine * (along + bending) - shear * (c2 - s2)
-    uww = turning * (c2 - two * s2) * along + twice_shear * sine * (four * c2 - one)
-    www = moment.dtype(3.0) * turning * cosine * sine * along + twice_shear * cosine * (four * s2 - one)
-    return uw, uww, www
-
-
-@wp.func
-def yarn_remainder(
-    cell: Any,
-    k: int,
-    elongation: Any,
-    stiffness: Any,
-    moment: Any,
-    cosine: Any,
-    sine: Any,
-    inverse_length: Any,
-    step: Any,
-):
-    """What a step in w adds to dPi/dw of yarn k beyond the third derivative, and how the size of its terms changes.
-
-    Beyond it are d4Pi/dw4, and another stiffness where the yarn goes from tension to compression or back.
-    """
-    bend = cosine * step * inverse_length
-    stretched = elongation + sine * step + step.dtype(0.5) * cosine * bend * step
-    passed = larger(where_positive(elongation, -stretched, stretched), fill(step, 0.0))
-    jump = wp.abs(cell.tensile_stiffness[k] - cell.compressive_stiffness[k])
-    fourth = step.dtype(2.0) * (stiffness + cell.rotation_stiffness[k] * inverse_length * inverse_length)
-    beyond = fourth * bend * bend * magnitude(step) + jump * passed * magnitude(sine)
-    axial = stiffness * sine
-    turning = inverse_length * cosine
-    before = magnitude(axial * elongation) + magnitude(turning * moment)
-    after = magnitude(axial * stretched) + magnitude(turning * (moment + cell.rotation_stiffness[k] * bend))
-    return beyond, after - before
-
-
-@wp.func
 def contact_active(cell: Any, closing: Any):
     """1 where the contact element carries force: everywhere if bilateral, where yarns are pressed if unilateral."""
     active = fill(closing, 1.0)
@@ -158,9 +55,110 @@ def contact_active(cell: Any, closing: Any):
     return active
 
 
+# --- equilibrium of the heights; pairs of values are the rows (warp, weft) of a matrix --------------------------------
+
+
 @wp.func
-def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
-    """Height changes (w1, w2) that make Pi stationary, by Newton's method from (start1, start2).
+def yarn_pair(cell: Any, u1: Any, u2: Any, w: Any):
+    """``yarn_forces`` of both: dPi/du, dPi/dw, d2Pi/dw2, its positive part, sizes; state of warp, state of weft."""
+    by_u1, by_w1, hessian1, elastic1, size1, state1 = yarn_forces(cell, 0, u1, w[0])
+    by_u2, by_w2, hessian2, elastic2, size2, state2 = yarn_forces(cell, 1, u2, w[1])
+    return (
+        wp.matrix_from_rows(by_u1, by_u2),
+        wp.matrix_from_rows(by_w1, by_w2),
+        wp.matrix_from_rows(hessian1, hessian2),
+        wp.matrix_from_rows(elastic1, elastic2),
+        wp.matrix_from_rows(size1, size2),
+        state1,
+        state2,
+    )
+
+
+@wp.func
+def residual_size(sizes: Any, crossover: Any, least: Any):
+    """What the residual is compared with [N]."""
+    return larger(sizes[0], sizes[1]) + magnitude(crossover) + least
+
+
+@wp.func
+def regular_parts(cell: Any, hessian: Any, elastic: Any, stiffness: Any):
+    """Parts of the yarns in a positive definite matrix; positive where nothing had to be left out for that."""
+    # (h1 + k)(h2 + k) - k^2, written so that a stiff contact does not cancel it
+    determinant = hessian[0] * hessian[1] + stiffness * (hessian[0] + hessian[1])
+    definite = smaller(determinant, hessian[0] + stiffness)
+    # a slack yarn without bending stiffness has none: the least that keeps the matrix regular
+    floor = fill(stiffness, cell.stiffness_floor)
+    own1 = where_positive(definite, hessian[0], elastic[0] + floor)
+    own2 = where_positive(definite, hessian[1], elastic[1] + floor)
+    return wp.matrix_from_rows(own1, own2), definite
+
+
+@wp.func
+def against(diagonal: Any, stiffness: Any, inverse: Any, force: Any):
+    """-H^-1 force, for H with this diagonal, ``stiffness`` beside it, and 1/det H = ``inverse``."""
+    return wp.matrix_from_rows(
+        (stiffness * force[1] - diagonal[1] * force[0]) * inverse,
+        (stiffness * force[0] - diagonal[0] * force[1]) * inverse,
+    )
+
+
+@wp.func
+def pair_expansion(cell: Any, state1: Any, state2: Any):
+    """``yarn_expansion`` of both: uw, uww, www."""
+    uw1, uww1, www1 = yarn_expansion(cell, 0, state1)
+    uw2, uww2, www2 = yarn_expansion(cell, 1, state2)
+    return wp.matrix_from_rows(uw1, uw2), wp.matrix_from_rows(uww1, uww2), wp.matrix_from_rows(www1, www2)
+
+
+@wp.func
+def pair_remainder(cell: Any, state1: Any, state2: Any, w: Any, step: Any):
+    """``yarn_remainder`` of both: what a step adds to dPi/dw beyond the third derivatives, and to the sizes."""
+    beyond1, change1 = yarn_remainder(cell, 0, state1, step[0])
+    beyond2, change2 = yarn_remainder(cell, 1, state2, step[1])
+    beyond = beyond1 + beyond2
+    if cell.unilateral == 1:
+        closing = w[0] + w[1]
+        closed = closing + step[0] + step[1]
+        beyond = beyond + cell.contact_stiffness * larger(where_positive(-closing, closed, -closed), fill(closing, 0.0))
+    return beyond, wp.matrix_from_rows(change1, change2)
+
+
+@wp.func
+def safeguarded(cell: Any, gradient: Any, diagonal: Any, stiffness: Any, newton: Any, step: Any, slope: Any):
+    """(change of w, its direction, slope along that) from Newton's step, the previous step and the slope at its start.
+
+    A step is at most a quarter of the chord; a previous one that overshot is taken back in part instead.
+    """
+    one = fill(slope, 1.0)
+    limit1 = fill(slope, slope.dtype(0.25) * cell.chord_length[0])
+    limit2 = fill(slope, slope.dtype(0.25) * cell.chord_length[1])
+    shrink = smaller(
+        one,
+        smaller(
+            limit1 / (magnitude(newton[0]) + slope.dtype(1.0e-3) * limit1),
+            limit2 / (magnitude(newton[1]) + slope.dtype(1.0e-3) * limit2),
+        ),
+    )
+    newton1 = shrink * newton[0]
+    newton2 = shrink * newton[1]
+    step1 = step[0]
+    step2 = step[1]
+    # overshoot of the previous step: a Newton step back along it, with the stiffness met here
+    rise = gradient[0] * step1 + gradient[1] * step2
+    overshoot = rise + slope.dtype(0.5) * slope
+    curvature = diagonal[0] * step1 * step1 + diagonal[1] * step2 * step2 + slope.dtype(2.0) * stiffness * step1 * step2
+    back = smaller(larger(rise / larger(curvature, fill(rise, 1.0e-37)), fill(rise, 0.0625)), fill(rise, 0.9375))
+    change1 = where_positive(overshoot, -(back * step1), newton1)
+    change2 = where_positive(overshoot, -(back * step2), newton2)
+    new1 = where_positive(overshoot, (one - back) * step1, newton1)
+    new2 = where_positive(overshoot, (one - back) * step2, newton2)
+    new_slope = where_positive(overshoot, (one - back) * slope, gradient[0] * newton1 + gradient[1] * newton2)
+    return wp.matrix_from_rows(change1, change2), wp.matrix_from_rows(new1, new2), new_slope
+
+
+@wp.func
+def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
+    """Height changes w that make Pi stationary, by Newton's method from ``start``.
 
     The last step is one of third order (Chebyshev's: Newton's step d, minus H^-1 Pi_www d d/2), and no evaluation
     follows it: the forces are taken along to second order. It is the last as soon as the estimate of what it leaves is
@@ -170,106 +168,57 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start1: Any, start2: Any):
     most a quarter of the chord; a step that overshoots (the directional derivative changes sign and keeps more than
     half its size) is taken back in part, by a Newton step along it, so that the point stays between two known slopes.
 
-    Returns w1, w2, F1 = dPi/du1, F2, crossover force of the half cell, relative residual, iterations.
+    Returns w, dPi/du, crossover force of the half cell, relative residual, iterations.
     """
-    w1 = start1
-    w2 = start2
+    w = start
     zero = fill(u1, 0.0)
-    one = fill(u1, 1.0)
     half = u1.dtype(0.5)
-    two = u1.dtype(2.0)
-    step1 = zero
-    step2 = zero
+    step = type(start)()
     slope = zero  # directional derivative at the start of the step, <= 0
-    force1 = zero
-    force2 = zero
+    force = type(start)()
     stiffness = zero
-    residual = one
+    residual = fill(u1, 1.0)
     iterations = zero
-    tolerance = fill(u1, cell.tolerance)
     for iteration in range(MAXIMUM_ITERATIONS + 1):
-        by_u1, by_w1, hessian1, elastic1, size1, elongation1, axial1, moment1, cosine1, sine1, inverse1 = yarn_forces(
-            cell, 0, u1, w1
-        )
-        by_u2, by_w2, hessian2, elastic2, size2, elongation2, axial2, moment2, cosine2, sine2, inverse2 = yarn_forces(
-            cell, 1, u2, w2
-        )
-        stiffness = cell.contact_stiffness * contact_active(cell, -(w1 + w2))
-        crossover = -(stiffness * (w1 + w2))
-        gradient1 = by_w1 - crossover
-        gradient2 = by_w2 - crossover
-        least = fill(u1, cell.force_floor) + cell.resolution * stiffness * (magnitude(w1) + magnitude(w2))
-        size = larger(size1, size2) + magnitude(crossover) + least
-        # Newton step with a positive definite matrix
-        # (h1 + k)(h2 + k) - k^2, written so that a stiff contact does not cancel it
-        determinant = hessian1 * hessian2 + stiffness * (hessian1 + hessian2)
-        definite = smaller(determinant, hessian1 + stiffness)
-        # a slack yarn without bending stiffness has none: the least that keeps the matrix regular
-        own1 = where_positive(definite, hessian1, elastic1 + fill(u1, cell.stiffness_floor))
-        own2 = where_positive(definite, hessian2, elastic2 + fill(u1, cell.stiffness_floor))
-        diagonal1 = own1 + stiffness
-        diagonal2 = own2 + stiffness
-        inverse, inverse_size = inverses(own1 * own2 + stiffness * (own1 + own2), size)
-        residual = larger(magnitude(gradient1), magnitude(gradient2)) * inverse_size
-        newton1 = (stiffness * gradient2 - diagonal2 * gradient1) * inverse
-        newton2 = (stiffness * gradient1 - diagonal1 * gradient2) * inverse
+        by_u, by_w, hessian, elastic, sizes, state1, state2 = yarn_pair(cell, u1, u2, w)
+        stiffness = cell.contact_stiffness * contact_active(cell, -(w[0] + w[1]))
+        crossover = -(stiffness * (w[0] + w[1]))
+        gradient = wp.matrix_from_rows(by_w[0] - crossover, by_w[1] - crossover)
+        least = fill(u1, cell.force_floor) + cell.resolution * stiffness * (magnitude(w[0]) + magnitude(w[1]))
+        size = residual_size(sizes, crossover, least)
+        own, definite = regular_parts(cell, hessian, elastic, stiffness)
+        diagonal = wp.matrix_from_rows(own[0] + stiffness, own[1] + stiffness)
+        inverse, inverse_size = inverses(own[0] * own[1] + stiffness * (own[0] + own[1]), size)
+        residual = larger(magnitude(gradient[0]), magnitude(gradient[1])) * inverse_size
+        newton = against(diagonal, stiffness, inverse, gradient)
         # what the third derivatives add to it
-        uw1, uww1, www1 = yarn_expansion(cell, 0, elongation1, axial1, moment1, cosine1, sine1, inverse1)
-        uw2, uww2, www2 = yarn_expansion(cell, 1, elongation2, axial2, moment2, cosine2, sine2, inverse2)
-        bent1 = half * www1 * newton1 * newton1
-        bent2 = half * www2 * newton2 * newton2
-        extra1 = (stiffness * bent2 - diagonal2 * bent1) * inverse
-        extra2 = (stiffness * bent1 - diagonal1 * bent2) * inverse
-        last1 = newton1 + extra1
-        last2 = newton2 + extra2
+        uw, uww, www = pair_expansion(cell, state1, state2)
+        bent = wp.matrix_from_rows(half * www[0] * newton[0] * newton[0], half * www[1] * newton[1] * newton[1])
+        extra = against(diagonal, stiffness, inverse, bent)
+        last = newton + extra
         # what both leave: the ratio of the two parts once more, and what no third derivative knows
-        ratio = (magnitude(extra1) + magnitude(extra2)) / (magnitude(newton1) + magnitude(newton2) + fill(u1, 1.0e-37))
-        beyond1, change1 = yarn_remainder(cell, 0, elongation1, axial1, moment1, cosine1, sine1, inverse1, last1)
-        beyond2, change2 = yarn_remainder(cell, 1, elongation2, axial2, moment2, cosine2, sine2, inverse2, last2)
-        beyond = beyond1 + beyond2
-        if cell.unilateral == 1:
-            closing = w1 + w2
-            closed = closing + last1 + last2
-            beyond = beyond + cell.contact_stiffness * larger(where_positive(-closing, closed, -closed), zero)
-        pressed = magnitude(crossover - stiffness * (last1 + last2))
-        size_after = larger(size1 + change1, size2 + change2) + pressed + least
-        remainder = (two * residual * size * ratio * ratio + beyond) / smaller(size, size_after)
+        ratio = (magnitude(extra[0]) + magnitude(extra[1])) / (
+            magnitude(newton[0]) + magnitude(newton[1]) + fill(u1, 1.0e-37)
+        )
+        beyond, changes = pair_remainder(cell, state1, state2, w, last)
+        size_after = residual_size(sizes + changes, crossover - stiffness * (last[0] + last[1]), least)
+        remainder = (u1.dtype(2.0) * residual * size * ratio * ratio + beyond) / smaller(size, size_after)
         better = where_positive(definite, residual - remainder, zero)
         remainder = where_positive(better, remainder, residual)
         # a NaN compares false, and is caught by the caller; it must not stall the other lanes
-        unfinished = where_positive(remainder - tolerance, one, zero)
+        unfinished = where_positive(remainder - fill(u1, cell.tolerance), fill(u1, 1.0), zero)
         if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
-            last1 = where_positive(better, last1, zero)
-            last2 = where_positive(better, last2, zero)
-            w1 = w1 + last1
-            w2 = w2 + last2
-            force1 = by_u1 + (uw1 + half * uww1 * last1) * last1
-            force2 = by_u2 + (uw2 + half * uww2 * last2) * last2
+            for k in range(2):
+                last[k] = where_positive(better, last[k], zero)
+                w[k] = w[k] + last[k]
+                force[k] = by_u[k] + (uw[k] + half * uww[k] * last[k]) * last[k]
             residual = remainder
             break
         iterations = iterations + unfinished
-        limit1 = fill(u1, u1.dtype(0.25) * cell.chord_length[0])
-        limit2 = fill(u1, u1.dtype(0.25) * cell.chord_length[1])
-        shrink = smaller(
-            one,
-            smaller(
-                limit1 / (magnitude(newton1) + u1.dtype(1.0e-3) * limit1),
-                limit2 / (magnitude(newton2) + u1.dtype(1.0e-3) * limit2),
-            ),
-        )
-        newton1 = shrink * newton1
-        newton2 = shrink * newton2
-        # overshoot of the previous step: a Newton step back along it, with the stiffness met here
-        rise = gradient1 * step1 + gradient2 * step2
-        overshoot = rise + half * slope
-        curvature = diagonal1 * step1 * step1 + diagonal2 * step2 * step2 + two * stiffness * step1 * step2
-        back = smaller(larger(rise / larger(curvature, fill(u1, 1.0e-37)), fill(u1, 0.0625)), fill(u1, 0.9375))
-        slope = where_positive(overshoot, (one - back) * slope, gradient1 * newton1 + gradient2 * newton2)
-        w1 = where_positive(unfinished, w1 + where_positive(overshoot, -(back * step1), newton1), w1)
-        w2 = where_positive(unfinished, w2 + where_positive(overshoot, -(back * step2), newton2), w2)
-        step1 = where_positive(overshoot, (one - back) * step1, newton1)
-        step2 = where_positive(overshoot, (one - back) * step2, newton2)
-    return w1, w2, force1, force2, -(stiffness * (w1 + w2)), residual, iterations
+        change, step, slope = safeguarded(cell, gradient, diagonal, stiffness, newton, step, slope)
+        for k in range(2):
+            w[k] = where_positive(unfinished, w[k] + change[k], w[k])
+    return w, force, -(stiffness * (w[0] + w[1])), residual, iterations
 
 
 @wp.func
@@ -290,30 +239,10 @@ def unit_cell_energies(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any):
 @wp.func
 def unit_cell_descent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, change1: Any, change2: Any):
     """-dPi/dw . change at (u, w) [J]."""
-    by_u1, by_w1, hessian1, elastic1, size1, el1, k1, m1, c1, s1, i1 = yarn_forces(cell, 0, u1, w1)
-    by_u2, by_w2, hessian2, elastic2, size2, el2, k2, m2, c2, s2, i2 = yarn_forces(cell, 1, u2, w2)
+    by_u1, by_w1, hessian1, elastic1, size1, state1 = yarn_forces(cell, 0, u1, w1)
+    by_u2, by_w2, hessian2, elastic2, size2, state2 = yarn_forces(cell, 1, u2, w2)
     closing = cell.contact_stiffness * contact_active(cell, -(w1 + w2)) * (w1 + w2)
     return -((by_w1 + closing) * change1 + (by_w2 + closing) * change2)
-
-
-@wp.func
-def yarn_hessian(cell: Any, k: int, u: Any, w: Any, in_tension: bool):
-    """Second derivatives (uu, uw, ww) of yarn k's energy; ``in_tension``: with its stiffness in tension in any case."""
-    elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
-    stiffness = yarn_axial_stiffness(cell, k, elongation)
-    axial = stiffness * elongation * inverse_length
-    if in_tension:
-        stiffness = fill(u, cell.tensile_stiffness[k])
-        axial = larger(axial, fill(u, 0.0))
-    bending = cell.rotation_stiffness[k] * inverse_length * inverse_length
-    moment = cell.rotation_stiffness[k] * rotation * inverse_length * inverse_length
-    c = x * inverse_length
-    s = h * inverse_length
-    twice = u.dtype(2.0) * moment * c * s
-    uu = stiffness * c * c + axial * s * s + bending * s * s + twice
-    uw = (stiffness - axial - bending) * c * s - moment * (c * c - s * s)
-    ww = stiffness * s * s + axial * c * c + bending * c * c - twice
-    return uu, uw, ww
 
 
 @wp.func
@@ -341,12 +270,12 @@ def condensed_tangent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, in_tension:
 def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any):
     u1 = cell.half_spacing[0] * strain1
     u2 = cell.half_spacing[1] * strain2
-    w1, w2, force1, force2, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start[0], start[1])
+    w, force, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start)
     half = u1.dtype(0.5)
     return (
-        wp.matrix_from_rows(w1, w2),
-        (half / cell.half_spacing[1]) * force1,
-        (half / cell.half_spacing[0]) * force2,
+        w,
+        (half / cell.half_spacing[1]) * force[0],
+        (half / cell.half_spacing[0]) * force[1],
         fill(u1, 0.0),
         (half / (cell.half_spacing[0] * cell.half_spacing[1])) * crossover,
         residual,

@@ -90,7 +90,12 @@ def test_flags_survive_json(flags):
         (lambda: Box(Ball(1.0), [1.0], nodes=[2**40]), "beyond int32"),
         (lambda: Box(Ball(1.0), {"shape": [3], "base64": "AAAA"}), "in base64"),
         (lambda: Box.from_json("{"), "no JSON"),
-        (lambda: Box.from_json(box().to_json().replace('"radius": 2.0', '"radius": -2.0')), "radius = -2.0"),
+        (
+            lambda: Box.from_json(box().to_json().replace('"radius": 2.0', '"radius": -2.0')),
+            "Box: body: Pile: bodies.1: Pile: bodies.0: Ball: radius = -2.0",
+        ),
+        (lambda: Box.from_json('{"body": {"kind": "Ball", "radius": 1}, "values": [1], "other": 2}'), "other = 2"),
+        (lambda: Box.from_json('{"body": {"kind": "Ball", "radius": 1}}'), "values: is required"),
     ],
 )
 def test_bad_values_are_named(make, message):

@@ -24,20 +24,11 @@ DOORS = {"weavesim", "weavesim.__main__"}
 ALLOWED_IN_KERNELS = {"warp", "numpy"}
 
 LARGEST_MODULE = 400
-LONG_MODULES = {
-    "weavesim.kernels.cell.plain_weave": "to be divided with the kernels",
-    "weavesim.kernels.cell.energy_cell": "Newton's iteration is still a part of it",
-}
+LONG_MODULES: dict[str, str] = {}
 # About a dozen; a folder's __init__.py does not count.
 LARGEST_FOLDER = 13
 FULL_FOLDERS: dict[str, str] = {}
-CIRCLES: dict[tuple[str, ...], str] = {
-    (
-        "weavesim.tools.device",
-        "weavesim.tools.sampling",
-        "weavesim.tools.tool",
-    ): "the device's form of a tool is still asked for by the tool",
-}
+CIRCLES: dict[tuple[str, ...], str] = {}
 WITHOUT_WARP = ("weavesim", "weavesim.fabric", "weavesim.sheet", "weavesim.process", "weavesim.tools")
 WITH_WARP_STILL: dict[str, str] = {}
 

@@ -6,6 +6,7 @@ import pytest
 
 from tests.support.imports import INSIDE, Sources
 from tests.support.paths import ROOT
+from weavesim.scenes.scene import known_scenes
 
 # Shorter modules outside the kernels may be tested with what uses them.
 LEAST_LENGTH = 60
@@ -23,11 +24,13 @@ TESTED_ELSEWHERE = {
     "kernels/shell/shear.py": SHELL,
     "kernels/shell/thickness.py": "verification/shell/test_thickness.py",
     "kernels/shell/frequency.py": "verification/time/test_stable_step.py",
+    "kernels/shell/coupling.py": "verification/time/test_stable_step.py",
     "kernels/shell/eigenvalue.py": "verification/time/test_stable_step.py",
     "kernels/operators.py": "unit/kernels/test_lanes.py",
     "kernels/cell/energies.py": "verification/cell/test_unit_cells.py",
     "kernels/cell/energy_cell.py": "verification/cell/test_unit_cells.py",
     "kernels/cell/law.py": "verification/cell/test_unit_cells.py",
+    "kernels/cell/yarn.py": "unit/kernels/cell/test_plain_weave.py",
     "kernels/cell/response.py": "verification/cell/test_unit_cells.py",
     "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",
     "kernels/contact/penalty.py": "verification/contact/test_contact.py",
@@ -43,7 +46,6 @@ TESTED_ELSEWHERE = {
     "weavesim/engine/launches.py": "unit/engine/test_stepper.py",
     "weavesim/engine/replay.py": "unit/engine/test_stepper.py",
     "weavesim/engine/sheet_model.py": "unit/engine/test_model.py",
-    "weavesim/engine/setup.py": "unit/run/test_simulation.py",
     "weavesim/sheet/sheet.py": "unit/run/test_simulation.py",
     "weavesim/arrays.py": "unit/test_checks.py",
     "weavesim/fabric/cell/contract.py": "verification/cell/test_unit_cells.py",
@@ -105,8 +107,6 @@ def test_only_what_exists_is_tested_elsewhere():
     assert set(TESTED_ELSEWHERE) <= set(modules())
 
 
-@pytest.mark.parametrize("scene", sorted(file.stem for file in (ROOT / "scenes").glob("[!_]*.py")))
+@pytest.mark.parametrize("scene", known_scenes().values(), ids=lambda scene: scene.module)
 def test_every_scene_is_validated(scene):
-    text = (ROOT / "scenes" / f"{scene}.py").read_text()
-    if "def run(" in text:
-        assert (TESTS / "validation" / f"test_{scene}.py").is_file()
+    assert (TESTS / "validation" / f"test_{scene.module}.py").is_file()

@@ -12,7 +12,8 @@ from weavesim.scenes.bias_extension import BiasExtensionParameters
 @pytest.fixture(scope="module")
 def bias_test(tmp_path_factory):
     out = tmp_path_factory.mktemp("bias_extension")
-    return out, bias_extension.run(BiasExtensionParameters(out=out, mesh_size=0.0125, speed=0.5, frames=30, threads=1))
+    parameters = BiasExtensionParameters(out=out, mesh_size=0.0125, speed=0.5, frame_count=30, threads=1)
+    return out, bias_extension.SCENE.run(parameters)
 
 
 @pytest.mark.slow

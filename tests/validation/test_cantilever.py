@@ -16,7 +16,7 @@ from weavesim.scenes.cantilever import CantileverParameters
 @pytest.mark.slow
 @pytest.mark.parametrize("yarn", ["warp", "weft"])
 def test_cantilever_gives_the_bending_stiffness_back(tmp_path, yarn):
-    summary = cantilever.run(CantileverParameters(out=tmp_path, mesh_size=0.01, width=0.02, yarn=yarn, threads=1))
+    summary = cantilever.SCENE.run(CantileverParameters(out=tmp_path, mesh_size=0.01, width=0.02, yarn=yarn, threads=1))
     assert summary["elastica_over_input"] == pytest.approx(1.0, abs=0.01)
     # the formula itself is about 5 % off the elastica at this angle
     assert summary["peirce_over_input"] == pytest.approx(1.057, abs=0.012)
@@ -39,9 +39,9 @@ def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_fri
             update={"bending": YarnBending(warp=along, weft=across, twist=1.0e-3)}
         )
         parameters = CantileverParameters(mesh_size=0.02, width=0.02, yarn=yarn, threads=1, length=0.06)
-        (sheet,) = cantilever.cantilever(parameters, fabric).sheets
-        x = sheet.blank.node_position
-        hanging = SimpleNamespace(blank=sheet.blank, frame=SimpleNamespace(position=x - np.outer(x[:, 0], [0, 0, 0.5])))
+        setup = cantilever.cantilever(parameters, fabric)
+        x = setup.sheet.blank.node_position
+        hanging = SimpleNamespace(setup=setup, frame=SimpleNamespace(position=x - np.outer(x[:, 0], [0, 0, 0.5])))
         found = cantilever.findings(parameters, fabric, hanging)
         for name in ("peirce_over_input", "elastica_over_input"):
             assert (found[name] is not None) == comparable

@@ -11,7 +11,7 @@ from weavesim.errors import InputError, RunError
 from weavesim.measures.angles import shear_angle_at, ten_points
 from weavesim.measures.border import draw_in
 from weavesim.run.simulation import Simulation
-from weavesim.scenes.double_dome import BLANK_LENGTH, BLANK_WIDTH, DoubleDomeParameters, double_dome, run
+from weavesim.scenes.double_dome import BLANK_LENGTH, BLANK_WIDTH, SCENE, DoubleDomeParameters, double_dome
 
 # Forming runs of seconds each.
 pytestmark = pytest.mark.slow
@@ -32,7 +32,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def summary(folder):
-    return run(DoubleDomeParameters(out=folder))
+    return SCENE.run(DoubleDomeParameters(out=folder))
 
 
 def test_the_summary_is_whole_and_written(summary, folder):
@@ -145,7 +145,7 @@ def test_bad_input_is_refused_before_the_run(values, words, tmp_path):
     for name, text in older.items():
         (tmp_path / name).write_text(text)
     with pytest.raises(InputError, match=words):
-        run(DoubleDomeParameters(out=tmp_path, **values))
+        SCENE.run(DoubleDomeParameters(out=tmp_path, **values))
     assert {name: (tmp_path / name).read_text() for name in older} == older
 
 
@@ -153,7 +153,7 @@ def test_own_tool_meshes_take_the_place_of_the_default(tmp_path):
     """The default tools exported as meshes and read back in millimetres give the same draw-in."""
     reference = Simulation(double_dome(DoubleDomeParameters(mesh_size=0.015, threads=1, stroke=0.03)))
     paths = {}
-    for tool, shift, option in zip(reference.tools, (-1, 1, -1), ("punch", "die", "binder"), strict=True):
+    for tool, shift, option in zip(reference.tools, (-1, 1, -1), ("punch", "die", "blank_holder"), strict=True):
         mesh = tool.display_mesh()
         mesh.apply_translation((0.0, 0.0, shift * 0.5 * reference.fabric.thickness))
         mesh.apply_scale(1000.0)
@@ -221,7 +221,8 @@ def test_half_the_punch_speed_changes_little(coarse):
 
 
 def test_a_run_that_is_not_to_be_trusted_says_so():
-    simulation = Simulation(double_dome(DoubleDomeParameters(mesh_size=0.02, threads=1, frames=10, punch_speed=20.0)))
+    parameters = DoubleDomeParameters(mesh_size=0.02, threads=1, frame_count=10, punch_speed=20.0)
+    simulation = Simulation(double_dome(parameters))
     assert not any("quasi-static" in warning for warning in simulation.warnings)
     simulation.run()
     assert any("quasi-static" in warning for warning in simulation.warnings)

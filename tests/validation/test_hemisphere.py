@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from weavesim.scenes.hemisphere import CASES, UNEVENNESS, HemisphereParameters, run, unevenness
+from weavesim.scenes.hemisphere import CASES, SCENE, UNEVENNESS, HemisphereParameters, unevenness
 from weavesim.sheet.blank import Blank
 
 # Forming runs of seconds each.
@@ -19,7 +19,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def summaries(folder):
-    return run(HemisphereParameters(out=folder, mesh_size=0.01, frames=40))
+    return SCENE.run(HemisphereParameters(out=folder, mesh_size=0.01, frame_count=40))
 
 
 @pytest.mark.parametrize("case", CASES)

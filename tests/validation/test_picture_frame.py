@@ -18,8 +18,8 @@ from weavesim.scenes.picture_frame import PictureFrameParameters
 @pytest.fixture(scope="module")
 def frame_test(tmp_path_factory):
     out = tmp_path_factory.mktemp("picture_frame")
-    parameters = PictureFrameParameters(out=out, mesh_size=0.05, speed=1.0, cycle=True, frames=41, threads=1)
-    return out, picture_frame.run(parameters)
+    parameters = PictureFrameParameters(out=out, mesh_size=0.05, speed=1.0, cycle=True, frame_count=41, threads=1)
+    return out, picture_frame.SCENE.run(parameters)
 
 
 def test_picture_frame_shears_as_its_frame_and_pulls_as_its_law(frame_test):
@@ -63,7 +63,7 @@ def test_picture_frame_shows_a_friction_loop_that_yarn_tension_widens():
     works = []
     for tension in (100.0, 400.0):
         parameters = PictureFrameParameters(
-            mesh_size=0.05, speed=1.0, cycle=True, frames=80, threads=1, yarn_tension=tension
+            mesh_size=0.05, speed=1.0, cycle=True, frame_count=80, threads=1, yarn_tension=tension
         )
         simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
         curves = picture_frame.record(parameters, fabric)
@@ -80,7 +80,7 @@ def test_picture_frame_shows_a_friction_loop_that_yarn_tension_widens():
 def test_closed_form_counts_a_cell_that_resists_shear_and_has_no_crossovers():
     """Stitches of a tape resist shear by themselves, with nearly nothing from the sheet's own law beside them."""
     fabric = assumed_fabric("stitched-tape").with_linear_shear(100.0)
-    parameters = PictureFrameParameters(mesh_size=0.1, speed=0.5, frames=30, threads=1, largest_angle=20.0)
+    parameters = PictureFrameParameters(mesh_size=0.1, speed=0.5, frame_count=30, threads=1, largest_angle=20.0)
     curves = picture_frame.record(parameters, fabric)
     Simulation(picture_frame.picture_frame(parameters, fabric)).run([curves])
     found = picture_frame.findings(curves)
@@ -91,7 +91,7 @@ def test_closed_form_counts_a_cell_that_resists_shear_and_has_no_crossovers():
 
 
 def test_picture_frame_with_arms_pulls_for_all_its_fabric():
-    parameters = PictureFrameParameters(mesh_size=0.05, side=0.2, arm_length=0.05, speed=1.0, frames=20, threads=1)
+    parameters = PictureFrameParameters(mesh_size=0.05, side=0.2, arm_length=0.05, speed=1.0, frame_count=20, threads=1)
     fabric = glass_polypropylene()
     simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
     # 4 x 4 elements inside, 4 in each arm
@@ -112,7 +112,7 @@ def test_misaligned_yarns_are_stretched_as_the_frame_says():
     fabric = glass_polypropylene().with_linear_shear(0.25e6)
     fabric = fabric.model_copy(update={"unit_cell": cell, "compressive_stiffness": 0.0})
     parameters = PictureFrameParameters(
-        mesh_size=0.05, misalignment=2.0, yarn_tension=0.0, speed=0.5, frames=20, threads=1, precision="float64"
+        mesh_size=0.05, misalignment=2.0, yarn_tension=0.0, speed=0.5, frame_count=20, threads=1, precision="float64"
     )
     simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
     curves = picture_frame.record(parameters, fabric)

@@ -1,6 +1,5 @@
 """The README says what is true: its Python example runs, and its commands have the options that they name."""
 
-import importlib
 import re
 import shlex
 
@@ -36,11 +35,10 @@ def test_every_file_it_names_is_there():
 def parsed(scene_name: str, arguments: str) -> tuple[int, dict]:
     """Exit code of the scene's own command line, and the parameters that a run would get; nothing runs."""
     scene = SCENES[scene_name]
-    module = importlib.import_module(f"weavesim.scenes.{scene.module}")
     application = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
     given: dict = {}
     scene_command(
-        application, scene_name, getattr(module, scene.parameters),
+        application, scene_name, scene.load().parameters,
         lambda parameters: given.update(parameters) or {}, scene.help,
     )  # fmt: skip
     return CliRunner().invoke(application, shlex.split(arguments)).exit_code, given

@@ -14,7 +14,7 @@ import types
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
-from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 import typer
 
@@ -28,21 +28,6 @@ EXIT_CODE_INPUT_ERROR = 2
 EXIT_CODE_INTERRUPTED = 130
 
 
-class Scene(NamedTuple):
-    """Where a scene lives: its module has the parameter class and ``run(parameters) -> summary``."""
-
-    module: str
-    parameters: str
-    help: str
-
-
-SCENES = {
-    "double-dome": Scene("double_dome", "DoubleDomeParameters", "Form a woven blank over a double dome."),
-    "hemisphere": Scene("hemisphere", "HemisphereParameters", "Let a square cloth fall on a hemisphere."),
-    "picture-frame": Scene("picture_frame", "PictureFrameParameters", "Shear a woven fabric in a picture frame."),
-    "bias-extension": Scene("bias_extension", "BiasExtensionParameters", "Pull a woven fabric in its bias direction."),
-    "cantilever": Scene("cantilever", "CantileverParameters", "Let a strip of woven fabric hang over an edge."),
-}
 application = typer.Typer(
     help="Draping and forming of woven fabrics.",
     add_completion=False,
@@ -115,7 +100,7 @@ def compile_command(
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
 
 
-def _add_scene(name: str, scene: Scene) -> None:
+def _add_scene(name: str, scene: Any) -> None:
     # The options are not known before the scene is imported: everything behind its name goes to a command of its own.
     @application.command(
         name,
@@ -124,13 +109,15 @@ def _add_scene(name: str, scene: Scene) -> None:
         context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
     )
     def command(context: typer.Context) -> None:
-        module = import_module(f"weavesim.scenes.{scene.module}")
         # plain help: boxed columns would cut the names of the options
         scene_application = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
-        scene_command(scene_application, name, getattr(module, scene.parameters), module.run, scene.help)
+        loaded = scene.load()
+        scene_command(scene_application, name, loaded.parameters, loaded.run, scene.help)
         scene_application(args=context.args, prog_name=f"weavesim {name}")
 
 
+# By name, not imported yet. Scenes stand above this room, which knows none of them: it asks for what there is.
+SCENES: dict[str, Any] = import_module("weavesim.scenes.scene").known_scenes()
 for _name, _scene in SCENES.items():
     _add_scene(_name, _scene)
 

@@ -71,7 +71,8 @@ class Model:
     @property
     def identity(self) -> dict[str, object]:
         """What a saved state must share with this run to continue it."""
-        solver = self.setup.solver.model_copy(update={"device": "cpu", "threads": None, "lane_count": None})
+        elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
+        solver = self.setup.solver.model_copy(update=elsewhere)
         return {
             "setup": self.setup.model_copy(update={"solver": solver, "frame_count": 1}).content_hash,
             "precision": self.precision.value,

@@ -2,7 +2,7 @@
 
 from .dynamics import Dynamics
 from .loads import NodalLoads
-from .strokes import Fixed, ForceDriven, SmoothStroke, Stroke
+from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
 
 __all__ = [
@@ -10,6 +10,7 @@ __all__ = [
     "Dynamics",
     "Fixed",
     "ForceDriven",
+    "Motion",
     "NodalLoads",
     "SmoothStroke",
     "Stroke",

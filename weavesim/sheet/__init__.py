@@ -1,7 +1,11 @@
 """The sheet before it is formed: mesh, yarn directions, symmetry."""
 
 from .blank import Blank
+from .sheet import Sheet
+from .symmetry import Symmetry
 
 __all__ = [
     "Blank",
+    "Sheet",
+    "Symmetry",
 ]

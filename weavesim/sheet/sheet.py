@@ -33,7 +33,7 @@ class Sheet(Parameters):
         loads: forces and couples prescribed at nodes.
     """
 
-    positional = ("blank", "fabric")
+    positional = ("blank", "fabric", "name")
 
     blank: Blank
     fabric: Fabric

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import warp as wp
@@ -18,7 +18,9 @@ from ..process.strokes import ForceDriven
 from .mesh_tool import MeshShape
 from .sampling import SampledDistance, Samples
 from .shapes import Shape
-from .tool import Tool
+
+if TYPE_CHECKING:
+    from .tool import Tool
 
 
 @dataclass(frozen=True)

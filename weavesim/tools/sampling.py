@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -20,7 +20,9 @@ from ..kernels.contact.mesh_distance import (
 )
 from .mesh_repair import triangle_areas
 from .mesh_tool import MeshShape, MeshSurface
-from .tool import Tool
+
+if TYPE_CHECKING:
+    from .tool import Tool
 
 # Voxels that may be sampled: chosen spacings stay below the first, given ones below the second.
 CHOSEN_VOXEL_COUNT = 6_000_000

@@ -17,6 +17,7 @@ from weavesim.app.options import RunOptions
 from weavesim.device import Precision, resolve_device
 from weavesim.engine import compilation
 from weavesim.errors import RunError
+from weavesim.scenes import scene
 
 # In which a script finds this checkout, installed or not.
 CHECKOUT = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -35,8 +36,8 @@ def weavesim_command(monkeypatch, capsys):
     """Runs the command line with a toy scene in the place of the double dome: (exit code, stdout, stderr)."""
 
     def call(*arguments: str, run=lambda parameters: {}) -> tuple[int, str, str]:
-        toy = SimpleNamespace(DoubleDomeParameters=ToyParameters, run=run)
-        monkeypatch.setattr(command_line, "import_module", lambda *names: toy)
+        toy = SimpleNamespace(SCENE=SimpleNamespace(parameters=ToyParameters, run=run))
+        monkeypatch.setattr(scene, "import_module", lambda *names: toy)
         monkeypatch.setattr(sys, "argv", ["weavesim", *arguments])
         with pytest.raises(SystemExit) as ending:
             command_line.main()
@@ -174,9 +175,9 @@ def test_unknown_command_exits_with_2(weavesim_command):
     assert code == 2 and "triple-dome" in err
 
 
-@pytest.mark.parametrize("scene", command_line.SCENES)
-def test_scene_script_offers_the_common_options(scene):
-    script = ROOT / "scripts" / f"{scene.replace('-', '_')}.py"
+@pytest.mark.parametrize("name", command_line.SCENES)
+def test_scene_script_offers_the_common_options(name):
+    script = ROOT / "scripts" / f"{name.replace('-', '_')}.py"
     done = subprocess.run([sys.executable, script, "--help"], capture_output=True, text=True, env=CHECKOUT)
     assert done.returncode == 0, done.stderr
     assert all(option in done.stdout for option in COMMON_OPTIONS)

@@ -6,7 +6,6 @@ import pickle
 import subprocess
 import sys
 from dataclasses import replace
-from importlib import import_module
 
 import pytest
 import warp as wp
@@ -43,14 +42,10 @@ SMALL = KernelSet(
 
 def made(name: str, precision: str) -> list[Simulation]:
     """The simulations of a scene's default set-up on its coarsest sensible mesh, on two threads."""
-    module = import_module(f"weavesim.scenes.{SCENES[name].module}")
-    options = {"precision": precision, "threads": 2}
-    if name == "double-dome":
-        return [Simulation(module.double_dome(module.DoubleDomeParameters(mesh_size=0.02, **options)))]
-    if name == "hemisphere":
-        return [Simulation(module.hemisphere(module.HemisphereParameters(mesh_size=0.02, **options), "low-bending"))]
-    make = getattr(module, name.replace("-", "_"))
-    return [Simulation(make(getattr(module, SCENES[name].parameters)(**options)))]
+    scene = SCENES[name].load()
+    coarse = {"double-dome": {"mesh_size": 0.02}, "hemisphere": {"mesh_size": 0.02, "case": "low-bending"}}
+    parameters = scene.parameters(precision=precision, threads=2, **coarse.get(name, {}))
+    return [Simulation(setup) for setup in scene.setups(parameters).values()]
 
 
 def launched_by(simulation: Simulation) -> list[wp.Kernel]:

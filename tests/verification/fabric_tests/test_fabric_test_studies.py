@@ -45,7 +45,7 @@ def stiff_straight_yarns(law: str, stiffness: float) -> Fabric:
 def frame_test(law: str, **given) -> tuple[dict, dict[str, np.ndarray], dict[str, float]]:
     """Findings, columns and final energies of a picture-frame test without damping."""
     parameters = PictureFrameParameters(
-        precision="float64", damping=0.0, yarn_tension=10.0, threads=1, frames=80, **given
+        precision="float64", damping=0.0, yarn_tension=10.0, threads=1, frame_count=80, **given
     )
     fabric = stiff_straight_yarns(law, 2.0e5)
     simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
@@ -107,8 +107,8 @@ def rubbing_frame_test(
     friction = ShearFriction(stiffness=500.0, limit=(2.0,), crossover_friction_length=2.6e-4)
     fabric = glass_polypropylene().model_copy(update={"shear_friction": friction})
     parameters = PictureFrameParameters(
-        yarn_tension=tension, mesh_size=mesh_size, speed=0.5, cycle=True, frames=200, threads=1, precision=precision,
-        damping=damping,
+        yarn_tension=tension, mesh_size=mesh_size, speed=0.5, cycle=True, frame_count=200, threads=1,
+        precision=precision, damping=damping,
     )  # fmt: skip
     simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
     curves = picture_frame.record(parameters, fabric)
@@ -207,7 +207,7 @@ def test_bias_extension(law, manual):
     sizes = (0.0125, 0.00625, 0.1 / 24)
     results = {20.0: [], 39.0: []}
     for size in sizes:
-        parameters = BiasExtensionParameters(mesh_size=size, threads=1, frames=80, speed=0.25)
+        parameters = BiasExtensionParameters(mesh_size=size, threads=1, frame_count=80, speed=0.25)
         fabric = stiff_straight_yarns(law, 1.0e6)
         simulation = Simulation(bias_extension.bias_extension(parameters, fabric))
         curves = bias_extension.record(parameters, fabric, simulation.setup.sheet.blank)

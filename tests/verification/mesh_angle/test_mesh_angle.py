@@ -101,7 +101,7 @@ class Pull:
             mesh_size=size,
             largest_angle=LARGEST_ANGLE,
             speed=speed,
-            frames=10,
+            frame_count=10,
             threads=1,
         )
         corners = WIDTH * np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])

@@ -1,0 +1,66 @@
+"""Scenes are found from their files, and the recipe of CONTRIBUTING makes one."""
+
+import subprocess
+import sys
+
+import pytest
+
+import weavesim.scenes
+from tests.support.paths import ROOT
+from tests.support.recipes import written_recipe
+from weavesim.engine.setup import Setup
+from weavesim.scenes.scene import Scene, known_scenes
+
+
+def test_every_scene_is_found_by_its_file():
+    files = {file.stem for file in (ROOT / "scenes").glob("*.py") if "SCENE = " in file.read_text(encoding="utf-8")}
+    found = known_scenes()
+    assert {scene.module for scene in found.values()} == files - {"scene"} and len(found) >= 5
+
+
+@pytest.mark.parametrize("name", known_scenes())
+def test_what_is_read_off_a_file_is_what_it_defines(name):
+    found = known_scenes()[name]
+    scene = found.load()
+    assert isinstance(scene, Scene)
+    assert (scene.name, scene.help) == (name, found.help)
+    assert scene.name.replace("-", "_") == found.module
+
+
+def test_names_and_help_need_no_scene():
+    code = """
+import sys, time
+started = time.process_time()
+from weavesim.scenes.scene import known_scenes
+assert len(known_scenes()) >= 5
+seconds = time.process_time() - started
+assert not {"warp", "pydantic", "numpy", "weavesim.scenes.double_dome"} & set(sys.modules)
+print(seconds)
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert float(done.stdout) < 0.3
+
+
+def test_a_scene_imports_without_warp():
+    modules = ", ".join(f"weavesim.scenes.{scene.module}" for scene in known_scenes().values())
+    code = f"import sys, {modules}; print('warp' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
+
+
+def test_the_recipe_of_a_scene(tmp_path, monkeypatch):
+    """A file in the folder is enough: it is found, its options are checked, its run leaves a folder of results."""
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    written_recipe("trampoline.py", folder)
+    monkeypatch.setattr(weavesim.scenes, "__path__", [*weavesim.scenes.__path__, str(folder)])
+    found = known_scenes()["trampoline"]
+    assert found.help == "Let a sheet that is held all around sag under its weight."
+    scene = found.load()
+    parameters = scene.parameters(mesh_size=0.025, out=tmp_path / "out", threads=1, write="summary")
+    (setup,) = scene.setups(parameters).values()
+    assert Setup.from_json(setup.to_json()) == setup
+    summary = scene.run(parameters)
+    assert summary["outcome"] == "finished" and summary["sag_mm"] > 0.0
+    assert (tmp_path / "out" / "summary.json").exists()
+    monkeypatch.delitem(sys.modules, "weavesim.scenes.trampoline")

@@ -111,6 +111,16 @@ def pair_expansion(cell: Any, state1: Any, state2: Any):
 
 
 @wp.func
+def third_order_step(cell: Any, state1: Any, state2: Any, diagonal: Any, stiffness: Any, inverse: Any, gradient: Any):
+    """Newton's step, what the third derivatives add to it, and the derivatives uw, uww."""
+    half = inverse.dtype(0.5)
+    newton = against(diagonal, stiffness, inverse, gradient)
+    uw, uww, www = pair_expansion(cell, state1, state2)
+    bent = wp.matrix_from_rows(half * www[0] * newton[0] * newton[0], half * www[1] * newton[1] * newton[1])
+    return newton, against(diagonal, stiffness, inverse, bent), uw, uww
+
+
+@wp.func
 def pair_remainder(cell: Any, state1: Any, state2: Any, w: Any, step: Any):
     """``yarn_remainder`` of both: what a step adds to dPi/dw beyond the third derivatives, and to the sizes."""
     beyond1, change1 = yarn_remainder(cell, 0, state1, step[0])
@@ -190,11 +200,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         diagonal = wp.matrix_from_rows(own[0] + stiffness, own[1] + stiffness)
         inverse, inverse_size = inverses(own[0] * own[1] + stiffness * (own[0] + own[1]), size)
         residual = larger(magnitude(gradient[0]), magnitude(gradient[1])) * inverse_size
-        newton = against(diagonal, stiffness, inverse, gradient)
-        # what the third derivatives add to it
-        uw, uww, www = pair_expansion(cell, state1, state2)
-        bent = wp.matrix_from_rows(half * www[0] * newton[0] * newton[0], half * www[1] * newton[1] * newton[1])
-        extra = against(diagonal, stiffness, inverse, bent)
+        newton, extra, uw, uww = third_order_step(cell, state1, state2, diagonal, stiffness, inverse, gradient)
         last = newton + extra
         # what both leave: the ratio of the two parts once more, and what no third derivative knows
         ratio = (magnitude(extra[0]) + magnitude(extra[1])) / (

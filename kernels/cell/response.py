@@ -1,12 +1,31 @@
 """The unit cell alone, on arrays of stretches and shear angles: for tests, plots and calibration."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
 from ..lanes import lane_types
 from ..rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
 from .law import CellLaw
+
+
+@wp.func
+def store_force(target: Any, i: int, n1: Any, n2: Any, m: Any, pressure: Any):
+    target[CellForceRow.warp, i] = n1[0]
+    target[CellForceRow.weft, i] = n2[0]
+    target[CellForceRow.moment, i] = m[0]
+    target[CellForceRow.crossover_pressure, i] = pressure[0]
+
+
+@wp.func
+def store_tangent(target: Any, i: int, c11: Any, c12: Any, c22: Any, c13: Any, c23: Any, c33: Any):
+    target[TangentRow.c11, i] = c11[0]
+    target[TangentRow.c12, i] = c12[0]
+    target[TangentRow.c22, i] = c22[0]
+    target[TangentRow.c13, i] = c13[0]
+    target[TangentRow.c23, i] = c23[0]
+    target[TangentRow.c33, i] = c33[0]
 
 
 @cache
@@ -66,16 +85,8 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
             unknowns[k, i] = q[k, 0]
         for k in range(part_count):
             energy[k, i] = parts[k, 0]
-        force[CellForceRow.warp, i] = force1[0]
-        force[CellForceRow.weft, i] = force2[0]
-        force[CellForceRow.moment, i] = moment[0]
-        force[CellForceRow.crossover_pressure, i] = pressure[0]
-        tangent[TangentRow.c11, i] = c11[0]
-        tangent[TangentRow.c12, i] = c12[0]
-        tangent[TangentRow.c22, i] = c22[0]
-        tangent[TangentRow.c13, i] = c13[0]
-        tangent[TangentRow.c23, i] = c23[0]
-        tangent[TangentRow.c33, i] = c33[0]
+        store_force(force, i, force1, force2, moment, pressure)
+        store_tangent(tangent, i, c11, c12, c22, c13, c23, c33)
         convergence[ConvergenceRow.worst_residual, i] = worst
         convergence[ConvergenceRow.most_iterations, i] = most
         convergence[ConvergenceRow.snap_loss, i] = lost

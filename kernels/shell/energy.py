@@ -5,10 +5,11 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.energy_cell import emitted_late
 from ..cell.law import CellLaw
+from ..cell.newton import emitted_late
 from ..curve import spring_energy
 from ..lanes import dot, fill, lane_types, where_positive
+from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import CellReportRow, ElementField, MotionRow, SheetEnergy, SlipRow
 from .bending import bending_friction_energy, resultants_struct, transverse_shear
@@ -22,7 +23,7 @@ from .kinematics import (
     shape_struct,
     vectors_functions,
 )
-from .laws import BENDING_LAWS, SHEAR_LAWS, SheetTraits, sheet_struct
+from .laws import SheetTraits, sheet_struct
 from .membrane import unknowns_function
 from .thickness import compressive_force
 
@@ -61,8 +62,8 @@ def compressive_energy(laws: Any, m: Any):
 @cache
 def shear_energies_function(part_count: int, traits: SheetTraits):
     """Function that books the energy of shear with its friction, and gives the moment [N/m]."""
-    shear_energy, shear_moment = SHEAR_LAWS[traits.shear].energy, SHEAR_LAWS[traits.shear].moment
-    shear_slides = traits.shear_friction
+    law, shear_slides = device_law(traits.shear), traits.shear_friction != ""
+    shear_energy, shear_moment = law.energy, law.moment
 
     @wp.func
     def book_shear(laws: Any, e: int, m: Any, area: Any, cell_moment: Any, slip: Any, energies: Any):
@@ -70,8 +71,8 @@ def shear_energies_function(part_count: int, traits: SheetTraits):
         moment = shear_moment(laws, m) + cell_moment
         if wp.static(shear_slides):
             spring = slip[SlipRow.shear_spring, e]
-            energy = energy + spring_energy(laws.shear.friction_stiffness, spring)
-            moment = moment + laws.shear.friction_stiffness * spring
+            energy = energy + spring_energy(laws.shear_friction.stiffness, spring)
+            moment = moment + laws.shear_friction.stiffness * spring
             energies[part_count + SheetEnergy.shear_friction_loss, e] = area * slip[SlipRow.shear_friction_loss, e]
         energies[part_count + SheetEnergy.shear, e] = area * energy
         return moment
@@ -83,7 +84,7 @@ def shear_energies_function(part_count: int, traits: SheetTraits):
 def bending_energies_function(real: type, part_count: int, traits: SheetTraits):
     """Function that books the energies of bending with its friction, and of transverse shear."""
     Resultants = resultants_struct(real, 1)
-    law, bending_slides = BENDING_LAWS[traits.bending], traits.bending_friction
+    law, bending_slides = device_law(traits.bending), traits.bending_friction
     bending_resultants, bending_energy = law.resultants, law.energy
 
     @wp.func
@@ -126,7 +127,7 @@ def hourglass_energy_function(flat: bool):
 def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
     """Energies [J] and fields of every element; changes nothing of the state."""
     lanes, layout, part_count = lane_types(real, 1).lanes, (real, 1), len(cell.energy_names)
-    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real)
+    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real, traits)
     Shape = shape_struct(*layout)
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)

@@ -7,6 +7,7 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..lanes import fill, lane_types, scale, where_positive
+from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import ROWS_PER_CORNER, CornerRow, MotionRow
 from .bending import bending_friction, resultants_struct, transverse_shear
@@ -21,7 +22,7 @@ from .kinematics import (
     skew_weights,
     vectors_functions,
 )
-from .laws import BENDING_LAWS, SheetTraits, sheet_struct
+from .laws import SheetTraits, sheet_struct
 from .membrane import cell_answer_function, membrane_resultants, shear_moment_function
 from .thickness import current_thickness
 
@@ -29,7 +30,7 @@ from .thickness import current_thickness
 @cache
 def resist_bending_function(traits: SheetTraits):
     """Function that fills ``Resultants`` beyond the membrane: bending and transverse shear; writes the slip."""
-    bending_resultants, bending_slides = BENDING_LAWS[traits.bending].resultants, traits.bending_friction
+    bending_resultants, bending_slides = device_law(traits.bending).resultants, traits.bending_friction
     skewed = traits.skewed
 
     @wp.func
@@ -134,7 +135,7 @@ def store_everywhere(corner_force: Any, row: int, block: int, value: Any):
 def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Kernel of one launch per step: nodal forces and director gradients of every element."""
     lanes, layout = lane_types(real, lane_count).lanes, (real, lane_count)
-    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real)
+    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real, traits)
     Shape, Resultants = shape_struct(*layout), resultants_struct(*layout)
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)

@@ -5,9 +5,10 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.energy_cell import emitted_late
 from ..cell.law import CellLaw
+from ..cell.newton import emitted_late
 from ..lanes import dot, fill, lane_types, larger, magnitude, where_positive
+from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, InertiaRow, MotionRow
 from .coupling import coupled_function, sizes_function
@@ -20,9 +21,9 @@ from .kinematics import (
     shape_struct,
     vectors_functions,
 )
-from .laws import SHEAR_LAWS, SheetTraits, sheet_struct
+from .laws import SheetTraits, sheet_struct
 from .membrane import bundling_stiffness, unknowns_function
-from .shear import sticking_shear, tangent_struct
+from .shear import sticking_function, tangent_struct
 
 
 @cache
@@ -106,8 +107,9 @@ def cell_tangent_function(real: type, lane_count: int, cell: CellLaw):
 @cache
 def sheet_tangent_function(cell: CellLaw, traits: SheetTraits):
     """Function for the ``Tangent`` of cell and sheet together."""
-    shear_tangent, shear_slides = SHEAR_LAWS[traits.shear].tangent, traits.shear_friction
-    cell_shears = cell.depends_on_shear
+    shear_tangent, cell_shears = device_law(traits.shear).tangent, cell.depends_on_shear
+    shear_slides = traits.shear_friction != ""
+    sticking_shear = sticking_function(traits) if shear_slides else None
 
     @wp.func
     def sheet_tangent(laws: Any, m: Any, sine: Any, cosine: Any, pressure: Any, c: Any):
@@ -170,7 +172,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
     motions in the plane, across it, and hourglass modes, of which the largest counts.
     """
     lanes, layout, state_count = lane_types(real, lane_count).lanes, (real, lane_count), cell.stable_state_count
-    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real)
+    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real, traits)
     StepBounds, Shape = step_bounds_struct(real), shape_struct(*layout)
     Symmetric2, Symmetric4 = symmetric2_struct(*layout), symmetric4_struct(*layout)
     positions, vectors = vectors_functions(*layout)

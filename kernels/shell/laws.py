@@ -2,18 +2,13 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import warp as wp
 
-from .bending import CURVED_BENDING, ISOTROPIC_BENDING, YARN_BENDING, BendingDevice, bending_struct
-from .shear import CURVED_SHEAR, LINEAR_SHEAR, ShearDevice, shear_struct
-
-SHEAR_LAWS: dict[str, ShearDevice] = {"linear": LINEAR_SHEAR, "curve": CURVED_SHEAR}
-BENDING_LAWS: dict[str, BendingDevice] = {
-    "isotropic": ISOTROPIC_BENDING,
-    "yarns": YARN_BENDING,
-    "curves": CURVED_BENDING,
-}
+from ..laws import isotropic_bending, moment_curve
+from ..laws.contract import device_law
+from .bending import bending_friction_struct
 
 
 @dataclass(frozen=True)
@@ -23,18 +18,17 @@ class SheetTraits:
     A branch costs more than its test: the lanes of all that lives on behind it are taken apart and put together again.
 
     Attributes:
-        shear: one of SHEAR_LAWS.
-        bending: one of BENDING_LAWS.
-        shear_friction: between the yarns that turn on each other.
+        shear, bending: modules of the laws, see kernels/laws/contract.py.
+        shear_friction: module of the friction between the yarns that turn on each other; "" without.
         bending_friction: inside the bent yarns of one family at least.
         follows_thickness: tools meet the current thickness.
         flat: all initial strains are zero.
         skewed: some element is no parallelogram.
     """
 
-    shear: str = "curve"
-    bending: str = "isotropic"
-    shear_friction: bool = False
+    shear: str = moment_curve.__name__
+    bending: str = isotropic_bending.__name__
+    shear_friction: str = ""
     bending_friction: bool = False
     follows_thickness: bool = False
     flat: bool = True
@@ -42,13 +36,32 @@ class SheetTraits:
 
 
 @cache
-def sheet_struct(real: type):
-    """Shear, bending and stabilisation constants in one precision, as a Warp struct."""
+def no_law_struct():
+    """Stands for the constants of a law that a sheet does not have."""
 
     @wp.struct
+    class NoLaw:
+        unused: wp.int32
+
+    return NoLaw
+
+
+def sheet_struct(real: type, traits: SheetTraits):
+    """Constants of a sheet's laws and stabilisation in one precision, as a Warp struct."""
+    ShearLaw, BendingLaw = (device_law(module).parameters(real) for module in (traits.shear, traits.bending))
+    friction = traits.shear_friction
+    FrictionLaw = device_law(friction).parameters(real) if friction else no_law_struct()
+    return _sheet_struct(real, ShearLaw, FrictionLaw, BendingLaw)
+
+
+@cache
+def _sheet_struct(real: type, ShearLaw: Any, FrictionLaw: Any, BendingLaw: Any):
+    @wp.struct
     class SheetLaws:
-        shear: shear_struct(real)
-        bending: bending_struct(real)
+        shear: ShearLaw
+        shear_friction: FrictionLaw
+        bending: BendingLaw
+        bending_friction: bending_friction_struct(real)
         transverse_shear_stiffness: real  # 5/6 G t [N/m]
         in_plane_bending_stiffness: real  # beta: resists a varying shear angle, psi = 1/2 beta |grad gamma|^2 [N m]
         compressive_stiffness: real  # of the sheet itself along a yarn that is pushed together [N/m]

@@ -5,14 +5,15 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.energy_cell import emitted_late
 from ..cell.law import CellLaw
+from ..cell.newton import emitted_late
 from ..lanes import inverses, lane_maximum, lane_types, larger
+from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import CellReportRow
 from .kinematics import corner_angles
-from .laws import SHEAR_LAWS, SheetTraits
-from .shear import moment_resultants, shear_friction
+from .laws import SheetTraits
+from .shear import moment_resultants, shear_friction_function
 from .thickness import compressive_force
 
 
@@ -93,8 +94,9 @@ def bundling_stiffness(laws: Any, shape: Any):
 @cache
 def shear_moment_function(cell: CellLaw, traits: SheetTraits):
     """Function for the moment of all shear [N/m], and for T12 beside what follows from the moment; writes the slip."""
-    shear_resultants, shear_slides = SHEAR_LAWS[traits.shear].resultants, traits.shear_friction
-    cell_shears = cell.depends_on_shear
+    shear_resultants, cell_shears = device_law(traits.shear).resultants, cell.depends_on_shear
+    shear_slides = traits.shear_friction != ""
+    shear_friction = shear_friction_function(traits) if shear_slides else None
 
     @wp.func
     def shear_moment(elements: Any, laws: Any, block: int, shape: Any, m: Any, answer: Any, motion: Any, slip: Any):

@@ -10,7 +10,7 @@ import warp as wp
 from ..device import Precision
 from ..kernels.curve import curve_struct
 from ..kernels.lanes import lane_types
-from ..kernels.shell.laws import sheet_struct
+from ..kernels.shell.laws import SheetTraits, sheet_struct
 from .curve import tabulate
 from .device_form import DeviceForm, Tabulated
 from .fabric import Fabric
@@ -21,14 +21,19 @@ CURVE_PIECE_COUNT = 512
 
 def law_traits(fabric: Fabric) -> dict[str, Any]:
     """The fields of ``SheetTraits`` that the fabric's laws decide."""
-    return {name: value for _, form in _forms(fabric) for name, value in form.traits.items()}
+    modules = {name: form.module for name, form in _forms(fabric).items()}
+    return {**modules, "bending_friction": fabric.has_bending_friction}
 
 
 def sheet_laws(fabric: Fabric, precision: Precision, device: Any) -> Any:
     """A ``sheet_struct`` with all constants of a fabric but those of the stabilisation."""
-    laws = sheet_struct(precision.real)()
-    for name, form in _forms(fabric):
+    laws = sheet_struct(precision.real, SheetTraits(**law_traits(fabric)))()
+    for name, form in _forms(fabric).items():
         _fill(getattr(laws, name), form, precision, device)
+    vec2 = wp.types.vector(2, precision.real)
+    # a family without friction has a slider that never holds: any spring will do
+    laws.bending_friction.stiffness = vec2(*(stiffness or 1.0 for stiffness in fabric.bending.friction_stiffness))
+    laws.bending_friction.limit = vec2(*fabric.bending.friction_limit)
     laws.thickness = fabric.thickness
     laws.thickening = fabric.compaction.thickening
     laws.inverse_crossover_modulus = 1.0 / fabric.compaction.modulus(fabric.unit_cell)
@@ -51,14 +56,14 @@ def device_curve(table: Tabulated, precision: Precision, device: Any) -> Any:
     return curve
 
 
-def _forms(fabric: Fabric) -> list[tuple[str, DeviceForm]]:
-    """Each law with the field of ``sheet_struct`` that holds it."""
+def _forms(fabric: Fabric) -> dict[str, DeviceForm]:
+    """Each law by the field of ``SheetTraits`` and of ``sheet_struct`` that holds it."""
     friction = fabric.shear_friction
-    return [
-        ("shear", fabric.shear.device_form(fabric.thickness)),
-        *([("shear", friction.device_form())] if friction else []),
-        ("bending", fabric.bending.device_form(fabric.thickness)),
-    ]
+    return {
+        "shear": fabric.shear.device_form(fabric.thickness),
+        "bending": fabric.bending.device_form(fabric.thickness),
+        **({"shear_friction": friction.device_form()} if friction else {}),
+    }
 
 
 def _fill(struct: Any, form: DeviceForm, precision: Precision, device: Any) -> None:

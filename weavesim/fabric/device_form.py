@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -22,11 +21,11 @@ class DeviceForm:
     """One law on the device.
 
     Attributes:
-        traits: fields of ``kernels.shell.laws.SheetTraits`` that choose the law's device functions by name.
+        module: full name of the module with the law's device functions, see ``kernels/laws/contract.py``.
         constants: fields of the law's struct, numbers and tuples of numbers.
         curves: fields of the law's struct that are tables.
     """
 
-    traits: Mapping[str, Any]
+    module: str
     constants: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict)
     curves: Mapping[str, Tabulated] = field(default_factory=dict)

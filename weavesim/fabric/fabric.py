@@ -93,7 +93,7 @@ class Fabric(Parameters):
     @property
     def has_bending_friction(self) -> bool:
         """True where a bent yarn of one family at least has friction inside."""
-        return self.bending.has_friction
+        return max(self.bending.friction_limit) > 0.0
 
     @property
     def has_inner_friction(self) -> bool:

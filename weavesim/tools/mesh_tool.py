@@ -85,32 +85,54 @@ class MeshSurface:
         border = open_border(self.vertices, faces, SEAM * size)
         self.closed = len(border) == 0
         self.open_edge_count = len(border)
-        faces, component = oriented(faces)
+        self.side, self.faces = self._facing_outwards(faces) if self.closed else self._facing_side(faces, side)
+        self.smallest_radius = _smallest_radius(self.vertices, self.faces)
+        self._choose_samples(spacing, reach, size)
+        self.solid_vertices, self.solid_faces = self.vertices, self.faces
+        if self.side is not None:
+            # far enough for the lower end to stay out of the sampled box by more than any reach
+            depth = float(np.ptp(self.vertices @ np.array(self.side))) + 3.0 * size
+            self.solid_vertices, self.solid_faces = extruded(
+                self.vertices, self.faces, directed_border(border, self.faces), -depth * np.array(self.side)
+            )
+
+    def _corners(self, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         p, q, r = (self.vertices[faces[:, k]] for k in range(3))
+        return p, q, r
+
+    def _facing_outwards(self, faces: np.ndarray) -> tuple[None, np.ndarray]:
+        """Faces of a closed mesh, turned alike."""
+        faces, _ = oriented(faces)
+        p, q, r = self._corners(faces)
+        # the sign of the volume decides between inside and outside
+        return None, faces if np.einsum("ij,ij->", p, np.cross(q, r)) > 0.0 else faces[:, ::-1]
+
+    def _facing_side(self, faces: np.ndarray, side: Any) -> tuple[Vector, np.ndarray]:
+        """Direction from an open sheet to the fabric, and faces turned to it."""
+        faces, component = oriented(faces)
+        p, q, r = self._corners(faces)
         normal = np.cross(q - p, r - p)
         area = np.linalg.norm(normal, axis=1)
-        if self.closed:
-            self.side: Vector | None = None
-            # the sign of the volume decides between inside and outside
-            self.faces = faces if np.einsum("ij,ij->", p, np.cross(q, r)) > 0.0 else faces[:, ::-1]
-        else:
-            mean = normal.sum(axis=0)
-            if side is None and np.linalg.norm(mean) < 0.02 * area.sum():
-                raise InputError(
-                    f"{name} is an open sheet ({len(border)} open edges) whose triangles face all ways. If it should "
-                    "enclose a body, close its holes; if not, give the direction from the sheet to the fabric as side, "
-                    "for example (0, 0, 1)."
-                )
-            self.side = unit_vector(f"{name}: side", mean if side is None else side)
-            self.faces = turned_outwards(faces, component, normal @ np.array(self.side), area)
-            p, q, r = (self.vertices[self.faces[:, k]] for k in range(3))
-            if (np.cross(q - p, r - p) @ np.array(self.side)).sum() < 0.02 * area.sum():
-                raise InputError(
-                    f"{name} is an open sheet ({len(border)} open edges) that is seen edge-on, or from both sides "
-                    f"alike, along side = {self.side}. Give another direction from the sheet to the fabric as side; "
-                    "if the mesh should enclose a body, close its holes."
-                )
-        self.smallest_radius = _smallest_radius(self.vertices, self.faces)
+        mean = normal.sum(axis=0)
+        if side is None and np.linalg.norm(mean) < 0.02 * area.sum():
+            raise InputError(
+                f"{self.name} is an open sheet ({self.open_edge_count} open edges) whose triangles face all ways. If "
+                "it should enclose a body, close its holes; if not, give the direction from the sheet to the fabric "
+                "as side, for example (0, 0, 1)."
+            )
+        direction = unit_vector(f"{self.name}: side", mean if side is None else side)
+        faces = turned_outwards(faces, component, normal @ np.array(direction), area)
+        p, q, r = self._corners(faces)
+        if (np.cross(q - p, r - p) @ np.array(direction)).sum() < 0.02 * area.sum():
+            raise InputError(
+                f"{self.name} is an open sheet ({self.open_edge_count} open edges) that is seen edge-on, or from both "
+                f"sides alike, along side = {direction}. Give another direction from the sheet to the fabric as side; "
+                "if the mesh should enclose a body, close its holes."
+            )
+        return direction, faces
+
+    def _choose_samples(self, spacing: float | None, reach: float | None, size: float) -> None:
+        name = self.name
         self.spacing = None if spacing is None else positive(f"{name}: spacing", spacing)
         chosen = float(np.clip(self.smallest_radius / 10.0, size / 1500.0, size / 150.0))
         self.first_spacing = chosen if self.spacing is None else self.spacing
@@ -122,13 +144,6 @@ class MeshSurface:
             )
         if self.first_spacing > 0.1 * size:
             raise InputError(f"{name}: spacing is {spacing} m; it must be at most a tenth of the size, {size:.4g} m.")
-        self.solid_vertices, self.solid_faces = vertices, self.faces
-        if not self.closed:
-            # far enough for the lower end to stay out of the sampled box by more than any reach
-            depth = float(np.ptp(vertices @ np.array(self.side))) + 3.0 * size
-            self.solid_vertices, self.solid_faces = extruded(
-                vertices, self.faces, directed_border(border, self.faces), -depth * np.array(self.side)
-            )
 
     def notes(self) -> list[str]:
         """What a log should say about the mesh."""

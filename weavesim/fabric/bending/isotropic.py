@@ -30,4 +30,4 @@ class IsotropicBending(BendingLaw):
 
     def device_form(self, thickness: float) -> DeviceForm:
         constants = {"stiffness": self.stiffness(thickness), "poisson_ratio": self.poisson_ratio}
-        return DeviceForm({"bending": "isotropic"}, constants)
+        return DeviceForm("weavesim.kernels.laws.isotropic_bending", constants)

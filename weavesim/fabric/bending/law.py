@@ -35,6 +35,11 @@ class BendingLaw(Kinded):
         return True
 
     @property
-    def has_friction(self) -> bool:
-        """True where a bent yarn of one family at least has friction inside."""
-        return False
+    def friction_limit(self) -> tuple[float, float]:
+        """Largest friction moment inside the bent yarns of warp and weft [N]."""
+        return 0.0, 0.0
+
+    @property
+    def friction_stiffness(self) -> tuple[float, float]:
+        """Slope that this friction adds before it slips [N m]."""
+        return 0.0, 0.0

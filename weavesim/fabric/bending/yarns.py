@@ -84,25 +84,23 @@ class YarnBending(BendingLaw):
         return not isinstance(along, FamilyBending) or along.is_constant
 
     @property
-    def has_friction(self) -> bool:
-        return any(family.friction_limit > 0.0 for family in self.families)
+    def friction_limit(self) -> tuple[float, float]:
+        warp, weft = self.families
+        return warp.friction_limit, weft.friction_limit
+
+    @property
+    def friction_stiffness(self) -> tuple[float, float]:
+        warp, weft = self.families
+        return warp.friction_stiffness, weft.friction_stiffness
 
     def device_form(self, thickness: float) -> DeviceForm:
         warp, weft = self.families
-        traits = {"bending": "curves" if self.curved else "yarns", "bending_friction": self.has_friction}
-        constants = {
-            "warp_stiffness": warp.initial_stiffness,
-            "weft_stiffness": weft.initial_stiffness,
-            "twist_stiffness": self.twist,
-            "coupling_stiffness": self.coupling,
-            # a family without friction has a slider that never holds: any spring will do
-            "friction_stiffness": (warp.friction_stiffness or 1.0, weft.friction_stiffness or 1.0),
-            "friction_limit": (warp.friction_limit, weft.friction_limit),
-        }
-        curves = {
-            "warp_curve": Tabulated(warp.moment, warp.end), "weft_curve": Tabulated(weft.moment, weft.end)
-        }  # fmt: skip
-        return DeviceForm(traits, constants, curves if self.curved else {})
+        constants = {"twist_stiffness": self.twist}
+        if self.curved:
+            curves = {"warp_curve": Tabulated(warp.moment, warp.end), "weft_curve": Tabulated(weft.moment, weft.end)}
+            return DeviceForm("weavesim.kernels.laws.bending_curves", constants, curves)
+        constants |= {"warp_stiffness": warp.initial_stiffness, "weft_stiffness": weft.initial_stiffness}
+        return DeviceForm("weavesim.kernels.laws.yarn_bending", constants | {"coupling_stiffness": self.coupling})
 
     @classmethod
     def from_moduli(cls, modulus: float, poisson_ratio: float, shear_modulus: float, thickness: float) -> YarnBending:

@@ -126,10 +126,8 @@ class ShearFriction(CrossoverFriction):
         return f"crossover_friction_length = {length:.4g} m" if length > 0.0 else ""
 
     def device_form(self) -> DeviceForm:
-        constants = {
-            "friction_stiffness": self.stiffness,
-            "crossover_friction_length": self.crossover_friction_length,
-        }
         return DeviceForm(
-            {"shear_friction": True}, constants, {"friction_limit": Tabulated(self.limit_at, LARGEST_SHEAR_ANGLE)}
+            "weavesim.kernels.laws.shear_friction",
+            {"stiffness": self.stiffness, "crossover_friction_length": self.crossover_friction_length},
+            {"limit": Tabulated(self.limit_at, LARGEST_SHEAR_ANGLE)},
         )

@@ -23,4 +23,4 @@ class LinearShear(ShearLaw):
         return 0.5 * thickness * self.modulus * np.sin(angle) * np.cos(angle)
 
     def device_form(self, thickness: float) -> DeviceForm:
-        return DeviceForm({"shear": "linear"}, {"stiffness": thickness * self.modulus})
+        return DeviceForm("weavesim.kernels.laws.linear_shear", {"stiffness": thickness * self.modulus})

@@ -170,7 +170,7 @@ class MomentCurve(ShearLaw):
 
     def device_form(self, thickness: float) -> DeviceForm:
         table = Tabulated(lambda angle: self.moment(angle, thickness), LARGEST_SHEAR_ANGLE)
-        return DeviceForm({"shear": "curve"}, curves={"curve": table})
+        return DeviceForm("weavesim.kernels.laws.moment_curve", curves={"curve": table})
 
     @property
     def locking_slope(self) -> float:

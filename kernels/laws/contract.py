@@ -1,0 +1,76 @@
+"""What a law of shear, of its friction, or of bending is on the device: a module with a ``LAW``, one of these classes.
+
+Such a module holds a struct of the law's constants and its functions of lanes. A function gets the constants of the
+sheet, ``laws``, where ``laws.shear``, ``laws.shear_friction`` and ``laws.bending`` are the structs of the sheet's laws.
+m is a ``Membrane``, b a ``Bend``, r the ``Resultants`` and t the ``Tangent`` that the functions fill.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+import warp as wp
+
+from ..operators import div, mul  # noqa: F401
+
+
+@dataclass(frozen=True, eq=False)
+class ShearDevice:
+    """A law of shear without friction, as the kernels use it.
+
+    Attributes:
+        parameters: ``parameters(real)`` is the struct of the law's constants in one precision.
+        resultants: (laws, m) -> moment dpsi/dgamma [N/m], and T12 beside what follows from the moment.
+        energy: (laws, m) -> psi [J/m^2].
+        moment: (laws, m) -> dpsi/dgamma at constant stretches [N/m], all of it.
+        tangent: (laws, m, sine, cosine, t) -> the ``Tangent`` t, filled; sine and cosine are those of the angle.
+    """
+
+    parameters: Callable[[type], Any]
+    resultants: Any
+    energy: Any
+    moment: Any
+    tangent: Any
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionDevice:
+    """A law of the friction between yarns that turn on each other, a slider behind a spring.
+
+    Attributes:
+        parameters: ``parameters(real)`` is the struct of the law's constants; one is the spring's ``stiffness`` [N/m].
+        limit: (laws, angle, pressure) -> moment at which the yarns slip [N/m]; pressure is that of the crossovers [Pa].
+    """
+
+    parameters: Callable[[type], Any]
+    limit: Any
+
+
+@dataclass(frozen=True, eq=False)
+class BendingDevice:
+    """A law of bending without friction, as the kernels use it.
+
+    Attributes:
+        parameters: ``parameters(real)`` is the struct of the law's constants in one precision.
+        resultants: (laws, m, b, r) -> r with moments and T of bending set.
+        energy: (laws, m, b, r) -> psi [J/m^2], with the moments of r.
+    """
+
+    parameters: Callable[[type], Any]
+    resultants: Any
+    energy: Any
+
+
+@cache
+def device_law(module: str) -> Any:
+    """The law of a module, given by its full name: a name can be sent to another process, functions cannot."""
+    return import_module(module).LAW
+
+
+@wp.func
+def quadratic_energy(laws: Any, m: Any, b: Any, r: Any):
+    """psi of moments linear in the curvatures."""
+    half = b.k11.dtype(0.5)
+    return half * (r.moment11 * b.k11 + r.moment22 * b.k22) + r.moment12 * b.k12

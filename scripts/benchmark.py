@@ -99,7 +99,7 @@ DEFAULT_CASES = tuple(name for name in CASES if name != "patch_1m")
 
 def warm_up(simulation: Any) -> None:
     """Steps before the clock starts, up to 4,000: the sheet is in motion, and that of a double dome meets its tools."""
-    simulation.stepper.advance(int(np.clip(2_000_000 // simulation.blank.element_count, 5, 200)))
+    simulation.stepper.advance(int(np.clip(2_000_000 // simulation.setup.sheet.blank.element_count, 5, 200)))
 
 
 # --- measuring one simulation -----------------------------------------------------------------------------------------
@@ -148,10 +148,10 @@ def output_frame(simulation: Any, seconds: float) -> float:
         observers = (ResultFolder(folder), RunLog(Path(folder)))
         for observer in observers:
             observer.start(simulation.info)
-        for index in range(simulation.frame_count + 1):
+        for index in range(simulation.setup.frame_count + 1):
             if index == 1:  # what the first one prepares is not counted
                 started = time.perf_counter()
-            time_now = simulation.duration * index / simulation.frame_count
+            time_now = simulation.setup.duration * index / simulation.setup.frame_count
             frame = replace(simulation.ledger.frame(index), time=time_now)
             simulation.ledger.penetration(frame)
             for observer in observers:
@@ -177,14 +177,14 @@ def _repeat(work: Callable[[], object], seconds: float) -> float:
 
 def state_bytes(simulation: Any) -> float:
     """Allocated bytes per element of all arrays that constants and state of a run live in."""
-    return sum(array.capacity for array in simulation.stepper.arrays()) / simulation.blank.element_count
+    return sum(array.capacity for array in simulation.stepper.arrays()) / simulation.setup.sheet.blank.element_count
 
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
     from weavesim.kernels.rows import CellReportRow, MotionRow
 
-    model = simulation.stepper.model
+    model = simulation.stepper.model.sheet
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
     flat = 4 * 4 + size * (4 + 2 + 1)
     if not model.sheet_traits.flat:
@@ -250,10 +250,11 @@ def worker(case: str, precisions: str, threads: str, device: str, seconds: float
             for _, simulation, _, times in variants:
                 times.append(seconds_per_step(simulation, seconds))
         for thread_count, simulation, setup, times in variants:
-            count, step = simulation.blank.element_count, min(times)
+            count, step = simulation.setup.sheet.blank.element_count, min(times)
             rows.append(
                 {
-                    "case": case, "elements": count, "nodes": simulation.blank.node_count, "precision": precision,
+                    "case": case, "elements": count, "nodes": simulation.setup.sheet.blank.node_count,
+                    "precision": precision,
                     "threads": thread_count, "device": device, "avx512": avx512,
                     "lanes": simulation.stepper.model.lane_count,
                     "setup_s": setup - simulation.stepper.loading_time,
@@ -438,7 +439,7 @@ benchmark = importlib.util.module_from_spec(specification)
 specification.loader.exec_module(benchmark)
 clock = time.process_time if threads == "1" else time.perf_counter
 simulation = benchmark.CASES[case](precision=precision, threads=int(threads))
-stepper, count = simulation.stepper, simulation.blank.element_count
+stepper, count = simulation.stepper, simulation.setup.sheet.blank.element_count
 benchmark.warm_up(simulation)
 print(count, flush=True)
 for line in sys.stdin:

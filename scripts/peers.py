@@ -271,8 +271,8 @@ class WeavesimRun:
         """Positions and velocities, (node_count, 3)."""
         from weavesim.kernels.rows import MotionRow
 
-        rows = self._simulation.model.read_motion(self._simulation.state.motion)
-        count = self._simulation.blank.node_count
+        rows = self._simulation.model.sheet.read_motion(self._simulation.state.sheet.motion)
+        count = self._simulation.setup.sheet.blank.node_count
         return rows[MotionRow.position.vector, :count], rows[MotionRow.velocity.vector, :count]
 
 

@@ -93,7 +93,7 @@ SENSITIVITY = {
 
 def measure(simulation: Simulation, parameters: DoubleDomeParameters) -> dict[str, Any]:
     """What the page compares."""
-    frame, blank = simulation.frame, simulation.blank
+    frame, blank = simulation.frame, simulation.setup.sheet.blank
     angle = frame.fields["shear_angle"]
     zigzag = checkerboard(blank, angle)
     stretch = {"x": frame.fields["warp_stretch"], "y": frame.fields["weft_stretch"]}

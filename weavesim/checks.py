@@ -200,13 +200,23 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
+# In the place of Pydantic's own words.
+_PLAIN = {
+    "greater_than": "a number above {gt:g} is needed", "greater_than_equal": "at least {ge:g} is needed",
+    "less_than": "a number below {lt:g} is needed", "less_than_equal": "at most {le:g} is allowed",
+    "float_type": "a number is needed", "float_parsing": "a number is needed",
+    "model_type": "a {class_name} is needed", "extra_forbidden": "there is no such value",
+}  # fmt: skip
+
+
 def _problems(error: ValidationError) -> str:
     lines: dict[str, str] = {}
     for problem in error.errors():
         # a field that allows several types has one problem per type: the first says enough
         field, *rest = problem["loc"] or ("",)
         name = ".".join([str(field), *(str(part) for part in rest if isinstance(part, int))])
-        message = problem["msg"].removeprefix("Value error, ")
+        message = _PLAIN.get(problem["type"], problem["msg"].removeprefix("Value error, "))
+        message = message.format(**problem["ctx"]) if problem["type"] in _PLAIN and "ctx" in problem else message
         if problem["type"] == "missing":
             lines.setdefault(name, f"{name}: is required")
         elif isinstance(problem["input"], dict | np.ndarray):  # too long to show

@@ -20,7 +20,9 @@ def one_sheet_setup(*, blank: Any, fabric: Any, **given: Any) -> Setup:
 
 def one_sheet_run(**given: Any) -> Simulation:
     """A ready simulation of ``one_sheet_setup``."""
-    return Simulation(one_sheet_setup(**given))
+    simulation = Simulation(one_sheet_setup(**given))
+    simulation.prepare()
+    return simulation
 
 
 def small_run(**given: object) -> Simulation:

@@ -39,19 +39,19 @@ class Sheet:
         )
         self.node_count = blank.node_count
         self._quads = blank.quads
-        self._start = self.simulation.model.initial_motion()
+        self._start = self.simulation.model.sheet.initial_motion()
 
     def place(self, position: np.ndarray, director: np.ndarray, *, fresh: bool = True) -> None:
         """Set positions (n, 3) [m] and unit directors (n, 3); ``fresh`` unit cells start from rest."""
         motion = self._start.copy()
         motion[POSITION, : self.node_count], motion[DIRECTOR, : self.node_count] = position, director
-        held = motion.astype(self.simulation.precision.numpy)
+        held = motion.astype(self.simulation.model.precision.numpy)
         motion[REMAINDER] += motion[POSITION] - held[POSITION]
-        model, state = self.simulation.model, self.simulation.state
+        model, state = self.simulation.model.sheet, self.simulation.state.sheet
         model.write_motion(state.motion, motion)
         if fresh:
-            self.simulation.state.cell_unknowns.zero_()
-            self.simulation.state.slip.zero_()
+            self.simulation.state.sheet.cell_unknowns.zero_()
+            self.simulation.state.sheet.slip.zero_()
         # a run takes the nodes' mean shear angles from the step before; here they belong to these positions
         self.simulation.stepper.evaluate()
         angle = self._corners()[2, 0, 0]

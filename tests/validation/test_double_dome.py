@@ -190,7 +190,10 @@ def coarse():
             simulation.run()
             points = ten_points(0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH)
             angles = shear_angle_at(
-                simulation.blank, simulation.frame.fields["shear_angle"], points, simulation.info.sheet.symmetry
+                simulation.setup.sheet.blank,
+                simulation.frame.fields["shear_angle"],
+                points,
+                simulation.info.sheet.symmetry,
             )
             frames[key] = simulation, np.asarray(angles)
         return frames[key]

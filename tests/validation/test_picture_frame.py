@@ -95,8 +95,8 @@ def test_picture_frame_with_arms_pulls_for_all_its_fabric():
     fabric = glass_polypropylene()
     simulation = Simulation(picture_frame.picture_frame(parameters, fabric))
     # 4 x 4 elements inside, 4 in each arm
-    assert simulation.blank.element_count == 32
-    assert len(simulation.supports[0].nodes) == 20
+    assert simulation.setup.sheet.blank.element_count == 32
+    assert len(simulation.setup.supports[0].nodes) == 20
     curves = picture_frame.record(parameters, fabric)
     simulation.run([curves])
     found = picture_frame.findings(curves)

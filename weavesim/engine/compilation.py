@@ -33,6 +33,9 @@ from ..kernels.stepping.node_data import NodeTraits
 from ..kernels.stepping.step import look_at_clock, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
+from ..sheet.geometry import ElementGeometry
+from .setup import Setup
+from .traits import node_traits, sheet_traits
 
 logger = logging.getLogger(__name__)
 # What the default set-ups of the scenes are; others are compiled when they run.
@@ -99,6 +102,27 @@ class KernelSet:
         sheets, nodes = (tuple(dict.fromkeys(kind)) for kind in zip(*traits, strict=True))
         return cls(UNIT_CELLS[unit_cell](), sheets, nodes, precision, device, lane_count, meshes=True)
 
+    @classmethod
+    def of_sheet(cls, setup: Setup, unit_cell: UnitCell, sheet: SheetTraits, nodes: NodeTraits) -> Self:
+        """What one sheet of a set-up takes, from its traits.
+
+        Raises:
+            InputError: no such device.
+        """
+        solver = setup.solver
+        is_cpu = resolve_device(solver.device).is_cpu
+        return cls(
+            unit_cell,
+            (sheet,),
+            (nodes,),
+            solver.precision,
+            solver.device,
+            solver.lane_count or (CPU_LANE_COUNT if is_cpu else GPU_LANE_COUNT),
+            tools=bool(setup.tools),
+            driven=any(support.drives for support in setup.supports),
+            threaded=is_cpu and (solver.threads or available_threads()) > 1,
+        )
+
     def kernels(self) -> list[wp.Kernel]:
         """All kernels, roughly those first that take long to compile.
 
@@ -123,6 +147,21 @@ class KernelSet:
             *([flush_subnormals, restore_subnormals] if is_cpu else [look_at_clock]),
             *([barrier] if is_cpu and self.threaded else []),
         ]
+
+
+def kernel_sets(setup: Setup) -> list[KernelSet]:
+    """What a run takes, from its set-up alone.
+
+    Raises:
+        InputError: no such device.
+    """
+    sets = []
+    for world in setup.worlds:
+        for sheet in world.sheets:
+            geometry = ElementGeometry.of(sheet.oriented_blank)
+            traits = sheet_traits(sheet.fabric, geometry, world.dynamics), node_traits(sheet, world)
+            sets.append(KernelSet.of_sheet(setup, sheet.fabric.unit_cell, *traits))
+    return sets
 
 
 @dataclass(frozen=True)

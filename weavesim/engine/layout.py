@@ -80,3 +80,19 @@ class RowLayout:
         result = np.empty(self.row_count * self.length, dtype=rows.dtype)
         result[self._all()] = rows
         return result
+
+
+@dataclass(frozen=True)
+class Span:
+    """Some neighbouring entries of an array over all tools, or all drives, of a run."""
+
+    start: int
+    stop: int
+
+    @property
+    def count(self) -> int:
+        return self.stop - self.start
+
+    def of(self, array: wp.array) -> wp.array:
+        """These entries, on the same memory."""
+        return array[self.start : self.stop] if self.count else wp.empty(0, dtype=array.dtype, device=array.device)

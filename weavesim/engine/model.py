@@ -1,290 +1,120 @@
-"""All that is constant in a run: mesh constants, laws, masses, constraints, in the layout of the kernels."""
+"""All that is constant in a run, on one device."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable, Iterator
+from typing import Any
 
-import numpy as np
 import warp as wp
 
-from ..device import Precision
+from ..device import initialise, resolve_device
 from ..errors import InputError
-from ..fabric.device import law_traits, sheet_laws
-from ..fabric.fabric import Fabric
-from ..kernels.lanes import lane_types
-from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
-from ..kernels.shell.frequency import step_bounds_struct
-from ..kernels.shell.kinematics import element_struct
-from ..kernels.shell.laws import SheetTraits
-from ..kernels.stepping.node_data import motion_struct, node_struct
-from ..process.dynamics import Dynamics
-from ..process.loads import NodalLoads
-from ..sheet.blank import Blank
-from ..sheet.geometry import ElementGeometry
-from ..sheet.symmetry import nodes_of_odd_angle
-from .frequencies import Frequencies, hourglass_coefficients
-from .layout import BLOCK, RowLayout, lanes_view, padded
-
-# Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
-CONTACT_SHARE = 0.05
-TANGENTIAL_RATIO = 0.5
-# Nodes are measured again when this share of half the thickness is left between them and a tool.
-SPARE_DISTANCE = 0.5
+from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
+from ..process.device import build_device_drives
+from ..sheet.sheet import Sheet
+from ..tools.device import build_device_tools
+from ..tools.sampling import SampledDistance, mesh_parts, sample_meshes
+from .compilation import MeshKernelSet, compile_missing
+from .layout import Span, padded
+from .setup import Setup, World
+from .sheet_model import CONTACT_SHARE, SPARE_NODE_COUNT, Numerics, Places, SheetModel
 
 
 class Model:
-    """Constants of a run on one device.
+    """Constants of a run on one device; nobody writes them once they are made.
 
     Args:
-        blank: the sheet.
-        fabric: its laws.
-        free: (node_count, 6) bool, False where a displacement (x, y, z) or a rotation of the director about x, y, z is
-            held; a held component keeps its initial velocity.
-        motion: loads and damping.
-        precision: "float32" or "float64".
-        device: Warp device.
-        lane_count: elements per kernel thread.
-        tool_count: number of tools.
-        target_step: with mass scaling, the stable step aimed at [s]; None adds no mass.
-        loads: prescribed at the nodes.
+        setup: what is run.
+        contact_share: stiffness of the contact, see ``CONTACT_SHARE``.
 
     Attributes:
-        reference_step: stable step with straight yarns [s]; contact stiffness and the first step come from it.
-        element_nodes: (4, padded elements) corner nodes.
-        corners, motion_layout, friction_layout: of what the elements write at their corners (CORNER_ROW_COUNT), of the
-            nodes' motion, and of their friction springs (three components per tool).
-        added_mass_ratio: mass added by scaling over the mass of the blank.
+        sheets: constants of every sheet, in the order of ``setup.sheets``.
+        tools: of all worlds.
+        drives: of all supports.
+        reaction_count: blocks of nodes of the largest world.
+        reference_step: stable step with straight yarns [s], from which the first step comes.
+
+    Raises:
+        InputError: no such device, tools that cannot be sampled, or a mesh that the sheet cannot carry.
     """
 
-    def __init__(
-        self,
-        blank: Blank,
-        fabric: Fabric,
-        free: np.ndarray,
-        motion: Dynamics,
-        *,
-        precision: Precision,
-        device: wp.context.Device,
-        lane_count: int,
-        tool_count: int,
-        target_step: float | None = None,
-        contact_share: float = CONTACT_SHARE,
-        loads: NodalLoads | None = None,
-    ) -> None:
-        self.blank, self.fabric, self.motion, self.loads = blank, fabric, motion, loads
-        self.device, self.precision, self.lane_count, self.tool_count = device, precision, lane_count, tool_count
-        self.real = precision.real
-        self.types = lane_types(self.real, lane_count)
-        self.element_count = padded(blank.element_count, 1)
-        self.node_count = padded(blank.node_count, 4)
-        self.corners = RowLayout(CORNER_ROW_COUNT, self.element_count, lane_count)
-        self.motion_layout = RowLayout(MotionRow.row_count(), self.node_count, lane_count)
-        self.friction_layout = RowLayout(3 * max(tool_count, 1), self.node_count, lane_count)
-        self.geometry = ElementGeometry.of(blank)
-
-        density = np.full(blank.element_count, fabric.areal_density)
-        frequencies = Frequencies.of(fabric, self.geometry, density)
-        if target_step is not None:
-            squared = (frequencies.straight + frequencies.constant) * (0.5 * target_step / 0.9) ** 2
-            density = density * np.maximum(1.0, squared)
-            frequencies = Frequencies.of(fabric, self.geometry, density)
-        self.areal_density = density
-        self.added_mass_ratio = float(
-            (density * self.geometry.area).sum() / (fabric.areal_density * self.geometry.area).sum() - 1.0
+    def __init__(self, setup: Setup, *, contact_share: float = CONTACT_SHARE) -> None:
+        initialise()
+        self.setup, solver = setup, setup.solver
+        self.device, self.precision = resolve_device(solver.device), solver.precision
+        self.lane_count = solver.lane_count or (CPU_LANE_COUNT if self.device.is_cpu else GPU_LANE_COUNT)
+        numerics = Numerics(self.device, self.precision, self.lane_count, solver.target_step, contact_share)
+        self.real, self.types = numerics.real, numerics.types
+        self.sheets = tuple(
+            SheetModel(numerics, sheet, world, places)
+            for sheet, world, places in _placed(
+                setup, lambda sheet: padded(sheet.blank.node_count, SPARE_NODE_COUNT) // self.lane_count
+            )
         )
-        self.reference_step = 0.9 * 2.0 / math.sqrt((frequencies.straight + frequencies.constant).max())
-
-        corner_mass = 0.25 * density * self.geometry.area
-        self.node_mass = self._to_nodes(corner_mass)
-        self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
-        contact_frequency = contact_share / self.reference_step**2  # squared, of one tool's spring [1/s^2]
-        self.contact_stiffness = contact_frequency * self.node_mass
-
-        self.step_bounds = step_bounds_struct(self.real)()
-        self.step_bounds.contact_frequency = 2.0 * contact_frequency if tool_count else 0.0
-        self.step_bounds.bending = fabric.largest_bending_stiffness
-        cell = fabric.unit_cell
-        self.step_bounds.warp, self.step_bounds.weft = cell.yarn_stiffness_per_width
-        self.step_bounds.shear = cell.shear_stiffness
-        # padding elements keep an infinite areal density: they never decide the step
-        inertia = np.stack([1.0 / density, 1.0 / frequencies.rotary_radius_squared])
-        self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)
-        self._element_arrays = self._fill_elements()
-        self.elements = self._elements(self.lane_count)
-        self.elements_single = self._elements(1)
-        self.cell_law = fabric.unit_cell.law()
-        self.cell = fabric.unit_cell.device_parameters(precision)
-        self.laws = self._sheet_laws()
-        self.nodes = self._nodes(np.asarray(free, dtype=bool))
-        self.motion_laws = self._motion_laws(contact_frequency)
+        self.reaction_count = max(sheet.places.first_reaction + sheet.block_count for sheet in self.sheets)
+        self.drives = build_device_drives(setup.supports, self.device)
+        self.samples = _sampled_meshes(setup, str(self.device))
+        self.tools = build_device_tools(setup.tools, self.real, str(self.device), self.samples)
+        self.reference_step = min(sheet.reference_step for sheet in self.sheets)
 
     @property
-    def follows_thickness(self) -> bool:
-        """True where tools meet the current thickness."""
-        return self.motion.contact_thickness == "current"
+    def sheet(self) -> SheetModel:
+        """Constants of the sheet of a run that has one.
+
+        Raises:
+            InputError: the run has several.
+        """
+        if len(self.sheets) != 1:
+            raise InputError(f"this run has {len(self.sheets)} sheets: take one of model.sheets")
+        return self.sheets[0]
 
     @property
-    def node_report_rows(self) -> tuple[str, ...]:
-        """Names of those rows of ``NodeReportRow`` that this run has."""
-        first = NodeReportRow.half_thickness if self.loads is not None else NodeReportRow.load_work
-        return NodeReportRow.names()[: None if self.follows_thickness else first]
-
-    @property
-    def sheet_traits(self) -> SheetTraits:
-        """What the kernels of this sheet are made for."""
-        return SheetTraits(
-            **law_traits(self.fabric),
-            follows_thickness=self.follows_thickness,
-            flat=self.geometry.flat,
-            skewed=bool(np.abs(self.geometry.hourglass_offset).max() > 1.0e-9),
-        )
-
-    # --- layout ------------------------------------------------------------------------------------------------------
-
-    def _to_nodes(self, per_corner: np.ndarray) -> np.ndarray:
-        total = np.zeros(self.blank.node_count)
-        for corner in range(4):
-            np.add.at(total, self.blank.quads[:, corner], per_corner)
-        return total
-
-    def _array(self, values: np.ndarray, dtype: type, shape: tuple[int, ...] | None = None) -> wp.array:
-        return wp.array(values, dtype=dtype, device=self.device, shape=shape)
-
-    @staticmethod
-    def _padded(values: np.ndarray, length: int) -> np.ndarray:
-        """``values`` with zeros up to ``length`` on the last axis."""
-        values = np.asarray(values, dtype=np.float64)
-        result = np.zeros((*values.shape[:-1], length))
-        result[..., : values.shape[-1]] = values
-        return result
-
-    def _fill_elements(self) -> dict[str, wp.array]:
-        """Arrays of the element struct, [row, element], by its field names."""
-        geometry, element_count = self.geometry, self.blank.element_count
-        quads = np.empty((4, self.element_count), dtype=np.int32)
-        quads[:, :element_count] = self.blank.quads.T
-        # padding elements sit on the four padding nodes, a unit square that never moves
-        quads[:, element_count:] = (self.blank.node_count + np.arange(4, dtype=np.int32))[:, None]
-        gradient = self._padded(geometry.gradient, self.element_count)
-        gradient[:, element_count:] = np.array([-0.5, -0.5, 0.5, -0.5])[:, None]
-        self.element_nodes = quads
-        values = {
-            "shape_gradient": gradient,
-            "hourglass_offset": self._padded(geometry.hourglass_offset, self.element_count),
-            "area": self._padded(geometry.area, self.element_count),
+    def identity(self) -> dict[str, object]:
+        """What a saved state must share with this run to continue it."""
+        elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
+        solver = self.setup.solver.model_copy(update=elsewhere)
+        return {
+            "setup": self.setup.model_copy(update={"solver": solver, "frame_count": 1}).content_hash,
+            "precision": self.precision.value,
+            "lane_count": self.lane_count,
         }
-        for name, strain in (
-            ("initial_curvature", geometry.curvature),
-            ("initial_transverse_shear", geometry.transverse_shear),
-            ("initial_hourglass", geometry.hourglass),
-        ):
-            # a flat blank never reads them
-            values[name] = np.zeros((len(strain), BLOCK)) if geometry.flat else self._padded(strain, self.element_count)
-        arrays = {name: self._array(value, self.real) for name, value in values.items()}
-        return {"corner_node": self._array(self.motion_layout.entry(0, quads), wp.int32), **arrays}
 
-    def _elements(self, lane_count: int):
-        elements = element_struct(self.real, lane_count)()
-        for name, array in self._element_arrays.items():
-            setattr(elements, name, lanes_view(array, lane_count))
-        elements.node_stride = self.motion_layout.stride
-        return elements
+    def arrays(self) -> Iterator[wp.array]:
+        """Constants of elements and nodes."""
+        for sheet in self.sheets:
+            yield from _arrays_in(sheet.elements)
+            yield from _arrays_in(sheet.nodes)
+            yield sheet.step_inertia
 
-    def _sheet_laws(self):
-        laws = sheet_laws(self.fabric, self.precision, self.device)
-        laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(self.fabric)
-        return laws
 
-    def _nodes(self, free: np.ndarray):
-        count = self.blank.node_count
-        if free.shape != (count, 6):
-            raise InputError(f"free: shape {free.shape}, but ({count}, 6) is needed")
-        if np.any(self.node_mass == 0.0):
-            raise InputError(f"blank mesh: node {int(np.argmin(self.node_mass))} belongs to no element; remove it")
-        nodes = node_struct(self.real, self.lane_count)()
-        lane_indices = self.types.indices
-        corner = np.tile(np.arange(4), self.blank.element_count)
-        element = np.repeat(np.arange(self.blank.element_count), 4)
-        node = self.blank.quads.ravel()
-        order = np.argsort(node, kind="stable")
-        slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
-        # entries of a padding element are always zero: nodes with fewer neighbours read them
-        spare = self.corners.entry(0, self.blank.element_count)
-        table = np.full((slot.max() + 1, self.node_count), spare, dtype=np.int32)
-        table[slot, node[order]] = self.corners.entry(ROWS_PER_CORNER * corner, element)[order]
-        nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
-        nodes.corner_stride = self.corners.stride
-        count_around = np.bincount(node, minlength=count)
-        angle_weight = np.where(nodes_of_odd_angle(self.blank, free), 0.0, 1.0 / count_around)
-        bits = (free @ (1 << np.arange(6))).astype(np.int32)
-        freedom = np.zeros(self.node_count, dtype=np.int32)
-        freedom[:count] = bits
-        nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
-        loads = np.zeros((LoadRow.row_count(), self.node_count if self.loads else 0, 3))
-        if self.loads:
-            loads[:, :count] = self.loads.arrays(count)
-        nodes.load = self._array(loads, self.types.vec3)
-        nodes.load_time = self._array(np.array(self.loads.times if self.loads else ()), wp.float64)
-        nodes.load_share = self._array(np.array(self.loads.shares if self.loads else ()), wp.float64)
+def _placed(setup: Setup, block_count: Callable[[Sheet], int]) -> Iterator[tuple[Sheet, World, Places]]:
+    """Every sheet with its world and its places in the arrays of the run."""
+    tool_count = drive_count = 0
+    for world in setup.worlds:
+        tools, first_reaction = Span(tool_count, tool_count + len(world.tools)), 0
+        tool_count = tools.stop
+        for sheet in world.sheets:
+            drives = Span(drive_count, drive_count + sum(len(support.drives) for support in sheet.supports))
+            yield sheet, world, Places(tools, drives, first_reaction)
+            drive_count = drives.stop
+            first_reaction += block_count(sheet)
 
-        def lanes(values):
-            return lanes_view(self._array(self._padded(values, self.node_count), self.real), self.lane_count)
 
-        nodes.angle_weight = lanes(angle_weight)
-        if self.follows_thickness:
-            nodes.thickness_weight = lanes(1.0 / count_around)
-        nodes.mass = lanes(self.node_mass)
-        nodes.inverse_mass = lanes(1.0 / self.node_mass)
-        nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
-        return nodes
+def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
+    """Distances of all triangle meshes among the tools, deep enough for the sheets of their world."""
+    samples: dict[Any, SampledDistance] = {}
+    if mesh_parts(setup.tools):
+        compile_missing(MeshKernelSet(device))
+    for world in setup.worlds:
+        samples |= sample_meshes(world.tools, device, max(sheet.fabric.thickness for sheet in world.sheets))
+    return samples
 
-    def _motion_laws(self, contact_frequency: float):
-        laws = motion_struct(self.real)()
-        laws.gravity = self.types.vec3(*self.motion.gravity)
-        laws.damping = self.motion.damping
-        laws.director_damping = self.motion.director_damping
-        laws.half_thickness = 0.5 * self.fabric.thickness
-        laws.contact_stiffness = contact_frequency
-        # c = 2 zeta sqrt(k m) with k = frequency m
-        laws.contact_damping_time = 2.0 * self.motion.contact_damping_ratio / math.sqrt(contact_frequency)
-        laws.tangential_ratio = TANGENTIAL_RATIO
-        laws.in_plane_bending_stiffness = self.fabric.in_plane_bending_stiffness
-        laws.spare_distance = SPARE_DISTANCE * 0.5 * self.fabric.thickness
-        laws.tool_count = self.tool_count
-        return laws
 
-    # --- initial values ----------------------------------------------------------------------------------------------
-
-    def initial_unknowns(self) -> np.ndarray:
-        """Of every element's unit cell at rest, (rows, padded elements)."""
-        rows = np.zeros((self.cell_law.row_count, self.element_count))
-        rows[: self.cell_law.unknown_count] = np.array(self.fabric.unit_cell.initial_unknowns)[:, None]
-        return rows
-
-    def read_motion(self, motion: wp.array) -> np.ndarray:
-        """MOTION_VECTORS of a motion array, (vectors, padded nodes, 3); waits for the device."""
-        rows = self.motion_layout.read(motion)[: 3 * len(MOTION_VECTORS)]
-        return rows.reshape(len(MOTION_VECTORS), 3, -1).transpose(0, 2, 1)
-
-    def write_motion(self, motion: wp.array, rows: np.ndarray, mean_angle: np.ndarray | None = None) -> None:
-        """Set MOTION_VECTORS of a motion array, and the mean shear angles of the nodes [rad] if given."""
-        values = self.motion_layout.read(motion)
-        values[: 3 * len(MOTION_VECTORS)] = rows.transpose(0, 2, 1).reshape(3 * len(MOTION_VECTORS), -1)
-        if mean_angle is not None:
-            values[MotionRow.mean_angle, : len(mean_angle)] = mean_angle
-        motion.assign(self.motion_layout.flat(values))
-
-    def initial_motion(self, velocity: np.ndarray | None = None) -> np.ndarray:
-        """MOTION_VECTORS at the start, (vectors, padded nodes, 3)."""
-        count = self.blank.node_count
-        rows = np.zeros((len(MOTION_VECTORS), self.node_count, 3))
-        position, velocities, director, _, remainder = rows
-        position[:count] = self.blank.node_position
-        # the padding square, far from nothing: its nodes have no contact stiffness
-        position[count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
-        director[:, 2] = 1.0
-        director[:count] = self.blank.initial_director
-        if velocity is not None:
-            velocities[:count] = velocity
-        remainder[:] = position - position.astype(self.precision.numpy)
-        return rows
+def _arrays_in(struct: Any) -> Iterator[wp.array]:
+    """Arrays of a Warp struct, and of the structs in it."""
+    for name in struct._cls.vars:
+        value = getattr(struct, name)
+        if isinstance(value, wp.array):
+            yield value
+        elif hasattr(value, "_cls"):
+            yield from _arrays_in(value)

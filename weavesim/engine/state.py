@@ -2,55 +2,129 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+from zipfile import BadZipFile
 
 import numpy as np
 import warp as wp
 
-from ..kernels.rows import CORNER_ROW_COUNT, CellReportRow, ClockEntry, MotionRow, NodeReportRow, SlipRow
+from ..errors import InputError
+from ..kernels.rows import CORNER_ROW_COUNT, CellReportRow, ClockEntry, MotionRow, NodeReportRow, SlipRow, ToolWorkRow
 from .layout import BLOCK
-from .model import Model
+
+if TYPE_CHECKING:
+    from .model import Model
+from .sheet_model import SheetModel
+
+# Of the files that ``State.save`` writes; one is read by the same version only.
+FILE_VERSION = 1
 
 
-@dataclass
-class State:
-    """All that the kernels write. Scalars are [row, element or node], padded; see kernels/rows.py for the rows."""
+@dataclass(frozen=True)
+class SheetState:
+    """What the kernels write of one sheet. Scalars are [row, element or node], padded; see ``kernels/rows.py``."""
 
-    motion: wp.array  # flat, ``Model.motion_layout``, rows MotionRow
+    motion: wp.array  # flat, ``SheetModel.motion_layout``: rows MotionRow
     cell_unknowns: wp.array  # (unknowns of the unit cell, one at least; elements)
     cell_report: wp.array  # (rows, elements), CellReportRow
     slip: wp.array  # (rows, elements), SlipRow; (rows, BLOCK) for a fabric without friction inside
-    corner_force: wp.array  # flat, ``Model.corners``, rows CornerRow
-    node_report: wp.array  # (rows, nodes), ``Model.node_report_rows``
-    friction: wp.array  # flat, ``Model.friction_layout`` [m]
+    corner_force: wp.array  # flat, ``SheetModel.corners``, rows CornerRow
+    node_report: wp.array  # (rows, nodes), ``SheetModel.node_report_rows``
+    friction: wp.array  # flat, ``SheetModel.friction_layout`` [m]
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
-    reaction: wp.array  # (tools, node blocks) vec3 [N]
-    clock: wp.array  # rows ClockEntry [s]
+    holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
 
     @classmethod
-    def initial(cls, model: Model, velocity: np.ndarray | None = None) -> State:
-        real, vec3, device = model.real, model.types.vec3, model.device
-        tool_rows = max(model.tool_count, 1)
+    def initial(cls, model: SheetModel) -> Self:
+        """The sheet at time zero."""
+        real, device, tool_rows = model.real, model.device, max(model.tool_count, 1)
         slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
         node_report = np.zeros((len(model.node_report_rows), model.node_count))
         if model.follows_thickness:
             node_report[NodeReportRow.half_thickness] = 0.5 * model.fabric.thickness
-        clock = np.zeros(ClockEntry.row_count())
-        clock[[ClockEntry.step, ClockEntry.mean_step]] = model.reference_step
         motion = wp.zeros(MotionRow.row_count() * model.node_count, dtype=real, device=device)
-        model.write_motion(motion, model.initial_motion(velocity))
+        model.write_motion(motion, model.initial_motion())
+
+        def zeros(*shape: int, dtype: type = real) -> wp.array:
+            return wp.zeros(shape if len(shape) > 1 else shape[0], dtype=dtype, device=device)
+
         return cls(
             motion=motion,
             cell_unknowns=wp.array(model.initial_unknowns(), dtype=real, device=device),
-            cell_report=wp.zeros((CellReportRow.row_count(), model.element_count), dtype=real, device=device),
-            slip=wp.zeros((SlipRow.row_count(), slip_count), dtype=real, device=device),
-            corner_force=wp.zeros(CORNER_ROW_COUNT * model.element_count, dtype=real, device=device),
+            cell_report=zeros(CellReportRow.row_count(), model.element_count),
+            slip=zeros(SlipRow.row_count(), slip_count),
+            corner_force=zeros(CORNER_ROW_COUNT * model.element_count),
             node_report=wp.array(node_report, dtype=real, device=device),
-            friction=wp.zeros(3 * tool_rows * model.node_count, dtype=real, device=device),
-            gap=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=real, device=device),
-            reaction=wp.zeros((tool_rows, model.node_count // model.lane_count), dtype=vec3, device=device),
-            clock=wp.array(clock, dtype=wp.float64, device=device),
+            friction=zeros(3 * tool_rows * model.node_count),
+            gap=zeros(tool_rows, model.block_count),
+            holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
         )
+
+
+@dataclass
+class State:
+    """All that changes in a run: a run that goes on from it gets the bits of one that never stopped.
+
+    Attributes:
+        sheets: in the order of ``Setup.sheets``.
+        tool_displacement, tool_velocity: along each tool's axis, (tool_count,) float64 [m], [m/s].
+        tool_force: of the sheets on each tool, (tool_count,) vec3d [N].
+        tool_work: rows ToolWorkRow, (rows, tool_count) float64 [J].
+        reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N].
+        drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
+            (drive_count,) [m].
+        clock: rows ClockEntry, float64 [s].
+        step_count: steps done.
+    """
+
+    sheets: tuple[SheetState, ...]
+    tool_displacement: wp.array
+    tool_velocity: wp.array
+    tool_force: wp.array
+    tool_work: wp.array
+    reaction: wp.array
+    drive_displacement: wp.array
+    drive_increment: wp.array
+    clock: wp.array
+    step_count: int = 0
+
+    @classmethod
+    def initial(cls, model: Model) -> Self:
+        """The state at time zero, before ``Stepper.start``."""
+        device, tool_count, drive_count = model.device, model.tools.count, model.drives.count
+        clock = np.zeros(ClockEntry.row_count())
+        clock[[ClockEntry.step, ClockEntry.mean_step]] = model.reference_step
+
+        def doubles(values: np.ndarray) -> wp.array:
+            return wp.array(np.asarray(values, dtype=np.float64), dtype=wp.float64, device=device)
+
+        return cls(
+            sheets=tuple(SheetState.initial(sheet) for sheet in model.sheets),
+            tool_displacement=doubles(model.tools.initial_displacement),
+            tool_velocity=doubles(model.tools.initial_velocity),
+            tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
+            tool_work=wp.zeros((ToolWorkRow.row_count(), tool_count), dtype=wp.float64, device=device),
+            reaction=wp.zeros((max(tool_count, 1), model.reaction_count), dtype=model.types.vec3, device=device),
+            drive_displacement=wp.zeros(drive_count, dtype=wp.float64, device=device),
+            drive_increment=wp.zeros(drive_count, dtype=model.real, device=device),
+            clock=doubles(clock),
+        )
+
+    @property
+    def sheet(self) -> SheetState:
+        """The sheet of a run that has one.
+
+        Raises:
+            InputError: the run has several.
+        """
+        if len(self.sheets) != 1:
+            raise InputError(f"this run has {len(self.sheets)} sheets: take one of state.sheets")
+        return self.sheets[0]
 
     @property
     def time(self) -> float:
@@ -62,16 +136,78 @@ class State:
         """Current time step [s]; waits for the device."""
         return float(self.clock.numpy()[ClockEntry.step])
 
+    def arrays(self) -> Iterator[tuple[str, wp.array]]:
+        """Every array with a name, such as ``clock`` and ``sheets/0/motion``."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, wp.array):
+                yield field.name, value
+        for index, sheet in enumerate(self.sheets):
+            for field in fields(sheet):
+                yield f"sheets/{index}/{field.name}", getattr(sheet, field.name)
 
-@dataclass
-class Ahead:
-    """What the next step will be, at the end of it; see ``State`` and ``DeviceTools`` for the rows."""
+    def clone(self) -> State:
+        """A copy with arrays of its own."""
+        own = {field.name: _copied(getattr(self, field.name)) for field in fields(self) if field.name != "sheets"}
+        sheets = tuple(
+            SheetState(**{field.name: _copied(getattr(sheet, field.name)) for field in fields(sheet)})
+            for sheet in self.sheets
+        )
+        return State(sheets=sheets, **own)
 
-    motion: wp.array
-    node_report: wp.array
-    cell_unknowns: wp.array
-    cell_report: wp.array
-    slip: wp.array
-    friction: wp.array
-    tool_velocity: wp.array
-    tool_work: wp.array
+    def copy_from(self, other: State) -> None:
+        """Take what the next step reads of a state of the same run; may be recorded."""
+        self.step_count = other.step_count
+        for (name, target), (_, source) in zip(self.arrays(), other.arrays(), strict=True):
+            # every step writes all corner forces before it reads any
+            if target.size and not name.endswith("corner_force"):
+                wp.copy(target, source)
+
+    def save(self, path: str | Path, model: Model) -> None:
+        """Write everything to one file, which ``load`` reads; the file appears whole or not at all.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        path = Path(path)
+        about = {"version": FILE_VERSION, "step_count": self.step_count, **model.identity}
+        content = {name: array.numpy() for name, array in self.arrays()}
+        temporary = path.with_name(f".{path.name}.partial")
+        try:
+            with temporary.open("wb") as file:
+                np.savez(file, about=np.array(json.dumps(about, sort_keys=True)), **content)
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    @classmethod
+    def load(cls, path: str | Path, model: Model) -> Self:
+        """The state that ``save`` wrote of a run of the same set-up, precision and lane count.
+
+        Raises:
+            InputError: a file that is missing, damaged, of another version or of another run.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                content = {name: file[name] for name in file.files}
+            about = json.loads(str(content.pop("about")))
+        except (OSError, KeyError, ValueError, BadZipFile) as error:
+            raise InputError(f"state {path}: cannot be read ({error})") from None
+        for name, wanted in {"version": FILE_VERSION, **model.identity}.items():
+            if about.get(name) != wanted:
+                raise InputError(
+                    f"state {path}: its {name.replace('_', ' ')} is {about.get(name)}, but this run has {wanted}; a "
+                    "state continues the run that wrote it"
+                )
+        state = cls.initial(model)
+        state.step_count = int(about["step_count"])
+        for name, array in state.arrays():
+            if name not in content or content[name].shape != array.numpy().shape:
+                raise InputError(f"state {path}: {name} is missing or of another shape; the file is damaged")
+            if array.size:
+                array.assign(content[name])
+        return state
+
+
+def _copied(value: wp.array | int) -> wp.array | int:
+    return wp.clone(value) if isinstance(value, wp.array) else value

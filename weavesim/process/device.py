@@ -1,4 +1,4 @@
-"""Supports as the kernels take them."""
+"""Supports as the kernels take them, and what is read back of them."""
 
 from __future__ import annotations
 
@@ -9,36 +9,53 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from ..kernels.stepping.node_data import support_struct
 from .supports import Support
 
 
 @dataclass(frozen=True)
-class DeviceSupports:
-    """Supports as the kernels take them; arrays on one device.
+class DeviceDrives:
+    """Curves of all drives of all supports of a run, as ``support_motion_kernel`` takes them; arrays on one device.
 
     Attributes:
-        struct: ``kernels.stepping.node_data.support_struct``.
-        first_piece, start, piece: curves of all drives, see ``kernels.support_motion``.
-        displacement: of each drive, (drive_count,) of float64 [m].
+        first_piece: of each drive, and the number of all pieces, (drive_count + 1,) int32.
+        start: of every piece, (piece_count,) float64 [s].
+        piece: c0 to c3 of every piece, (piece_count,) vec4d [m].
+        count: number of drives.
     """
 
-    struct: object
     first_piece: wp.array
     start: wp.array
     piece: wp.array
-    displacement: wp.array
-
-    @property
-    def drive_count(self) -> int:
-        return self.displacement.shape[0]
+    count: int
 
 
-def build_device_supports(
+def build_device_drives(supports: Sequence[Support], device: wp.context.Device) -> DeviceDrives:
+    """The curves of all drives of ``supports``, in order."""
+    curves = [drive.pieces() for support in supports for drive in support.drives]
+    return DeviceDrives(
+        first_piece=_array(np.cumsum([0, *(len(start) for start, _ in curves)]), wp.int32, device),
+        start=_array(np.concatenate([np.empty(0), *(start for start, _ in curves)]), wp.float64, device),
+        piece=_array(np.concatenate([np.empty((0, 4)), *(piece for _, piece in curves)]), wp.vec4d, device),
+        count=len(curves),
+    )
+
+
+def build_support_arrays(
     supports: Sequence[Support], node_count: int, real: type, lane_count: int, device: wp.context.Device
-) -> DeviceSupports:
-    """Arrays for ``node_motion_kernel`` and ``support_motion_kernel``; ``node_count`` is the padded one."""
-    vec3, indices = wp.types.vector(3, real), wp.types.vector(lane_count, wp.int32)
+) -> tuple[wp.array, wp.array]:
+    """Which components of the nodes of a sheet its supports hold, and the directions of its drives.
+
+    Args:
+        supports: of one sheet.
+        node_count: the padded one.
+        real: scalar type of the run.
+        lane_count: nodes per kernel thread.
+        device: of the arrays.
+
+    Returns:
+        Bits 0-2 of every node for x, y, z, (node blocks,) of lanes of int32; displacement over that of the drive,
+        (drive_count, node_count) of vec3. Both are empty without supports.
+    """
     drives = [(support, k) for support in supports for k in range(len(support.drives))]
     held = np.zeros(node_count if supports else 0, dtype=np.int32)
     direction = np.zeros((len(drives), node_count if drives else 0, 3))
@@ -46,40 +63,27 @@ def build_device_supports(
         held[support.nodes] = support.held[:3] @ (1 << np.arange(3))
     for row, (support, k) in enumerate(drives):
         direction[row, support.nodes] = support.directions(k)
-    curves = [support.drives[k].pieces() for support, k in drives]
-
-    def array(data: np.ndarray, dtype: type) -> wp.array:
-        vectors = hasattr(dtype, "_shape_")
-        shape = data.shape[:-1] if vectors else data.shape
-        return wp.array(data, dtype=dtype, device=device) if data.size else wp.zeros(shape, dtype=dtype, device=device)
-
-    increment = wp.zeros(len(drives), dtype=real, device=device)
-    struct = support_struct(real, lane_count)()
-    struct.held = array(held.reshape(-1, lane_count), indices)
-    struct.direction = array(direction, vec3)
-    struct.increment = increment
-    struct.holding = wp.zeros(node_count if supports else 0, dtype=vec3, device=device)
-    return DeviceSupports(
-        struct=struct,
-        first_piece=array(np.cumsum([0, *(len(start) for start, _ in curves)]), wp.int32),
-        start=array(np.concatenate([np.empty(0), *(start for start, _ in curves)]), wp.float64),
-        piece=array(np.concatenate([np.empty((0, 4)), *(piece for _, piece in curves)]), wp.vec4d),
-        displacement=wp.zeros(len(drives), dtype=wp.float64, device=device),
+    return (
+        _array(held.reshape(-1, lane_count), wp.types.vector(lane_count, wp.int32), device),
+        _array(direction, wp.types.vector(3, real), device),
     )
 
 
-def support_outputs(supports: Sequence[Support], device: DeviceSupports) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Forces on the sheet (support_count, 3) [N], displacements and forces of all drives (drive_count,) [m], [N].
+def _array(data: np.ndarray, dtype: type, device: wp.context.Device) -> wp.array:
+    shape = data.shape[:-1] if hasattr(dtype, "_shape_") else data.shape
+    return wp.array(data, dtype=dtype, device=device) if data.size else wp.zeros(shape, dtype=dtype, device=device)
+
+
+def support_forces(supports: Sequence[Support], holding: np.ndarray) -> tuple[list[list[float]], list[float]]:
+    """Force of each support on its sheet, (support_count, 3) [N], and that along each of their drives [N].
 
     Sums run over the nodes in the order of the support, in double precision.
+
+    Args:
+        supports: of one sheet.
+        holding: force of the supports on every node of the sheet, (node_count, 3) [N].
     """
-    holding = device.struct.holding.numpy().astype(np.float64)
+    holding = holding.astype(np.float64)
     force = [[math.fsum(component) for component in holding[s.nodes].T] for s in supports]
-    drive_force = [
-        math.fsum((holding[s.nodes] * s.directions(k)).ravel()) for s in supports for k in range(len(s.drives))
-    ]
-    return (
-        np.array(force).reshape(-1, 3),
-        device.displacement.numpy().copy(),
-        np.array(drive_force),
-    )
+    along = [math.fsum((holding[s.nodes] * s.directions(k)).ravel()) for s in supports for k in range(len(s.drives))]
+    return force, along

@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import InputError
 
 if TYPE_CHECKING:
+    from ..engine.setup import Setup
     from ..fabric.fabric import Fabric
     from ..process.supports import Support
     from ..sheet.blank import Blank
@@ -61,6 +62,7 @@ class RunInfo:
         internal_energies: names of the entries of the ledger whose sum is the internal energy.
         warnings: what a user should know; the run adds to this list until it ends.
         notes: what was found about the input.
+        setup: all that the run is given.
     """
 
     name: str
@@ -75,6 +77,7 @@ class RunInfo:
     internal_energies: tuple[str, ...] = ()
     warnings: list[str] = field(default_factory=list)
     notes: tuple[str, ...] = ()
+    setup: Setup | None = None
 
     @property
     def sheet(self) -> SheetInfo:
@@ -113,12 +116,7 @@ class SheetFrame:
         name: of the sheet.
         position: nodes, (node_count, 3) [m].
         director: unit directors, (node_count, 3).
-        fields: one value per element, (element_count,): shear_angle [rad], warp_stretch, weft_stretch,
-            warp_force and weft_force [N/m], crossover_pressure between warp and weft per reference area [N/m^2],
-            crossover_force [N] (if the cell has a crossover_area), area_ratio,
-            shear_moment (elastic and friction, without in-plane bending) [N/m], thickness [m],
-            fibre_volume_fraction (if the fabric gives its fibre content), unit_cell_residual (worst so far),
-            unit_cell_iterations, unit_cell_failed (0 or 1).
+        fields: one value per element, (element_count,), by name: those of ``weavesim.run.fields``, in SI units.
         energies: the entries of the ledger that belong to one sheet [J], by name.
     """
 

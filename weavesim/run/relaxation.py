@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..engine.sheet_model import SheetModel
+from ..engine.state import SheetState, State
 from ..errors import InputError, RunError
 from ..kernels.rows import ClockEntry, LoadRow, MotionRow, NodeReportRow
 from ..process.strokes import ForceDriven
@@ -59,13 +61,12 @@ def relax(simulation: Simulation, *, tolerance: float = 1.0e-3, largest_step_cou
             f"relax: tolerance = {tolerance} and largest_step_count = {largest_step_count}; both must be positive"
         )
     relaxation = _Relaxation(simulation, tolerance, largest_step_count)
-    given = simulation.model.motion
     try:
         while relaxation.residual > tolerance:
             relaxation.find_frequency()
             relaxation.damp()
     finally:
-        simulation.stepper.set_damping(given.damping, given.director_damping)
+        simulation.stepper.set_damping(None)
     simulation.take_frame()
     return Equilibrium(relaxation.residual, relaxation.step_count, relaxation.frequency)
 
@@ -75,8 +76,9 @@ class _Relaxation:
         self.simulation, self.tolerance, self.largest_step_count = simulation, tolerance, largest_step_count
         self.first_step, self.residual, self.frequency = simulation.stepper.step_count, math.inf, 0.0
         self.damping = 0.0
-        self.driven = np.array([isinstance(tool.motion, ForceDriven) for tool in simulation.tools], dtype=bool)
-        self.extent = np.ptp(simulation.blank.node_position, axis=0).max()
+        tools = simulation.setup.tools
+        self.driven = np.array([isinstance(tool.motion, ForceDriven) for tool in tools], dtype=bool)
+        self.tool_mass = np.array([getattr(tool.motion, "mass", 0.0) for tool in tools])
 
     @property
     def step_count(self) -> int:
@@ -84,7 +86,7 @@ class _Relaxation:
 
     def set_damping(self, rate: float) -> None:
         self.damping = rate
-        self.simulation.stepper.set_damping(rate, rate)
+        self.simulation.stepper.set_damping(rate)
 
     def advance(self) -> None:
         if self.step_count >= self.largest_step_count:
@@ -131,46 +133,42 @@ class _Relaxation:
 
     def kinetic(self) -> float:
         """Kinetic energy of the free components half a step ago [J]."""
-        model, free = self.simulation.model, self.simulation.free
-        velocity, spin = self.rates(self.simulation.state.motion)
-        return 0.5 * float(
-            model.node_mass @ np.square(velocity * free[:, :3]).sum(axis=1)
-            + model.node_inertia @ np.square(spin).sum(axis=1)
-        )
+        total = 0.0
+        for sheet, own in zip(self.simulation.model.sheets, self.simulation.state.sheets, strict=True):
+            velocity, spin = rates(sheet, own)
+            total += 0.5 * float(
+                sheet.node_mass @ np.square(velocity * sheet.free[:, :3]).sum(axis=1)
+                + sheet.node_inertia @ np.square(spin).sum(axis=1)
+            )
+        return total
 
-    def rates(self, motion) -> tuple[np.ndarray, np.ndarray]:
-        """Velocities and spins of a motion array."""
-        vectors = self.simulation.model.read_motion(motion)[:, : self.simulation.blank.node_count].astype(np.float64)
-        return vectors[MotionRow.velocity.vector], vectors[MotionRow.spin.vector]
-
-    def look(self):
-        """Find the residual. Returns velocities and spins of half a step ago, and their changes in the next step."""
-        simulation = self.simulation
-        model, stepper, state, free = simulation.model, simulation.stepper, simulation.state, simulation.free[:, :3]
+    def look(self) -> tuple[State, list[_Change]]:
+        """Find the residual. Returns the state after the next step, and what the step changes in every sheet."""
+        model, stepper, state = self.simulation.model, self.simulation.stepper, self.simulation.state
         mean_step = float(state.clock.numpy()[ClockEntry.mean_step])
         ahead = stepper.look_ahead()
-        velocity, spin = self.rates(state.motion)
-        next_velocity, next_spin = self.rates(ahead.motion)
-        change, turn = next_velocity - velocity, next_spin - spin
-
-        def total(forces: np.ndarray, couples: np.ndarray) -> float:
-            return float(np.linalg.norm(forces, axis=1).sum() + np.linalg.norm(couples, axis=1).sum() / self.extent)
-
-        # without the force of the damping, which vanishes with the motion
-        acceleration = change / mean_step + self.damping * np.where(free, velocity + 0.5 * change, 0.0)
-        turning = turn / mean_step + self.damping * (spin + 0.5 * turn)
-        unbalanced = total(model.node_mass[:, None] * acceleration, model.node_inertia[:, None] * turning)
-        loads = np.zeros((LoadRow.row_count(), simulation.blank.node_count, 3))
-        if model.loads is not None:
-            loads += model.loads.share(state.time) * model.loads.arrays(simulation.blank.node_count)
-        loads[LoadRow.force] += model.node_mass[:, None] * np.array(model.motion.gravity)
-        # what supports and tools bear
-        borne = np.linalg.norm(np.where(free, 0.0, stepper.nodal_forces() + loads[LoadRow.force]), axis=1).sum()
-        borne += np.linalg.norm(stepper.tools.total_reaction.numpy(), axis=1).sum() if len(self.driven) else 0.0
-        self.residual = unbalanced / max(total(*loads), float(borne), 1.0e-300)
+        changes = []
+        unbalanced = applied = borne = 0.0
+        for index, sheet in enumerate(model.sheets):
+            free, extent = sheet.free[:, :3], np.ptp(sheet.blank.node_position, axis=0).max()
+            velocity, spin = rates(sheet, state.sheets[index])
+            next_velocity, next_spin = rates(sheet, ahead.sheets[index])
+            change, turn = next_velocity - velocity, next_spin - spin
+            changes.append(_Change(velocity, change, spin, turn))
+            # without the force of the damping, which vanishes with the motion
+            acceleration = change / mean_step + self.damping * np.where(free, velocity + 0.5 * change, 0.0)
+            turning = turn / mean_step + self.damping * (spin + 0.5 * turn)
+            unbalanced += size(sheet.node_mass[:, None] * acceleration, sheet.node_inertia[:, None] * turning, extent)
+            loads = applied_loads(sheet, state.time)
+            applied += size(*loads, extent)
+            # what supports bear
+            forces = stepper.nodal_forces(index, ahead) + loads[LoadRow.force]
+            borne += float(np.linalg.norm(np.where(free, 0.0, forces), axis=1).sum())
+        borne += float(np.linalg.norm(state.tool_force.numpy(), axis=1).sum()) if len(self.driven) else 0.0
+        self.residual = unbalanced / max(applied, borne, 1.0e-300)
         if not math.isfinite(self.residual):
             raise RunError(f"relax: the state became non-finite after {self.step_count} steps")
-        return ahead, velocity, change, spin, turn
+        return ahead, changes
 
     def stop(self) -> None:
         """Take the motion out and book its energy as damped.
@@ -178,27 +176,74 @@ class _Relaxation:
         The velocities become those of half a step before a start from rest. With zeros the coming half step would be a
         whole one, and vibrations near the stable limit would grow from stop to stop.
         """
-        ahead, velocity, change, spin, turn = self.look()
-        model, state, tools = self.simulation.model, self.simulation.state, self.simulation.stepper.tools
-        count, free = self.simulation.blank.node_count, self.simulation.free[:, :3]
-        # works up to this instant, as the ledger takes them; the next step counts from rest
-        report = state.node_report.numpy()
-        works = [row for row, name in enumerate(model.node_report_rows) if not name.startswith("half_thickness")]
-        report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
-        damped = report[NodeReportRow.damping_loss, :count]
-        damped += 0.5 * (
-            model.node_mass * ((velocity * (velocity + change) + 0.25 * change**2) * free).sum(axis=1)
-            + model.node_inertia * (spin * (spin + turn) + 0.25 * turn**2).sum(axis=1)
+        ahead, changes = self.look()
+        state, of_tools = self.simulation.state, self.stop_tools(ahead)
+        for sheet, own, later, change in zip(
+            self.simulation.model.sheets, state.sheets, ahead.sheets, changes, strict=True
+        ):
+            book(sheet, own, later, change.energy(sheet), of_tools)
+            of_tools = 0.0
+            count, free = sheet.blank.node_count, sheet.free[:, :3]
+            motion = sheet.read_motion(own.motion)
+            motion[MotionRow.velocity.vector, :count][free] = -0.5 * change.velocity_change[free]
+            motion[MotionRow.spin.vector, :count] = -0.5 * change.spin_change
+            sheet.write_motion(own.motion, motion)
+
+    def stop_tools(self, ahead: State) -> float:
+        """Likewise for the tools that a force moves; returns the energy that they lose [J]."""
+        if not self.driven.any():
+            return 0.0
+        state = self.simulation.state
+        speed, next_speed = state.tool_velocity.numpy(), ahead.tool_velocity.numpy()
+        state.tool_velocity.assign(np.where(self.driven, 0.5 * (speed - next_speed), speed))
+        return 0.125 * float(self.tool_mass @ np.square(speed + next_speed))
+
+
+@dataclass(frozen=True)
+class _Change:
+    """Rates of the nodes of a sheet half a step ago, and what the next step changes of them."""
+
+    velocity: np.ndarray
+    velocity_change: np.ndarray
+    spin: np.ndarray
+    spin_change: np.ndarray
+
+    def energy(self, sheet: SheetModel) -> np.ndarray:
+        """Kinetic energy of every node at the instant of the positions, (node_count,) [J]."""
+        velocity, change, spin, turn = self.velocity, self.velocity_change, self.spin, self.spin_change
+        return 0.5 * (
+            sheet.node_mass * ((velocity * (velocity + change) + 0.25 * change**2) * sheet.free[:, :3]).sum(axis=1)
+            + sheet.node_inertia * (spin * (spin + turn) + 0.25 * turn**2).sum(axis=1)
         )
-        motion = model.read_motion(state.motion)
-        motion[MotionRow.velocity.vector, :count][free] = -0.5 * change[free]
-        motion[MotionRow.spin.vector, :count] = -0.5 * turn
-        if self.driven.any():
-            speed = tools.velocity.numpy()
-            next_speed = ahead.tool_velocity.numpy()
-            mass = np.array([getattr(tool.motion, "mass", 0.0) for tool in self.simulation.tools])
-            # no node moves a tool: any one of them may book its loss
-            damped[0] += 0.125 * float(mass @ np.square(speed + next_speed))
-            tools.velocity.assign(np.where(self.driven, 0.5 * (speed - next_speed), speed))
-        state.node_report.assign(report)
-        model.write_motion(state.motion, motion)
+
+
+def rates(sheet: SheetModel, state: SheetState) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and spins of the nodes."""
+    vectors = sheet.read_motion(state.motion)[:, : sheet.blank.node_count].astype(np.float64)
+    return vectors[MotionRow.velocity.vector], vectors[MotionRow.spin.vector]
+
+
+def size(forces: np.ndarray, couples: np.ndarray, extent: float) -> float:
+    """Sum of the sizes of forces [N], and of couples over a length [m]."""
+    return float(np.linalg.norm(forces, axis=1).sum() + np.linalg.norm(couples, axis=1).sum() / extent)
+
+
+def applied_loads(sheet: SheetModel, time: float) -> np.ndarray:
+    """Loads and weight of the nodes, rows LoadRow, (rows, node_count, 3) [N], [N m]."""
+    loads = np.zeros((LoadRow.row_count(), sheet.blank.node_count, 3))
+    if sheet.loads is not None:
+        loads += sheet.loads.share(time) * sheet.loads.arrays(sheet.blank.node_count)
+    loads[LoadRow.force] += sheet.node_mass[:, None] * np.array(sheet.dynamics.gravity)
+    return loads
+
+
+def book(sheet: SheetModel, state: SheetState, ahead: SheetState, damped: np.ndarray, of_tools: float) -> None:
+    """Bring the works of the nodes to this instant, as the ledger takes them, and add what is damped [J]."""
+    report = state.node_report.numpy()
+    works = [row for row, name in enumerate(sheet.node_report_rows) if not name.startswith("half_thickness")]
+    # the next step counts from rest
+    report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
+    report[NodeReportRow.damping_loss, : len(damped)] += damped
+    # no node moves a tool: any one of them may book its loss
+    report[NodeReportRow.damping_loss, 0] += of_tools
+    state.node_report.assign(report)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -11,7 +12,7 @@ from ..arrays import BoolArray, FloatArray
 from ..checks import Finite, Parameters
 from ..fabric.fabric import Fabric
 from ..process.loads import NodalLoads
-from ..process.supports import Support
+from ..process.supports import Support, prescribe_start
 from .blank import Blank
 from .symmetry import AXES, Symmetry
 
@@ -90,6 +91,21 @@ class Sheet(Parameters):
                             f"support {support.name}: drive {k} moves a node off the symmetry plane {plane} = 0; its "
                             f"{plane} must stay 0 there"
                         )
+
+    @cached_property
+    def oriented_blank(self) -> Blank:
+        """The blank with its yarn directions turned by ``orientation``."""
+        if self.orientation == 0.0:
+            return self.blank
+        cosine, sine = np.cos(np.radians(self.orientation)), np.sin(np.radians(self.orientation))
+        warp, weft = self.blank.warp_direction, self.blank.weft_direction
+        turned = {"warp_direction": cosine * warp + sine * weft, "weft_direction": cosine * weft - sine * warp}
+        return self.blank.model_copy(update=turned)
+
+    @property
+    def start_velocity(self) -> np.ndarray | None:
+        """``initial_velocity`` with that of the supports in the components that they hold, (node_count, 3) [m/s]."""
+        return prescribe_start(self.supports, self.initial_velocity, self.blank.node_count)
 
     def freedom(self, symmetry: Symmetry) -> np.ndarray:
         """``free`` with what the supports and the planes of ``symmetry`` hold, (node_count, 6) bool."""

@@ -17,7 +17,7 @@ from ..kernels.stepping.tools import FORCE, STROKE, ToolDrive
 from ..process.strokes import ForceDriven
 from .mesh_tool import MeshShape
 from .sampling import SampledDistance, Samples
-from .shapes import IDENTITY, Shape
+from .shapes import Shape
 
 if TYPE_CHECKING:
     from .tool import Tool
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DeviceTools:
-    """Tools as the kernels take them; arrays on one device.
+    """What is constant of all tools of a run, as the kernels take it; arrays on one device.
 
     Attributes:
         tool: ``kernels.contact.tool_distance.tool_struct(real)``, (tool_count,).
@@ -33,13 +33,8 @@ class DeviceTools:
         drive: ``kernels.stepping.tools.ToolDrive``, (tool_count,).
         axis: directions of motion, (tool_count,) of vec3d.
         curve_times, curve_values: knots of all motions [s], [m] or [N], (knot_count,) of float64.
-        displacement: along each axis, (tool_count,) of float64 [m]; its value at time zero.
-        velocity: likewise [m/s].
-        total_reaction: force of the sheet on each tool, (tool_count,) of vec3d [N].
-        work: rows: work of the tool on the sheet, work of the driving force; (2, tool_count) of float64 [J].
+        initial_displacement, initial_velocity: along each axis at time zero, (tool_count,) [m], [m/s].
         samples: keeps the sampled volumes alive that ``part`` refers to.
-        shape_kinds: of all parts, in alphabetical order; see kernels/contact/tool_shapes.py.
-        rotated: True if some part is.
     """
 
     tool: wp.array
@@ -48,13 +43,9 @@ class DeviceTools:
     axis: wp.array
     curve_times: wp.array
     curve_values: wp.array
-    displacement: wp.array
-    velocity: wp.array
-    total_reaction: wp.array
-    work: wp.array
+    initial_displacement: np.ndarray
+    initial_velocity: np.ndarray
     samples: tuple[SampledDistance, ...]
-    shape_kinds: tuple[str, ...]
-    rotated: bool
 
     @property
     def count(self) -> int:
@@ -78,6 +69,8 @@ def build_device_tools(
     parts = [part for tool in tools for part in tool.shape.parts()]
     curves = [tool.motion.curve() for tool in tools]
 
+    start = np.array([_at_start(tool, *curve) for tool, curve in zip(tools, curves, strict=True)]).reshape(-1, 2)
+
     def array(data: list | np.ndarray, dtype: type) -> wp.array:
         return wp.array(data, dtype=dtype, device=device) if len(data) else wp.empty(0, dtype=dtype, device=device)
 
@@ -88,13 +81,9 @@ def build_device_tools(
         axis=array([tool.axis for tool in tools], wp.vec3d),
         curve_times=array(np.concatenate([np.empty(0), *(times for times, _ in curves)]), wp.float64),
         curve_values=array(np.concatenate([np.empty(0), *(values for _, values in curves)]), wp.float64),
-        displacement=array([_at_start(tool, *curve)[0] for tool, curve in zip(tools, curves, strict=True)], wp.float64),
-        velocity=array([_at_start(tool, *curve)[1] for tool, curve in zip(tools, curves, strict=True)], wp.float64),
-        total_reaction=wp.zeros(len(tools), dtype=wp.vec3d, device=device),
-        work=wp.zeros((2, len(tools)), dtype=wp.float64, device=device),
+        initial_displacement=start[:, 0],
+        initial_velocity=start[:, 1],
         samples=tuple(samples.values()),
-        shape_kinds=tuple(sorted({part.distance_function for part in parts})),
-        rotated=any(part.rotation != IDENTITY for part in parts),
     )
 
 

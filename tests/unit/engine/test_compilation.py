@@ -50,8 +50,9 @@ def made(name: str, precision: str) -> list[Simulation]:
 
 def launched_by(simulation: Simulation) -> list[wp.Kernel]:
     """All that a run launches once its tools are sampled."""
-    distance = [command.kernel for command in simulation.ledger._tool_distances]
-    return [*simulation.stepper.kernels, simulation.ledger._kernel, *distance]
+    (ledger,) = simulation.ledger.sheets
+    distance = [command.kernel for command in ledger._tool_distances]
+    return [*simulation.stepper.kernels, ledger._kernel, *distance]
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -88,13 +89,13 @@ RUNS = {
 @pytest.mark.parametrize("name", RUNS)
 def test_a_run_takes_all_of_its_set_and_nothing_else(name):
     simulation = small_run(**RUNS[name]())
-    kernel_set = simulation.stepper.kernel_set
+    (kernel_set,) = simulation.stepper.kernel_sets
     assert {id(kernel) for kernel in launched_by(simulation)} == {id(kernel) for kernel in kernel_set.kernels()}
     assert pickle.loads(pickle.dumps(kernel_set)) == kernel_set
 
 
 def test_what_is_loaded_is_not_missing():
-    kernel_set = small_run().stepper.kernel_set
+    (kernel_set,) = small_run().stepper.kernel_sets
     compile_kernels(kernel_set, process_count=1)
     assert missing(kernel_set) == []
 
@@ -135,11 +136,11 @@ def test_the_command_line_compiles_side_by_side_what_is_missing(monkeypatch, tmp
 def test_runs_look_for_their_kernels_before_they_load_them(monkeypatch):
     asked = []
     monkeypatch.setattr("weavesim.engine.stepper.compile_missing", asked.append)
-    monkeypatch.setattr("weavesim.run.simulation.compile_missing", asked.append)
+    monkeypatch.setattr("weavesim.engine.model.compile_missing", asked.append)
     ball = Sphere(radius=0.01).display_mesh()
     mesh = MeshShape.from_triangles(ball.vertices, ball.faces, spacing=2e-3, origin=(0.0, 0.0, -0.012))
     simulation = small_run(tools=[Tool("ball", mesh)])
-    assert asked == [MeshKernelSet("cpu"), simulation.stepper.kernel_set]
+    assert asked == [MeshKernelSet("cpu"), *simulation.stepper.kernel_sets]
 
 
 @pytest.mark.slow

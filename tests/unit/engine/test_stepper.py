@@ -1,7 +1,6 @@
 """How a step is shared out to threads and tiles, and what it launches."""
 
 import platform
-from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ from weavesim.kernels.stepping.machine import flush_subnormals, restore_subnorma
 from weavesim.kernels.stepping.step import look_at_clock
 from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Drive, Support
+from weavesim.run.diagnosis import find_failure
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 
@@ -37,6 +37,7 @@ def test_a_step_is_three_launches(monkeypatch, driven):
     drive = Drive(Stroke((0.0, 1.0), (0.0, 0.01)), (1.0, 0.0, 0.0))
     supports = (Support("edge", np.arange(11), drives=(drive,)),) if driven else ()
     simulation = free_sheet(monkeypatch, supports=supports)
+    simulation.prepare()
     launched = []
     monkeypatch.setattr(wp, "launch", lambda kernel, **given: launched.append(kernel.key))
     stepper = simulation.stepper
@@ -70,7 +71,8 @@ def thrown_sheet(monkeypatch, **given) -> Simulation:
 
 def arrived(simulation: Simulation) -> tuple[int, bytes, bytes]:
     """Steps, clock and motion, to the last bit."""
-    return simulation.stepper.step_count, *(getattr(simulation.state, k).numpy().tobytes() for k in ("clock", "motion"))
+    state = simulation.state
+    return state.step_count, state.clock.numpy().tobytes(), state.sheet.motion.numpy().tobytes()
 
 
 INTERVAL_BLOCK_COUNT = 60
@@ -110,7 +112,7 @@ def test_an_interval_of_one_launch_ends_there_too(monkeypatch, block_by_block, l
     simulation.stepper.advance_to(target)
     assert arrived(simulation) == expected
     assert len(launched) == -(-INTERVAL_BLOCK_COUNT // largest)
-    simulation.stepper.set_damping(0.0, 0.0)
+    simulation.stepper.set_damping(0.0)
     simulation.stepper.advance_to(2.0 * target)
     assert simulation.state.time - 2.0 * target < REFRESH_INTERVAL * simulation.state.step
 
@@ -125,7 +127,7 @@ def test_a_gpu_launches_whole_intervals(monkeypatch):
         assert there.stepper.step_count == here.stepper.step_count
         assert there.state.time == pytest.approx(here.state.time, rel=1e-6)
         motion = [
-            simulation.model.read_motion(simulation.state.motion)[MotionRow.position.vector]
+            simulation.model.sheet.read_motion(simulation.state.sheet.motion)[MotionRow.position.vector]
             for simulation in (there, here)
         ]
         assert np.abs(motion[0] - motion[1]).max() < 1e-6
@@ -140,13 +142,13 @@ def test_a_lost_state_ends_the_interval(monkeypatch, lane_count, row, value, lau
     simulation = thrown_sheet(monkeypatch, lane_count=lane_count)
     load_kernel(look_at_clock, simulation.model.device)
     simulation.stepper.launches_intervals = launches_intervals
-    motion = simulation.model.read_motion(simulation.state.motion)
+    motion = simulation.model.sheet.read_motion(simulation.state.sheet.motion)
     motion[MOTION_VECTORS.index(row), 60, 1] = value
-    simulation.model.write_motion(simulation.state.motion, motion)
+    simulation.model.sheet.write_motion(simulation.state.sheet.motion, motion)
     simulation.stepper.advance_to(1.0)
     # that of the first block, or of the first turn of several
     assert simulation.stepper.step_count <= (1 if launches_intervals else 50) * REFRESH_INTERVAL
-    assert simulation._find_failure()
+    assert find_failure(simulation.model, simulation.state, simulation.frame)
 
 
 def test_an_interval_ends_when_it_is_told_to(monkeypatch):
@@ -195,8 +197,8 @@ def test_large_sheets_record_a_step_instead_of_a_block(monkeypatch, threads):
 
 def test_no_number_of_threads_given_means_all_that_may_be_fastest(monkeypatch):
     monkeypatch.setattr("weavesim.device.available_threads", lambda: 6)
-    assert free_sheet(monkeypatch, threads=None).thread_counts == (1, 2, 4, 6)
-    assert free_sheet(monkeypatch, threads=3).thread_counts == (3,)
+    assert free_sheet(monkeypatch, threads=None).info.thread_counts == (1, 2, 4, 6)
+    assert free_sheet(monkeypatch, threads=3).info.thread_counts == (3,)
     simulation = free_sheet(monkeypatch, threads=None, duration=1e-3, frame_count=2)
     simulation.run()
     assert simulation.summary()["threads"] in (1, 2, 4, 6)
@@ -209,18 +211,18 @@ def test_phases_can_be_timed_and_change_nothing(monkeypatch):
 
     def everything() -> dict[str, bytes]:
         # the forces at the corners are of the last step, and nothing later reads them
-        names = {field.name for field in fields(state)} - {"corner_force"}
-        return {name: getattr(state, name).numpy().tobytes() for name in names}
+        return {name: array.numpy().tobytes() for name, array in state.arrays() if not name.endswith("corner_force")}
 
     before = everything()
     phases = simulation.stepper.phases(3)
     assert list(phases) == ["copy", "elements", "nodes and contact", "tools", "stable step (every 20th)"]
-    state.corner_force.zero_()
+    corner_force = simulation.stepper.look_ahead().sheet.corner_force
+    corner_force.zero_()
     phases["copy"]()
-    assert np.abs(state.corner_force.numpy()).max() == 0.0
+    assert np.abs(corner_force.numpy()).max() == 0.0
     for phase in phases.values():
         phase()
-    assert np.abs(state.corner_force.numpy()).max() > 0.0
+    assert np.abs(corner_force.numpy()).max() > 0.0
     assert everything() == before
 
 
@@ -230,7 +232,7 @@ def test_arrays_are_all_of_the_state_once(monkeypatch):
     pointers = [array.ptr for array in arrays]
     assert len(set(pointers)) == len(pointers)
     state = simulation.state
-    for array in (state.motion, state.corner_force, state.clock, simulation.model.elements.area):
+    for array in (state.sheet.motion, state.sheet.corner_force, state.clock, simulation.model.sheet.elements.area):
         assert array.ptr in pointers
 
 

@@ -84,7 +84,7 @@ def test_a_tool_may_touch_the_blank_and_reach_up_to_half_its_thickness_into_it(h
 def test_a_mesh_must_be_sampled_beyond_the_thickness():
     with pytest.raises(InputError, match=r"table 0: .* distance of 0\.001 m, but the sheet is 0\.0012 m thick"):
         small_run(tools=[mesh_table(reach=1.0e-3)])
-    assert small_run(tools=[mesh_table(reach=1.3e-3)]).notes
+    assert small_run(tools=[mesh_table(reach=1.3e-3)]).info.notes
 
 
 def test_an_unstable_time_step_is_refused_with_the_stable_one():

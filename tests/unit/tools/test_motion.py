@@ -1,6 +1,7 @@
 """Motion curves, and the kernel that moves the tools by them."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weavesim.errors import InputError
-from weavesim.kernels.rows import ClockEntry
+from weavesim.kernels.rows import ClockEntry, ToolWorkRow
 from weavesim.kernels.stepping.tools import tool_motion_kernel
 from weavesim.process.strokes import Fixed, ForceDriven, SmoothStroke, Stroke
 from weavesim.tools.device import build_device_tools
@@ -17,8 +18,17 @@ from weavesim.tools.shapes import Plane
 from weavesim.tools.tool import Tool
 
 
+class Tools(NamedTuple):
+    """What the kernel writes, in its order."""
+
+    displacement: wp.array
+    velocity: wp.array
+    force: wp.array
+    work: wp.array
+
+
 def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0)):
-    """Displacement and velocity after each step, (step_count, tool_count), and the device's arrays."""
+    """Displacement and velocity after each step, (step_count, tool_count), and all that the kernel wrote."""
     device = build_device_tools(tools, wp.float64, "cpu")
     clock = np.zeros(ClockEntry.row_count())
     clock[ClockEntry.step] = clock[ClockEntry.mean_step] = step
@@ -26,18 +36,24 @@ def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0)):
     # each tool feels the reaction in two blocks
     half = np.tile(0.5 * np.array(reaction), (len(tools), 2, 1))
     reactions = wp.array(half, dtype=wp.vec3d, device="cpu")
+    state = Tools(
+        wp.array(device.initial_displacement, dtype=wp.float64, device="cpu"),
+        wp.array(device.initial_velocity, dtype=wp.float64, device="cpu"),
+        wp.zeros(len(tools), dtype=wp.vec3d, device="cpu"),
+        wp.zeros((ToolWorkRow.row_count(), len(tools)), dtype=wp.float64, device="cpu"),
+    )
     displacement, velocity = [], []
     for _ in range(step_count):
         wp.launch(
             tool_motion_kernel(wp.float64),
             dim=1,
             inputs=[device.drive, device.axis, device.curve_times, device.curve_values, reactions],
-            outputs=[clock, device.displacement, device.velocity, device.total_reaction, device.work],
+            outputs=[clock, *state],
             device="cpu",
         )
-        displacement.append(device.displacement.numpy().copy())
-        velocity.append(device.velocity.numpy().copy())
-    return np.array(displacement), np.array(velocity), device
+        displacement.append(state.displacement.numpy().copy())
+        velocity.append(state.velocity.numpy().copy())
+    return np.array(displacement), np.array(velocity), state
 
 
 def tool(motion, axis=(0.0, 0.0, -1.0)):
@@ -81,31 +97,31 @@ def test_stroke_kernel_interpolates_like_numpy(knots):
     times = np.cumsum([gap for gap, _ in knots]) - 0.01
     stroke = Stroke(tuple(times), tuple(value for _, value in knots))
     others = (tool(Fixed()), tool(Stroke.smooth(0.06, 1.0, 0.01)))
-    displacement, velocity, device = run([others[0], tool(stroke), others[1]], 1e-3, 80)
+    displacement, velocity, state = run([others[0], tool(stroke), others[1]], 1e-3, 80)
     at = 1e-3 * np.arange(1, 81)
     for k, motion in ((0, Fixed()), (1, stroke), (2, others[1].motion)):
         expected = np.interp(at, *motion.curve())
         np.testing.assert_allclose(displacement[:, k], expected, atol=1e-15)
         before = np.interp(at - 1e-3, *motion.curve())
         np.testing.assert_allclose(velocity[:, k], (expected - before) / 1e-3, atol=1e-10)
-    start = build_device_tools([tool(stroke)], wp.float64, "cpu").displacement.numpy()
+    start = build_device_tools([tool(stroke)], wp.float64, "cpu").initial_displacement
     assert start[0] == pytest.approx(np.interp(0.0, *stroke.curve()))
-    assert device.count == 3
+    assert len(state.displacement) == 3
 
 
 def test_driven_tool_falls_as_newton_says():
     mass, force, along, step, count = 2.0, 100.0, -30.0, 1e-4, 500
     axis = np.array([0.6, 0.0, -0.8])
     reaction = along * axis + 7.0 * np.array([0.8, 0.0, 0.6])  # the sideways part does nothing
-    displacement, velocity, device = run([tool(ForceDriven.constant(force, mass), axis)], step, count, reaction)
+    displacement, velocity, state = run([tool(ForceDriven.constant(force, mass), axis)], step, count, reaction)
     acceleration = (force + along) / mass
     n = np.arange(1, count + 1)
     np.testing.assert_allclose(velocity[:, 0], acceleration * n * step, rtol=1e-12)
     np.testing.assert_allclose(displacement[:, 0], acceleration * step**2 * n * (n + 1) / 2, rtol=1e-10)
-    np.testing.assert_allclose(device.total_reaction.numpy()[0], reaction, atol=1e-12)
+    np.testing.assert_allclose(state.force.numpy()[0], reaction, atol=1e-12)
     # half of the step before and half of the one to come; the last half is still to come
     travel = step * (velocity[:, 0].sum() - 0.5 * velocity[-1, 0])
-    on_sheet, driving = device.work.numpy()[:, 0]
+    on_sheet, driving = state.work.numpy()[:, 0]
     np.testing.assert_allclose([on_sheet, driving], [-along * travel, force * travel], rtol=1e-12)
     assert driving - on_sheet == pytest.approx(0.5 * mass * velocity[-1, 0] ** 2, rel=1e-12)
 
@@ -131,15 +147,14 @@ def test_device_arrays_hold_what_the_tools_say(real):
     np.testing.assert_array_equal(record["axis"], [[0, 0, -1], [0, 0, 1]])
     np.testing.assert_allclose(device.part.numpy()["origin"][0], [0.1, 0.2, 0.3], rtol=1e-6)
     np.testing.assert_array_equal(device.drive.numpy()["mass"], [0.0, 3.0])
-    np.testing.assert_allclose(device.displacement.numpy(), [0.01, 0.0])
-    np.testing.assert_allclose(device.velocity.numpy(), [0.1, 0.0])
-    assert device.work.shape == (2, 2) and device.total_reaction.shape == (2,)
+    np.testing.assert_allclose(device.initial_displacement, [0.01, 0.0])
+    np.testing.assert_allclose(device.initial_velocity, [0.1, 0.0])
 
 
 def test_no_tools_make_empty_arrays():
     device = build_device_tools([], wp.float32, "cpu")
     assert device.count == 0
-    assert device.part.shape == device.drive.shape == device.displacement.shape == (0,)
+    assert device.part.shape == device.drive.shape == device.initial_displacement.shape == (0,)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ def loss_and_booking(sheet, corners: list[tuple[float, float]], increment_count:
 
     ``corners`` are the stretches of warp and weft, gone through in straight lines.
     """
-    blank = sheet.simulation.blank
+    blank = sheet.simulation.setup.sheet.blank
     legs = [np.linspace(a, b, increment_count + 1)[1:] for a, b in zip(corners[:-1], corners[1:], strict=True)]
     position, work = blank.node_position, 0.0
     force, _ = sheet.forces(position, blank.initial_director)

@@ -232,7 +232,7 @@ def test_nodal_forces_are_the_derivative_of_the_energy(shell_cell, sheet, fabric
     membrane = sheet(curved_blank, fabric(unit_cell=shell_cell))
     position, director = deformed
     force, _ = membrane.forces(position, director)
-    names = membrane.simulation.model.cell_law.energy_names
+    names = membrane.simulation.model.sheet.cell_law.energy_names
     rng, change = np.random.default_rng(2), 2e-7
     for node in rng.choice(len(position), 6, replace=False):
         for component in range(3):
@@ -290,7 +290,7 @@ def test_time_step_is_below_the_limit(shell_cell, sheet, fabric, manual):
     blank = Blank.rectangle((0.0, 0.0), (0.015, 0.015), 0.005, yarn_angle=10.0)
     patch = sheet(blank, fabric(unit_cell=shell_cell))
     yarn = np.column_stack([blank.warp_direction[0], blank.weft_direction[0]])[:2]
-    model = patch.simulation.model
+    model = patch.simulation.model.sheet
     mass = np.column_stack([np.tile(model.node_mass, (3, 1)).T, np.tile(model.node_inertia, (2, 1)).T]).ravel()
     root, rows = 1.0 / np.sqrt(mass), []
     for warp, weft, angle in ((1.0, 1.0, 0.0), (1.004, 1.003, 0.0), (1.006, 1.004, 0.5), (1.02, 0.98, 0.3)):
@@ -326,11 +326,14 @@ def test_thrown_sheet_keeps_momentum_and_energy(shell_cell):
     settings |= {"duration": 5e-4, "precision": "float64", "lane_count": 1, "threads": 1}
     step = 0.1 * one_sheet_run(**settings).model.reference_step
     simulation = one_sheet_run(**settings, initial_velocity=velocity, frame_count=40, time_step=step)
-    mass = simulation.model.node_mass[:, None]
+    mass = simulation.model.sheet.node_mass[:, None]
     before = (mass * velocity).sum(axis=0)
     simulation.run()
     after = (
-        mass * simulation.model.read_motion(simulation.state.motion)[MotionRow.velocity.vector, : blank.node_count]
+        mass
+        * simulation.model.sheet.read_motion(simulation.state.sheet.motion)[
+            MotionRow.velocity.vector, : blank.node_count
+        ]
     ).sum(axis=0)
     assert np.abs(after - before).max() < 1e-12 * np.abs(mass * velocity).sum()
     energies = simulation.frame.energies

@@ -53,7 +53,7 @@ def test_indentation_under_a_known_weight(cloth, manual):
         assert depth == pytest.approx(expected, rel=1e-4)
         energies = simulation.frame.energies
         assert energies["contact"] == pytest.approx(0.5 * energies["gravity_work"], rel=1e-3)
-        weight = 9.81 * simulation.model.node_mass.sum()
+        weight = 9.81 * simulation.model.sheet.node_mass.sum()
         assert energies["gravity_work"] == pytest.approx(weight * expected, rel=1e-4)
         assert simulation.frame.tool_reaction[0] == pytest.approx([0.0, 0.0, -weight], rel=1e-4, abs=1e-9)
         depths.append(depth.mean())
@@ -174,7 +174,7 @@ def test_symmetric_press_has_equal_reactions(cloth, manual):
     simulation.run()
     lower, upper = simulation.frame.tool_reaction
     middle = np.linalg.norm(blank.node_position, axis=1) < 1e-9
-    expected = float(simulation.model.contact_stiffness[middle][0]) * 5e-5
+    expected = float(simulation.model.sheet.contact_stiffness[middle][0]) * 5e-5
     assert lower[2] == pytest.approx(-expected, rel=1e-6)
     assert upper[2] == pytest.approx(expected, rel=1e-6)
     assert np.abs(lower + upper).max() < 1e-9 * expected

@@ -64,7 +64,7 @@ def test_sheet_sticks_below_the_friction_angle(tilted, soft, frames):
     times, ways, simulation = on_incline(soft, frames, 0.8, tilted, 1.0)
     assert times[-1] >= 1.0
     assert np.abs(ways).max() < 0.01e-3
-    weight = float(simulation.model.node_mass.sum()) * 9.81
+    weight = float(simulation.model.sheet.node_mass.sum()) * 9.81
     # the sheet swings a little on its friction springs
     reaction = np.mean([frame.tool_reaction[0] for frame in frames.all[5:]], axis=0)
     assert np.linalg.norm(reaction) == pytest.approx(weight, rel=0.01)
@@ -78,7 +78,7 @@ def test_sheet_slides_above_the_friction_angle(tilted, soft, frames, manual):
     expected = 9.81 * (np.sin(angle) - FRICTION * np.cos(angle))
     assert acceleration == pytest.approx(expected, rel=0.01)
     energies = simulation.frame.energies
-    lost = FRICTION * np.cos(angle) * 9.81 * float(simulation.model.node_mass.sum()) * ways[-1]
+    lost = FRICTION * np.cos(angle) * 9.81 * float(simulation.model.sheet.node_mass.sum()) * ways[-1]
     assert energies["friction_loss"] == pytest.approx(lost, rel=0.02)
     case = manual(
         "Contact", f"Sliding down an incline, the {tilted} tilted",
@@ -134,7 +134,7 @@ def test_pull_out_friction_is_twice_mu_times_the_force(soft, frames):
     force = 2.0
     simulation = under_holder(soft, force, pull=0.05, duration=0.3, damping=20.0)
     simulation.run([frames])
-    moved = simulation.frame.position - simulation.blank.node_position
+    moved = simulation.frame.position - simulation.setup.sheet.blank.node_position
     assert moved[:, 0].min() > 0.005
     late = np.array([frame.tool_reaction[:, 0] for frame in frames.all[20:]])
     assert late.sum(axis=1).mean() == pytest.approx(2.0 * FRICTION * force, rel=0.01)

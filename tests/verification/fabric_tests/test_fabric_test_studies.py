@@ -210,7 +210,7 @@ def test_bias_extension(law, manual):
         parameters = BiasExtensionParameters(mesh_size=size, threads=1, frame_count=80, speed=0.25)
         fabric = stiff_straight_yarns(law, 1.0e6)
         simulation = Simulation(bias_extension.bias_extension(parameters, fabric))
-        curves = bias_extension.record(parameters, fabric, simulation.blank)
+        curves = bias_extension.record(parameters, fabric, simulation.setup.sheet.blank)
         simulation.run([curves])
         c = curves.columns
         force = 0.5 * (c["force_n"] + c["fixed_clamp_force_n"])

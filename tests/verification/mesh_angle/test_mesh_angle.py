@@ -135,7 +135,7 @@ class Pull:
         """Mean over the inner part of the central zone, weighted by area [degrees]."""
         inside = np.abs(self.blank.element_centres()[:, :2]).sum(axis=1) < 0.3 * WIDTH
         angle = np.degrees(np.abs(self.frames[-1].fields["shear_angle"]))
-        return float(np.average(angle[inside], weights=self.simulation.model.geometry.area[inside]))
+        return float(np.average(angle[inside], weights=self.simulation.model.sheet.geometry.area[inside]))
 
 
 def spread(values: list[float]) -> float:

@@ -22,7 +22,7 @@ def test_shear_loop_is_the_laws_own_path_and_books_what_it_loses(sheet, fabric, 
     loop = area * np.trapezoid(expected, path)
     assert lost + stored == pytest.approx(loop, rel=2e-3)
     assert lost + stored == pytest.approx(entries[-1]["work"], rel=2e-3)
-    assert shell.simulation.state.slip.numpy()[SlipRow.shear_spring, 0] != 0.0
+    assert shell.simulation.state.sheet.slip.numpy()[SlipRow.shear_spring, 0] != 0.0
     assert lost > 0.5 * entries[150]["shear"]
     case = manual(
         "Shear", "Unloading hysteresis of a homogeneous sheet",
@@ -43,10 +43,10 @@ def test_shear_loop_is_the_laws_own_path_and_books_what_it_loses(sheet, fabric, 
 def test_looking_twice_is_no_slip(precision, sheet, fabric):
     shell = sheet(SQUARE, fabric(shear=CURVE, shear_friction=FRICTION), precision=precision)
     walk(shell, [(sheared(angle), UP) for angle in (0.0, 0.3, 0.1, 0.2)])
-    before = shell.simulation.state.slip.numpy().copy()
+    before = shell.simulation.state.sheet.slip.numpy().copy()
     assert np.abs(before[0]).max() > 0.01
     shell.simulation.stepper.evaluate()
-    assert np.array_equal(before, shell.simulation.state.slip.numpy())
+    assert np.array_equal(before, shell.simulation.state.sheet.slip.numpy())
 
 
 def test_yarn_tension_raises_the_resistance_to_shear(sheet, fabric, manual):

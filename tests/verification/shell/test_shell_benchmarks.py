@@ -347,10 +347,10 @@ def test_work_of_a_load_on_a_free_sheet(fabric):
     force = np.zeros((blank.node_count, 3))
     laws = fabric()
     simulation = one_sheet_run(name="mass", blank=blank, fabric=laws, duration=1e-3, precision="float64", threads=1)
-    mass = simulation.model.node_mass
+    mass = simulation.model.sheet.node_mass
     force[:] = mass[:, None] * [3.0, 0.0, -5.0]
     couple = np.zeros((blank.node_count, 3))
-    couple[:, 1] = 1e-3 * simulation.model.node_inertia
+    couple[:, 1] = 1e-3 * simulation.model.sheet.node_inertia
     # up, and back to half of it
     loads = NodalLoads(force=force, couple=couple, times=(0.0, 2e-3, 4e-3), shares=(0.0, 2.0, 1.0))
     assert loads.share(3e-3) == 1.5
@@ -371,7 +371,9 @@ def test_work_of_a_load_on_a_free_sheet(fabric):
         moved, np.tile([0.5, 0.0, -5.0 / 6.0], (len(mass), 1)) * time**3 / 1e-3, rtol=5e-4, atol=0
     )
     # half a step old
-    spin = simulation.model.read_motion(simulation.state.motion)[MotionRow.spin.vector, : blank.node_count, 1]
+    spin = simulation.model.sheet.read_motion(simulation.state.sheet.motion)[
+        MotionRow.spin.vector, : blank.node_count, 1
+    ]
     np.testing.assert_allclose(spin, 1e-3 * 0.5 * (time - 5e-6) ** 2 / 1e-3, rtol=5e-4)
     energies = simulation.frame.energies
     assert energies["load_work"] == pytest.approx(0.5 * mass.sum() * 34.0 * (0.5 * time**2 / 1e-3) ** 2, rel=5e-3)

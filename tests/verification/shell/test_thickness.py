@@ -48,7 +48,7 @@ def test_tension_flattens_the_crossovers_by_what_the_contact_element_gives(sheet
     cell: PlainWeave = fabric.unit_cell
     shell = sheet(SQUARE, fabric)
     stretched = fields_at(shell, 0.0, 1.003)
-    closing = -shell.simulation.state.cell_unknowns.numpy()[:, 0].sum() / cell.crossover_height
+    closing = -shell.simulation.state.sheet.cell_unknowns.numpy()[:, 0].sum() / cell.crossover_height
     assert closing > 0.005
     expected = fabric.thickness / stretched["area_ratio"] / (1.0 + closing)
     assert stretched["thickness"] == pytest.approx(expected, rel=1e-6)
@@ -97,7 +97,7 @@ def test_tools_meet_the_current_thickness(frames):
     assert thick == pytest.approx(1.2e-3 / math.cos(math.radians(40.0)), rel=2e-3)
     # each face is pressed by the half thickness that is beyond its half of the gap, at every node's own stiffness
     overlap = 0.5 * thick.mean() - 0.65e-3
-    expected = simulation.model.contact_stiffness.sum() * overlap
+    expected = simulation.model.sheet.contact_stiffness.sum() * overlap
     assert -frame.tool_reaction[0, 2] == pytest.approx(expected, rel=0.02)
     assert frame.tool_reaction[1, 2] == pytest.approx(expected, rel=0.02)
     assert frame.energies["contact"] == pytest.approx(expected * overlap, rel=0.02)

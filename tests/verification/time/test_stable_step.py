@@ -29,7 +29,7 @@ def plate(fabric, **given):
 def highest_frequency(sheet, position, director) -> float:
     """Largest angular frequency of the finite-difference tangent with the lumped masses [rad/s]."""
     stiffness = sheet.stiffness(position, director, 1e-7)
-    model = sheet.simulation.model
+    model = sheet.simulation.model.sheet
     mass = np.column_stack([np.tile(model.node_mass, (3, 1)).T, np.tile(model.node_inertia, (2, 1)).T]).ravel()
     root = 1.0 / np.sqrt(mass)
     return float(np.sqrt(scipy.linalg.eigvalsh(0.5 * (stiffness + stiffness.T) * np.outer(root, root))[-1]))
@@ -186,7 +186,9 @@ def swing(fabric, step: float | None, limit: float) -> np.ndarray:
         # the step is taken anew after each block: put ours back
         simulation.state.clock.assign(np.array([0.0, step * limit, step * limit]))
         simulation.stepper.advance(1)
-        position = simulation.model.read_motion(simulation.state.motion)[MotionRow.position.vector, : blank.node_count]
+        position = simulation.model.sheet.read_motion(simulation.state.sheet.motion)[
+            MotionRow.position.vector, : blank.node_count
+        ]
         result.append(np.abs(position - blank.node_position).max())
     return np.array(result)
 
@@ -242,16 +244,18 @@ def test_mass_scaling_reaches_its_step_and_reports_the_mass():
     settings = {"name": "mass", "blank": blank, "fabric": glass_polypropylene(), "duration": 1e-5}
     settings |= {"precision": "float64", "lane_count": 1, "threads": 1}
     plain = one_sheet_run(**settings)
-    assert plain.model.added_mass_ratio == 0.0
-    assert plain.model.node_mass.sum() == pytest.approx(0.743 * 0.02**2, rel=1e-12)
+    assert plain.model.sheet.added_mass_ratio == 0.0
+    assert plain.model.sheet.node_mass.sum() == pytest.approx(0.743 * 0.02**2, rel=1e-12)
     target = 1.5 * plain.model.reference_step
     scaled = one_sheet_run(**settings, target_step=target)
     assert scaled.model.reference_step >= target * (1.0 - 1e-9)
     assert scaled.stepper.stable_step() >= 0.9 * target
-    ratio = scaled.model.added_mass_ratio
+    ratio = scaled.model.sheet.added_mass_ratio
     assert 0.1 < ratio < 1.5**2
     scaled.run()
     assert scaled.summary()["added_mass_ratio"] == ratio
-    assert scaled.model.node_mass.sum() == pytest.approx((1.0 + ratio) * plain.model.node_mass.sum(), rel=1e-12)
+    assert scaled.model.sheet.node_mass.sum() == pytest.approx(
+        (1.0 + ratio) * plain.model.sheet.node_mass.sum(), rel=1e-12
+    )
     # only small elements get mass: a coarse target leaves all as it is
-    assert one_sheet_run(**settings, target_step=0.5 * plain.model.reference_step).model.added_mass_ratio == 0.0
+    assert one_sheet_run(**settings, target_step=0.5 * plain.model.reference_step).model.sheet.added_mass_ratio == 0.0

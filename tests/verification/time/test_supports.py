@@ -133,7 +133,11 @@ def test_same_bits_for_any_number_of_threads():
         simulation.run()
         frame = simulation.frame
         results.append(
-            (simulation.model.read_motion(simulation.state.motion), frame.support_force, frame.drive_displacement)
+            (
+                simulation.model.sheet.read_motion(simulation.state.sheet.motion),
+                frame.support_force,
+                frame.drive_displacement,
+            )
         )
     for other in results[1:]:
         for one, same in zip(results[0], other, strict=True):

@@ -1,7 +1,6 @@
 """Momentum, energy, repeatability of runs."""
 
 import re
-from dataclasses import fields
 from functools import partial
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 import trimesh
 
 from tests.support.runs import one_sheet_run
-from weavesim.engine.state import State
 from weavesim.errors import RunError
 from weavesim.fabric.bending import BendingCurve, YarnBending
 from weavesim.fabric.cell.membrane import LinearMembrane
@@ -32,10 +30,11 @@ from weavesim.tools.tool import Tool
 
 def momenta(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """Momentum [kg m/s], and angular momentum about the origin [kg m^2/s] with that of the directors."""
-    motion = simulation.model.read_motion(simulation.state.motion)[:, : simulation.blank.node_count].astype(np.float64)
+    model = simulation.model.sheet
+    motion = model.read_motion(simulation.state.sheet.motion)[:, : model.blank.node_count].astype(np.float64)
     position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
     velocity, spin = motion[MotionRow.velocity.vector], motion[MotionRow.spin.vector]
-    mass, inertia = simulation.model.node_mass[:, None], simulation.model.node_inertia[:, None]
+    mass, inertia = simulation.model.sheet.node_mass[:, None], simulation.model.sheet.node_inertia[:, None]
     return (mass * velocity).sum(axis=0), (mass * np.cross(position, velocity) + inertia * spin).sum(axis=0)
 
 
@@ -57,8 +56,10 @@ def test_free_sheet_keeps_its_momenta():
     simulation.run()
     assert simulation.stepper.step_count > 500
     assert simulation.frame.energies["internal"] > 0.1 * simulation.frame.energies["initial_kinetic"]
-    spin = simulation.model.read_motion(simulation.state.motion)[MotionRow.spin.vector, : simulation.blank.node_count]
-    share_of_directors = np.abs((simulation.model.node_inertia[:, None] * spin).sum(axis=0)).max()
+    spin = simulation.model.sheet.read_motion(simulation.state.sheet.motion)[
+        MotionRow.spin.vector, : simulation.setup.sheet.blank.node_count
+    ]
+    share_of_directors = np.abs((simulation.model.sheet.node_inertia[:, None] * spin).sum(axis=0)).max()
     later, angular_later = momenta(simulation)
     assert np.abs(later - momentum).max() < 1e-12 * np.abs(momentum).max()
     assert np.abs(angular_later - angular).max() < 1e-10 * np.abs(angular).max()
@@ -168,9 +169,7 @@ def loaded_shell(**given) -> Simulation:
 
 
 def snapshot(simulation: Simulation) -> dict[str, np.ndarray]:
-    state = simulation.state
-    names = ("motion", "cell_unknowns", "corner_force", "node_report", "friction", "reaction", "clock", "cell_report")
-    return {name: getattr(state, name).numpy().copy() for name in names}
+    return {name: array.numpy().copy() for name, array in simulation.state.arrays()}
 
 
 def rubbing(fabric: Fabric) -> Fabric:
@@ -216,8 +215,7 @@ def test_same_bits_for_any_number_of_threads_and_any_run(name):
         assert simulation.model.lane_count == CPU_LANE_COUNT
         assert simulation.stepper.step_count >= 200
         assert (np.abs(simulation.frame.tool_reaction).max(axis=1) > 1.0).sum() >= touched_count
-        state = {field.name: getattr(simulation.state, field.name).numpy().copy() for field in fields(State)}
-        results.append(state | {"tool_reaction": simulation.frame.tool_reaction})
+        results.append(snapshot(simulation) | {"tool_reaction": simulation.frame.tool_reaction})
     for other in results[1:]:
         for array, value in results[0].items():
             assert np.isfinite(value).all() and np.array_equal(value, other[array]), array
@@ -231,12 +229,12 @@ def test_passing_over_far_tools_changes_nothing(precision):
     for spare_distance in (None, np.inf):
         simulation = falling_sheet(threads=1, precision=precision)
         if spare_distance is not None:
-            simulation.model.motion_laws.spare_distance = spare_distance
-            simulation.stepper.set_damping(0.0, 0.0)  # records the steps anew
+            for laws in simulation.stepper._launches._node_laws:
+                laws.spare_distance = spare_distance
         passed_over = []
         for _ in range(25):
             simulation.stepper.advance(1)
-            passed_over.append((simulation.state.gap.numpy() > 0.0).mean())
+            passed_over.append((simulation.state.sheet.gap.numpy() > 0.0).mean())
         results.append(snapshot(simulation) | {"tool_reaction": simulation.take_frame().tool_reaction})
         assert max(passed_over) == 0.0 if spare_distance else max(passed_over) > 0.8 and min(passed_over) < 0.8
     assert np.abs(results[0]["tool_reaction"]).max() > 1.0
@@ -281,7 +279,7 @@ def test_lanes_stay_together_over_a_hundred_steps(precision, tolerance):
         simulation = falling_sheet(precision=precision, lane_count=lane_count, threads=1)
         simulation.stepper.advance(5)
         positions.append(simulation.ledger.frame(1).position)
-    way = np.abs(positions[0] - simulation.blank.node_position).max()
+    way = np.abs(positions[0] - simulation.setup.sheet.blank.node_position).max()
     assert way > 1e-4
     assert np.abs(positions[0] - positions[1]).max() < tolerance
 

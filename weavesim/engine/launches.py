@@ -1,0 +1,272 @@
+"""The kernels of a run, and each of their launches with its arguments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import warp as wp
+
+from ..kernels.contact.penalty import touch_struct
+from ..kernels.contact.tool_distance import tool_set_struct
+from ..kernels.shell.force import element_force_kernel
+from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
+from ..kernels.stepping.node import node_motion_kernel
+from ..kernels.stepping.node_data import support_struct
+from ..kernels.stepping.step import look_at_clock, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.supports import support_motion_kernel
+from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
+from .layout import lanes_view
+from .model import Model
+from .sheet_model import SheetModel
+from .state import SheetState, State
+
+# Reductions over more entries than this take two launches.
+LARGEST_SINGLE_SUM = 4096
+GROUP_SIZE = 256
+
+
+@dataclass(frozen=True)
+class SheetKernels:
+    """Kernels made for what one sheet has; sheets that have the same share them."""
+
+    forces: wp.Kernel
+    nodes: wp.Kernel
+    frequencies: wp.Kernel
+    frequency_lane_count: int  # the wide kernel takes long to compile: only for cells that run faster in it
+
+    @classmethod
+    def of(cls, sheet: SheetModel) -> SheetKernels:
+        real, lane_count = sheet.real, sheet.lane_count
+        frequency_lanes = frequency_lane_count(lane_count, sheet.cell_law)
+        return cls(
+            forces=element_force_kernel(real, lane_count, sheet.cell_law, sheet.sheet_traits),
+            nodes=node_motion_kernel(real, lane_count, sheet.node_traits),
+            frequencies=element_frequency_kernel(real, frequency_lanes, sheet.cell_law, sheet.sheet_traits),
+            frequency_lane_count=frequency_lanes,
+        )
+
+
+@dataclass(frozen=True)
+class _SheetArguments:
+    """What the launches of one sheet are given, on one state."""
+
+    tools: Any
+    supports: Any
+    touch: Any
+    motion: wp.array
+    cell_unknowns: wp.array
+    cell_report: wp.array
+    slip: wp.array
+    corner_force: wp.array
+    node_report: wp.array
+
+
+class Launches:
+    """Every launch of a run on one state; which kernel, over what, with which arguments.
+
+    Args:
+        model: constants.
+        state: what the launches read and write.
+    """
+
+    def __init__(self, model: Model, state: State) -> None:
+        self.model, self.state = model, state
+        real, device = model.real, model.device
+        self._kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
+        self._arguments = [self._of_sheet(sheet, own) for sheet, own in zip(model.sheets, state.sheets, strict=True)]
+        self._node_laws = [sheet.node_laws() for sheet in model.sheets]
+        self._tool_motion = tool_motion_kernel(real)
+        self._partial_sums = partial_sum_kernel(real)
+        self._support_motion = support_motion_kernel(real)
+        self._partial_maximum = partial_maximum_kernel(real)
+        self._set_step = set_step_kernel(real)
+        self._sums = state.reaction
+        if state.reaction.shape[1] > LARGEST_SINGLE_SUM:
+            group_count = -(-state.reaction.shape[1] // GROUP_SIZE)
+            self._sums = wp.zeros((state.reaction.shape[0], group_count), dtype=model.types.vec3, device=device)
+        self.squared_frequency = [wp.zeros(sheet.element_count, dtype=real, device=device) for sheet in model.sheets]
+        group_counts = [-(-sheet.element_count // GROUP_SIZE) for sheet in model.sheets]
+        self.maxima = wp.zeros(sum(group_counts), dtype=real, device=device)
+        starts = [sum(group_counts[:k]) for k in range(len(group_counts))]
+        self._own_maxima = [self.maxima[a : a + n] for a, n in zip(starts, group_counts, strict=True)]
+
+    def _of_sheet(self, sheet: SheetModel, own: SheetState) -> _SheetArguments:
+        state, lane_count = self.state, sheet.lane_count
+        tools = tool_set_struct(sheet.real)()
+        tools.part = self.model.tools.part
+        tools.tool = sheet.places.tools.of(self.model.tools.tool)
+        tools.displacement, tools.velocity = map(sheet.places.tools.of, (state.tool_displacement, state.tool_velocity))
+        supports = support_struct(sheet.real, lane_count)()
+        supports.held, supports.direction = sheet.held, sheet.drive_direction
+        supports.increment, supports.holding = sheet.places.drives.of(state.drive_increment), own.holding
+        touch = touch_struct(sheet.real, lane_count)()
+        touch.friction = sheet.friction_layout.view(own.friction)
+        touch.gap = own.gap
+        rows = sheet.places.tools if sheet.tool_count else slice(0, 1)
+        touch.reaction = state.reaction[
+            rows.start : rows.stop, sheet.places.first_reaction : sheet.places.first_reaction + sheet.block_count
+        ]
+        return _SheetArguments(
+            tools, supports, touch,
+            motion=sheet.motion_layout.view(own.motion),
+            cell_unknowns=lanes_view(own.cell_unknowns, lane_count),
+            cell_report=lanes_view(own.cell_report, lane_count),
+            slip=lanes_view(own.slip, lane_count),
+            corner_force=sheet.corners.view(own.corner_force),
+            node_report=lanes_view(own.node_report, lane_count),
+        )  # fmt: skip
+
+    # --- the launches of a step --------------------------------------------------------------------------------------
+
+    def element_forces(self, index: int, first: int = 0, count: int | None = None) -> None:
+        """Corner forces of sheet ``index``, in ``count`` blocks of elements from ``first``."""
+        sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self._arguments[index]
+        wp.launch(
+            self._kernels[index].forces,
+            dim=sheet.element_count // sheet.lane_count if count is None else count,
+            inputs=[first, sheet.elements, sheet.cell, sheet.laws, own.motion],
+            outputs=[arguments.cell_unknowns, arguments.cell_report, arguments.slip, arguments.corner_force],
+            device=sheet.device,
+        )
+
+    def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
+        """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""
+        sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self._arguments[index]
+        wp.launch(
+            self._kernels[index].nodes,
+            dim=sheet.block_count if count is None else count,
+            inputs=[
+                first, sheet.nodes, self._node_laws[index], arguments.tools, arguments.supports, self.state.clock,
+                own.corner_force,
+            ],
+            outputs=[arguments.motion, arguments.touch, arguments.node_report],
+            device=sheet.device,
+        )  # fmt: skip
+
+    def move_supports(self) -> None:
+        """How far every drive goes in the step to come."""
+        drives = self.model.drives
+        if drives.count:
+            wp.launch(
+                self._support_motion,
+                dim=1,
+                inputs=[drives.first_piece, drives.start, drives.piece, self.state.clock],
+                outputs=[self.state.drive_displacement, self.state.drive_increment],
+                device=self.model.device,
+            )
+
+    def move_tools(self) -> None:
+        """Sum the reactions, move every tool, and advance the clock."""
+        tools, state, device = self.model.tools, self.state, self.model.device
+        if self._sums is not state.reaction:
+            wp.launch(
+                self._partial_sums,
+                dim=self._sums.shape,
+                inputs=[GROUP_SIZE, state.reaction],
+                outputs=[self._sums],
+                device=device,
+            )
+        wp.launch(
+            self._tool_motion,
+            dim=1,
+            inputs=[tools.drive, tools.axis, tools.curve_times, tools.curve_values, self._sums],
+            outputs=[state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_work],
+            device=device,
+        )
+
+    # --- the stable step ---------------------------------------------------------------------------------------------
+
+    def frequency_block_count(self, index: int) -> int:
+        """Blocks of elements of ``element_frequencies``."""
+        return self.model.sheets[index].element_count // self._kernels[index].frequency_lane_count
+
+    def element_frequencies(self, index: int, first: int, count: int) -> None:
+        """Bounds of the highest frequencies of sheet ``index``, in ``count`` blocks of elements from ``first``."""
+        sheet, own = self.model.sheets[index], self.state.sheets[index]
+        lane_count = self._kernels[index].frequency_lane_count
+        elements = sheet.elements_single if lane_count == 1 else sheet.elements
+        wp.launch(
+            self._kernels[index].frequencies,
+            dim=count,
+            inputs=[
+                first, elements, sheet.cell, sheet.laws, sheet.step_bounds, own.motion,
+                lanes_view(own.cell_unknowns, lane_count), lanes_view(sheet.step_inertia, lane_count), self.state.clock,
+            ],
+            outputs=[lanes_view(self.squared_frequency[index], lane_count)],
+            device=sheet.device,
+        )  # fmt: skip
+
+    def set_step(self, safety: float, largest_step: float) -> None:
+        """The next step, from the highest frequency of all sheets."""
+        for values, maxima in zip(self.squared_frequency, self._own_maxima, strict=True):
+            wp.launch(
+                self._partial_maximum,
+                dim=maxima.shape[0],
+                inputs=[GROUP_SIZE, lanes_view(values, 1)],
+                outputs=[maxima],
+                device=self.model.device,
+            )
+        wp.launch(
+            self._set_step,
+            dim=1,
+            inputs=[self.maxima, safety, largest_step],
+            outputs=[self.state.clock],
+            device=self.model.device,
+        )
+
+    # --- the rest ----------------------------------------------------------------------------------------------------
+
+    def set_damping(self, rate: float | None) -> None:
+        """One rate of all nodes and directors from the next recording on [1/s]; None takes those of ``Dynamics``."""
+        self._node_laws = [sheet.node_laws() for sheet in self.model.sheets]
+        if rate is not None:
+            for laws in self._node_laws:
+                laws.damping = laws.director_damping = rate
+
+    @property
+    def kernels(self) -> list[wp.Kernel]:
+        """All that is launched here, each once."""
+        own = [kernel for kernels in self._kernels for kernel in (kernels.forces, kernels.nodes, kernels.frequencies)]
+        common = [self._tool_motion, self._partial_sums, self._partial_maximum, self._set_step]
+        if self.model.drives.count:
+            common.append(self._support_motion)
+        return list(dict.fromkeys([*own, *common]))
+
+
+class IntervalEnd:
+    """Lets a GPU do all blocks of an output interval without the host: it looks at the clock itself.
+
+    Args:
+        device: of the run.
+        clock: of the state.
+        largest_block_count: blocks of one interval at most.
+    """
+
+    kernel = look_at_clock
+
+    def __init__(self, device: wp.context.Device, clock: wp.array, largest_block_count: int) -> None:
+        self._device, self._clock, self._largest = device, clock, largest_block_count
+        self._target = wp.zeros(1, dtype=wp.float64, device=device)
+        self._block_count = wp.zeros(1, dtype=wp.int32, device=device)
+        self.running = wp.zeros(1, dtype=wp.int32, device=device)
+
+    def begin(self, target: float) -> None:
+        """Aim at ``target`` [s] and count from zero."""
+        self._target.fill_(target)
+        self._block_count.zero_()
+
+    def check(self, done: int) -> None:
+        """Launch of the check after ``done`` more blocks; sets ``running``."""
+        wp.launch(
+            look_at_clock,
+            dim=1,
+            inputs=[done, self._largest, self._target, self._clock],
+            outputs=[self._block_count, self.running],
+            device=self._device,
+        )
+
+    @property
+    def block_count(self) -> int:
+        """Blocks done since ``begin``; waits for the device."""
+        return int(self._block_count.numpy()[0])

@@ -1,0 +1,69 @@
+"""Launches recorded once and replayed: per thread on a CPU, as a graph on a GPU."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+
+import warp as wp
+
+from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
+
+
+class Replay:
+    """Records launches and replays them on threads side by side.
+
+    Args:
+        device: of the launches.
+        largest_thread_count: that will be used.
+    """
+
+    def __init__(self, device: wp.context.Device, largest_thread_count: int) -> None:
+        self._device = device
+        self._largest_thread_count = largest_thread_count
+        self._counter = wp.zeros(1, dtype=wp.int32, device=device)
+        # how each thread treated subnormal numbers before a replay
+        self._modes = wp.zeros(largest_thread_count, dtype=wp.int32, device=device)
+
+    @property
+    def kernels(self) -> list[wp.Kernel]:
+        """All that is launched here."""
+        kernels = [flush_subnormals, restore_subnormals] if self._device.is_cpu else []
+        return kernels + ([barrier] if self._largest_thread_count > 1 else [])
+
+    def wait(self, thread_count: int) -> None:
+        """Launch that lets ``thread_count`` threads wait for each other."""
+        if thread_count > 1:
+            wp.launch(barrier, dim=1, inputs=[self._counter, thread_count], device=self._device)
+
+    def record(self, launch: Callable[[], None], thread: int = 0) -> wp.Graph:
+        """What ``launch`` launches, to be replayed on one thread; numbers too small for a full mantissa become zero."""
+        flushes = self._device.is_cpu
+        before = self._modes[thread : thread + 1]
+        wp.capture_begin(device=self._device)
+        try:
+            if flushes:
+                wp.launch(flush_subnormals, dim=1, outputs=[before], device=self._device)
+            launch()
+            if flushes:
+                wp.launch(restore_subnormals, dim=1, inputs=[before], device=self._device)
+        finally:
+            graph = wp.capture_end(device=self._device)
+        return graph
+
+    def run(self, graphs: Sequence[Sequence[wp.Graph]], times: int = 1) -> None:
+        """Launch each thread's graphs one after the other, ``times`` over."""
+
+        def replay(own: Sequence[wp.Graph]) -> None:
+            for _ in range(times):
+                for graph in own:
+                    wp.capture_launch(graph)
+
+        if len(graphs) > 1:
+            self._counter.zero_()
+        others = [threading.Thread(target=replay, args=(own,)) for own in graphs[1:]]
+        for thread in others:
+            thread.start()
+        replay(graphs[0])
+        for thread in others:
+            thread.join()

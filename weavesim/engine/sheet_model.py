@@ -1,0 +1,331 @@
+"""Constants of one sheet: mesh, laws, masses, constraints, in the layout of the kernels."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from ..device import Precision
+from ..errors import InputError
+from ..fabric.device import sheet_laws
+from ..kernels.lanes import LaneTypes, lane_types
+from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
+from ..kernels.shell.frequency import step_bounds_struct
+from ..kernels.shell.kinematics import element_struct
+from ..kernels.stepping.node_data import motion_struct, node_struct
+from ..process.device import build_support_arrays
+from ..sheet.geometry import ElementGeometry
+from ..sheet.sheet import Sheet
+from ..sheet.symmetry import nodes_of_odd_angle
+from .frequencies import Frequencies, hourglass_coefficients
+from .layout import BLOCK, RowLayout, Span, lanes_view, padded
+from .setup import STEP_SAFETY, World
+from .traits import node_traits, sheet_traits
+
+# Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
+CONTACT_SHARE = 0.05
+TANGENTIAL_RATIO = 0.5
+# Nodes are measured again when this share of half the thickness is left between them and a tool.
+SPARE_DISTANCE = 0.5
+# Steps between two looks at the stable step.
+REFRESH_INTERVAL = 20
+# Padding elements sit on this many nodes of their own.
+SPARE_NODE_COUNT = 4
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """How a run is computed; see ``Solver``.
+
+    Attributes:
+        device: Warp's.
+        precision: of state and kernels.
+        lane_count: elements or nodes per kernel thread.
+        target_step: with mass scaling, the stable step aimed at [s]; None adds no mass.
+        contact_share: see ``CONTACT_SHARE``.
+    """
+
+    device: wp.context.Device
+    precision: Precision
+    lane_count: int
+    target_step: float | None = None
+    contact_share: float = CONTACT_SHARE
+
+    @property
+    def real(self) -> type:
+        """Warp's scalar type."""
+        return self.precision.real
+
+    @property
+    def types(self) -> LaneTypes:
+        """Warp's vectors and matrices of it."""
+        return lane_types(self.real, self.lane_count)
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where the arrays of a run hold what belongs to one sheet.
+
+    Attributes:
+        tools: those of its world, among all tools.
+        drives: those of its supports, among all drives.
+        first_reaction: its first block of nodes, among those of its world.
+    """
+
+    tools: Span
+    drives: Span
+    first_reaction: int
+
+
+class SheetModel:
+    """Constants of one sheet.
+
+    Args:
+        numerics: how the run is computed.
+        sheet, world: what it is, and what it shares with others.
+        places: of its tools, drives and nodes in the arrays of the run.
+
+    Attributes:
+        blank: with the yarn directions of the sheet's orientation.
+        free: (node_count, 6) bool, False where a displacement (x, y, z) or a rotation of the director about x, y, z is
+            held; a held component keeps its initial velocity.
+        reference_step: stable step with straight yarns [s]; contact stiffness and the first step come from it.
+        element_nodes: (4, padded elements) corner nodes.
+        corners, motion_layout, friction_layout: of what the elements write at their corners (CORNER_ROW_COUNT), of the
+            nodes' motion, and of their friction springs (three components per tool).
+        added_mass_ratio: mass added by scaling over the mass of the blank.
+    """
+
+    def __init__(self, numerics: Numerics, sheet: Sheet, world: World, places: Places) -> None:
+        blank, fabric = sheet.oriented_blank, sheet.fabric
+        self.name, self.blank, self.fabric = sheet.name, blank, fabric
+        self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
+        self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
+        self.real, self.types = numerics.real, numerics.types
+        self.places, self.tool_count = places, places.tools.count
+        self.free = sheet.freedom(world.symmetry)
+        self.start_velocity = sheet.start_velocity
+        self.element_count = padded(blank.element_count, 1)
+        self.node_count = padded(blank.node_count, SPARE_NODE_COUNT)
+        self.block_count = self.node_count // self.lane_count
+        self.corners = RowLayout(CORNER_ROW_COUNT, self.element_count, self.lane_count)
+        self.motion_layout = RowLayout(MotionRow.row_count(), self.node_count, self.lane_count)
+        self.friction_layout = RowLayout(3 * max(self.tool_count, 1), self.node_count, self.lane_count)
+        self.geometry = ElementGeometry.of(blank)
+        self.sheet_traits = sheet_traits(fabric, self.geometry, world.dynamics)
+        self.node_traits = node_traits(sheet, world)
+
+        self.areal_density, frequencies = self._scaled_mass(numerics.target_step)
+        self.reference_step = STEP_SAFETY * 2.0 / math.sqrt((frequencies.straight + frequencies.constant).max())
+        corner_mass = 0.25 * self.areal_density * self.geometry.area
+        self.node_mass = self._to_nodes(corner_mass)
+        self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
+        # squared, of one tool's spring [1/s^2]
+        self._contact_frequency = numerics.contact_share / self.reference_step**2
+        self.contact_stiffness = self._contact_frequency * self.node_mass
+
+        # padding elements keep an infinite areal density: they never decide the step
+        inertia = np.stack([1.0 / self.areal_density, 1.0 / frequencies.rotary_radius_squared])
+        self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)
+        self.step_bounds = self._step_bounds()
+        self._element_arrays = self._fill_elements()
+        self.elements = self._elements(self.lane_count)
+        self.elements_single = self._elements(1)
+        self.cell_law = fabric.unit_cell.law()
+        self.cell = fabric.unit_cell.device_parameters(self.precision)
+        self.laws = self._sheet_laws()
+        self.nodes = self._nodes(self.free)
+        self.held, self.drive_direction = build_support_arrays(
+            sheet.supports, self.node_count, self.real, self.lane_count, self.device
+        )
+
+    def _scaled_mass(self, target_step: float | None) -> tuple[np.ndarray, Frequencies]:
+        """Areal density of every element [kg/m^2], raised where a stable ``target_step`` needs it, and frequencies."""
+        density = np.full(self.blank.element_count, self.fabric.areal_density)
+        frequencies = Frequencies.of(self.fabric, self.geometry, density)
+        if target_step is not None:
+            squared = (frequencies.straight + frequencies.constant) * (0.5 * target_step / STEP_SAFETY) ** 2
+            density = density * np.maximum(1.0, squared)
+            frequencies = Frequencies.of(self.fabric, self.geometry, density)
+        return density, frequencies
+
+    @property
+    def added_mass_ratio(self) -> float:
+        """Mass added by scaling over the mass of the blank."""
+        area, density = self.geometry.area, self.areal_density
+        return float((density * area).sum() / (self.fabric.areal_density * area).sum() - 1.0)
+
+    def _step_bounds(self):
+        bounds, cell = step_bounds_struct(self.real)(), self.fabric.unit_cell
+        bounds.contact_frequency = 2.0 * self._contact_frequency if self.tool_count else 0.0
+        bounds.bending = self.fabric.largest_bending_stiffness
+        bounds.warp, bounds.weft = cell.yarn_stiffness_per_width
+        bounds.shear = cell.shear_stiffness
+        bounds.steps_ahead = REFRESH_INTERVAL
+        return bounds
+
+    @property
+    def follows_thickness(self) -> bool:
+        """True where tools meet the current thickness."""
+        return self.dynamics.contact_thickness == "current"
+
+    @property
+    def node_report_rows(self) -> tuple[str, ...]:
+        """Names of those rows of ``NodeReportRow`` that this run has."""
+        first = NodeReportRow.half_thickness if self.loads is not None else NodeReportRow.load_work
+        return NodeReportRow.names()[: None if self.follows_thickness else first]
+
+    # --- layout ------------------------------------------------------------------------------------------------------
+
+    def _to_nodes(self, per_corner: np.ndarray) -> np.ndarray:
+        total = np.zeros(self.blank.node_count)
+        for corner in range(4):
+            np.add.at(total, self.blank.quads[:, corner], per_corner)
+        return total
+
+    def _array(self, values: np.ndarray, dtype: type, shape: tuple[int, ...] | None = None) -> wp.array:
+        return wp.array(values, dtype=dtype, device=self.device, shape=shape)
+
+    @staticmethod
+    def _padded(values: np.ndarray, length: int) -> np.ndarray:
+        """``values`` with zeros up to ``length`` on the last axis."""
+        values = np.asarray(values, dtype=np.float64)
+        result = np.zeros((*values.shape[:-1], length))
+        result[..., : values.shape[-1]] = values
+        return result
+
+    def _fill_elements(self) -> dict[str, wp.array]:
+        """Arrays of the element struct, [row, element], by its field names."""
+        geometry, element_count = self.geometry, self.blank.element_count
+        quads = np.empty((4, self.element_count), dtype=np.int32)
+        quads[:, :element_count] = self.blank.quads.T
+        # padding elements sit on the four padding nodes, a unit square that never moves
+        quads[:, element_count:] = (self.blank.node_count + np.arange(4, dtype=np.int32))[:, None]
+        gradient = self._padded(geometry.gradient, self.element_count)
+        gradient[:, element_count:] = np.array([-0.5, -0.5, 0.5, -0.5])[:, None]
+        self.element_nodes = quads
+        values = {
+            "shape_gradient": gradient,
+            "hourglass_offset": self._padded(geometry.hourglass_offset, self.element_count),
+            "area": self._padded(geometry.area, self.element_count),
+        }
+        for name, strain in (
+            ("initial_curvature", geometry.curvature),
+            ("initial_transverse_shear", geometry.transverse_shear),
+            ("initial_hourglass", geometry.hourglass),
+        ):
+            # a flat blank never reads them
+            values[name] = np.zeros((len(strain), BLOCK)) if geometry.flat else self._padded(strain, self.element_count)
+        arrays = {name: self._array(value, self.real) for name, value in values.items()}
+        return {"corner_node": self._array(self.motion_layout.entry(0, quads), wp.int32), **arrays}
+
+    def _elements(self, lane_count: int):
+        elements = element_struct(self.real, lane_count)()
+        for name, array in self._element_arrays.items():
+            setattr(elements, name, lanes_view(array, lane_count))
+        elements.node_stride = self.motion_layout.stride
+        return elements
+
+    def _sheet_laws(self):
+        laws = sheet_laws(self.fabric, self.precision, self.device)
+        laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(self.fabric)
+        return laws
+
+    def _nodes(self, free: np.ndarray):
+        count = self.blank.node_count
+        if free.shape != (count, 6):
+            raise InputError(f"free: shape {free.shape}, but ({count}, 6) is needed")
+        if np.any(self.node_mass == 0.0):
+            raise InputError(f"blank mesh: node {int(np.argmin(self.node_mass))} belongs to no element; remove it")
+        nodes = node_struct(self.real, self.lane_count)()
+        lane_indices = self.types.indices
+        corner = np.tile(np.arange(4), self.blank.element_count)
+        element = np.repeat(np.arange(self.blank.element_count), 4)
+        node = self.blank.quads.ravel()
+        order = np.argsort(node, kind="stable")
+        slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
+        # entries of a padding element are always zero: nodes with fewer neighbours read them
+        spare = self.corners.entry(0, self.blank.element_count)
+        table = np.full((slot.max() + 1, self.node_count), spare, dtype=np.int32)
+        table[slot, node[order]] = self.corners.entry(ROWS_PER_CORNER * corner, element)[order]
+        nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
+        nodes.corner_stride = self.corners.stride
+        count_around = np.bincount(node, minlength=count)
+        angle_weight = np.where(nodes_of_odd_angle(self.blank, free), 0.0, 1.0 / count_around)
+        bits = (free @ (1 << np.arange(6))).astype(np.int32)
+        freedom = np.zeros(self.node_count, dtype=np.int32)
+        freedom[:count] = bits
+        nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
+        loads = np.zeros((LoadRow.row_count(), self.node_count if self.loads else 0, 3))
+        if self.loads:
+            loads[:, :count] = self.loads.arrays(count)
+        nodes.load = self._array(loads, self.types.vec3)
+        nodes.load_time = self._array(np.array(self.loads.times if self.loads else ()), wp.float64)
+        nodes.load_share = self._array(np.array(self.loads.shares if self.loads else ()), wp.float64)
+
+        def lanes(values):
+            return lanes_view(self._array(self._padded(values, self.node_count), self.real), self.lane_count)
+
+        nodes.angle_weight = lanes(angle_weight)
+        if self.follows_thickness:
+            nodes.thickness_weight = lanes(1.0 / count_around)
+        nodes.mass = lanes(self.node_mass)
+        nodes.inverse_mass = lanes(1.0 / self.node_mass)
+        nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
+        return nodes
+
+    def node_laws(self):
+        """Constants of the time integration and contact, a struct of the caller's own."""
+        laws = motion_struct(self.real)()
+        laws.gravity = self.types.vec3(*self.dynamics.gravity)
+        laws.damping = self.dynamics.damping
+        laws.director_damping = self.dynamics.director_damping
+        laws.half_thickness = 0.5 * self.fabric.thickness
+        laws.contact_stiffness = self._contact_frequency
+        # c = 2 zeta sqrt(k m) with k = frequency m
+        laws.contact_damping_time = 2.0 * self.dynamics.contact_damping_ratio / math.sqrt(self._contact_frequency)
+        laws.tangential_ratio = TANGENTIAL_RATIO
+        laws.in_plane_bending_stiffness = self.fabric.in_plane_bending_stiffness
+        laws.spare_distance = SPARE_DISTANCE * 0.5 * self.fabric.thickness
+        laws.tool_count = self.tool_count
+        return laws
+
+    # --- initial values ----------------------------------------------------------------------------------------------
+
+    def initial_unknowns(self) -> np.ndarray:
+        """Of every element's unit cell at rest, (rows, padded elements)."""
+        rows = np.zeros((self.cell_law.row_count, self.element_count))
+        rows[: self.cell_law.unknown_count] = np.array(self.fabric.unit_cell.initial_unknowns)[:, None]
+        return rows
+
+    def read_motion(self, motion: wp.array) -> np.ndarray:
+        """MOTION_VECTORS of a motion array, (vectors, padded nodes, 3); waits for the device."""
+        rows = self.motion_layout.read(motion)[: 3 * len(MOTION_VECTORS)]
+        return rows.reshape(len(MOTION_VECTORS), 3, -1).transpose(0, 2, 1)
+
+    def write_motion(self, motion: wp.array, rows: np.ndarray, mean_angle: np.ndarray | None = None) -> None:
+        """Set MOTION_VECTORS of a motion array, and the mean shear angles of the nodes [rad] if given."""
+        values = self.motion_layout.read(motion)
+        values[: 3 * len(MOTION_VECTORS)] = rows.transpose(0, 2, 1).reshape(3 * len(MOTION_VECTORS), -1)
+        if mean_angle is not None:
+            values[MotionRow.mean_angle, : len(mean_angle)] = mean_angle
+        motion.assign(self.motion_layout.flat(values))
+
+    def initial_motion(self) -> np.ndarray:
+        """MOTION_VECTORS at the start, (vectors, padded nodes, 3)."""
+        count = self.blank.node_count
+        rows = np.zeros((len(MOTION_VECTORS), self.node_count, 3))
+        position, velocities, director, _, remainder = rows
+        position[:count] = self.blank.node_position
+        # the padding square, far from nothing: its nodes have no contact stiffness
+        position[count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+        director[:, 2] = 1.0
+        director[:count] = self.blank.initial_director
+        if self.start_velocity is not None:
+            velocities[:count] = self.start_velocity
+        # what the precision cannot hold of the positions
+        remainder[:] = position - position.astype(self.precision.numpy)
+        return rows

@@ -1,0 +1,37 @@
+"""What the kernels of a sheet are made for, from its set-up alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..fabric.device import law_traits
+from ..fabric.fabric import Fabric
+from ..kernels.shell.laws import SheetTraits
+from ..kernels.stepping.node_data import NodeTraits
+from ..process.dynamics import Dynamics
+from ..sheet.geometry import ElementGeometry
+from ..sheet.sheet import Sheet
+from ..tools.shapes import IDENTITY
+from .setup import World
+
+
+def sheet_traits(fabric: Fabric, geometry: ElementGeometry, dynamics: Dynamics) -> SheetTraits:
+    """What the kernels of the elements are made for."""
+    return SheetTraits(
+        **law_traits(fabric),
+        follows_thickness=dynamics.contact_thickness == "current",
+        flat=geometry.flat,
+        skewed=bool(np.abs(geometry.hourglass_offset).max() > 1.0e-9),
+    )
+
+
+def node_traits(sheet: Sheet, world: World) -> NodeTraits:
+    """What the kernel of the nodes is made for."""
+    parts = [part for tool in world.tools for part in tool.shape.parts()]
+    return NodeTraits(
+        follows_thickness=world.dynamics.contact_thickness == "current",
+        loaded=sheet.loads is not None,
+        supported=bool(sheet.supports),
+        shape_kinds=tuple(sorted({part.distance_function for part in parts})),
+        rotated=any(part.rotation != IDENTITY for part in parts),
+    )

@@ -1,0 +1,54 @@
+"""Where and why a state became non-finite."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..engine.model import Model
+from ..engine.state import State
+from ..sheet.blank import Blank
+from .frame import Frame, SheetFrame
+
+
+def find_failure(model: Model, state: State, last: Frame) -> str | None:
+    """What to tell the user if some number of the state is no longer finite; None if all are.
+
+    Args:
+        model, state: of the run.
+        last: the last good frame.
+    """
+    finite_step = math.isfinite(state.step) and state.step > 0.0
+    suspects = []
+    for sheet, own, frame in zip(model.sheets, state.sheets, last.sheets, strict=True):
+        good = np.isfinite(sheet.read_motion(own.motion)[:, : sheet.blank.node_count]).all(axis=(0, 2))
+        if not good.all() or (not finite_step and len(model.sheets) == 1):
+            suspects.append(_suspect(sheet.blank, frame, ~good, sheet.name if len(model.sheets) > 1 else None))
+    if not suspects and finite_step:
+        return None
+    where = suspects[0] if suspects else "its stable step is not positive; no sheet has lost a node yet"
+    return (
+        f"the state became non-finite after {state.step_count} steps, {state.time:.4g} s; the last "
+        f"good frame is {last.index} at {last.time:.4g} s. {where}"
+    )
+
+
+def _suspect(blank: Blank, last: SheetFrame, bad_node: np.ndarray, sheet: str | None) -> str:
+    bad_element = bad_node[blank.quads].any(axis=1)
+    strain = np.maximum(np.abs(last.fields["warp_stretch"] - 1.0), np.abs(last.fields["weft_stretch"] - 1.0))
+    suspect = int(np.argmax(np.where(bad_element, strain, -1.0))) if bad_element.any() else int(np.argmax(strain))
+    x, y = blank.element_centres()[suspect, :2]
+    angle = math.degrees(last.fields["shear_angle"][suspect])
+    if abs(angle) > 80.0:
+        cause = "its shear angle is beyond any locking: give the shear law a locking branch, or a smaller stroke"
+    elif strain[suspect] > 0.2:
+        cause = "its yarns are stretched or compressed far beyond the fabric: a tool moves too far or too fast"
+    else:
+        cause = "it failed within one frame: a tool that moves too fast, or two tools that meet through the sheet"
+    of_sheet = f" of sheet {sheet}" if sheet else ""
+    return (
+        f"Element {suspect}{of_sheet}, at ({x:.4g}, {y:.4g}) m on the flat "
+        f"blank, is the first suspect: shear angle {angle:.1f} degrees, stretches "
+        f"{last.fields['warp_stretch'][suspect]:.3f} and {last.fields['weft_stretch'][suspect]:.3f}; {cause}"
+    )

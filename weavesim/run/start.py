@@ -1,0 +1,161 @@
+"""From a set-up to a run that may begin: everything on the device, kernels loaded, and checked there."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..device import resolve_thread_counts
+from ..engine.model import Model
+from ..engine.setup import Setup, World
+from ..engine.state import State
+from ..engine.stepper import Stepper
+from ..errors import InputError
+from ..fabric.cell import UnitCell
+from ..sheet.sheet import Sheet
+from ..tools.sampling import mesh_parts
+from .frame import Frame, RunInfo, SheetFrame, SheetInfo
+from .ledger import Ledger
+from .sheet_ledger import Penetration
+
+logger = logging.getLogger(__name__)
+
+# Forces of the undeformed sheet above this share of the unit cell's stiffness are no rounding.
+LARGEST_REST_FORCE = 1.0e-4
+# A sheet sags over an edge along whose quarter turn it has fewer elements.
+LEAST_ELEMENTS_PER_QUARTER_TURN = 5.0
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A run at time zero.
+
+    Attributes:
+        model, state, stepper, ledger: of the run.
+        info: for its observers.
+        frame: the undeformed state.
+        penetration: of that frame.
+    """
+
+    model: Model
+    state: State
+    stepper: Stepper
+    ledger: Ledger
+    info: RunInfo
+    frame: Frame
+    penetration: Penetration
+
+
+def prepare(setup: Setup) -> Prepared:
+    """Make a run ready.
+
+    Raises:
+        InputError: what would spoil the run and can only be seen on its device: a step that is not stable, a tool in
+            the sheet, a unit cell that carries force at rest, a mesh that cannot be sampled.
+    """
+    model = Model(setup)
+    state = State.initial(model)
+    solver = setup.solver
+    thread_counts = resolve_thread_counts(solver.threads) if model.device.is_cpu else (1,)
+    stepper = Stepper(
+        model,
+        state,
+        thread_counts=thread_counts,
+        largest_step=solver.time_step or math.inf,
+        step_safety=solver.step_safety,
+    )
+    stepper.load()
+    stepper.start()
+    stable = stepper.stable_step()
+    if solver.time_step is not None and solver.time_step > stable:
+        raise InputError(
+            f"time_step = {solver.time_step:.4g} s is unstable for this mesh and fabric: at most {stable:.4g} s "
+            "is stable; take that, a coarser mesh, or mass scaling (target_step)"
+        )
+    ledger = Ledger(stepper)
+    frame = ledger.frame(0)
+    for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
+        check_cell_at_rest(sheet.fabric.unit_cell, first)
+    for sheet_ledger, sheet, first in zip(ledger.sheets, setup.sheets, frame.sheets, strict=True):
+        check_overlap(sheet, sheet_ledger.penetration(first).at_nodes)
+    info = RunInfo(
+        name=setup.name,
+        setup=setup,
+        sheets=tuple(sheet_infos(setup)),
+        tools=setup.tools,
+        supports=setup.supports,
+        duration=setup.duration,
+        frame_count=setup.frame_count,
+        device=str(model.device),
+        precision=model.precision.value,
+        thread_counts=thread_counts,
+        internal_energies=ledger.internal,
+        warnings=first_warnings(model),
+        notes=tuple(mesh_notes(model)),
+    )
+    return Prepared(model, state, stepper, ledger, info, frame, ledger.penetration(frame))
+
+
+def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
+    """What the observers get of every sheet."""
+    tool_count = support_count = 0
+    for world in setup.worlds:
+        tools = tuple(range(tool_count, tool_count + len(world.tools)))
+        tool_count += len(world.tools)
+        for sheet in world.sheets:
+            supports = tuple(range(support_count, support_count + len(sheet.supports)))
+            support_count += len(sheet.supports)
+            yield SheetInfo(sheet.name, sheet.oriented_blank, sheet.fabric, world.symmetry, tools, supports)
+
+
+def check_cell_at_rest(cell: UnitCell, frame: SheetFrame) -> None:
+    """The undeformed sheet carries no force; a unit cell of the user's own may be written otherwise."""
+    largest = LARGEST_REST_FORCE * max(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
+    found = max(float(np.abs(frame.fields[name]).max()) for name in ("warp_force", "weft_force", "shear_moment"))
+    if not found <= largest:
+        raise InputError(
+            f"unit cell {type(cell).__name__}: the undeformed sheet carries {found:.4g} N/m, but at stretches of "
+            "1, a shear angle of 0 and its initial_unknowns a cell must be free of force: correct its energy or those"
+        )
+
+
+def check_overlap(sheet: Sheet, penetration: float) -> None:
+    """No tool may overlap the blank before the run starts by more than half its thickness [m]."""
+    thickness = sheet.fabric.thickness
+    if penetration > 0.5 * thickness:
+        raise InputError(
+            f"a tool overlaps the blank by {1e3 * penetration:.3g} mm before the run starts; the sheet is "
+            f"{1e3 * thickness:.3g} mm thick: move the tool half a thickness off the mid-surface"
+        )
+
+
+def first_warnings(model: Model) -> list[str]:
+    """What a user should know before the run, each once."""
+    found: list[str] = []
+    sheets = iter(model.sheets)
+    for world in model.setup.worlds:
+        for sheet in world.sheets:
+            found += [*sheet.fabric.unit_cell.warnings(), *_tool_warnings(world, next(sheets).geometry.area.max())]
+    return list(dict.fromkeys(found))
+
+
+def _tool_warnings(world: World, largest_area: float) -> Iterator[str]:
+    size = float(np.sqrt(largest_area))
+    for tool in world.tools:
+        count = tool.elements_per_quarter_turn(size)
+        if count < LEAST_ELEMENTS_PER_QUARTER_TURN:
+            yield (
+                f"{tool.name}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees "
+                f"of its {tool.smallest_radius * 1e3:.3g} mm radius; below five the sheet sags over the edge"
+            )
+
+
+def mesh_notes(model: Model) -> Iterator[str]:
+    """What was found about the triangle meshes of the tools, and how well they are sampled."""
+    for mesh in mesh_parts(model.setup.tools).values():
+        yield from mesh.surface.notes()
+        yield model.samples[mesh.surface].note(mesh.surface.name)

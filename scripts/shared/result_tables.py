@@ -5,6 +5,7 @@ from __future__ import annotations
 from weavesim.measures.findings import SHEET_FINDINGS
 from weavesim.output import known_writers
 from weavesim.run.fields import FIELDS
+from weavesim.run.verdict import RUN_FINDINGS
 
 
 def tables() -> str:
@@ -14,8 +15,9 @@ def tables() -> str:
         if writer.__module__.startswith("weavesim."):
             text = " ".join((writer.__doc__ or "").split("\n\n")[0].split()).replace("``", "`")
             lines.append(f"| `{name}` | {text} |")
-    lines += ["", "## Numbers of a sheet", "", "| entry | unit | what it is |", "|---|---|---|"]
-    lines += [f"| `{item.key}` | {item.unit.symbol or '1'} | {item.description} |" for item in SHEET_FINDINGS]
+    for heading, findings in (("Numbers of a sheet", SHEET_FINDINGS), ("Numbers of a run", RUN_FINDINGS)):
+        lines += ["", f"## {heading}", "", "| entry | unit | what it is |", "|---|---|---|"]
+        lines += [f"| `{item.key}` | {item.unit.symbol} | {item.description} |" for item in findings]
     lines += ["", "## Fields per element", "", "| name in files | unit | what it is |", "|---|---|---|"]
     lines += [f"| `{field.file_name}` | {field.file_unit} | {field.description} |" for field in FIELDS]
     return "\n".join(lines) + "\n"

@@ -11,10 +11,10 @@ from __future__ import annotations
 import inspect
 import sys
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from importlib import import_module
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin
 
 import typer
 
@@ -22,6 +22,9 @@ from .. import __version__
 from ..device import Precision
 from ..errors import InputError, RunError
 from ..run.frame import Outcome
+
+if TYPE_CHECKING:
+    from ..engine.setup import Setup
 
 EXIT_CODE_RUN_ERROR = 1
 EXIT_CODE_INPUT_ERROR = 2
@@ -93,11 +96,25 @@ def compile_command(
     import warp as wp
 
     from ..engine.compilation import KernelSet, compile_kernels
+    from ..fabric.presets import UNIT_CELLS
 
+    for what, name, known in (("unit cell", unit_cell, UNIT_CELLS), ("scene", scene, SCENES)):
+        if name is not None and name not in known:
+            raise InputError(f"{what} {name!r} is unknown: choose one of {', '.join(known)}")
     for wanted in precision or [Precision.SINGLE]:
-        seconds = compile_kernels(KernelSet.of_scenes(wanted, device, unit_cell, scene), processes)
+        setups = default_setups([scene] if scene else SCENES, precision=wanted, device=device)
+        seconds = compile_kernels(KernelSet.of_setups(setups, UNIT_CELLS[unit_cell]()), processes)
         print(f"{wanted}, {device}, {unit_cell}: compiled within {seconds:.1f} s")
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
+
+
+def default_setups(scenes: Iterable[str], **options: Any) -> list[Setup]:
+    """The set-ups of scenes as they are, but for the ``options``."""
+    result: list[Setup] = []
+    for name in scenes:
+        scene = SCENES[name].load()
+        result += scene.setups(scene.parameters(**options)).values()
+    return result
 
 
 def _add_scene(name: str, scene: Any) -> None:

@@ -6,7 +6,7 @@ import logging
 import multiprocessing
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -17,9 +17,7 @@ from typing import Self
 import warp as wp
 
 from ..device import Precision, available_threads, initialise, is_compiled, load_kernel, resolve_device
-from ..errors import InputError
 from ..fabric.cell import UnitCell
-from ..fabric.presets import UNIT_CELLS
 from ..kernels.contact.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
@@ -38,14 +36,6 @@ from .setup import Setup
 from .traits import node_traits, sheet_traits
 
 logger = logging.getLogger(__name__)
-# What the default set-ups of the scenes are; others are compiled when they run.
-SCENE_TRAITS: dict[str, tuple[SheetTraits, NodeTraits]] = {
-    "double-dome": (SheetTraits(), NodeTraits(shape_kinds=("dome_opening", "dome_punch"), rotated=True)),
-    "hemisphere": (SheetTraits(), NodeTraits(shape_kinds=("sphere",))),
-    "picture-frame": (SheetTraits(), NodeTraits(supported=True)),
-    "bias-extension": (SheetTraits(), NodeTraits(supported=True)),
-    "cantilever": (SheetTraits(), NodeTraits(supported=True)),
-}
 
 
 @dataclass(frozen=True)
@@ -76,31 +66,28 @@ class KernelSet:
     meshes: bool = False
 
     @classmethod
-    def of_scenes(
-        cls,
-        precision: Precision = Precision.SINGLE,
-        device: str = "cpu",
-        unit_cell: str = "plain-weave",
-        scene: str | None = None,
-    ) -> Self:
-        """What a scene as it is takes, or all of them.
+    def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
+        """What any of some runs takes, with any number of threads and of triangle meshes.
 
         Args:
-            precision: of the runs.
-            device: where they compute.
-            unit_cell: a name of ``weavesim.fabric.UNIT_CELLS``.
-            scene: a name of ``SCENE_TRAITS``; None means all of them.
+            setups: of runs in one precision and on one device; at least one.
+            unit_cell: in the place of their own, of which one kind is possible.
 
         Raises:
-            InputError: no such unit cell, scene or device.
+            InputError: no such device.
         """
-        for what, name, known in (("unit cell", unit_cell, UNIT_CELLS), ("scene", scene, SCENE_TRAITS)):
-            if name is not None and name not in known:
-                raise InputError(f"{what} {name!r} is unknown: choose one of {', '.join(known)}")
-        lane_count = CPU_LANE_COUNT if resolve_device(device).is_cpu else GPU_LANE_COUNT
-        traits = [SCENE_TRAITS[scene]] if scene else list(SCENE_TRAITS.values())
-        sheets, nodes = (tuple(dict.fromkeys(kind)) for kind in zip(*traits, strict=True))
-        return cls(UNIT_CELLS[unit_cell](), sheets, nodes, precision, device, lane_count, meshes=True)
+        sets = [kernel_set for setup in setups for kernel_set in kernel_sets(setup)]
+        return cls(
+            unit_cell or sets[0].unit_cell,
+            tuple(dict.fromkeys(traits for one in sets for traits in one.sheets)),
+            tuple(dict.fromkeys(traits for one in sets for traits in one.nodes)),
+            sets[0].precision,
+            sets[0].device,
+            sets[0].lane_count,
+            tools=any(one.tools for one in sets),
+            driven=any(one.driven for one in sets),
+            meshes=True,
+        )
 
     @classmethod
     def of_sheet(cls, setup: Setup, unit_cell: UnitCell, sheet: SheetTraits, nodes: NodeTraits) -> Self:

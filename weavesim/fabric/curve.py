@@ -81,6 +81,9 @@ def tabulate(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Cubic pieces of a function of x >= 0 between even knots, and one straight piece beyond the last.
 
+    Slopes are differences of the function, as it may be more than the interpolated curve (locking is added to it).
+    Exact slopes would change the last digits of every run.
+
     Returns:
         Coefficients c of c_0 + c_1 x + c_2 x^2 + c_3 x^3 from each knot on, (piece_count + 1, 4), and the integral of
         the function up to each knot, (piece_count + 1,).

@@ -199,5 +199,3 @@ SHEET_FINDINGS = (
         lambda sheet: sheet.yarn_stretch_mm.get("y"),
     ),
 )  # fmt: skip
-# What the numbers of a sheet are, by their keys.
-DESCRIPTIONS = {finding.key: finding.description for finding in SHEET_FINDINGS}

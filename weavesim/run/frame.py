@@ -116,12 +116,7 @@ class SheetFrame:
         name: of the sheet.
         position: nodes, (node_count, 3) [m].
         director: unit directors, (node_count, 3).
-        fields: one value per element, (element_count,): shear_angle [rad], warp_stretch, weft_stretch,
-            warp_force and weft_force [N/m], crossover_pressure between warp and weft per reference area [N/m^2],
-            crossover_force [N] (if the cell has a crossover_area), area_ratio,
-            shear_moment (elastic and friction, without in-plane bending) [N/m], thickness [m],
-            fibre_volume_fraction (if the fabric gives its fibre content), unit_cell_residual (worst so far),
-            unit_cell_iterations, unit_cell_failed (0 or 1).
+        fields: one value per element, (element_count,), by name: those of ``weavesim.run.fields``, in SI units.
         energies: the entries of the ledger that belong to one sheet [J], by name.
     """
 

@@ -14,10 +14,9 @@ from ..engine.state import SheetState, State
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.rows import CellReportRow, ElementField, MotionRow, NodeReportRow, SheetEnergy
 from ..kernels.shell.energy import element_ledger_kernel
+from .fields import complete
 from .frame import SheetFrame
 
-# A cell whose residual ever exceeds this share of the forces that it balances has failed.
-UNIT_CELL_FAILURE = 1.0e-3
 # Elastic energies of the sheet; their sum with those of its unit cell is the internal energy.
 SHEET_INTERNAL = ("compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass")
 
@@ -111,21 +110,9 @@ class SheetLedger:
 
     def _read_fields(self, ahead: SheetState) -> dict[str, np.ndarray]:
         count, fabric = self._model.blank.element_count, self._model.fabric
-        fields = dict(zip(ElementField.names(), self._fields.numpy()[:, :count].astype(np.float64), strict=True))
+        rows = dict(zip(ElementField.names(), self._fields.numpy()[:, :count].astype(np.float64), strict=True))
         report = dict(zip(CellReportRow.names(), ahead.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
-        compaction, cell = fabric.compaction, fabric.unit_cell
-        fields["thickness"] = fabric.thickness * compaction.thickness_ratio(
-            cell, fields["area_ratio"], fields["crossover_pressure"]
-        )
-        fraction = compaction.fibre_volume_fraction(fields["thickness"], fields["area_ratio"])
-        if fraction is not None:
-            fields["fibre_volume_fraction"] = fraction
-        if cell.crossover_area > 0.0:
-            fields["crossover_force"] = fields["crossover_pressure"] * cell.crossover_area
-        fields["unit_cell_residual"] = report["worst_residual"]
-        fields["unit_cell_iterations"] = report["iterations"]
-        fields["unit_cell_failed"] = (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
-        return fields
+        return complete(fabric, rows, report)
 
     def _motion(self, motion: wp.array) -> np.ndarray:
         """MOTION_VECTORS without the padding, in double precision, (vectors, node_count, 3)."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..measures.findings import SHEET_FINDINGS, Finding, FormedSheet, found
+from ..measures.units import JOULES, MILLIMETRES, NEWTONS, PER_SECOND, PURE, SECONDS
 from ..version import __version__
 
 if TYPE_CHECKING:
@@ -18,106 +22,222 @@ LEAST_WORK = 1.0e-4
 LEAST_INTERNAL = 0.05
 
 
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A run, and what several of its numbers are made of."""
+
+    run: Simulation
+
+    @cached_property
+    def sheets(self) -> list[FormedSheet]:
+        """At the last frame."""
+        return [
+            FormedSheet(info.blank, frame.position, frame.fields, info.fabric.thickness, info.symmetry)
+            for info, frame in zip(self.run.info.sheets, self.run.frame.sheets, strict=True)
+        ]
+
+    @cached_property
+    def step_count(self) -> int:
+        """Of the run so far."""
+        return self.run.state.step_count
+
+    @cached_property
+    def history(self) -> list[dict[str, float]]:
+        """Time, stroke and energies of all frames, one at least."""
+        frame = self.run.frame
+        return self.run.history or [{"time": frame.time, "stroke": frame.stroke, **frame.energies}]
+
+    @cached_property
+    def supplied(self) -> float:
+        """Largest supplied work [J]."""
+        return max(np.abs([entry["supplied"] for entry in self.history]).max(), 1.0e-300)
+
+    @cached_property
+    def stored(self) -> list[dict[str, float]]:
+        """Frames in which enough energy is stored to judge by it."""
+        largest = max(entry["internal"] for entry in self.history)
+        return [entry for entry in self.history if entry["internal"] > LEAST_INTERNAL * largest]
+
+    @cached_property
+    def last_quarter(self) -> list[dict[str, float]]:
+        """Those of them in the last quarter of the stroke; where no tool has one, of the time."""
+        stroke, time = abs(self.run.frame.stroke), self.run.frame.time
+        return [
+            entry
+            for entry in self.stored
+            if (abs(entry["stroke"]) >= 0.75 * stroke if stroke > 0.0 else entry["time"] >= 0.75 * time)
+        ]
+
+    def share_of_supplied(self, name: str) -> float:
+        """An entry of the ledger at the last frame over the supplied work."""
+        return self.run.frame.energies[name] / self.supplied
+
+    def values(self, name: str) -> list[np.ndarray]:
+        """A field of every sheet at the last frame."""
+        return [frame.fields[name] for frame in self.run.frame.sheets]
+
+
+def _of_sheets(name: str, which: Callable[[Any], float]) -> Finding:
+    """A finding of sheets for a run: the ``which`` of all its sheets."""
+    finding = next(finding for finding in SHEET_FINDINGS if finding.name == name)
+    return Finding(
+        name, finding.unit, finding.description,
+        lambda judged: which(finding.compute(sheet) for sheet in judged.sheets),
+    )  # fmt: skip
+
+
+def _balance_error(judged: Judged) -> float:
+    return max(
+        abs(entry["balance_error"]) / max(abs(entry["supplied"]), entry["used"], LEAST_WORK * judged.supplied)
+        for entry in judged.history
+    )
+
+
+def _support_forces(judged: Judged) -> dict[str, list[float]]:
+    names = (support.name for support in judged.run.info.supports)
+    return {name: force.tolist() for name, force in zip(names, judged.run.frame.support_force, strict=True)}
+
+
+RUN_FINDINGS = (
+    Finding("weavesim_version", PURE, "version of weavesim", lambda judged: __version__),
+    Finding("name", PURE, "of the run", lambda judged: judged.run.info.name),
+    Finding(
+        "fabric", PURE, "names of the fabrics",
+        lambda judged: ", ".join(dict.fromkeys(sheet.fabric.name for sheet in judged.run.info.sheets)),
+    ),
+    Finding(
+        "outcome", PURE, "how the run ended",
+        lambda judged: judged.run.outcome.value if judged.run.outcome else "not run",
+    ),
+    Finding("device", PURE, "that computed", lambda judged: judged.run.info.device),
+    Finding("precision", PURE, "scalar type of state and kernels", lambda judged: judged.run.info.precision),
+    Finding("threads", PURE, "CPU threads that most steps ran on", lambda judged: judged.run.stepper.thread_count),
+    Finding("lane_count", PURE, "elements per kernel thread", lambda judged: judged.run.model.lane_count),
+    Finding("element_count", PURE, "elements of all sheets", lambda judged: judged.run.info.element_count),
+    Finding("node_count", PURE, "nodes of all sheets", lambda judged: judged.run.info.node_count),
+    Finding("step_count", PURE, "time steps", lambda judged: judged.step_count),
+    Finding("time_step", SECONDS, "mean time step", lambda judged: judged.run.state.time / max(judged.step_count, 1)),
+    Finding("time", SECONDS, "time reached", lambda judged: judged.run.state.time),
+    Finding("wall_time", SECONDS, "wall time", lambda judged: judged.run.wall_time),
+    Finding("stepping_time", SECONDS, "wall time of the steps", lambda judged: judged.run.stepping_time),
+    Finding(
+        "output_time", SECONDS, "wall time of frames and their files",
+        lambda judged: max(judged.run.wall_time - judged.run.stepping_time, 0.0),
+    ),
+    Finding(
+        "element_steps", PER_SECOND, "elements times steps over the wall time of the steps",
+        lambda judged: judged.run.info.element_count * judged.step_count / max(judged.run.stepping_time, 1.0e-9),
+    ),
+    _of_sheets("max_shear_angle", max),
+    _of_sheets("min_stretch", min),
+    _of_sheets("max_stretch", max),
+    Finding(
+        "hourglass_energy_ratio", PURE, "hourglass over internal energy, the largest",
+        lambda judged: max((entry["hourglass"] / entry["internal"] for entry in judged.stored), default=0.0),
+    ),
+    Finding(
+        "kinetic_energy_ratio", PURE, "kinetic over internal energy, the largest of the last quarter",
+        lambda judged: max((entry["kinetic"] / entry["internal"] for entry in judged.last_quarter), default=0.0),
+    ),
+    Finding(
+        "damping_loss_ratio", PURE, "damping loss over supplied work",
+        lambda judged: judged.share_of_supplied("damping_loss"),
+    ),
+    Finding(
+        "gravity_work_ratio", PURE, "work of gravity over supplied work",
+        lambda judged: abs(judged.run.frame.energies["gravity_work"]) / judged.supplied,
+    ),
+    Finding("energy_balance_error", PURE, "error of the energy balance over the work, the largest", _balance_error),
+    Finding(
+        "added_mass_ratio", PURE, "mass that scaling added, over the blank's",
+        lambda judged: max(sheet.added_mass_ratio for sheet in judged.run.model.sheets),
+    ),
+    Finding("support_force", NEWTONS, "force of each support on its sheet, by name", _support_forces),
+    Finding(
+        "penetration_at_nodes", MILLIMETRES, "deepest node in a tool",
+        lambda judged: 1e3 * judged.run.penetration.at_nodes,
+    ),
+    Finding(
+        "penetration_at_element_centres", MILLIMETRES, "deepest centre of an element in a tool",
+        lambda judged: 1e3 * judged.run.penetration.at_element_centres,
+    ),
+    Finding(
+        "unit_cell_max_residual", PURE, "worst residual of a unit cell",
+        lambda judged: max(float(values.max()) for values in judged.values("unit_cell_residual")),
+    ),
+    Finding(
+        "unit_cell_failures", PURE, "unit cells that failed",
+        lambda judged: sum(int(values.sum()) for values in judged.values("unit_cell_failed")),
+    ),
+    Finding(
+        "energies", JOULES, "every entry of the ledger at the end, by name",
+        lambda judged: dict(judged.run.frame.energies),
+    ),
+    Finding("notes", PURE, "what was found about the input", lambda judged: list(judged.run.info.notes)),
+    Finding("warnings", PURE, "why the result may not be what it seems", lambda judged: list(judged.run.warnings)),
+)  # fmt: skip
+
+
 def summary(simulation: Simulation) -> dict[str, Any]:
     """Numbers of a run for summary.json; SI units unless the name says otherwise."""
-    setup, model, frame, state = simulation.setup, simulation.model, simulation.frame, simulation.state
-    element_count = sum(sheet.blank.element_count for sheet in setup.sheets)
-    step_count = state.step_count
-    return {
-        "weavesim_version": __version__,
-        "name": setup.name,
-        "fabric": ", ".join(dict.fromkeys(sheet.fabric.name for sheet in setup.sheets)),
-        "outcome": simulation.outcome.value if simulation.outcome else "not run",
-        "device": str(model.device),
-        "precision": model.precision.value,
-        "threads": simulation.stepper.thread_count,
-        "lane_count": model.lane_count,
-        "element_count": element_count,
-        "node_count": sum(sheet.blank.node_count for sheet in setup.sheets),
-        "step_count": step_count,
-        "time_step_s": state.time / max(step_count, 1),
-        "time_s": state.time,
-        "wall_time_s": simulation.wall_time,
-        "stepping_time_s": simulation.stepping_time,
-        "output_time_s": max(simulation.wall_time - simulation.stepping_time, 0.0),
-        "element_steps_per_second": element_count * step_count / max(simulation.stepping_time, 1.0e-9),
-        **_of_fields([sheet.fields for sheet in frame.sheets]),
-        **_of_energies(simulation),
-        "added_mass_ratio": max(sheet.added_mass_ratio for sheet in model.sheets),
-        "support_force_n": {
-            support.name: force.tolist() for support, force in zip(setup.supports, frame.support_force, strict=True)
-        },
-        "penetration_at_nodes_mm": 1e3 * simulation.penetration.at_nodes,
-        "penetration_at_element_centres_mm": 1e3 * simulation.penetration.at_element_centres,
-        "unit_cell_max_residual": max(float(sheet.fields["unit_cell_residual"].max()) for sheet in frame.sheets),
-        "unit_cell_failures": sum(int(sheet.fields["unit_cell_failed"].sum()) for sheet in frame.sheets),
-        "energies_j": dict(frame.energies),
-        "notes": list(simulation.info.notes),
-        "warnings": list(simulation.warnings),
-    }
+    return found(RUN_FINDINGS, Judged(simulation))
 
 
-def _of_fields(sheets: list[dict[str, np.ndarray]]) -> dict[str, float]:
-    stretch = np.concatenate([fields[name] for fields in sheets for name in ("warp_stretch", "weft_stretch")])
-    angle = max(float(np.abs(fields["shear_angle"]).max()) for fields in sheets)
-    return {
-        "max_shear_angle_deg": float(np.degrees(angle)),
-        "min_stretch": float(stretch.min()),
-        "max_stretch": float(stretch.max()),
-    }
+class Limit(NamedTuple):
+    """What a number of the summary must not exceed.
+
+    Attributes:
+        key: of the number.
+        text: what it is.
+        largest: allowed.
+        advice: what to think of it, or to do.
+    """
+
+    key: str
+    text: str
+    largest: float
+    advice: str
 
 
-def _of_energies(simulation: Simulation) -> dict[str, float]:
-    """Ratios by which a quasi-static run is judged."""
-    frame = simulation.frame
-    history = simulation.history or [{"time": frame.time, "stroke": frame.stroke, **frame.energies}]
-    supplied = max(np.abs([entry["supplied"] for entry in history]).max(), 1.0e-300)
-    stroke = abs(frame.stroke)
-    largest_internal = max(e["internal"] for e in history)
-    stored = [e for e in history if e["internal"] > LEAST_INTERNAL * largest_internal]
-    # of the stroke; where no tool has one, of the time
-    last_quarter = [
-        e for e in stored if (abs(e["stroke"]) >= 0.75 * stroke if stroke > 0.0 else e["time"] >= 0.75 * frame.time)
-    ]
-    return {
-        "hourglass_energy_ratio": max((e["hourglass"] / e["internal"] for e in stored), default=0.0),
-        "kinetic_energy_ratio": max((e["kinetic"] / e["internal"] for e in last_quarter), default=0.0),
-        "damping_loss_ratio": frame.energies["damping_loss"] / supplied,
-        "gravity_work_ratio": abs(frame.energies["gravity_work"]) / supplied,
-        "energy_balance_error": max(
-            abs(e["balance_error"]) / max(abs(e["supplied"]), e["used"], LEAST_WORK * supplied) for e in history
+def limits(numbers: Mapping[str, Any], thickness: float) -> tuple[Limit, ...]:
+    """For a run with these numbers, whose thinnest sheet has this thickness [m]."""
+    # what falls comes to rest by damping alone
+    damping = 0.05 if numbers["gravity_work_ratio"] < 0.5 else 1.0
+    return (
+        Limit(
+            "energy_balance_error", "the error of the energy balance over the work", 0.05,
+            "energy is made or lost, do not use the result; a smaller time step or float64 tells more",
         ),
-    }
+        Limit(
+            "kinetic_energy_ratio", "kinetic over internal energy in the last quarter", 0.05,
+            "the run is not quasi-static, slow the tools down",
+        ),
+        Limit("hourglass_energy_ratio", "hourglass over internal energy", 0.05, "refine the mesh"),
+        Limit("damping_loss_ratio", "damping loss over supplied work", damping, "lower the damping"),
+        Limit("added_mass_ratio", "the added mass over the blank's", 0.05, "it changes the dynamics"),
+        Limit(
+            "penetration_at_nodes_mm", "the deepest node in a tool [mm]", 0.05 * (1e3 * thickness),
+            "tools move too fast, or meet through the sheet",
+        ),
+        Limit("unit_cell_failures", "the number of failed unit cells", 0, "see unit_cell_failed"),
+    )  # fmt: skip
 
 
-def doubts(found: Mapping[str, Any], thickness: float) -> list[str]:
+def doubts(numbers: Mapping[str, Any], thickness: float) -> list[str]:
     """Why the result of a run should not be trusted as it is; empty if nothing speaks against it.
 
     Args:
-        found: the ``summary``.
+        numbers: the ``summary``.
         thickness: of the thinnest sheet [m].
     """
-    # what falls comes to rest by damping alone
-    damping_limit = 0.05 if found["gravity_work_ratio"] < 0.5 else 1.0
     result = [
-        f"{text} is {value:.3g}, above {limit:g}: {advice}"
-        for text, value, limit, advice in (
-            ("the error of the energy balance over the work", found["energy_balance_error"], 0.05, "energy is made or "
-             "lost, do not use the result; a smaller time step or float64 tells more"),
-            ("kinetic over internal energy in the last quarter", found["kinetic_energy_ratio"], 0.05,
-             "the run is not quasi-static, slow the tools down"),
-            ("hourglass over internal energy", found["hourglass_energy_ratio"], 0.05, "refine the mesh"),
-            ("damping loss over supplied work", found["damping_loss_ratio"], damping_limit, "lower the damping"),
-            ("the added mass over the blank's", found["added_mass_ratio"], 0.05, "it changes the dynamics"),
-            ("the deepest node in a tool [mm]", found["penetration_at_nodes_mm"], 0.05 * 1e3 * thickness,
-             "tools move too fast, or meet through the sheet"),
-            ("the number of failed unit cells", found["unit_cell_failures"], 0, "see unit_cell_failed"),
-        )
-        if not value <= limit
-    ]  # fmt: skip
-    if not 0.9 < found["min_stretch"] <= found["max_stretch"] < 1.1:
+        f"{limit.text} is {numbers[limit.key]:.3g}, above {limit.largest:g}: {limit.advice}"
+        for limit in limits(numbers, thickness)
+        if not numbers[limit.key] <= limit.largest
+    ]
+    if not 0.9 < numbers["min_stretch"] <= numbers["max_stretch"] < 1.1:
         result.append(
-            f"yarn stretches range from {found['min_stretch']:.3f} to {found['max_stretch']:.3f}: yarns of a woven "
+            f"yarn stretches range from {numbers['min_stretch']:.3f} to {numbers['max_stretch']:.3f}: yarns of a woven "
             "fabric do not bear that"
         )
     return result

@@ -1,6 +1,7 @@
 """The command line: options made from a parameter class, messages and exit codes."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -60,6 +61,18 @@ def test_version(weavesim_command):
 def test_devices_are_listed(weavesim_command):
     code, out, _ = weavesim_command("devices")
     assert code == 0 and out.startswith("cpu:") and "Compiled kernels:" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--unit-cell", "felt"), "unit cell 'felt' is unknown: choose one of .*plain-weave"),
+        (("--scene", "triple-dome"), "scene 'triple-dome' is unknown: choose one of bias-extension, cantilever"),
+    ],
+)
+def test_compiling_for_what_is_not_known_is_refused(weavesim_command, arguments, message):
+    code, _, err = weavesim_command("compile", *arguments)
+    assert code == 2 and re.search(message, err)
 
 
 def test_scene_help_has_every_field(weavesim_command):

@@ -11,11 +11,10 @@ import pytest
 import warp as wp
 
 from tests.support.runs import one_sheet_run
-from weavesim.app.command_line import SCENES
+from weavesim.app.command_line import SCENES, default_setups
 from weavesim.device import Precision
 from weavesim.engine import compilation
 from weavesim.engine.compilation import (
-    SCENE_TRAITS,
     KernelSet,
     MeshKernelSet,
     compile_kernels,
@@ -23,7 +22,6 @@ from weavesim.engine.compilation import (
     missing,
     side_by_side,
 )
-from weavesim.errors import InputError
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.fabric.shear import LinearShear
 from weavesim.kernels.stepping.supports import support_motion_kernel
@@ -57,7 +55,7 @@ def launched_by(simulation: Simulation) -> list[wp.Kernel]:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_a_scene_launches_nothing_else(name, precision):
-    ahead = KernelSet.of_scenes(Precision(precision), scene=name).kernels()
+    ahead = KernelSet.of_setups(default_setups([name], precision=precision)).kernels()
     for simulation in made(name, precision):
         launched = launched_by(simulation)
         assert len(launched) >= 9
@@ -65,9 +63,18 @@ def test_a_scene_launches_nothing_else(name, precision):
 
 
 def test_all_scenes_are_compiled_ahead():
-    assert set(SCENE_TRAITS) == set(SCENES)
-    everything = KernelSet.of_scenes().kernels()
-    assert all(kernel in everything for name in SCENES for kernel in KernelSet.of_scenes(scene=name).kernels())
+    everything = KernelSet.of_setups(default_setups(SCENES, precision=Precision.SINGLE)).kernels()
+    for name in SCENES:
+        of_one = KernelSet.of_setups(default_setups([name], precision=Precision.SINGLE)).kernels()
+        assert all(kernel in everything for kernel in of_one)
+
+
+def test_another_unit_cell_takes_other_kernels_of_its_law_only():
+    setups = default_setups(["double-dome"])
+    own, other = KernelSet.of_setups(setups), KernelSet.of_setups(setups, assumed_fabric("twill").unit_cell)
+    assert (own.sheets, own.nodes) == (other.sheets, other.nodes)
+    changed = [a.key for a, b in zip(own.kernels(), other.kernels(), strict=True) if a is not b]
+    assert len(changed) == 3 and all(key.startswith("element_") for key in changed)
 
 
 def small_run(**given) -> Simulation:
@@ -158,10 +165,3 @@ wp.launch(barrier, dim=1, inputs=[wp.zeros(1, dtype=wp.int32, device="cpu"), 1],
     environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}
     subprocess.run([sys.executable, "-c", code], env=environment, check=True)
     assert len(list(tmp_path.glob("*/*/wp_*barrier*"))) == 1
-
-
-def test_unknown_unit_cell_or_scene_is_refused_with_those_there_are():
-    with pytest.raises(InputError, match="plain-weave"):
-        KernelSet.of_scenes(unit_cell="felt")
-    with pytest.raises(InputError, match="double-dome"):
-        KernelSet.of_scenes(scene="triple-dome")

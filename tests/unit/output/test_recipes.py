@@ -10,6 +10,7 @@ from pxr import Usd, UsdGeom
 from scripts.doc_tables import text_of, text_with_tables
 from tests.support.kinds import imported
 from tests.support.recipes import written_recipe
+from tests.support.runs import small_run
 from weavesim.app.options import RunOptions
 from weavesim.output import Film, ParaViewSeries, ResultFolder, known_writers
 from weavesim.output import writer as writer_module
@@ -65,6 +66,10 @@ def test_the_recipe_of_an_output_field(fields_forgotten, tmp_path, coarse_run):
     imported(written_recipe("current_density.py", tmp_path), pytest.MonkeyPatch())
     info, frames = coarse_run
     fabric, count = info.sheet.fabric, info.sheet.blank.element_count
+    run = small_run()
+    density = run.frame.fields["current_areal_density"]
+    assert density == pytest.approx(run.setup.sheets[0].fabric.areal_density / run.frame.fields["area_ratio"])
+
     rows = {name: np.full(count, 1.25) for name in fields.ElementField.names()}
     report = {name: np.zeros(count) for name in ("iterations", "snap_loss", "worst_residual")}
     values = fields.complete(fabric, rows, report)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...measures.findings import DESCRIPTIONS
+from ...measures.findings import SHEET_FINDINGS
 from ...measures.units import split_unit
 from ...run.frame import Outcome, SheetInfo
+from ...run.verdict import RUN_FINDINGS
 from ..report.page import Report, shown, write_report
 from ..results import Results
 from ..writer import Writer
@@ -16,6 +17,7 @@ from ..writer import Writer
 HEADLINE = (
     "max_shear_angle_deg", "draw_in_long_axis_mm", "draw_in_short_axis_mm", "min_stretch", "max_stretch", "wall_time_s",
 )  # fmt: skip
+DESCRIPTIONS = {finding.key: finding.description for finding in (*SHEET_FINDINGS, *RUN_FINDINGS)}
 # What a blank is of the whole, by its share.
 SHARES = {1.0: "whole blank", 0.5: "half of the blank", 0.25: "quarter of the blank"}
 

@@ -10,7 +10,7 @@ import warp as wp
 
 from ..curve import curve_energy, curve_struct, odd_curve
 from ..operators import div, mul  # noqa: F401
-from .contract import BendingDevice
+from .contract import YARN_CURVATURE_COUPLING, YARN_CURVATURE_STIFFENING, BendingDevice, yarn_widening
 from .yarn_bending import family_resultants
 
 
@@ -44,4 +44,11 @@ def curve_psi(laws: Any, m: Any, b: Any, r: Any):
     )
 
 
-LAW = BendingDevice(parameters, curve_resultants, curve_psi)
+LAW = BendingDevice(
+    parameters,
+    curve_resultants,
+    curve_psi,
+    widening=yarn_widening,
+    curvature_stiffening=YARN_CURVATURE_STIFFENING,
+    curvature_coupling=YARN_CURVATURE_COUPLING,
+)

@@ -13,6 +13,7 @@ from typing import Any
 
 import warp as wp
 
+from ..lanes import fill, magnitude
 from ..operators import div, mul  # noqa: F401
 
 
@@ -56,17 +57,35 @@ class BendingDevice:
         parameters: ``parameters(real)`` is the struct of the law's constants in one precision.
         resultants: (laws, m, b, r) -> r with moments and T of bending set.
         energy: (laws, m, b, r) -> psi [J/m^2], with the moments of r.
+        widening: (m, sine) -> factor of the largest stiffness of any curvature; the sine is that of the shear angle.
+        curvature_stiffening, curvature_coupling: bounds of the second derivatives of psi by positions, and by positions
+            and directors, over that stiffness times the squared curvature and times the curvature (docs/theory.md,
+            section 7, *Coupled terms*).
     """
 
     parameters: Callable[[type], Any]
     resultants: Any
     energy: Any
+    widening: Any
+    curvature_stiffening: float
+    curvature_coupling: float
 
 
 @cache
 def device_law(module: str) -> Any:
     """The law of a module, given by its full name: a name can be sent to another process, functions cannot."""
     return import_module(module).LAW
+
+
+@wp.func
+def yarn_widening(m: Any, sine: Any):
+    """Laws of the yarns' own curvatures hold no J; oblique yarns share the curvature of the diagonal between them."""
+    return fill(sine, 1.0) + magnitude(sine)
+
+
+# Proven for such laws (docs/theory.md, section 7, *Coupled terms*).
+YARN_CURVATURE_STIFFENING = 19.0
+YARN_CURVATURE_COUPLING = 6.0
 
 
 @wp.func

@@ -10,7 +10,7 @@ import warp as wp
 
 from ..lanes import fill
 from ..operators import div, mul  # noqa: F401
-from .contract import BendingDevice, quadratic_energy
+from .contract import YARN_CURVATURE_COUPLING, YARN_CURVATURE_STIFFENING, BendingDevice, quadratic_energy, yarn_widening
 
 
 @cache
@@ -52,4 +52,11 @@ def yarn_resultants(laws: Any, m: Any, b: Any, r: Any):
     return family_resultants(laws, m, b, moment11, moment22, r)
 
 
-LAW = BendingDevice(parameters, yarn_resultants, quadratic_energy)
+LAW = BendingDevice(
+    parameters,
+    yarn_resultants,
+    quadratic_energy,
+    widening=yarn_widening,
+    curvature_stiffening=YARN_CURVATURE_STIFFENING,
+    curvature_coupling=YARN_CURVATURE_COUPLING,
+)

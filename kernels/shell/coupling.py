@@ -9,6 +9,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import dot, fill, lane_types, larger, square_root
+from ..laws.contract import BendingDevice, device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import CurvatureRow, TransverseShearRow
 from .eigenvalue import largest_of_pencil
@@ -16,14 +17,11 @@ from .hourglass import hourglass_stiffnesses, twist_weights
 from .kinematics import skew_weights
 from .laws import SheetTraits
 
-# Terms that couple positions and directors, as shares of the leading ones. Transverse shear by the tilt: of positions,
-# linear and squared; of positions and directors.
-TILT_STIFFENING = 4.4
-TILT_SQUARE_STIFFENING = 8.5
-TILT_COUPLING = 5.4
-# Bending by the curvature: of positions, squared; of positions and directors.
-CURVATURE_STIFFENING = 24.0
-CURVATURE_COUPLING = 7.4
+# Transverse shear by the tilt, as shares of the leading terms: of positions, linear and squared; of positions and
+# directors. Rounded up from what is proven (docs/theory.md, section 7, *Coupled terms*). Bending has those of its law.
+TILT_STIFFENING = 4.4  # proven: 1 + sqrt 2 = 2.42
+TILT_SQUARE_STIFFENING = 8.5  # proven: 1 + 2 sqrt 2 + (1 + sqrt 2)/2 = 5.04
+TILT_COUPLING = 5.4  # proven: sqrt 5 = 2.24
 # The warping takes a quarter of x_h.d, and the mean d of four corners is at most half of their norm.
 MEAN_WARPING = 0.125
 
@@ -112,12 +110,18 @@ def slope_function(skewed: bool):
     return slope_norms
 
 
-@wp.func
-def bending_norms(bending: Any, size: Any):
-    """What bending adds to positions, to their coupling with director gradients, and to directors."""
-    positions = (bending.dtype(CURVATURE_STIFFENING) * bending) * (size.curvature * size.curvature)
-    coupling = (bending.dtype(CURVATURE_COUPLING) * bending) * (size.inverse_radius * size.curvature)
-    return positions, coupling, bending * size.inverse_squared_radius
+@cache
+def bending_function(law: BendingDevice):
+    """Function for what bending adds to positions, to their coupling with director gradients, and to directors."""
+    stiffening, coupled = law.curvature_stiffening, law.curvature_coupling
+
+    @wp.func
+    def bending_norms(bending: Any, size: Any):
+        positions = (bending.dtype(stiffening) * bending) * (size.curvature * size.curvature)
+        coupling = (bending.dtype(coupled) * bending) * (size.inverse_radius * size.curvature)
+        return positions, coupling, bending * size.inverse_squared_radius
+
+    return bending_norms
 
 
 @wp.func
@@ -152,6 +156,7 @@ def largest_of_blocks(positions: Any, coupling: Any, directors: Any):
 def coupled_function(traits: SheetTraits):
     """Function for the bound of a block's eigenvalues by all motions, from that within and across its plane."""
     slope_norms = slope_function(traits.skewed)
+    bending_norms = bending_function(device_law(traits.bending))
 
     @wp.func
     def couple(laws: Any, bending: Any, slope: Any, shape: Any, b: Any, size: Any, in_plane: Any, across: Any):

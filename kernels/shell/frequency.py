@@ -179,7 +179,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
     stretch_membrane, strains_ahead = membrane_function(*layout), ahead_function(cell)
     read_unknowns, cell_tangent = unknowns_function(*layout, cell), cell_tangent_function(*layout, cell)
     sheet_tangent, measure = sheet_tangent_function(cell, traits), sizes_function(*layout, traits.flat)
-    couple = coupled_function(traits)
+    couple, widening = coupled_function(traits), device_law(traits.bending).widening
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_frequencies(
@@ -227,7 +227,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
             across = larger(across, largest_across(t, m, slope, raised, b))
 
         size = measure(elements, block, x, d, m, raised, b, inertia[InertiaRow.inverse_squared_radius, block])
-        bending = (bounds.bending * m.area_ratio) * size.gradient
+        bending = (bounds.bending * widening(m, sine)) * size.gradient
         largest = couple(laws, bending, slope, shape, b, size, in_plane, across)
         inverse_density = inertia[InertiaRow.inverse_areal_density, block]
         squared_frequency[block] = real(4.0) * inverse_density * largest + lanes(bounds.contact_frequency)

@@ -29,7 +29,7 @@ class DeviceDrives:
     count: int
 
 
-def build_device_drives(supports: Sequence[Support], device: wp.context.Device) -> DeviceDrives:
+def build_device_drives(supports: Sequence[Support], device: wp.Device) -> DeviceDrives:
     """The curves of all drives of ``supports``, in order."""
     curves = [drive.pieces() for support in supports for drive in support.drives]
     return DeviceDrives(
@@ -41,7 +41,7 @@ def build_device_drives(supports: Sequence[Support], device: wp.context.Device) 
 
 
 def build_support_arrays(
-    supports: Sequence[Support], node_count: int, real: type, lane_count: int, device: wp.context.Device
+    supports: Sequence[Support], node_count: int, real: type, lane_count: int, device: wp.Device
 ) -> tuple[wp.array, wp.array]:
     """Which components of the nodes of a sheet its supports hold, and the directions of its drives.
 
@@ -69,7 +69,7 @@ def build_support_arrays(
     )
 
 
-def _array(data: np.ndarray, dtype: type, device: wp.context.Device) -> wp.array:
+def _array(data: np.ndarray, dtype: type, device: wp.Device) -> wp.array:
     shape = data.shape[:-1] if hasattr(dtype, "_shape_") else data.shape
     return wp.array(data, dtype=dtype, device=device) if data.size else wp.zeros(shape, dtype=dtype, device=device)
 

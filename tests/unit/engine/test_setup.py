@@ -202,7 +202,10 @@ HELD = SHEET.model_copy(update={"supports": (Support("grip", [1]),)})
         (lambda: Setup("run", sheets=[], duration=1.0), "at least one sheet is needed"),
         (lambda: Setup("run", tools=[], duration=1.0), "sheets: is required"),
         (lambda: Setup("run", worlds=[World([SHEET])], sheets=[SHEET], duration=1.0), "sheets: belong in worlds"),
-        (lambda: Setup("run", sheets=[SHEET, SHEET], duration=1.0), "sheets: the name 'sheet' of entry 1 is .* already used"),
+        (
+            lambda: Setup("run", sheets=[SHEET, SHEET], duration=1.0),
+            "sheets: the name 'sheet' of entry 1 is .* already",
+        ),
         (lambda: Setup("run", worlds=[World([SHEET])] * 2, duration=1.0), "worlds: the name 'world' of entry 1"),
         (
             lambda: Setup("run", sheets=[HELD, HELD.model_copy(update={"name": "upper"})], duration=1.0),

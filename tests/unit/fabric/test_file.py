@@ -120,9 +120,9 @@ def test_mistakes_are_told(folder, change, message):
     assert "wrong.toml" in str(raised.value)
 
 
-def test_a_number_with_a_comma_is_told_with_its_line(folder):
+def test_a_number_with_a_comma_is_reported_with_its_line(folder):
     (folder / "frame.csv").write_text('angle_deg,force_kn\n0,0\n20,"0,005"\n')
-    with pytest.raises(InputError, match="line 3.*no number"):
+    with pytest.raises(InputError, match="line 3.*not a number"):
         load_fabric(folder / "ours.toml")
 
 

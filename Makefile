@@ -1,15 +1,16 @@
 # Everything runs in .venv, made on first use. Needed: make and Python 3.11 or newer.
-#   make demo    form a woven blank over a double dome on the CPU and say where to look
-#   make test    run the test suite on the CPU
-#   make verify  run the verification studies and rebuild docs/verification.md (about 20 minutes)
-#   make lint    check style and formatting
+#   make demo       form a woven blank over a double dome on the CPU and say where to look
+#   make test       run the test suite on the CPU
+#   make test-fast  run it without the slow tests, under a minute once the kernels are compiled
+#   make verify     run the verification studies and rebuild docs/verification.md (about 20 minutes)
+#   make lint       check style, formatting and types
 
 VENV := .venv
 PYTHON_IN_VENV := $(VENV)/bin/python
 # Two workers suit two cores; more would mostly compile the same kernels once more each.
 WORKERS ?= 2
 
-.PHONY: demo test verify lint clean
+.PHONY: demo test test-fast verify lint clean
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py
@@ -17,12 +18,16 @@ demo: $(VENV)/.installed
 test: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m pytest --numprocesses $(WORKERS) --dist loadfile
 
+test-fast: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) -m pytest --numprocesses $(WORKERS) --dist worksteal -m "not verification and not slow"
+
 verify: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) scripts/verification.py --workers $(WORKERS)
 
 lint: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m ruff check
 	$(PYTHON_IN_VENV) -m ruff format --check
+	$(PYTHON_IN_VENV) scripts/check_types.py
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

@@ -29,7 +29,10 @@ LONG_MODULES: dict[str, str] = {}
 LARGEST_FOLDER = 13
 FULL_FOLDERS: dict[str, str] = {}
 CIRCLES: dict[tuple[str, ...], str] = {}
-WITHOUT_WARP = ("weavesim", "weavesim.fabric", "weavesim.sheet", "weavesim.process", "weavesim.tools")
+WITHOUT_WARP = (
+    "weavesim", "weavesim.fabric", "weavesim.sheet", "weavesim.process", "weavesim.tools", "weavesim.measures",
+    "weavesim.engine.setup",
+)  # fmt: skip
 WITH_WARP_STILL: dict[str, str] = {}
 
 SOURCES = Sources(ROOT)

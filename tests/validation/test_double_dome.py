@@ -153,9 +153,9 @@ def test_own_tool_meshes_take_the_place_of_the_default(tmp_path):
     """The default tools exported as meshes and read back in millimetres give the same draw-in."""
     reference = Simulation(double_dome(DoubleDomeParameters(mesh_size=0.015, threads=1, stroke=0.03)))
     paths = {}
-    for tool, shift, option in zip(reference.tools, (-1, 1, -1), ("punch", "die", "blank_holder"), strict=True):
+    for tool, shift, option in zip(reference.setup.tools, (-1, 1, -1), ("punch", "die", "blank_holder"), strict=True):
         mesh = tool.display_mesh()
-        mesh.apply_translation((0.0, 0.0, shift * 0.5 * reference.fabric.thickness))
+        mesh.apply_translation((0.0, 0.0, shift * 0.5 * reference.setup.sheet.fabric.thickness))
         mesh.apply_scale(1000.0)
         paths[option] = tmp_path / f"{option}.stl"
         mesh.export(paths[option])
@@ -207,7 +207,10 @@ def test_half_of_the_blank_gives_what_the_whole_gives(coarse):
     assert abs(2.0 * half.frame.tool_reaction[0][2] / full.frame.tool_reaction[0][2] - 1.0) < 0.01
     for along in "xy":
         assert (
-            abs(draw_in(half.blank, half.frame.position, along) - draw_in(full.blank, full.frame.position, along))
+            abs(
+                draw_in(half.setup.sheet.blank, half.frame.position, along)
+                - draw_in(full.setup.sheet.blank, full.frame.position, along)
+            )
             < 1e-4
         )
 

@@ -245,7 +245,7 @@ class IntervalEnd:
 
     kernel = look_at_clock
 
-    def __init__(self, device: wp.context.Device, clock: wp.array, largest_block_count: int) -> None:
+    def __init__(self, device: wp.Device, clock: wp.array, largest_block_count: int) -> None:
         self._device, self._clock, self._largest = device, clock, largest_block_count
         self._target = wp.zeros(1, dtype=wp.float64, device=device)
         self._block_count = wp.zeros(1, dtype=wp.int32, device=device)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, overload
 
 import numpy as np
 import warp as wp
@@ -20,7 +21,7 @@ def lanes_view(array: wp.array, lane_count: int) -> wp.array:
     """A scalar array whose last axis is padded, seen as an array of lane vectors on the same memory."""
     lanes = wp.types.vector(lane_count, array.dtype)
     shape = (*array.shape[:-1], array.shape[-1] // lane_count)
-    view = wp.array(ptr=array.ptr, dtype=lanes, shape=shape, device=array.device, capacity=array.capacity)
+    view: Any = wp.array(ptr=array.ptr, dtype=lanes, shape=shape, device=array.device, capacity=array.capacity)
     view._owner = array
     return view
 
@@ -37,6 +38,12 @@ class RowLayout:
     length: int  # elements or nodes, padded to whole blocks
     lane_count: int
 
+    @overload
+    def entry(self, row: int, item: int) -> int: ...
+
+    @overload
+    def entry(self, row: np.ndarray | int, item: np.ndarray) -> np.ndarray: ...
+
     def entry(self, row: np.ndarray | int, item: np.ndarray | int) -> np.ndarray | int:
         """Where the flat array has one row of one element or node."""
         if self.lane_count == 1:
@@ -52,7 +59,7 @@ class RowLayout:
     def view(self, entries: wp.array) -> wp.array:
         """The flat array as [row, block] of lanes, on the same memory."""
         size = np.dtype(wp.dtype_to_numpy(entries.dtype)).itemsize
-        view = wp.array(
+        view: Any = wp.array(
             ptr=entries.ptr,
             dtype=wp.types.vector(self.lane_count, entries.dtype),
             shape=(self.row_count, self.length // self.lane_count),

@@ -18,7 +18,7 @@ class Replay:
         largest_thread_count: that will be used.
     """
 
-    def __init__(self, device: wp.context.Device, largest_thread_count: int) -> None:
+    def __init__(self, device: wp.Device, largest_thread_count: int) -> None:
         self._device = device
         self._largest_thread_count = largest_thread_count
         self._counter = wp.zeros(1, dtype=wp.int32, device=device)

@@ -48,7 +48,7 @@ class Numerics:
         contact_share: see ``CONTACT_SHARE``.
     """
 
-    device: wp.context.Device
+    device: wp.Device
     precision: Precision
     lane_count: int
     target_step: float | None = None

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 from zipfile import BadZipFile
 
 import numpy as np
@@ -148,12 +148,8 @@ class State:
 
     def clone(self) -> State:
         """A copy with arrays of its own."""
-        own = {field.name: _copied(getattr(self, field.name)) for field in fields(self) if field.name != "sheets"}
-        sheets = tuple(
-            SheetState(**{field.name: _copied(getattr(sheet, field.name)) for field in fields(sheet)})
-            for sheet in self.sheets
-        )
-        return State(sheets=sheets, **own)
+        sheets = tuple(SheetState(**_copies(sheet)) for sheet in self.sheets)
+        return State(**(_copies(self) | {"sheets": sheets}))
 
     def copy_from(self, other: State) -> None:
         """Take what the next step reads of a state of the same run; may be recorded."""
@@ -209,5 +205,7 @@ class State:
         return state
 
 
-def _copied(value: wp.array | int) -> wp.array | int:
-    return wp.clone(value) if isinstance(value, wp.array) else value
+def _copies(values: State | SheetState) -> dict[str, Any]:
+    """Fields by name, arrays as copies."""
+    own = {field.name: getattr(values, field.name) for field in fields(values)}
+    return {name: wp.clone(value) if isinstance(value, wp.array) else value for name, value in own.items()}

@@ -1,4 +1,4 @@
-"""Supports as the kernels take them, and what is read back of them."""
+"""Supports in the form that the kernels read, and the forces read back from them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .supports import Support
 
 @dataclass(frozen=True)
 class DeviceDrives:
-    """Curves of all drives of all supports of a run, as ``support_motion_kernel`` takes them; arrays on one device.
+    """Curves of all drives of all supports of a run, as ``support_motion_kernel`` reads them; arrays on one device.
 
     Attributes:
         first_piece: of each drive, and the number of all pieces, (drive_count + 1,) int32.
@@ -29,7 +29,7 @@ class DeviceDrives:
     count: int
 
 
-def build_device_drives(supports: Sequence[Support], device: wp.context.Device) -> DeviceDrives:
+def build_device_drives(supports: Sequence[Support], device: wp.Device) -> DeviceDrives:
     """The curves of all drives of ``supports``, in order."""
     curves = [drive.pieces() for support in supports for drive in support.drives]
     return DeviceDrives(
@@ -41,13 +41,13 @@ def build_device_drives(supports: Sequence[Support], device: wp.context.Device) 
 
 
 def build_support_arrays(
-    supports: Sequence[Support], node_count: int, real: type, lane_count: int, device: wp.context.Device
+    supports: Sequence[Support], node_count: int, real: type, lane_count: int, device: wp.Device
 ) -> tuple[wp.array, wp.array]:
     """Which components of the nodes of a sheet its supports hold, and the directions of its drives.
 
     Args:
         supports: of one sheet.
-        node_count: the padded one.
+        node_count: with padding.
         real: scalar type of the run.
         lane_count: nodes per kernel thread.
         device: of the arrays.
@@ -69,7 +69,7 @@ def build_support_arrays(
     )
 
 
-def _array(data: np.ndarray, dtype: type, device: wp.context.Device) -> wp.array:
+def _array(data: np.ndarray, dtype: type, device: wp.Device) -> wp.array:
     shape = data.shape[:-1] if hasattr(dtype, "_shape_") else data.shape
     return wp.array(data, dtype=dtype, device=device) if data.size else wp.zeros(shape, dtype=dtype, device=device)
 

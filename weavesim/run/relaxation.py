@@ -160,7 +160,7 @@ class _Relaxation:
             turning = turn / mean_step + self.damping * (spin + 0.5 * turn)
             unbalanced += size(sheet.node_mass[:, None] * acceleration, sheet.node_inertia[:, None] * turning, extent)
             loads = applied_loads(sheet, state.time)
-            applied += size(*loads, extent)
+            applied += size(loads[LoadRow.force], loads[LoadRow.couple], extent)
             # what supports bear
             forces = stepper.nodal_forces(index, ahead) + loads[LoadRow.force]
             borne += float(np.linalg.norm(np.where(free, 0.0, forces), axis=1).sum())

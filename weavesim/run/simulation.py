@@ -129,7 +129,7 @@ class Simulation:
             self.outcome = Outcome.INTERRUPTED
             for observer in observers:
                 observer.start(self.info)
-                at_end.callback(lambda observer=observer: observer.finish(self.outcome))
+                at_end.callback(self._finish, observer)
             self._publish(self.frame, observers)
             self.outcome = self._run_frames(observers, interrupted, started)
             for doubt in self.doubts():
@@ -155,6 +155,9 @@ class Simulation:
             frame = self.frame
             if frame.time >= setup.duration or (setup.rest and setup.rest.reached(frame.time, frame.energies)):
                 return Outcome.FINISHED
+
+    def _finish(self, observer: Observer) -> None:
+        observer.finish(self.outcome or Outcome.INTERRUPTED)
 
     def take_frame(self) -> Frame:
         """A frame of the present state, added to ``history``; no observer hears of it."""

@@ -85,7 +85,11 @@ class MeshSurface:
         border = open_border(self.vertices, faces, SEAM * size)
         self.closed = len(border) == 0
         self.open_edge_count = len(border)
-        self.side, self.faces = self._facing_outwards(faces) if self.closed else self._facing_side(faces, side)
+        self.side: Vector | None = None
+        if self.closed:
+            self.faces = self._facing_outwards(faces)
+        else:
+            self.side, self.faces = self._facing_side(faces, side)
         self.smallest_radius = _smallest_radius(self.vertices, self.faces)
         self._choose_samples(spacing, reach, size)
         self.solid_vertices, self.solid_faces = self.vertices, self.faces
@@ -100,12 +104,12 @@ class MeshSurface:
         p, q, r = (self.vertices[faces[:, k]] for k in range(3))
         return p, q, r
 
-    def _facing_outwards(self, faces: np.ndarray) -> tuple[None, np.ndarray]:
+    def _facing_outwards(self, faces: np.ndarray) -> np.ndarray:
         """Faces of a closed mesh, turned alike."""
         faces, _ = oriented(faces)
         p, q, r = self._corners(faces)
         # the sign of the volume decides between inside and outside
-        return None, faces if np.einsum("ij,ij->", p, np.cross(q, r)) > 0.0 else faces[:, ::-1]
+        return faces if np.einsum("ij,ij->", p, np.cross(q, r)) > 0.0 else faces[:, ::-1]
 
     def _facing_side(self, faces: np.ndarray, side: Any) -> tuple[Vector, np.ndarray]:
         """Direction from an open sheet to the fabric, and faces turned to it."""

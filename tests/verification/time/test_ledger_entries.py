@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.support.runs import one_sheet_run
-from weavesim.engine.model import CONTACT_SHARE, TANGENTIAL_RATIO
+from weavesim.engine.sheet_model import CONTACT_SHARE, TANGENTIAL_RATIO
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation

@@ -416,7 +416,7 @@ def laws(
 
 def ratio_table(names: list[str], times: np.ndarray) -> str:
     """Medians, and ratios to the first of paired turns with their quartiles; times (turns, contestants) [ns]."""
-    head = f"| | ns per element and step | least | ratio to {names[0].split(':')[0]} | quartiles |"
+    head = f"| | ns per element and step | minimum | ratio to {names[0].split(':')[0]} | quartiles |"
     lines = [head, "|---|---|---|---|---|"]
     for name, column in zip(names, times.T, strict=True):
         low, middle, high = np.quantile(column / times[:, 0], [0.25, 0.5, 0.75])

@@ -1,4 +1,4 @@
-"""Types of array fields: converted to one data type, copied, read-only, and exact to the last bit in JSON."""
+"""Types for array fields: converted to one data type, copied, read-only, and bit-exact in JSON."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-# Arrays of up to this many numbers are lists in JSON, longer ones bytes in base64.
+# In JSON, arrays of up to this many numbers are lists, longer ones base64 bytes.
 LONGEST_LIST = 32
 
 
@@ -52,7 +52,7 @@ class _ArrayType:
                 raise ValueError(f"an array of {self.dtype.name} is needed, not {given.dtype}")
             array = np.array(given, dtype=self.dtype, order="C")
             if self.dtype.kind == "i" and not np.array_equal(array, given):
-                raise ValueError(f"numbers beyond {self.dtype.name}")
+                raise ValueError(f"numbers out of range of {self.dtype.name}")
         array.setflags(write=False)
         return array
 
@@ -61,7 +61,7 @@ class _ArrayType:
             content, shape = base64.b64decode(value["base64"], validate=True), tuple(value["shape"])
             return np.frombuffer(content, dtype=self.dtype.newbyteorder("<")).astype(self.dtype).reshape(shape)
         except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"no array of {self.dtype.name} in base64 with its shape ({error})") from None
+            raise ValueError(f"not an array of {self.dtype.name} in base64 with its shape ({error})") from None
 
     def _for_json(self, array: np.ndarray) -> Any:
         if array.ndim == 1 and array.size <= LONGEST_LIST and np.all(np.isfinite(array)):

@@ -1,7 +1,7 @@
-"""Checked, immutable values: the one system of checks for all that a user gives.
+"""Checked, immutable values: the one system of checks for all user input.
 
-``Parameters`` is a frozen record that is checked when it is made, and says what is wrong by name. ``Kinded`` is the
-base of families such as shapes or laws, whose members JSON tells apart by ``kind``. Array fields have the
+``Parameters`` is a frozen record that is checked on construction and names the value that is wrong. ``Kinded`` is the
+base class of families such as shapes or laws, whose members are identified by ``kind`` in JSON. Array fields use the
 types of ``arrays.py``.
 """
 
@@ -45,7 +45,7 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 def at_most(largest: float, hint: str) -> AfterValidator:
-    """An upper bound far above what makes sense, against values in a wrong unit: the ``hint`` says which is meant."""
+    """An upper bound far above any sensible value, to catch wrong units; the ``hint`` names the expected unit."""
 
     def check(value: float) -> float:
         if value > largest:
@@ -56,10 +56,10 @@ def at_most(largest: float, hint: str) -> AfterValidator:
 
 
 def positive_number(name: str, value: Any, *, largest: float = float("inf"), hint: str = "") -> float:
-    """``value`` as a number above zero, for what is no field of a class.
+    """``value`` as a number above zero, for values that are not fields of a class.
 
     Raises:
-        InputError: no number, not above zero, or more than ``largest``, which the ``hint`` explains.
+        InputError: not a number, not above zero, or above ``largest``; the ``hint`` explains that limit.
     """
     if isinstance(value, bool | str | bytes):
         raise InputError(f"{name} = {value!r}: a number above 0 is needed")
@@ -77,7 +77,7 @@ def positive_number(name: str, value: Any, *, largest: float = float("inf"), hin
 if TYPE_CHECKING:
 
     class _Model:
-        """What type checkers see of a model: of pydantic's they would know no values that are given by place."""
+        """The model that type checkers see: pydantic's own does not allow positional values."""
 
         model_config: ClassVar[ConfigDict]
         model_fields: ClassVar[dict[str, FieldInfo]]
@@ -97,10 +97,10 @@ else:
 
 
 class Parameters(_Model):
-    """Immutable, checked values; a bad one raises InputError that names it.
+    """Immutable, checked values; a bad one raises an InputError that names it.
 
-    Equality and hash are those of the content, arrays included. ``positional`` names the fields that may be given
-    without their names, in order.
+    Equality and hash are by content, including arrays. ``positional`` lists the fields that may be given by
+    position, in order.
     """
 
     model_config = ConfigDict(
@@ -128,17 +128,17 @@ class Parameters(_Model):
         if len(arguments) > len(names):
             allowed = ", ".join(self.positional) or "none"
             raise InputError(
-                f"{type(self).__name__}: {len(arguments)} values are given without a name; without one may be {allowed}"
+                f"{type(self).__name__}: {len(arguments)} values are given by position; allowed are {allowed}"
             )
         if twice := sorted(set(names) & set(values)):
-            raise InputError(f"{type(self).__name__}: {', '.join(twice)} is given twice, by place and by name")
+            raise InputError(f"{type(self).__name__}: {', '.join(twice)} is given twice, by position and by name")
         try:
             super().__init__(**dict(zip(names, arguments, strict=True)), **values)
         except ValidationError as error:
             raise InputError(f"{type(self).__name__}: {_problems(error)}") from None
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy with some values changed, checked like a new one.
+        """A copy with some values changed, checked like a new value.
 
         Raises:
             InputError: a value that is not allowed.
@@ -146,24 +146,24 @@ class Parameters(_Model):
         return type(self)(**{**{name: getattr(self, name) for name in type(self).model_fields}, **(update or {})})
 
     def to_json(self) -> str:
-        """All values as JSON, from which ``from_json`` makes an equal one, to the last bit. Keys are sorted."""
+        """All values as JSON, with sorted keys; ``from_json`` restores an equal value, bit for bit."""
         return json.dumps(self.model_dump(mode="json"), sort_keys=True, allow_nan=False, ensure_ascii=False)
 
     @classmethod
     def from_json(cls, text: str | bytes) -> Self:
-        """The value that ``to_json`` wrote.
+        """The value written by ``to_json``.
 
         Raises:
-            InputError: text that is not JSON, or values that are not allowed; the message says where.
+            InputError: text that is not JSON, or values that are not allowed, with their place.
         """
         try:
             content = json.loads(text)
         except ValueError as error:
-            raise InputError(f"{cls.__name__}: no JSON ({error})") from None
+            raise InputError(f"{cls.__name__}: not valid JSON ({error})") from None
         try:
             return cls.model_validate(content)
         except ValidationError as error:
-            # values within values say themselves whose they are, and so may this one
+            # nested values name their class in their messages, and this one may too
             problems, prefix = _problems(error), f"{cls.__name__}: "
             raise InputError(prefix + problems.removeprefix(prefix)) from None
 
@@ -181,14 +181,14 @@ class Parameters(_Model):
         return hash(self.content_hash)
 
     def __getstate__(self) -> dict[Any, Any]:
-        # what is found out about a value is found out again
+        # cached properties are computed again
         state = super().__getstate__()
         return {**state, "__dict__": {name: state["__dict__"][name] for name in type(self).model_fields}}
 
     def __setstate__(self, state: dict[Any, Any]) -> None:
         super().__setstate__(state)
         for value in self.__dict__.values():
-            if isinstance(value, np.ndarray):  # pickle forgets that it is read-only
+            if isinstance(value, np.ndarray):  # pickle does not keep the read-only flag
                 value.setflags(write=False)
 
 
@@ -200,19 +200,19 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
-# In the place of Pydantic's own words.
+# These replace Pydantic's own messages.
 _PLAIN = {
     "greater_than": "a number above {gt:g} is needed", "greater_than_equal": "at least {ge:g} is needed",
     "less_than": "a number below {lt:g} is needed", "less_than_equal": "at most {le:g} is allowed",
     "float_type": "a number is needed", "float_parsing": "a number is needed",
-    "model_type": "a {class_name} is needed", "extra_forbidden": "there is no such value",
+    "model_type": "a {class_name} is needed", "extra_forbidden": "unknown name",
 }  # fmt: skip
 
 
 def _problems(error: ValidationError) -> str:
     lines: dict[str, str] = {}
     for problem in error.errors():
-        # a field that allows several types has one problem per type: the first says enough
+        # a field that allows several types has one problem per type: the first is enough
         field, *rest = problem["loc"] or ("",)
         name = ".".join([str(field), *(str(part) for part in rest if isinstance(part, int))])
         message = _PLAIN.get(problem["type"], problem["msg"].removeprefix("Value error, "))
@@ -227,18 +227,18 @@ def _problems(error: ValidationError) -> str:
 
 
 def _types(annotation: Any) -> Iterator[Any]:
-    """``annotation`` and all that it is made of."""
+    """``annotation`` and all its parts."""
     yield annotation
     for part in get_args(annotation):
         yield from _types(part)
 
 
 class Kinded(Parameters):
-    """Base of a family of values of several kinds, such as shapes: a direct subclass is a family.
+    """Base class of families of values of several kinds, such as shapes: a direct subclass is a family.
 
-    In JSON a member is told by ``kind``, the name of its class. Every subclass of a family is registered when its
-    class is defined, so a kind of a user's own needs nothing else. ``is_kind = False`` in a class body leaves out
-    a class that only serves as a base. ``implied_kind`` of a family is what a table without a ``kind`` is.
+    In JSON a member is identified by ``kind``, the name of its class. Every subclass of a family is registered when
+    its class is defined, so a user-defined kind needs nothing else. ``is_kind = False`` in a class body excludes
+    a class that only serves as a base. ``implied_kind`` of a family is the kind of a table without ``kind``.
     """
 
     is_kind: ClassVar[bool] = True
@@ -255,7 +255,7 @@ class Kinded(Parameters):
 
     @classmethod
     def kinds(cls) -> dict[str, type[Self]]:
-        """Kinds of the family by name, those that are ``cls`` or a subclass of it."""
+        """Kinds of the family by name: ``cls`` and its subclasses."""
         return {name: kind for name, kind in cls._family.items() if issubclass(kind, cls)}
 
     @model_validator(mode="wrap")
@@ -269,8 +269,8 @@ class Kinded(Parameters):
         name = value.get("kind", implied or cls.__name__)
         if name not in cls.kinds():
             raise ValueError(
-                f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed; import the module that defines a kind of "
-                "your own before it is read"
+                f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed; import the module that defines your own "
+                "kind before reading it"
             )
         kind, rest = cls.kinds()[name], {key: item for key, item in value.items() if key != "kind"}
         return handler(rest) if kind is cls else kind(**rest)
@@ -290,15 +290,15 @@ class Kinded(Parameters):
         return own
 
 
-# Stands in a schema for what is to refer to the kinds of these names.
+# Placeholder in a schema, to be replaced by references to the kinds of these names.
 _KINDS = "x-kinds"
-# The kind whose own schema is being made.
+# The kind whose own schema is being generated.
 _described: ContextVar[type[Kinded] | None] = ContextVar("described", default=None)
 _kinds_by_name: dict[str, type[Kinded]] = {}
 
 
 def json_schema(cls: type[Parameters]) -> dict[str, Any]:
-    """JSON schema of what ``to_json`` of a class writes, with that of every kind of every family in it."""
+    """JSON schema of the output of a class's ``to_json``, including every kind of every family in it."""
     definitions: dict[str, Any] = {}
 
     def described(kind: type[Parameters]) -> dict[str, Any]:
@@ -379,8 +379,8 @@ def _unit_vector(value: Any) -> Vector:
     given = _vector(value)
     length = float(np.linalg.norm(given))
     if length < 1e-12:
-        raise ValueError("it must not be zero, for it gives a direction")
-    # one that is scaled already stays the same to the last bit
+        raise ValueError("it is a direction and must not be zero")
+    # a vector that is already scaled keeps its bits
     return given if abs(length - 1.0) <= UNIT_ROUNDING else _vector(np.array(given) / length)
 
 

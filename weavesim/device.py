@@ -1,6 +1,6 @@
-"""Where a run computes: precision, device, threads, and Warp's settings for all of them.
+"""Where a run is computed: precision, device, threads, and the Warp settings for them.
 
-Warp is imported inside the functions, so that the command line can offer these choices without loading it.
+Warp is imported inside the functions, so that the command line can list these options without loading it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .errors import InputError
 if TYPE_CHECKING:
     import warp as wp
 
-# Inlining and full-width vectors make the lanes of kernels/ into SIMD code; see docs/performance.md.
+# Inlining and full-width vectors turn the lanes of kernels/ into SIMD code; see docs/performance.md.
 CPU_COMPILER_FLAGS = "-march=native -mllvm=-inline-threshold=9000"
 X86_COMPILER_FLAGS = "-mprefer-vector-width=512"
 
@@ -66,7 +66,7 @@ def resolve_precision(name: str | Precision) -> Precision:
 
 @cache
 def cpu_features() -> str:
-    """What this machine's processor can do, as its operating system says it; part of the kernel cache's name."""
+    """Processor features as reported by the operating system; part of the kernel cache's name."""
     try:
         # Linux: x86 has "flags", ARM has "Features"; every core repeats them.
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
@@ -78,7 +78,7 @@ def cpu_features() -> str:
 
 
 def user_cache_folder() -> Path:
-    """The folder in which this system's programs keep what they can make again."""
+    """This system's folder for files that programs can recreate."""
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     if sys.platform == "darwin":
@@ -87,9 +87,9 @@ def user_cache_folder() -> Path:
 
 
 def kernel_cache_folder() -> Path:
-    """Where compiled kernels are kept: one folder per kind of processor.
+    """Folder of the compiled kernels, one per kind of processor.
 
-    Kernels are compiled for the processor at hand, so code from one machine may not run on another that shares the
+    Kernels are compiled for the current processor, so code from one machine may not run on another that shares the
     home folder. The environment variable ``WARP_CACHE_PATH`` moves the whole cache.
     """
     base = os.environ.get("WARP_CACHE_PATH")
@@ -100,7 +100,7 @@ def kernel_cache_folder() -> Path:
 
 @contextmanager
 def _quiet_native_code() -> Iterator[None]:
-    """Keep native code from writing to standard error: it warns of a missing CUDA driver on every CPU-only machine."""
+    """Silence native code on standard error: it warns of a missing CUDA driver on every CPU-only machine."""
     sys.stderr.flush()
     kept = os.dup(2)
     try:
@@ -114,9 +114,9 @@ def _quiet_native_code() -> Iterator[None]:
 
 @cache
 def initialise() -> None:
-    """Set Warp up once: quiet, flags for the CPU's vector units, a kernel cache of this processor's own.
+    """Set up Warp once: quiet, with flags for the CPU's vector units and a kernel cache for this processor.
 
-    A folder given in ``warp.config.kernel_cache_dir`` beforehand, or a Warp already in use, is left as it is.
+    A folder set in ``warp.config.kernel_cache_dir`` beforehand is kept, and so is a Warp that is already in use.
 
     Raises:
         InputError: if the kernel cache cannot be written.
@@ -134,8 +134,8 @@ def initialise() -> None:
             wp.init()
     except OSError as error:
         raise InputError(
-            f"Compiled kernels cannot be kept in {folder}: {error.strerror or error}. "
-            "Make that folder writable or name another in the environment variable WARP_CACHE_PATH."
+            f"Compiled kernels cannot be stored in {folder}: {error.strerror or error}. "
+            "Make that folder writable or set another one in the environment variable WARP_CACHE_PATH."
         ) from error
 
 
@@ -164,15 +164,15 @@ def resolve_device(name: str) -> wp.Device:
 
 
 def load_kernel(kernel: wp.Kernel, device: wp.Device) -> None:
-    """Compile a kernel if it is not in the cache, as launches on this device will want it.
+    """Compile a kernel if it is not in the cache, in the form that launches on this device use.
 
-    Warp compiles for a block size; its launches on a CPU take 1, whatever the module's own is, and would compile again.
+    Warp compiles for one block size; launches on a CPU use 1, whatever the module's own is, and would compile again.
     """
     kernel.module.load(device, block_dim=_block_size(device))
 
 
 def is_compiled(kernel: wp.Kernel, device: wp.Device) -> bool:
-    """Whether ``load_kernel`` will find a kernel in the cache; it need not take its hash again."""
+    """Whether ``load_kernel`` will find a kernel in the cache; ``load_kernel`` need not compute its hash again."""
     import warp as wp
 
     folder = Path(str(wp.config.kernel_cache_dir)) / kernel.module.get_module_identifier(_block_size(device))
@@ -192,7 +192,7 @@ def available_threads() -> int:
 
 
 def resolve_thread_counts(threads: int | None) -> tuple[int, ...]:
-    """Numbers of CPU threads that a run may take: ``threads`` if given and possible, else 1, 2, 4, ... and all cores.
+    """Numbers of CPU threads that a run may use: ``threads`` if given and possible, else 1, 2, 4, ... and all cores.
 
     Raises:
         InputError: if ``threads`` is not between 1 and ``LARGEST_THREAD_COUNT``.
@@ -203,9 +203,9 @@ def resolve_thread_counts(threads: int | None) -> tuple[int, ...]:
         return (*(2**power for power in range((largest - 1).bit_length())), largest)
     if not 1 <= threads <= LARGEST_THREAD_COUNT:
         raise InputError(
-            f"{threads} threads were asked for: choose 1 to {LARGEST_THREAD_COUNT}, best no more than the {available} "
-            "cores that this process may use."
+            f"{threads} threads were requested: choose 1 to {LARGEST_THREAD_COUNT}, preferably no more than the "
+            f"{available} cores that this process may use."
         )
     if threads > available:
-        logger.warning("%d threads share %d cores: the result is the same, only later.", threads, available)
+        logger.warning("%d threads share %d cores: the result is the same, but takes longer.", threads, available)
     return (threads,)

@@ -1,4 +1,4 @@
-"""Errors that a user can mend: what was given, what is allowed, what to do."""
+"""Errors that a user can fix: what was given, what is allowed, what to do."""
 
 
 class InputError(ValueError):

@@ -1,4 +1,4 @@
-"""Checked values: by place and by name, equal by content, the same through pickle and JSON, kinds told apart."""
+"""Checked values: by position and by name, equal by content, the same through pickle and JSON, kinds told apart."""
 
 import json
 import pickle
@@ -80,16 +80,16 @@ def test_flags_survive_json(flags):
     [
         (lambda: Ball(-1.0), "radius = -1.0"),
         (lambda: Ball(), "radius: is required"),
-        (lambda: Ball(1.0, 2.0), "2 values are given without a name"),
+        (lambda: Ball(1.0, 2.0), "2 values are given by position"),
         (lambda: Ball(1.0, radius=2.0), "radius is given twice"),
         (lambda: Ball(True), "a number is needed, not true"),
         (lambda: Body(), "kind = 'Body': one of Ball, Pile"),
         (lambda: Box({"kind": "Cube"}, [1.0]), "kind = 'Cube': one of Ball, Pile"),
         (lambda: Box(Ball(1.0), ["x"]), "an array of float64"),
         (lambda: Box(Ball(1.0), [1.0], nodes=[0.5]), "an array of int32"),
-        (lambda: Box(Ball(1.0), [1.0], nodes=[2**40]), "beyond int32"),
+        (lambda: Box(Ball(1.0), [1.0], nodes=[2**40]), "out of range of int32"),
         (lambda: Box(Ball(1.0), {"shape": [3], "base64": "AAAA"}), "in base64"),
-        (lambda: Box.from_json("{"), "no JSON"),
+        (lambda: Box.from_json("{"), "not valid JSON"),
         (
             lambda: Box.from_json(box().to_json().replace('"radius": 2.0', '"radius": -2.0')),
             "Box: body: Pile: bodies.1: Pile: bodies.0: Ball: radius = -2.0",

@@ -1,7 +1,7 @@
 """The ``weavesim`` command.
 
-A scene's options are made from its parameter class, so each is written once: name, type, default, limits and help. The
-scene itself is imported only when it is asked for, which keeps ``weavesim --help`` quick.
+A scene's options are generated from its parameter class, so name, type, default, limits and help are written once. A
+scene is imported only when it is used, which keeps ``weavesim --help`` fast.
 
 Exit codes: 0 finished, 1 the run had to stop, 2 bad input, 130 interrupted.
 """
@@ -40,7 +40,7 @@ application = typer.Typer(
 
 
 def main(*leading: str) -> None:
-    """Run the command line: ``leading`` arguments, then those of the process. Ends with an exit code."""
+    """Run the command line with the ``leading`` arguments followed by those of the process; exits with a code."""
     try:
         application(args=[*leading, *sys.argv[1:]], prog_name="weavesim")
     except InputError as error:
@@ -71,7 +71,7 @@ def _common(
 
 @application.command()
 def devices() -> None:
-    """List what this machine can compute on."""
+    """List the devices of this machine."""
     import warp as wp
 
     from ..device import available_threads, cpu_features, initialise
@@ -86,13 +86,13 @@ def devices() -> None:
 
 @application.command("compile")
 def compile_command(
-    precision: Annotated[list[Precision] | None, typer.Option(help="of the runs; may be repeated")] = None,
-    device: Annotated[str, typer.Option(help='where they compute: "cpu" or "cuda:0", "cuda:1", ...')] = "cpu",
-    unit_cell: Annotated[str, typer.Option(help="of the fabrics, as in a fabric file")] = "plain-weave",
-    scene: Annotated[str | None, typer.Option(help="only for this one [default: all]")] = None,
-    processes: Annotated[int | None, typer.Option(min=1, help="that compile side by side [default: cores]")] = None,
+    precision: Annotated[list[Precision] | None, typer.Option(help="precision of the runs; may be repeated")] = None,
+    device: Annotated[str, typer.Option(help='device of the runs: "cpu" or "cuda:0", "cuda:1", ...')] = "cpu",
+    unit_cell: Annotated[str, typer.Option(help="unit cell of the fabrics, by preset name")] = "plain-weave",
+    scene: Annotated[str | None, typer.Option(help="compile for this scene only [default: all]")] = None,
+    processes: Annotated[int | None, typer.Option(min=1, help="parallel compiler processes [default: cores]")] = None,
 ) -> None:
-    """Compile all kernels that the scenes take as they are, so that the first run starts at once."""
+    """Compile the kernels of all scenes with default options, so that the first run starts at once."""
     import warp as wp
 
     from ..engine.compilation import KernelSet, compile_kernels
@@ -109,7 +109,7 @@ def compile_command(
 
 
 def default_setups(scenes: Iterable[str], **options: Any) -> list[Setup]:
-    """The set-ups of scenes as they are, but for the ``options``."""
+    """The set-ups of scenes with their defaults, except for the ``options``."""
     result: list[Setup] = []
     for name in scenes:
         scene = SCENES[name].load()
@@ -118,7 +118,7 @@ def default_setups(scenes: Iterable[str], **options: Any) -> list[Setup]:
 
 
 def _add_scene(name: str, scene: Any) -> None:
-    # The options are not known before the scene is imported: everything behind its name goes to a command of its own.
+    # The options are not known before the scene is imported: everything after its name goes to a separate command.
     @application.command(
         name,
         help=scene.help,
@@ -126,14 +126,14 @@ def _add_scene(name: str, scene: Any) -> None:
         context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
     )
     def command(context: typer.Context) -> None:
-        # plain help: boxed columns would cut the names of the options
+        # plain help: boxed columns would truncate the option names
         scene_application = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
         loaded = scene.load()
         scene_command(scene_application, name, loaded.parameters, loaded.run, scene.help)
         scene_application(args=context.args, prog_name=f"weavesim {name}")
 
 
-# By name, not imported yet. Scenes stand above this room, which knows none of them: it asks for what there is.
+# By name, not imported yet. Scenes are above this package in the layer order; it only discovers which ones exist.
 SCENES: dict[str, Any] = import_module("weavesim.scenes.scene").known_scenes()
 for _name, _scene in SCENES.items():
     _add_scene(_name, _scene)
@@ -144,7 +144,8 @@ def scene_command(
 ) -> None:
     """Add a command whose options are the fields of ``parameters``, a subclass of ``RunOptions``.
 
-    It passes on what differs from the defaults, runs, says where to look, and exits with a code.
+    The command passes on the options that differ from their defaults, runs, prints where the results are, and exits
+    with a code.
     """
     from .options import RunOptions
 
@@ -163,7 +164,7 @@ def scene_command(
                 outcome = run(checked).get("outcome", Outcome.FINISHED.value)
         except KeyboardInterrupt:
             outcome = Outcome.INTERRUPTED.value
-        ending = {Outcome.FINISHED.value: "", Outcome.INTERRUPTED.value: "Interrupted; what was reached is kept. "}
+        ending = {Outcome.FINISHED.value: "", Outcome.INTERRUPTED.value: "Interrupted; results so far are kept. "}
         print(f"{ending.get(outcome, 'Stopped early. ')}Results are in {checked.out}.")
         for report in sorted(checked.out.rglob("report.html")):
             print(f"Open {report} in a browser.")

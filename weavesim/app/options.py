@@ -1,4 +1,4 @@
-"""Options that every scene shares: mesh size, where to compute, where to write."""
+"""Options common to all scenes: mesh size, device and precision, output folder."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ SMALLEST_MESH_SIZE_M = 1.0e-4
 
 
 class RunOptions(Parameters):
-    """Base of a scene's parameters; the command line makes one option of every field.
+    """Base class of a scene's parameters; every field becomes a command-line option.
 
-    A scene sets its own defaults by declaring a field again. A field's ``description`` is the option's help.
+    A scene sets its own defaults by redeclaring a field. A field's ``description`` is the option's help text.
     """
 
     mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
     device: str = Field(default="cpu", description='where to compute: "cpu" or "cuda:0", "cuda:1", ...')
     precision: Precision = Field(default=Precision.SINGLE, description="scalar type of state and kernels")
     threads: Annotated[int, Field(ge=1, le=LARGEST_THREAD_COUNT)] | None = Field(
-        default=None, description="CPU threads; the result does not depend on them [default: the fastest, measured]"
+        default=None, description="CPU threads; results are bit-identical for any number [default: fastest, measured]"
     )
     time_step: Positive | None = Field(default=None, description="largest time step [s]; must be stable")
     target_step: Positive | None = Field(
@@ -34,17 +34,18 @@ class RunOptions(Parameters):
     )
     out: Path = Field(default=Path("out"), description="folder for the results")
     write: str | None = Field(
-        default=None, description=f"results to write, of {','.join(known_writers())}, with commas [default: all]"
+        default=None,
+        description=f"results to write, comma-separated: {','.join(known_writers())} [default: all]",
     )
-    without: str | None = Field(default=None, description="results to leave out, with commas")
+    without: str | None = Field(default=None, description="results to leave out, comma-separated")
 
     @field_validator("mesh_size")
     @classmethod
     def _is_in_metres(cls, value: float) -> float:
         if value > LARGEST_MESH_SIZE_M:
-            raise ValueError(f"is in metres and at most {LARGEST_MESH_SIZE_M}: write 0.005 for 5 mm")
+            raise ValueError(f"must be in metres and at most {LARGEST_MESH_SIZE_M}: write 0.005 for 5 mm")
         if value < SMALLEST_MESH_SIZE_M:
-            raise ValueError(f"is in metres and at least {SMALLEST_MESH_SIZE_M}: write 0.005 for 5 mm")
+            raise ValueError(f"must be in metres and at least {SMALLEST_MESH_SIZE_M}: write 0.005 for 5 mm")
         return value
 
     @field_validator("write", "without")
@@ -55,11 +56,11 @@ class RunOptions(Parameters):
 
     @property
     def writers(self) -> tuple[str, ...]:
-        """Names of the writers that are asked for, for a ``ResultFolder``."""
+        """Names of the requested writers, for a ``ResultFolder``."""
         return tuple(kind.name for kind in chosen_writers(_names(self.write), _names(self.without) or ()))
 
     def solver(self, **given: Any) -> Solver:
-        """Where and how to compute, as these options say; ``given`` are further values."""
+        """Solver settings from these options; ``given`` are additional values."""
         return Solver(
             device=self.device, precision=self.precision, threads=self.threads, time_step=self.time_step,
             target_step=self.target_step, **given,

@@ -1,4 +1,4 @@
-"""Observers that show a person how a run goes: a progress bar on the terminal, a log in the result folder."""
+"""Observers that show the progress of a run: a progress bar on the terminal, a log in the result folder."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 LOG_NAME = "run.log"
-# Off a terminal, lines are spread evenly over a run.
+# Without a terminal, lines are spread evenly over a run.
 LINE_COUNT = 10
 
 
 def kinetic_ratio(energies: dict[str, float]) -> float | None:
-    """Kinetic over internal energy; None as long as the sheet stores none."""
+    """Kinetic over internal energy; None while the sheet stores no energy."""
     internal = energies["internal"]
     return energies["kinetic"] / internal if internal > 0.0 else None
 
@@ -38,9 +38,9 @@ def clock_text(seconds: float) -> str:
 
 
 class ProgressBar:
-    """Shows stroke, time left and energies while a run goes; plain lines now and then where there is no terminal.
+    """Shows stroke, time left and energies during a run; without a terminal, occasional plain lines.
 
-    Warnings of the run are shown too. Writes to standard error, which leaves standard output to results.
+    Shows the warnings of the run too. Writes to standard error, which keeps standard output free for results.
     """
 
     def __init__(self, console: Console | None = None) -> None:
@@ -73,7 +73,7 @@ class ProgressBar:
                 TaskProgressColumn(),
                 TextColumn("{task.fields[state]}"),
                 console=self._console,
-                # The computation needs the cores: redraw rarely.
+                # The run needs the cores: redraw rarely.
                 refresh_per_second=2,
             )
             self._task = self._progress.add_task(self._name, total=self._duration, state="preparing")
@@ -83,7 +83,7 @@ class ProgressBar:
 
     def frame(self, frame: Frame) -> None:
         if frame.index == 0:
-            # The first steps wait for kernels to compile; the time left is to be that of the run itself.
+            # The first steps wait for kernels to compile, which must not count in the estimate of the time left.
             self._start = time.perf_counter()
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, completed=frame.time, state=self._state(frame))
@@ -119,10 +119,10 @@ class ProgressBar:
 
 
 class RunLog:
-    """Keeps ``run.log``: set-up, frames, warnings and the end of a run.
+    """Writes ``run.log``: set-up, frames, warnings and the outcome of a run.
 
-    It collects what the package logs from its making on, but writes nothing before the run starts, so that bad input
-    leaves an older log alone.
+    It collects the log messages of the package from the moment it is created, but writes nothing before the run
+    starts, so that bad input leaves an older log intact.
 
     Args:
         folder: an existing folder.
@@ -157,7 +157,7 @@ class RunLog:
                 f"fabric: {fabric.name}, {fabric.areal_density:g} kg/m^2, thickness {fabric.thickness:g} m",
             ]
         for tool in info.tools:
-            # A stroke or a mesh can have thousands of numbers.
+            # A stroke or a mesh may contain thousands of numbers.
             shape, motion = (textwrap.shorten(repr(part), 160) for part in (tool.shape, tool.motion))
             lines.append(f"tool {tool.name}: {shape}, {motion}, friction {tool.friction:g}")
         lines += info.notes
@@ -190,7 +190,7 @@ class RunLog:
         self.close()
 
     def close(self) -> None:
-        """Stop logging; called by ``finish``, and needed only for a run that never started."""
+        """Stop logging; ``finish`` calls it, so only a run that never started needs it."""
         for handler in (self._memory, self._file):
             if handler is not None:
                 self._logger.removeHandler(handler)
@@ -215,9 +215,9 @@ class RunLog:
 
 
 class _PatientFileHandler(logging.FileHandler):
-    """Gives up its file, but not the run, when the disk is full."""
+    """Abandons its file, but not the run, when the disk is full."""
 
     def handleError(self, record: logging.LogRecord) -> None:
         logger = logging.getLogger("weavesim")
         logger.removeHandler(self)
-        logger.warning("%s cannot be written any more; the run goes on without it.", self.baseFilename)
+        logger.warning("%s can no longer be written; the run continues without it.", self.baseFilename)

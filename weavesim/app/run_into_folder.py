@@ -1,4 +1,4 @@
-"""From a set-up to a folder of results: the same order of events for every run."""
+"""Run a set-up into a folder of results: the same sequence for every run."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ def run_into_folder(
     options: Mapping[str, Any],
     measure: Callable[[Simulation], Mapping[str, Any]] | None = None,
 ) -> dict[str, Any]:
-    """Run a set-up and leave its results in ``folder``, however the run ends.
+    """Run a set-up and write its results to ``folder``, however the run ends.
 
     Args:
-        setup: what is run.
-        folder: of the results.
-        options: what was asked for, by name, for the report.
-        measure: the scene's own entries of the summary, taken after the run.
+        setup: of the run.
+        folder: for the results.
+        options: given by the user, by name, for the report.
+        measure: returns the scene's own summary entries after the run.
 
     Returns:
         The summary as written.
 
     Raises:
         InputError: bad input, before anything is written.
-        RunError: the run had to stop; the results up to the last good frame are written first.
+        RunError: the run had to stop; results up to the last good frame are written first.
     """
     from ..run.simulation import Simulation
 

@@ -1,4 +1,4 @@
-"""Supports as the kernels take them, and what is read back of them."""
+"""Supports in the form that the kernels read, and the forces read back from them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .supports import Support
 
 @dataclass(frozen=True)
 class DeviceDrives:
-    """Curves of all drives of all supports of a run, as ``support_motion_kernel`` takes them; arrays on one device.
+    """Curves of all drives of all supports of a run, as ``support_motion_kernel`` reads them; arrays on one device.
 
     Attributes:
         first_piece: of each drive, and the number of all pieces, (drive_count + 1,) int32.
@@ -47,7 +47,7 @@ def build_support_arrays(
 
     Args:
         supports: of one sheet.
-        node_count: the padded one.
+        node_count: with padding.
         real: scalar type of the run.
         lane_count: nodes per kernel thread.
         device: of the arrays.

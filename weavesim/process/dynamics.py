@@ -15,8 +15,8 @@ class Dynamics(Parameters):
         damping: mass-proportional damping rate of the nodes [1/s].
         director_damping: the same for the directors [1/s].
         contact_damping_ratio: normal dashpot of the contact, as a share of critical.
-        contact_thickness: tools meet the sheet at half its "initial" or its "current" thickness; what a change of
-            thickness does on the tools is booked as ``thickness_work``.
+        contact_thickness: contact with tools is at half the "initial" or the "current" thickness; the work that a
+            change of thickness does on the tools is booked as ``thickness_work``.
     """
 
     positional = ("gravity", "damping", "director_damping", "contact_damping_ratio", "contact_thickness")

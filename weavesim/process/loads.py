@@ -1,4 +1,4 @@
-"""Forces and couples that are prescribed at the nodes."""
+"""Forces and couples prescribed at the nodes."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class NodalLoads(Parameters):
 
     Attributes:
         force: (node_count, 3) [N]; None for none.
-        couple: (node_count, 3) [N m], a moment vector; None for none. A director has no stiffness about itself, so only
-            the part of the moment across the director acts.
+        couple: (node_count, 3) [N m], a moment vector; None for none. A director has no stiffness about its own axis,
+            so only the part of the moment normal to the director acts.
         times: increasing [s].
         shares: factor of all forces and couples at these times, linear between them, constant before and after.
     """
@@ -37,8 +37,8 @@ class NodalLoads(Parameters):
     def _are_a_curve(self) -> Self:
         if len(self.times) == 0 or len(self.times) != len(self.shares) or np.any(np.diff(self.times) <= 0.0):
             raise ValueError(
-                f"{len(self.times)} times and {len(self.shares)} shares; as many of one as of the other are needed, at "
-                "least one, and times must increase"
+                f"{len(self.times)} times and {len(self.shares)} shares; give the same number of both, at least "
+                "one, and times must increase"
             )
         return self
 
@@ -46,7 +46,7 @@ class NodalLoads(Parameters):
         """Forces and couples at a share of one, rows LoadRow, (row, node_count, 3).
 
         Raises:
-            InputError: an array of another shape, or one that is not finite.
+            InputError: an array has the wrong shape or is not finite.
         """
         result = np.zeros((LoadRow.row_count(), node_count, 3))
         for row in LoadRow:

@@ -1,4 +1,4 @@
-"""How a tool moves along its axis (fixed, by a prescribed stroke, or by a force), and how a support is driven."""
+"""How a tool moves along its axis (fixed, by a prescribed stroke, or by a force), and how a support moves."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ class Motion(Kinded):
     """How a tool moves along its axis, or a support along its directions."""
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of a tool: times [s], and displacements [m] or forces [N] along its axis."""
+        """For a tool: times [s], and displacements [m] or forces [N] along its axis."""
         raise NotImplementedError
 
     @property
     def duration(self) -> float:
-        """Time from which on nothing changes [s]."""
+        """Time after which nothing changes [s]."""
         return 0.0
 
 
 class Knots(Motion):
-    """Base of motions that are given at knots in time.
+    """Base class of motions given at knots in time.
 
     Attributes:
         times: increasing [s].
-        values_name: the field that has one value per time.
+        values_name: name of the field with one value per time.
     """
 
     is_kind: ClassVar[bool] = False
@@ -47,8 +47,8 @@ class Knots(Motion):
         times, values = self.times, getattr(self, self.values_name)
         if len(times) == 0 or len(times) != len(values):
             raise ValueError(
-                f"it has {len(times)} times and {len(values)} {self.values_name}; it needs as many of one as of the "
-                "other, and at least one"
+                f"it has {len(times)} times and {len(values)} {self.values_name}; give the same number of both, at "
+                "least one"
             )
         late = np.flatnonzero(np.diff(times) <= 0.0)
         if len(late):
@@ -63,7 +63,7 @@ class Knots(Motion):
 
 
 class Fixed(Motion):
-    """A tool that stays where it is."""
+    """A tool that does not move."""
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
         """Times [s] and displacements along the axis [m]."""
@@ -87,14 +87,14 @@ class Stroke(Knots):
     def smooth(cls, distance: float, speed: float, ramp_time: float, start_time: float = 0.0) -> Stroke:
         """Constant speed with a smooth start and stop.
 
-        The speed follows 3s^2 - 2s^3 over each ramp, so that the acceleration has no jump. A ramp too long for the
-        distance is shortened to ``distance / speed``.
+        The speed follows 3s^2 - 2s^3 over each ramp, so that the acceleration is continuous. A ramp that is too long
+        for the distance is shortened to ``distance / speed``.
 
         Args:
-            distance: of the whole stroke [m]; negative moves against the axis.
+            distance: of the whole stroke [m]; negative values move against the axis.
             speed: between the ramps [m/s], positive.
-            ramp_time: of the start, and of the stop [s]; zero gives a constant speed at once.
-            start_time: rest before the stroke [s].
+            ramp_time: duration of the start, and of the stop [s]; with zero the speed is constant throughout.
+            start_time: pause before the stroke [s].
 
         Returns:
             A stroke of duration ``start_time + |distance| / speed + ramp_time``.
@@ -105,8 +105,8 @@ class Stroke(Knots):
         start_time = finite("start_time of the stroke", start_time)
         if distance == 0.0 or ramp_time < 0.0 or start_time < 0.0:
             raise InputError(
-                f"Stroke.smooth is given distance {distance} m, ramp_time {ramp_time} s and start_time {start_time} s; "
-                "the distance must not be zero and the times must not be negative. A tool at rest is Fixed()."
+                f"Stroke.smooth got distance {distance} m, ramp_time {ramp_time} s and start_time {start_time} s; "
+                "the distance must not be zero and the times must not be negative. For a tool at rest use Fixed()."
             )
         ramp_time = min(ramp_time, abs(distance) / speed)
         end = abs(distance) / speed + ramp_time
@@ -114,12 +114,12 @@ class Stroke(Knots):
             s = np.linspace(0.0, 1.0, RAMP_KNOT_COUNT + 1)
             rise = speed * ramp_time * (s**3 - 0.5 * s**4)
             times = np.concatenate([ramp_time * s, (end - ramp_time * s)[::-1]])
-            way = np.concatenate([rise, (abs(distance) - rise)[::-1]])
+            travel = np.concatenate([rise, (abs(distance) - rise)[::-1]])
             keep = np.append(True, np.diff(times) > 1e-9 * end)  # the ramps may meet
-            times, way = times[keep], way[keep]
+            times, travel = times[keep], travel[keep]
         else:
-            times, way = np.array([0.0, end]), np.array([0.0, abs(distance)])
-        return cls(tuple((start_time + times).tolist()), tuple((math.copysign(1.0, distance) * way).tolist()))
+            times, travel = np.array([0.0, end]), np.array([0.0, abs(distance)])
+        return cls(tuple((start_time + times).tolist()), tuple((math.copysign(1.0, distance) * travel).tolist()))
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
         """Times [s] and displacements along the axis [m]."""
@@ -127,12 +127,12 @@ class Stroke(Knots):
 
 
 class ForceDriven(Knots):
-    """A tool that a force moves along its axis, such as a blank holder under pressure.
+    """A tool that is moved along its axis by a force, such as a blank holder under pressure.
 
     Attributes:
         times: increasing [s].
         forces: along the axis, one per time [N]; linear between the knots, constant before and after them.
-        mass: that the force moves [kg].
+        mass: moved by the force [kg].
     """
 
     positional = ("times", "forces", "mass")
@@ -143,7 +143,7 @@ class ForceDriven(Knots):
 
     @classmethod
     def constant(cls, force: float, mass: float, ramp_time: float = 0.0) -> ForceDriven:
-        """A force [N] along the axis that is reached at ``ramp_time`` [s] and then kept."""
+        """A force [N] along the axis that is reached at ``ramp_time`` [s] and then held constant."""
         if ramp_time > 0.0:
             return cls((0.0, ramp_time), (0.0, force), mass)
         return cls((0.0,), (force,), mass)
@@ -154,10 +154,10 @@ class ForceDriven(Knots):
 
 
 class SmoothStroke(Knots):
-    """Displacement prescribed in time without a jump of the speed, for supports.
+    """Displacement prescribed in time with a continuous speed, for supports.
 
-    Cubic between the knots (Hermite), constant before and after them. A support moves the sheet itself, and every jump
-    of its speed would send a wave of tension through the yarns; contact softens those of a tool.
+    Cubic between the knots (Hermite), constant before and after them. A support moves the sheet itself, so every jump
+    in its speed would send a tension wave through the yarns; with a tool, contact softens such jumps.
 
     Attributes:
         times: increasing [s].
@@ -174,16 +174,16 @@ class SmoothStroke(Knots):
     @model_validator(mode="after")
     def _has_speeds(self) -> Self:
         if len(self.speeds) != len(self.times):
-            raise ValueError(f"it has {len(self.times)} times and {len(self.speeds)} speeds; it needs as many")
+            raise ValueError(f"it has {len(self.times)} times and {len(self.speeds)} speeds; give one speed per time")
         return self
 
     @classmethod
     def ramped(cls, distance: float, speed: float, ramp_time: float, start_time: float = 0.0) -> SmoothStroke:
-        """The motion of ``Stroke.smooth``, which has the meaning of the arguments, with a continuous speed."""
+        """The motion of ``Stroke.smooth``, which explains the arguments, with a continuous speed."""
         knots = Stroke.smooth(distance, speed, ramp_time, start_time)
         end = knots.duration - start_time
         ramp_time = min(ramp_time, abs(distance) / speed)
-        # knots on the straight part too: what is mapped from this stroke need not be straight there
+        # knots on the straight part too: a stroke mapped from this one need not be straight there
         straight = np.linspace(ramp_time, end - ramp_time, RAMP_KNOT_COUNT + 2)[1:-1]
         times = np.unique(np.concatenate([np.array(knots.times) - start_time, straight]))
         times = times[np.append(True, np.diff(times) > 1e-9 * end)]
@@ -192,27 +192,27 @@ class SmoothStroke(Knots):
             speeds = speed * share**2 * (3.0 - 2.0 * share)
         else:
             speeds = np.full(len(times), speed)
-        way = np.interp(start_time + times, knots.times, np.abs(knots.displacements))
+        travel = np.interp(start_time + times, knots.times, np.abs(knots.displacements))
         sign = math.copysign(1.0, distance)
-        return cls(*(tuple(v.tolist()) for v in (start_time + times, sign * way, sign * speeds)))
+        return cls(*(tuple(v.tolist()) for v in (start_time + times, sign * travel, sign * speeds)))
 
     def mapped(
         self, value: Callable[[np.ndarray], np.ndarray], slope: Callable[[np.ndarray], np.ndarray]
     ) -> SmoothStroke:
-        """The stroke f(s) of a support that moves along with this one.
+        """The stroke f(s) of a support that moves in step with this one.
 
         Args:
-            value: f, of displacements [m], to displacements [m].
-            slope: its derivative.
+            value: f, from displacements [m] to displacements [m].
+            slope: derivative of f.
         """
-        way = np.array(self.displacements)
-        return SmoothStroke(self.times, tuple(value(way)), tuple(slope(way) * np.array(self.speeds)))
+        travel = np.array(self.displacements)
+        return SmoothStroke(self.times, tuple(value(travel)), tuple(slope(travel) * np.array(self.speeds)))
 
     def and_back(self, rest: float = 0.0) -> SmoothStroke:
-        """This stroke, ``rest`` [s] at its end, and the same way back."""
+        """This stroke, a ``rest`` [s] at its end, and the same stroke in reverse."""
         rest = finite("rest of the stroke", rest)
         if rest < 0.0:
-            raise InputError(f"SmoothStroke.and_back is given a rest of {rest} s; it must not be negative.")
+            raise InputError(f"SmoothStroke.and_back got a rest of {rest} s; it must not be negative.")
         later = tuple(2.0 * self.duration + rest - time for time in self.times[::-1])
         skip = 0 if rest > 0.0 else 1
         return SmoothStroke(

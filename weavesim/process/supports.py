@@ -1,4 +1,4 @@
-"""Supports: groups of nodes that are held and perhaps driven, such as grips and frames, and the force on each."""
+"""Supports: groups of nodes that are held and possibly moved, such as grips and frames, and the force on each."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Drive(Parameters):
     """One prescribed motion of a support.
 
     Attributes:
-        motion: s(t) [m]; a ``Stroke`` has a jump of its speed at every knot, a ``SmoothStroke`` has none.
+        motion: s(t) [m]; the speed of a ``Stroke`` jumps at every knot, that of a ``SmoothStroke`` is continuous.
         direction: displacement of the nodes over s: one vector (3,) for all, or (node_count, 3), one per node of the
-            support. Not scaled to length one: a node of direction (0, 0.5, 0) moves half as far as s along y.
+            support. Not scaled to length one: a node with direction (0, 0.5, 0) moves by s/2 along y.
     """
 
     positional = ("motion", "direction")
@@ -42,13 +42,13 @@ class Drive(Parameters):
         try:
             return np.array(value, dtype=np.float64)
         except (TypeError, ValueError):
-            raise ValueError("finite values, (3,) or (node_count, 3), are needed") from None
+            raise ValueError("finite values of shape (3,) or (node_count, 3) are needed") from None
 
     @field_validator("direction")
     @classmethod
     def _are_finite(cls, value: np.ndarray) -> np.ndarray:
         if value.ndim not in (1, 2) or value.shape[-1] != 3 or not np.isfinite(value).all():
-            raise ValueError(f"shape {value.shape}; finite values, (3,) or (node_count, 3), are needed")
+            raise ValueError(f"shape {value.shape}; finite values of shape (3,) or (node_count, 3) are needed")
         return value
 
     @property
@@ -94,15 +94,15 @@ class Drive(Parameters):
 
 
 class Support(Parameters):
-    """Nodes that follow x = x0 + sum of s_k(t) times direction_k, and whose holding force is an output.
+    """Nodes that follow x = x0 + sum of s_k(t) times direction_k; the force that holds them is an output.
 
-    Without a drive they stay where they are. The force of the support on the sheet, and that along each drive (the
-    work per unit of s, at all nodes), are in every frame: ``Frame.support_force`` and ``Frame.drive_force``.
+    Without a drive they do not move. Every frame has the force of the support on the sheet and the force along each
+    drive (work per unit of s, over all nodes): ``Frame.support_force`` and ``Frame.drive_force``.
 
     Attributes:
-        name: of the outputs.
+        name: used in outputs.
         nodes: indices, each once (k,).
-        drives: whose displacements are added.
+        drives: their displacements add up.
         displacements: the components that are held or driven, any of "xyz".
         rotations: the axes about which the directors must not turn, any of "xyz".
     """
@@ -139,7 +139,7 @@ class Support(Parameters):
         if self.nodes.ndim != 1 or not len(self.nodes):
             raise ValueError(f"support {self.name}: indices of one or more nodes are needed")
         if len(np.unique(self.nodes)) < len(self.nodes):
-            raise ValueError(f"support {self.name}: a node is named twice; each may be there once")
+            raise ValueError(f"support {self.name}: a node is listed twice; list each node once")
         for k, drive in enumerate(self.drives):
             self._check_drive(k, drive)
         return self
@@ -158,13 +158,13 @@ class Support(Parameters):
                 )
         if abs(drive.at(0.0)) > 1.0e-12 * drive.largest_displacement:
             raise ValueError(
-                f"support {self.name}: drive {k} is at {drive.at(0.0):.4g} m at time zero; the blank is where the "
-                "nodes are at rest, so it must start from 0"
+                f"support {self.name}: drive {k} is at {drive.at(0.0):.4g} m at time zero; it must start from 0, where "
+                "the nodes of the blank are"
             )
 
     @property
     def held(self) -> np.ndarray:
-        """The components that it holds, x, y, z and the rotations about them, (6,) bool."""
+        """The components that are held: x, y, z and the rotations about them, (6,) bool."""
         return np.array([axis in held for held in (self.displacements, self.rotations) for axis in "xyz"])
 
     def directions(self, k: int) -> np.ndarray:
@@ -173,7 +173,7 @@ class Support(Parameters):
 
 
 def prescribe_start(supports: Sequence[Support], velocity: np.ndarray | None, node_count: int) -> np.ndarray | None:
-    """Initial velocities (node_count, 3) [m/s] with those of the supports in the components that they hold."""
+    """Initial velocities (node_count, 3) [m/s], with the supports' own in the components that they hold."""
     if not supports:
         return velocity
     velocity = np.zeros((node_count, 3)) if velocity is None else velocity.copy()

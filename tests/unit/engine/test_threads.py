@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from weavesim.engine.threads import LOOK, REST, STAY, ThreadChoice
+from weavesim.engine.threads import PROBE, PROBE_INTERVAL, TURN, ThreadChoice
 
 
 class Machine:
@@ -41,21 +41,21 @@ FACTORS = st.lists(st.floats(1.05, 3.0), min_size=1, max_size=5)
 
 @pytest.mark.slow
 @given(FACTORS, st.data(), st.floats(1e-5, 2.0))
-def test_the_fastest_is_found_and_looking_costs_little(factors, data, scale):
+def test_the_fastest_is_found_and_probing_costs_little(factors, data, scale):
     best = data.draw(st.integers(0, len(factors)))
     costs = [scale]
     for index, factor in enumerate(factors):
         costs.append(costs[-1] / factor if index < best else costs[-1] * factor)
     counts = tuple(2**index for index in range(len(costs)))
     by_count = dict(zip(counts, costs, strict=True))
-    machine = Machine(counts, lambda count, time: by_count[count]).run(3.0 * (len(counts) + 2) * max(STAY, scale))
-    # by now all that is worth a look has had one
+    machine = Machine(counts, lambda count, time: by_count[count]).run(3.0 * (len(counts) + 2) * max(TURN, scale))
+    # by now every number worth probing has been probed
     started, blocks = machine.time, machine.blocks
     machine.run(200.0 * max(1.0, scale))
     ideal = (machine.blocks - blocks) * costs[best]
     assert machine.share(counts[best], started) > 0.5
-    # of two neighbours each may take one per cent, and a look begins before it is paid
-    assert machine.time - started < 1.021 * ideal + 2.0 * 3.0 * max(LOOK, costs[best])
+    # each of two neighbours may cost one per cent, and a probe begins before its cost is made up
+    assert machine.time - started < 1.021 * ideal + 2.0 * 3.0 * max(PROBE, costs[best])
     assert machine.choice.most_used == counts[best]
     assert {used for _, used, _ in machine.used} <= set(counts)
 
@@ -71,8 +71,8 @@ def test_load_of_others_is_left_alone_and_forgotten_when_it_ends(cost, slowdown)
     machine.run(40.0)
     assert machine.share(1, 21.0 + 4.0 * cost * slowdown) > 0.95
     machine.run(60.0)
-    # the next look comes when the last one is paid
-    wait = REST + 150.0 * (LOOK + cost) * slowdown
+    # the next probe comes when the cost of the last one is made up
+    wait = PROBE_INTERVAL + 150.0 * (PROBE + cost) * slowdown
     machine.run(wait + 20.0)
     assert machine.share(2, 60.0 + wait) > 0.97
 
@@ -83,8 +83,8 @@ def test_one_slow_turn_changes_nothing():
     assert machine.share(2, 0.5) > 0.97
 
 
-def test_a_lucky_look_is_forgotten():
-    """Two threads are slow here, but for looks that happen to find both cores free."""
+def test_a_lucky_probe_is_forgotten():
+    """Two threads are slow here, except for probes that happen to find both cores free."""
 
     def bursts(count: int, time: float) -> float:
         lucky = count == 2 and time % 2.0 < 0.2
@@ -95,7 +95,7 @@ def test_a_lucky_look_is_forgotten():
 
 
 def test_short_replays_count_together():
-    """As where a run is advanced block by block, or frames are close together."""
+    """As when a run is advanced block by block, or frames are close together."""
     machine = Machine((1, 2), lambda count, time: 1e-4 * (2.0 / count)).run(10.0, largest_block_count=1)
     assert machine.share(2) > 0.97
 
@@ -105,7 +105,7 @@ def test_a_sheet_too_small_for_threads_stays_on_one():
     assert machine.share(1) > 0.96 and {count for _, count, _ in machine.used} == {1, 2}
 
 
-def test_more_threads_are_tried_as_long_as_they_pay():
+def test_more_threads_are_tried_while_they_are_faster():
     machine = Machine((1, 2, 4, 6), lambda count, time: 1e-2 / count).run(10.0)
     assert list(dict.fromkeys(count for _, count, _ in machine.used)) == [1, 2, 4, 6]
     assert machine.share(6, 0.2) > 0.96
@@ -116,7 +116,7 @@ def test_a_given_number_stays():
     machine = Machine((3,), lambda count, time: 1e-3 * (1.0 + time)).run(5.0)
     assert machine.share(3) == 1.0 and machine.choice.most_used == 3
     # a run listens to Ctrl-C between two turns
-    assert max(blocks * 1e-3 * (1.0 + time) for time, _, blocks in machine.used) < 3.0 * STAY
+    assert max(blocks * 1e-3 * (1.0 + time) for time, _, blocks in machine.used) < 3.0 * TURN
 
 
 def test_before_the_first_turn_nothing_is_known():

@@ -16,7 +16,7 @@ PULL = SmoothStroke.ramped(1e-3, speed=1.0, ramp_time=1e-4)
     [
         (lambda: Support("grip", np.array([0.5])), "indices of one or more nodes"),
         (lambda: Support("grip", np.array([], dtype=int)), "indices of one or more nodes"),
-        (lambda: Support("grip", [1, 2, 1]), "named twice"),
+        (lambda: Support("grip", [1, 2, 1]), "listed twice"),
         (lambda: Support("grip", [1], displacements="xw"), 'give some of "xyz"'),
         (lambda: Drive(PULL, (np.nan, 0.0, 0.0)), "finite values"),
         (lambda: Drive(PULL, (1.0, 0.0)), "finite values"),

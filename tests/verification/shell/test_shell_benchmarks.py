@@ -1,7 +1,5 @@
 """The shell against closed forms and published values, at rest under nodal loads."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
@@ -301,7 +299,7 @@ def hemisphere_displacement(fabric, count: int) -> float:
     normal = normal.reshape(-1, 3)
     centre = normal[quads].mean(axis=1)
     blank = Blank.from_mesh(radius * normal, quads, warp_direction=np.cross([0.0, 0.0, 1.0], centre))
-    blank = dataclasses.replace(blank, initial_director=normal)
+    blank = blank.model_copy(update={"initial_director": normal})
     free = np.ones((blank.node_count, 6), dtype=bool)
     free[index[-1, count // 2], 2] = False
     outward, inward = index[0, 0], index[0, -1]

@@ -9,7 +9,7 @@ from ..shared.report import table
 
 def ratio_table(names: list[str], times: np.ndarray) -> str:
     """Medians, and ratios to the first of paired turns with their quartiles; times (turns, contestants) [ns]."""
-    head = ["", "ns per element and step", "least", f"ratio to {names[0].split(':')[0]}", "quartiles"]
+    head = ["", "ns per element and step", "minimum", f"ratio to {names[0].split(':')[0]}", "quartiles"]
     rows = []
     for name, column in zip(names, times.T, strict=True):
         low, middle, high = np.quantile(column / times[:, 0], [0.25, 0.5, 0.75])

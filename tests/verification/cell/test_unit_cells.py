@@ -283,7 +283,7 @@ def test_time_step_is_below_the_limit(shell_cell, sheet, fabric, manual):
     """Against the highest frequency of the finite-difference tangent, for a sheet that is a membrane only."""
     case = manual(
         "Unit cell", f"Stable step of a membrane: {type(shell_cell).__name__}",
-        known=r"$2/\omega_{\max}$ of the sheet's tangent, by differences of the nodal forces, with the lumped masses",
+        known=r"$2/\omega_{\max}$ of the sheet's tangent, from differences of the nodal forces and with lumped masses",
     )  # fmt: skip
     blank = Blank.rectangle((0.0, 0.0), (0.015, 0.015), 0.005, yarn_angle=10.0)
     patch = sheet(blank, fabric(unit_cell=shell_cell))

@@ -1,5 +1,6 @@
 """The documents name what exists: files, modules, tests, identifiers of the code, and what their links point to."""
 
+import ast
 import importlib
 import re
 from functools import cache
@@ -105,6 +106,27 @@ def test_every_link_leads_somewhere(page):
         if not place.exists() or (anchor and anchor not in anchors(text_of(place))):
             dead.append(target)
     assert not dead
+
+
+def pattern_of(text: ast.expr) -> str:
+    """A regular expression of a string in a source; what an f-string inserts may be anything."""
+    parts = text.values if isinstance(text, ast.JoinedStr) else [text]
+    return "".join(re.escape(part.value) if isinstance(part, ast.Constant) else ".*?" for part in parts)
+
+
+def test_the_manual_has_the_words_of_its_studies():
+    """A study that is new or reworded needs ``make verify``, or the same words by hand."""
+    manual = text_of(ROOT / "docs" / "verification.md")
+    known = [
+        pattern_of(keyword.value)
+        for path in (ROOT / "tests" / "verification").rglob("test_*.py")
+        for call in ast.walk(ast.parse(text_of(path)))
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "manual"
+        for keyword in call.keywords
+        if keyword.arg == "known"
+    ]
+    assert len(known) > 30
+    assert not [pattern for pattern in known if not re.search(f"^Known: {pattern}$", manual, flags=re.MULTILINE)]
 
 
 def test_the_list_of_documents_is_complete():

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -24,6 +24,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from scripts.shared.checkouts import checked_out, full_name  # noqa: E402
+from scripts.shared.report import table  # noqa: E402
 from tests.support.imports import Sources, circles  # noqa: E402
 
 LISTED_COUNT = 10
@@ -153,12 +154,6 @@ def _levels(arrows: dict[str, set[str]]) -> int:
     return max(map(level, below))
 
 
-def table(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """A Markdown table."""
-    lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
-    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
-
-
 def summary(checkouts: dict[str, Sizes]) -> str:
     """Medians, 90th percentiles and maxima, and the counts, of each checkout."""
     rows: list[list[object]] = []
@@ -170,7 +165,7 @@ def summary(checkouts: dict[str, Sizes]) -> str:
         rows.append(row)
     columns = [f"{label}{what}" for label in checkouts for what in (": median", ": 90 %", ": largest")]
     counts = [[name, *(count(sizes) for sizes in checkouts.values())] for name, count in COUNTS.items()]
-    return table(["size", *columns], rows) + "\n\n" + table(["count", *checkouts], counts)
+    return table(["size", *columns], rows, right=True) + "\n\n" + table(["count", *checkouts], counts, right=True)
 
 
 def largest(checkouts: dict[str, Sizes]) -> str:
@@ -183,7 +178,7 @@ def largest(checkouts: dict[str, Sizes]) -> str:
             lists.append([f"{value} `{label}`" for label, value in ordered])
         longest = max(len(one) for one in lists)
         rows = [[one[index] if index < len(one) else "" for one in lists] for index in range(longest)]
-        parts.append(f"### {name.capitalize()}\n\n" + table(list(checkouts), rows).replace("---:", "---"))
+        parts.append(f"### {name.capitalize()}\n\n" + table(list(checkouts), rows))
     return "\n\n".join(parts)
 
 

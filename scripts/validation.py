@@ -58,8 +58,8 @@ CHECKS = {
     "slow": Variant("punch speed halved", {"punch_speed": 0.25}),
     "double": Variant("float64", {"precision": "float64"}),
     "full": Variant("full blank", {"part": "full"}),
-    "gap": Variant("the holder keeps a gap of 0.1 mm (5 mm)", {"blank_holder_gap": 0.0001}),
-    "gap fine": Variant("the holder keeps a gap of 0.1 mm (2.5 mm)", {"blank_holder_gap": 0.0001, "mesh_size": 0.0025}),
+    "gap": Variant("fixed holder gap of 0.1 mm (5 mm)", {"blank_holder_gap": 0.0001}),
+    "gap fine": Variant("fixed holder gap of 0.1 mm (2.5 mm)", {"blank_holder_gap": 0.0001, "mesh_size": 0.0025}),
 }
 SENSITIVITY = {
     "moment": Variant("shear curve read as m = t tau", change=lambda f: glass_polypropylene(convention="moment")),
@@ -204,37 +204,36 @@ def page(runs: dict[str, dict[str, Any]]) -> str:
         "# Validation: the double dome",
         f"Written by `python scripts/validation.py` on {date.today().isoformat()} with weavesim {__version__} on "
         f"{platform.machine()}, CPU, {base['threads']} threads. Angles in degrees; forces of the whole punch.",
-        "Nothing here is measured: the tool is a representative one (`scenes/double_dome.py`), and the paper's "
-        "measured angles and outline belong to another. What is shown is that the equations are solved, and what the "
-        "answer depends on.",
-        "## What the default has to show",
+        "Nothing here is compared with measurements: the tool is a representative one (`scenes/double_dome.py`), and "
+        "the paper's measured angles and outline belong to another. The page shows that the equations are solved, and "
+        "what the answer depends on.",
+        "## Requirements on the default run",
         table(["requirement", "value", "bound", "holds"], gates),
-        "Penetration at the centres of the elements, which node contact does not see: "
+        "Penetration at the centres of the elements, which contact at the nodes does not detect: "
         f"{base['penetration_at_element_centres_mm']:.2f} mm at 5 mm and "
-        f"{runs['fine']['penetration_at_element_centres_mm']:.2f} mm at 2.5 mm: the sag of a flat element over the "
-        "10 mm die entry.",
-        f"At 2.5 mm in float32 the worst frame is off by {100 * fine['energy_balance_error']:.1f} % of the little work "
-        f"done by then, at the end by {100 * final_error:.3f} %: strains are rounded to 1e-7, which warms a sheet that "
-        "is still slack by some 1e-5 J. In float64 the worst frame at 5 mm is off by "
+        f"{runs['fine']['penetration_at_element_centres_mm']:.2f} mm at 2.5 mm. It is the sag of a flat element over "
+        "the 10 mm die entry.",
+        f"At 2.5 mm in float32 the balance of the worst frame is off by {100 * fine['energy_balance_error']:.1f} % of "
+        f"the little work done up to it, that of the last frame by {100 * final_error:.3f} %: strains are rounded to "
+        "1e-7, which adds some 1e-5 J to a sheet that is still slack. In float64 the worst frame at 5 mm is off by "
         f"{100 * runs['double']['energy_balance_error']:.3f} %.",
         "## Angles at the ten points",
-        "Sampled by area-weighted means of the elements around each node, mirrored at symmetry planes with the sign "
-        "of the shear angle, then bilinear in the element that holds the point. Points 1 and 10 lie where a symmetry "
-        "line meets the border, and are zero.",
+        "Area-weighted means of the elements around each node, mirrored at symmetry planes with the sign of the shear "
+        "angle, then interpolated bilinearly in the element that contains the point. Points 1 and 10 lie where a "
+        "symmetry line meets the border; their angles are zero.",
         table(header, [angle_row(every[name].title, runs[name]) for name in CHECKS]),
-        f"With the holder keeping only a gap, the angles change by {gap_mean:.1f}° on average and {gap_largest:.1f}° "
-        f"at most from 5 to 2.5 mm, and the checkerboard of the shear angle is "
+        f"With a fixed holder gap, the angles change by {gap_mean:.1f}° on average and {gap_largest:.1f}° at most "
+        "from 5 to 2.5 mm, and the checkerboard of the shear angle is "
         f"{runs['gap fine']['checkerboard_maximum']:.1f}° at most: "
         + ("within the bounds of the default." if gap_converged else "not converged, and reported as such."),
-        f"Figure 4 of the paper has its peak near point 5 and a lesser one near 9. Ours has its peak at point {peak} "
-        f"({base['angles'][peak - 1]:.1f}°, point 5: {base['angles'][4]:.1f}°) and {base['angles'][8]:.1f}° at point "
+        f"Figure 4 of the paper shows a peak near point 5 and a smaller one near 9. Here the peak is at point {peak} "
+        f"({base['angles'][peak - 1]:.1f}°, point 5: {base['angles'][4]:.1f}°), with {base['angles'][8]:.1f}° at point "
         "9: on the long straight flank of this tool the yarns cross the die entry squarely and cannot shear. The "
-        "benchmark's tool is another, whose drawing the paper does not give.",
+        "benchmark uses another tool, of which the paper gives no drawing.",
         "## What the answer depends on",
         "The values of the glass/polypropylene preset that no source gives are assumed "
-        "(`weavesim/fabric/presets.py`). This is "
-        "how much each matters, all at 5 mm. The two readings of the published shear curve differ by "
-        f"{angle_change(base, moment)[1]:.1f}° at most.",
+        "(`weavesim/fabric/presets.py`). The table shows the effect of each, all at 5 mm. The two readings of the "
+        f"published shear curve differ by {angle_change(base, moment)[1]:.1f}° at most.",
         table(header, [angle_row("default", base)] + [angle_row(v.title, runs[n]) for n, v in SENSITIVITY.items()]),
     ]
     return "\n\n".join(parts) + "\n"
@@ -244,7 +243,7 @@ HEMISPHERE_VARIANTS = {
     "default": {},
     "10 mm": {"mesh_size": 0.01},
     "6.7 mm": {"mesh_size": 0.4 / 60},
-    "6.7 mm, another unevenness": {"mesh_size": 0.4 / 60, "seed": 1},
+    "6.7 mm, different unevenness": {"mesh_size": 0.4 / 60, "seed": 1},
     "6.7 mm, damping halved": {"mesh_size": 0.4 / 60, "damping": 7.5},
 }
 
@@ -272,7 +271,7 @@ def hemisphere_page() -> tuple[str, list[str]]:
          max(low["kinetic_energy_ratio"], high["kinetic_energy_ratio"]) < 0.02),
         ("both wrinkle: folds above 2 % of the rim's mean distance from the axis",
          min(low["fold_count"], high["fold_count"]) > 0),
-        ("differently: another number of folds", low["fold_count"] != high["fold_count"]),
+        ("they differ in the number of folds", low["fold_count"] != high["fold_count"]),
         ("the second shears at least twice as much", high["max_shear_angle_deg"] >= 2.0 * low["max_shear_angle_deg"]),
     ]  # fmt: skip
     header = [
@@ -282,16 +281,16 @@ def hemisphere_page() -> tuple[str, list[str]]:
     paragraphs = [
         "# Validation: a cloth on a ball",
         f"Written by `python scripts/validation.py hemisphere` on {date.today().isoformat()} with weavesim "
-        f"{__version__}. The default mesh is 5 mm. Nothing here is measured; the paper shows pictures without numbers "
-        "(its Figure 5).",
+        f"{__version__}. The default mesh is 5 mm. Nothing here is compared with measurements; the paper shows "
+        "pictures without numbers (its Figure 5).",
         table(["requirement", "holds"], [[what, "yes" if holds else "**no**"] for what, holds in gates]),
         table(header, rows),
-        "Folds are maxima of the rim's distance from the vertical axis over that of a cloth that lies on the ball "
-        "without any fold; the amplitude is half the range of that difference. Close pairs are nodes and elements that "
+        "Folds are maxima of the rim's distance from the vertical axis, less that of a cloth that lies on the ball "
+        "without folds; the amplitude is half the range of that difference. Close pairs are nodes and elements that "
         "come closer than half the thickness without being neighbours: there is no self-contact yet, so they pass "
         "through each other. The largest shear angles agree between the meshes. The folds of the soft, shear-stiff "
         "cloth do not: wrinkling is unstable, so their number depends on mesh, unevenness and damping, and they are as "
-        "sharp as the mesh lets them be.",
+        "sharp as the mesh allows.",
     ]
     text = "\n\n".join(paragraphs) + "\n"
     return text, [what for what, holds in gates if not holds]

@@ -20,10 +20,10 @@ sys.path.insert(0, str(ROOT))
 
 HEAD = """# Verification
 
-Does weavesim solve its equations? Every case says what is known, what we get, and, where the answer depends on the
-mesh, on which meshes and with which observed order (the exponent with which the error falls). Each is a test that
-asserts what it shows. What the equations are: [theory](theory.md); whether they describe a fabric:
-[validation](validation.md).
+Does weavesim solve its equations? Every case states what is known and what weavesim gives; where the result depends
+on the mesh, it is given for several meshes with the observed order (the exponent with which the error falls). Each case
+is a test that asserts what it shows. The equations are in [theory](theory.md); [validation](validation.md) shows how a
+forming simulation depends on mesh, speed and material data.
 
 Written by `make verify` (`scripts/verification.py`) on {date}; {case_count} cases."""
 
@@ -64,7 +64,7 @@ def write_page(records: Path) -> int:
                 else:
                     shutil.copy(records / part["file"], fresh / part["file"])
                     parts.append(f"![{case['title']}](images/verification/{part['file']})")
-            parts.append(f"Held by `{case['test']}`.")
+            parts.append(f"Test: `{case['test']}`.")
     shutil.rmtree(PICTURES, ignore_errors=True)
     fresh.chmod(0o755)
     fresh.replace(PICTURES)

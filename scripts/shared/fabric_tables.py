@@ -56,7 +56,7 @@ def _family(owner: type[Parameters], field: str, kinds: dict[str, type[Parameter
         for inner in kind.model_fields:
             within = {key: item for key, item in built_in_kinds(kind, inner).items() if key not in shown}
             if within:
-                yield from ("", f"In the place of `{inner}` and the like:", "", *_family(kind, inner, within))
+                yield from ("", f"In place of `{inner}` and the like:", "", *_family(kind, inner, within))
                 shown |= within
 
 
@@ -74,7 +74,7 @@ def table(fields: Iterator[tuple[str, FieldInfo]] | Sequence[tuple[str, FieldInf
 def _default(field: FieldInfo) -> str:
     value = field.default
     if field.is_required():
-        return "needed"
+        return "required"
     if isinstance(value, Parameters):
         return "as below"
     if isinstance(value, float):

@@ -13,14 +13,8 @@ import pytest
 import weavesim
 from tests.support.imports import Sources, circles, imported_names
 from tests.support.paths import ROOT
+from tests.support.rooms import ORDER, room_of
 
-# From bottom to top. "base" are the modules beside the folders: errors, checks, the device, ...
-ORDER = (
-    "kernels", "base", "fabric", "process", "sheet", "tools", "measures", "engine", "run", "output", "app", "scenes",
-    "scripts",
-)  # fmt: skip
-# Modules at the top of weavesim/ that hand on what lies above them.
-DOORS = {"weavesim", "weavesim.__main__"}
 ALLOWED_IN_KERNELS = {"warp", "numpy"}
 
 LARGEST_MODULE = 400
@@ -36,16 +30,6 @@ WITHOUT_WARP = (
 WITH_WARP_STILL: dict[str, str] = {}
 
 SOURCES = Sources(ROOT)
-
-
-def room_of(name: str) -> str | None:
-    """Room of a module, or of a name within one; "door" for what hands names on, None outside the project."""
-    parts = name.split(".")
-    if parts[0] != "weavesim":
-        return parts[0] if parts[0] in ("scripts", "tests") else None
-    if name in DOORS or parts[1] in weavesim.__all__:
-        return "door"
-    return parts[1] if parts[1] in ORDER else "base"
 
 
 def violations(names: set[str], room: str) -> list[str]:
@@ -105,11 +89,8 @@ def test_a_circle_is_found():
 
 
 def test_no_module_is_long():
-    long = {
-        module
-        for module, file in SOURCES.file_of.items()
-        if room_of(module) != "scripts" and len(file.read_text().splitlines()) > LARGEST_MODULE
-    }
+    files = [*SOURCES.file_of.values(), *(ROOT / "tests").rglob("*.py")]
+    long = {str(file.relative_to(ROOT)) for file in files if len(file.read_text().splitlines()) > LARGEST_MODULE}
     assert long == set(LONG_MODULES)
 
 

@@ -55,7 +55,6 @@ TESTED_ELSEWHERE = {
     "weavesim/engine/sheet_model.py": "unit/engine/test_model.py",
     "weavesim/sheet/sheet.py": "unit/run/test_simulation.py",
     "weavesim/arrays.py": "unit/test_checks.py",
-    "weavesim/fabric/cell/contract.py": "verification/cell/test_unit_cells.py",
     "weavesim/fabric/cell/tape.py": "verification/cell/test_unit_cells.py",
     "weavesim/fabric/cell/weaves.py": "unit/fabric/test_weaves.py",
     "weavesim/fabric/device.py": "unit/kernels/test_curve.py",

@@ -31,3 +31,11 @@ def test_preset_is_the_published_fabric_and_labels_what_is_assumed():
     assert {"crimp", "contact stiffness", "yarn bending", "sheet bending"} <= set(fabric.assumed)
     assert PRESETS["glass-polypropylene"]() == fabric
     assert fabric.unit_cell.warnings() == []
+
+
+@pytest.mark.parametrize("name", [name for name in PRESETS if name.startswith("assumed")])
+def test_assumed_fabrics_say_so(name):
+    fabric = PRESETS[name]()
+    assert fabric.assumed == ("everything",)
+    assert "assumed" in fabric.name
+    assert fabric.source.startswith("none")

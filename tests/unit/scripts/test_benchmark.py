@@ -3,9 +3,11 @@
 import json
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
+from scripts.benchmarks.cases import element_count
 from tests.support.paths import ROOT
 
 SCRIPT = ROOT / "scripts" / "benchmark.py"
@@ -36,3 +38,16 @@ def test_rates_are_told_with_their_problem_and_beside_earlier_ones(tmp_path):
     table = benchmark(*what, *length, "--compare", str(file))
     assert "ratio to before" in table
     assert table.count("| double_dome_10mm | 322 | float32 | cpu |") == 2
+
+
+@pytest.mark.slow
+def test_a_checkout_beside_itself_is_timed_in_turns():
+    table = benchmark("against", str(ROOT), "--turns", "2", "--blocks", "1")
+    assert "double_dome_10mm, 322 elements, float32, 1 threads, 2 turns of 20 steps" in table
+    assert [line.split(" | ")[3] for line in table.splitlines() if line.startswith("| the other")] == ["1.000"]
+
+
+def test_simulations_of_both_versions_say_how_large_they_are():
+    blank = SimpleNamespace(element_count=7)
+    assert element_count(SimpleNamespace(blank=blank)) == 7
+    assert element_count(SimpleNamespace(setup=SimpleNamespace(sheet=SimpleNamespace(blank=blank)))) == 7

@@ -6,44 +6,40 @@ import sys
 import numpy as np
 import pytest
 
+from scripts.peers.accuracy import measures
+from scripts.peers.competition import newton_versions
+from scripts.peers.problem import Problem
+from scripts.peers.report import report
 from tests.support.paths import ROOT
 
 SCRIPTS = ROOT / "scripts"
 
 
 @pytest.fixture
-def peers(monkeypatch):
-    monkeypatch.syspath_prepend(str(SCRIPTS))
-    import peers
-
-    return peers
-
-
-@pytest.fixture
-def problem(peers):
+def problem() -> Problem:
     """Two by two quadrilaterals of 10 mm that touch the top of a ball of 0.1 m."""
     index = np.arange(9).reshape(3, 3)
     quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
     x, y = np.meshgrid([-0.01, 0.0, 0.01], [-0.01, 0.0, 0.01], indexing="ij")
-    return peers.Problem(
+    return Problem(
         fabric="cloth", position=np.column_stack([x.ravel(), y.ravel(), np.full(9, 0.1005)]), velocity=np.zeros((9, 3)),
         quads=quads, areal_density=0.5, thickness=1e-3, membrane=5e3, shear=50.0, bending=1e-5, radius=0.1,
         friction=0.3, gravity=9.81, damping=15.0, duration=0.1,
     )  # fmt: skip
 
 
-def test_sheet_at_rest_measures_nothing(peers, problem):
-    result = peers.measures(problem, problem.position, problem.velocity)
+def test_sheet_at_rest_measures_nothing(problem):
+    result = measures(problem, problem.position, problem.velocity)
     assert result.pop("finite")
     assert result == pytest.approx(dict.fromkeys(result, 0.0), abs=1e-12)
 
 
-def test_measures_of_a_deformed_moving_sheet(peers, problem):
+def test_measures_of_a_deformed_moving_sheet(problem):
     # pulled along x, the rows beyond the middle pushed back, corners down by 1, 2, 3, 6 mm, the middle by 1 mm
     position = problem.position * [1.03, 1.0, 1.0]
     position[problem.position[:, 0] > 0.0] -= [0.002, 0.0, 0.0]
     position[[0, 2, 6, 8, 4], 2] -= [0.001, 0.002, 0.003, 0.006, 0.001]
-    result = peers.measures(problem, position.astype(np.float32), np.full((9, 3), [0.0, 3.0, 4.0]))
+    result = measures(problem, position.astype(np.float32), np.full((9, 3), [0.0, 3.0, 4.0]))
     along = np.hypot([[10.3, 8.3], [10.3, 8.3], [10.3, 8.3]], [[1.0, 3.0], [1.0, 1.0], [2.0, 6.0]]) / 10.0 - 1.0
     across = np.hypot(10.0, [[1.0, 2.0], [1.0, 1.0], [3.0, 6.0]]) / 10.0 - 1.0
     edges = np.concatenate([along, across])
@@ -58,24 +54,24 @@ def test_measures_of_a_deformed_moving_sheet(peers, problem):
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_exploded_state_is_told(peers, problem, bad):
+def test_exploded_state_is_told(problem, bad):
     position = problem.position.copy()
     position[3, 1] = bad
     row = {"contestant": "a", "fabric": "cloth", "membrane": 1.0, "shear": 1.0, "bending": 1.0, "step_us": 1.0}
     row |= {"iterations": 3, "elements": 8, "element": "triangles", "rate": 1e6, "seconds_per_simulated": 1.0}
-    row |= {"simulated_s": 0.1} | peers.measures(problem, position, problem.velocity)
+    row |= {"simulated_s": 0.1} | measures(problem, position, problem.velocity)
     assert row["finite"] is False
-    assert "not finite" in peers.report([row])
+    assert "not finite" in report([row])
 
 
-def test_contestant_that_broke_off_is_told(peers):
-    report = peers.report([{"contestant": "a", "fabric": "cloth", "device": "cpu", "error": "broke off"}])
-    assert report.endswith("a, cloth: broke off")
+def test_contestant_that_broke_off_is_told():
+    text = report([{"contestant": "a", "fabric": "cloth", "device": "cpu", "error": "broke off"}])
+    assert text.endswith("a, cloth: broke off")
 
 
-def test_problem_survives_its_file(peers, problem, tmp_path):
+def test_problem_survives_its_file(problem, tmp_path):
     problem.save(tmp_path / "problem.npz")
-    again = peers.Problem.load(tmp_path / "problem.npz")
+    again = Problem.load(tmp_path / "problem.npz")
     assert again.fabric == "cloth" and again.bending == problem.bending
     assert np.array_equal(again.triangles, problem.triangles)
     assert again.cell_area == pytest.approx(1e-4)
@@ -103,5 +99,5 @@ def test_without_newton_the_command_says_how_to_get_it(tmp_path):
     assert "light" in done.stdout
 
 
-def test_unknown_interpreter_has_no_newton(peers, tmp_path):
-    assert peers.newton_versions(str(tmp_path / "missing")) is None
+def test_unknown_interpreter_has_no_newton(tmp_path):
+    assert newton_versions(str(tmp_path / "missing")) is None

@@ -4,20 +4,18 @@ import json
 import subprocess
 import sys
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
+from scripts.comparison.differences import difference, differences
+from scripts.comparison.inputs import write_inputs
+from scripts.comparison.reading import RENAMED
+from scripts.comparison.recorded_run import Record
+from scripts.comparison.verdict import compare, verdict_table
+from tests.support.paths import ROOT
 
-
-@pytest.fixture
-def same_results(monkeypatch):
-    monkeypatch.syspath_prepend(str(SCRIPTS))
-    import same_results
-
-    return same_results
+SCRIPTS = ROOT / "scripts"
 
 
 @dataclass
@@ -31,9 +29,8 @@ class Frame:
 
 
 @pytest.fixture
-def results(same_results, tmp_path):
+def results(tmp_path):
     """Writes the results of a small run whose kinetic energies and last coordinate are given."""
-    from shared.recorded_run import Record
 
     def write(name, kinetic, coordinate=1.0, threads=1):
         out = tmp_path / name / "out"
@@ -54,14 +51,14 @@ def results(same_results, tmp_path):
     return write
 
 
-def test_same_results_are_the_same_whatever_the_clock_says(same_results, results):
-    verdict = same_results.compare("case", results("a", [0.0, 1.0]), results("b", [0.0, 1.0], threads=2))
+def test_same_results_are_the_same_whatever_the_clock_says(results):
+    verdict = compare("case", results("a", [0.0, 1.0]), results("b", [0.0, 1.0], threads=2))
     assert verdict.same and verdict.entry_count > 8
     assert verdict.changed_files == ["film.usdc"]
 
 
-def test_one_bit_of_one_frame_is_found_with_its_frame_and_size(same_results, results):
-    verdict = same_results.compare("case", results("a", [0.0, 1.0, 4.0]), results("b", [0.0, 1 + 2**-52, 4.0]))
+def test_one_bit_of_one_frame_is_found_with_its_frame_and_size(results):
+    verdict = compare("case", results("a", [0.0, 1.0, 4.0]), results("b", [0.0, 1 + 2**-52, 4.0]))
     (one,) = verdict.found
     assert not verdict.same
     assert (one.name, one.frame) == ("frames/energies.kinetic", 1)
@@ -69,18 +66,18 @@ def test_one_bit_of_one_frame_is_found_with_its_frame_and_size(same_results, res
     assert "frame 1, 1.0 became 1.0000000000000002, 1 of 3 values, relative difference 5.6e-17" in str(one)
 
 
-def test_the_earliest_frame_comes_first_and_the_last_state_tells_how_far(same_results, results):
-    verdict = same_results.compare("case", results("a", [0.0, 1.0, 2.0]), results("b", [0.0, 1.0, 3.0], 1.5))
+def test_the_earliest_frame_comes_first_and_the_last_state_tells_how_far(results):
+    verdict = compare("case", results("a", [0.0, 1.0, 2.0]), results("b", [0.0, 1.0, 3.0], 1.5))
     assert [one.name for one in verdict.found] == [
         "frames/sha256 of position", "frames/energies.kinetic", "last/position", "summary.json/energies_j.kinetic",
     ]  # fmt: skip
     assert [one.frame for one in verdict.found] == [1, 2, None, None]
     assert verdict.found[2].size == pytest.approx(1.0 / 3.0)
-    assert "DIFFERENT (4 entries)" in same_results.table([verdict])
+    assert "DIFFERENT (4 entries)" in verdict_table([verdict])
 
 
-def test_a_shorter_run_is_different(same_results, results):
-    verdict = same_results.compare("case", results("a", [0.0, 1.0, 1.0]), results("b", [0.0, 1.0]))
+def test_a_shorter_run_is_different(results):
+    verdict = compare("case", results("a", [0.0, 1.0, 1.0]), results("b", [0.0, 1.0]))
     assert verdict.found[0].frame == 2 and "3 frames became 2" in verdict.found[0].text
 
 
@@ -96,40 +93,40 @@ def test_a_shorter_run_is_different(same_results, results):
         (np.array(True), np.array(False), "True became False"),
     ],
 )
-def test_what_counts_as_different(same_results, before, after, text):
-    assert text in same_results.difference("name", before, after).text
-    assert same_results.difference("name", before, before.copy()) is None
+def test_what_counts_as_different(before, after, text):
+    assert text in difference("name", before, after).text
+    assert difference("name", before, before.copy()) is None
 
 
-def test_nan_is_the_same_as_itself_and_empty_as_empty(same_results):
-    assert same_results.difference("name", np.array([np.nan]), np.array([np.nan])) is None
-    assert same_results.difference("name", np.zeros((2, 0, 3)), np.zeros((2, 0, 3))) is None
+def test_nan_is_the_same_as_itself_and_empty_as_empty():
+    assert difference("name", np.array([np.nan]), np.array([np.nan])) is None
+    assert difference("name", np.zeros((2, 0, 3)), np.zeros((2, 0, 3))) is None
 
 
-def test_entries_that_only_one_has_are_told(same_results):
-    found = same_results.differences({"a": np.zeros(1), "b": np.zeros(1)}, {"b": np.zeros(1), "c": np.zeros(1)})
+def test_entries_that_only_one_has_are_told():
+    found = differences({"a": np.zeros(1), "b": np.zeros(1)}, {"b": np.zeros(1), "c": np.zeros(1)})
     assert [str(one) for one in found] == ["a: is missing", "c: is new"]
 
 
-def test_a_name_changed_on_purpose_is_no_difference(same_results, results, monkeypatch):
+def test_a_name_changed_on_purpose_is_no_difference(results, monkeypatch):
     before, after = results("a", [0.0]), results("b", [0.0])
     table = after / "out" / "history.csv"
     table.write_text(table.read_text().replace("kinetic_energy_j", "motion_j"))
-    assert len(same_results.compare("case", before, after).found) == 2
-    monkeypatch.setitem(same_results.RENAMED, "history.csv/kinetic_energy_j", "history.csv/motion_j")
-    assert same_results.compare("case", before, after).same
+    assert len(compare("case", before, after).found) == 2
+    monkeypatch.setitem(RENAMED, "history.csv/kinetic_energy_j", "history.csv/motion_j")
+    assert compare("case", before, after).same
 
 
-def test_tools_of_the_cases_are_read_as_sheets(same_results, tmp_path):
+def test_tools_of_the_cases_are_read_as_sheets(tmp_path):
     import trimesh
 
-    same_results.write_inputs(tmp_path)
+    write_inputs(tmp_path)
     mesh = trimesh.load_mesh(tmp_path / "punch.stl")
     np.testing.assert_allclose(mesh.bounds, [[-145.0, -60.0, 0.0], [145.0, 60.0, 60.0]], atol=1e-4)
-    same_results.write_inputs(tmp_path)
+    write_inputs(tmp_path)
     (tmp_path / "punch.stl").write_bytes(b"another")
-    with pytest.raises(SystemExit, match="record the reference anew"):
-        same_results.write_inputs(tmp_path)
+    with pytest.raises(SystemExit, match="record the reference again"):
+        write_inputs(tmp_path)
 
 
 def test_cases_are_listed_and_unknown_ones_refused():

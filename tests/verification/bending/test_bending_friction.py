@@ -34,7 +34,7 @@ def test_bending_loop_follows_the_curve_and_books_what_it_loses(sheet, fabric, m
     assert entries[-1]["shear_friction_loss"] == 0.0
     case = manual(
         "Bending", "Softening and hysteresis of one yarn family",
-        known="the moment-curvature table plus a spring-slider followed on the host, and the area of its loop",
+        known="the moment-curvature table plus a spring-slider, integrated on the host, and the area of its loop",
     )  # fmt: skip
     case.table(
         ["quantity", "known", "weavesim"],

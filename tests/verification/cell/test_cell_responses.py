@@ -64,7 +64,7 @@ def test_response_is_that_of_an_independent_minimisation(name, manual):
     cell = registered.make()
     case = manual(
         "Unit cell", f"Uniaxial, biaxial and compressive response: {name}",
-        known="the cell's energy written once more in NumPy (`tests/support/registered_cells.py`), minimised by "
+        known="the cell's energy, written independently in NumPy (`tests/support/registered_cells.py`), minimised by "
         "SciPy along the path; forces by differences of that energy. A cell alone has no mesh.",
     )  # fmt: skip
     figure = Figure(figsize=(5.0, 3.2))
@@ -124,9 +124,10 @@ def test_crimp_interchange(manual):
     case = manual(
         "Unit cell", "Crimp interchange against the sawtooth",
         known="pin-jointed inextensible yarns on a hard contact (Kawabata's sawtooth): with chords "
-        r"$\ell_k=\sqrt{L_k^2+h_k^2}$ and $h_1+h_2$ kept, a pulled warp drops to "
+        r"$\ell_k=\sqrt{L_k^2+h_k^2}$ and constant $h_1+h_2$, a warp in tension drops to "
         r"$h_1'=\sqrt{\ell_1^2-\lambda_1^2L_1^2}$ and the free weft rises to $h_1+h_2-h_1'$, so that "
-        r"$\lambda_2=\sqrt{\ell_2^2-(h_1+h_2-h_1')^2}/L_2$. The cell has it as the limit of yarns that hardly bend.",
+        r"$\lambda_2=\sqrt{\ell_2^2-(h_1+h_2-h_1')^2}/L_2$. The cell tends to it as the bending stiffness of the "
+        "yarns tends to zero.",
     )  # fmt: skip
     cell = sawtooth(1.0)
     (l1, l2), (big1, big2), (h1, h2) = cell.chord_length, cell.half_spacing, cell.crimp_height
@@ -153,7 +154,7 @@ def test_straight_bars(manual):
     """Without crimp every cell of crossed yarns is two bars: the membrane of EA over the spacing."""
     case = manual(
         "Unit cell", "Yarns without crimp are straight bars",
-        known=r"$n_k=EA_k(\lambda_k-1)$ over the spacing, $EA^c_k$ where pushed; nothing couples warp and weft",
+        known=r"$n_k=EA_k(\lambda_k-1)$ over the spacing, $EA^c_k$ in compression; warp and weft are not coupled",
     )  # fmt: skip
     given = UNIT_CELLS["plain-weave"]().model_dump() | {"crossover_height": 0.0, "contact_stiffness_value": 1e5}
     rows = []
@@ -175,7 +176,7 @@ def test_floats_take_the_crimp_out(manual):
     case = manual(
         "Unit cell", "Floats: from the plain weave to straight yarns",
         known="a repeat of N = 2 is the plain weave, whose hand-written code shares nothing with the weaves with "
-        "floats. With longer floats the compliance goes to that of straight yarns, $1/EA$ per length: beams and "
+        "floats. With longer floats the compliance tends to that of straight yarns, $1/EA$ per length: beams and "
         "floats are in series, so the difference falls as 1/N.",
     )  # fmt: skip
     given = UNIT_CELLS["plain-weave"]().model_dump()
@@ -213,9 +214,9 @@ def test_slack_weft_only_bends(manual):
     """Against a weft without axial stiffness the warp's crimp meets a cantilever."""
     case = manual(
         "Unit cell", "A slack yarn bends only",
-        known=r"a warp without bending stiffness presses a weft without axial stiffness: "
-        r"$-k_c(w_1+w_2)=M_\varphi X/\ell^2$ with $M_\varphi=3EI\varphi/\ell^0$ of the weft, and the same force is "
-        r"$N_1\sin\theta_1$ of the warp; one unknown is left, found by SciPy.",
+        known=r"a warp without bending stiffness presses on a weft without axial stiffness: $-k_c(w_1+w_2)=M_\varphi "
+        r"X/\ell^2$ with $M_\varphi=3EI\varphi/\ell^0$ of the weft, and the same force is $N_1\sin\theta_1$ of the "
+        "warp; one unknown remains, found by SciPy.",
     )  # fmt: skip
     rows = []
     for warp_stretch in (1.002, 1.01, 1.03):

@@ -36,9 +36,10 @@ def cloth(fabric):
 def test_indentation_under_a_known_weight(cloth, manual):
     case = manual(
         "Contact", "Indentation of a resting sheet",
-        known="A node of mass m has the contact stiffness k = s m/dt0^2, dt0 the reference step of the sheet and s the "
-        "contact share, so that a sheet at rest on a plane sinks in by m g/k = g dt0^2/s everywhere, and that falls "
-        "with the square of the element size. Contact energy: half the work of the weight, the rest is damped away.",
+        known="A node of mass m has the contact stiffness k = s m/dt0^2, dt0 the reference step of the sheet and s "
+        "the contact share, so that a sheet at rest on a plane sinks in by m g/k = g dt0^2/s everywhere, which falls "
+        "with the square of the element size. Contact energy: half the work of the weight; the rest is lost in "
+        "damping.",
     )  # fmt: skip
     rows, depths = [], []
     for size in (0.01, 0.005, 0.0025):
@@ -94,10 +95,10 @@ def ball_meshes(spacing: float) -> dict[str, MeshShape]:
 def test_three_descriptions_of_a_ball_drape_alike(cloth, manual):
     case = manual(
         "Contact", "One ball as analytic distance, closed mesh, and open mesh",
-        known="A sheet of 80 mm, held at its edge, and a ball of 20 mm radius pressed 12 mm into it, friction 0.2. The "
-        "closed mesh (20,480 facets) is sampled every 0.5 mm, the open one is its lower part with a side. The drapes "
-        "may differ by the errors of the distances: facets lie up to 11 um inside the ball, samples cost up to "
-        "h^2/4R = 3 um; the reaction of a stretched sheet follows the depth.",
+        known="A sheet of 80 mm, held at its edge, and a ball of 20 mm radius pressed 12 mm into it, friction 0.2. "
+        "The closed mesh (20,480 facets) is sampled every 0.5 mm, the open one is its lower part with the side of "
+        "the sheet given. The drapes may differ by the errors of the distances: facets lie up to 11 um inside the "
+        "ball, sampling adds up to h^2/4R = 3 um; the reaction of a stretched sheet follows the depth.",
     )  # fmt: skip
     size = 0.004
     exact = pressed_by(Sphere(RADIUS, origin=(0.0, 0.0, RADIUS + 0.5e-3)), cloth, size)
@@ -121,9 +122,9 @@ def test_three_descriptions_of_a_ball_drape_alike(cloth, manual):
 def test_sampled_distance_converges_with_its_spacing(manual):
     case = manual(
         "Contact", "Error of a sampled distance against its spacing",
-        known="Trilinear samples of a smooth distance err by the square of their spacing. A ball of 20 mm radius, "
-        "20,480 facets; the error is against the exact distance to the facets, at random points up to 1 mm off the "
-        "surface, and its mean is compared with what the tool reports of itself.",
+        known="The error of trilinear samples of a smooth distance falls with the square of their spacing. A ball of "
+        "20 mm radius, 20,480 facets; the error is against the exact distance to the facets, at random points up to "
+        "1 mm off the surface, and its mean is compared with the error that the tool reports.",
     )  # fmt: skip
     rng = np.random.default_rng(0)
     direction = rng.normal(size=(4000, 3))

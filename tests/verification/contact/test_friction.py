@@ -82,8 +82,8 @@ def test_sheet_slides_above_the_friction_angle(tilted, soft, frames, manual):
     assert energies["friction_loss"] == pytest.approx(lost, rel=0.02)
     case = manual(
         "Contact", f"Sliding down an incline, the {tilted} tilted",
-        known="tan(angle) = 1.25 mu, mu = 0.3: acceleration g (sin - mu cos), and mu times the normal force times the "
-        "way is lost. At 0.8 mu the same sheet sticks for a second.",
+        known="tan(angle) = 1.25 mu, mu = 0.3: acceleration g (sin - mu cos), and mu times the normal force times "
+        "the distance is lost. At 0.8 mu the same sheet sticks for a second.",
     )  # fmt: skip
     case.table(
         ["quantity", "expected", "got", "deviation"],

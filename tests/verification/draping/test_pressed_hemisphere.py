@@ -169,9 +169,9 @@ def test_pressed_net_is_the_exact_one_on_every_mesh(manual):
     case = manual(
         "Draping", "Net of inextensible yarns on a hemisphere",
         known="A Chebyshev net: $\\gamma=g(uv/R^2)$ with $(sg')'=\\cos g$, $g(0)=0$, $u,v$ the yarn lengths from the "
-        "pole. Square cloth, drawn down by its weight around a ball and pressed by a closing concentric shell without "
-        "friction; compared where it is within a tenth of the thickness from its place. Required: on the meridian at "
-        "45° within 1° from 30° to 75° of latitude, meshes of all directions within 1.5° of each other.",
+        "pole. Square cloth, drawn down by its weight around a ball and pressed by a closing concentric shell "
+        "without friction; compared where it is within a tenth of the thickness of its exact place. Required: on the "
+        "meridian at 45° within 1° from 30° to 75° of latitude, meshes of all directions within 1.5° of each other.",
     )  # fmt: skip
     counts = (14, 21, 28)
     nets = {(count, mesh): Pressed(mesh, count) for count in counts for mesh in MESHES}
@@ -201,8 +201,8 @@ def test_pressed_net_is_the_exact_one_on_every_mesh(manual):
     )
     at_edge = max(np.abs(nets[28, mesh].error[nets[28, mesh].at_edge]).max() for mesh in MESHES)
     case.text(
-        "The rms error is over all elements up to 75° of latitude but those along the free edge, whose outer nodes are "
-        f"held by one or two elements only: their angles are off by up to {at_edge:.0f}°, on a row one element wide."
+        "The rms error is over all elements up to 75° of latitude except those along the free edge, whose outer nodes "
+        f"belong to one or two elements only: their angles are off by up to {at_edge:.0f}°, in a row one element wide."
     )
     case.figure(pictures({mesh: nets[28, mesh] for mesh in MESHES}))
 

@@ -78,10 +78,10 @@ def test_force_is_the_derivative_of_the_energy(name, sheet, fabric, curved_blank
 def test_forces_of_all_terms(sheet, fabric, curved_blank, deformed, manual):
     case = manual(
         "Element", "Forces against differences of the energy",
-        known="Every force is minus the derivative of an entry of the ledger, by the positions and by the directors: "
-        "central differences on a warped, distorted mesh with yarns at 20 degrees, strained by 15 %, sheared, bent and "
-        "turned. The worst error of any node, relative to the largest force, is what differences leave. A term is "
-        "tested by being put on a list (`TERMS`); unit cells have their own chapter.",
+        known="Every force is minus the derivative of an entry of the ledger with respect to positions and "
+        "directors: central differences on a warped, distorted mesh with yarns at 20 degrees, strained by 15 %, "
+        "sheared, bent and rotated. The worst error of any node, relative to the largest force, is that of the "
+        "differences. Every term of the list `TERMS` is tested; unit cells have their own chapter.",
     )  # fmt: skip
     errors = {name: worst_error(name, sheet, fabric, curved_blank, deformed) for name in TERMS}
     case.table(
@@ -139,8 +139,8 @@ def test_forces_turn_with_the_sheet(sheet, curved_blank, deformed, manual):
     assert change < 1e-10
     case = manual(
         "Element", "Objectivity",
-        known="A strained, sheared, bent and warped sheet of the preset is turned by 139 degrees and moved: forces and "
-        "director gradients turn with it, its energy stays, to round-off.",
+        known="A strained, sheared, bent and warped sheet of the preset is rotated by 139 degrees and moved: forces "
+        "and director gradients rotate with it and its energy is unchanged, to round-off.",
     )  # fmt: skip
     case.table(["quantity", "largest relative difference"], [["forces", f"{errors[0]:.1e}"],
                ["director gradients", f"{errors[1]:.1e}"], ["energy", f"{change:.1e}"]])  # fmt: skip

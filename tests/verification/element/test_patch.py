@@ -16,7 +16,7 @@ MEMBRANE = {
     "warp stretch": [[1.05, 0.0], [0.0, 1.0]],
     "weft stretch": [[1.0, 0.0], [0.0, 0.94]],
     "shear": [[1.0, 0.3], [0.0, 1.0]],
-    "all, and a turn": [[0.9, 0.1], [0.55, 1.1]],
+    "all, and a rotation": [[0.9, 0.1], [0.55, 1.1]],
 }
 # curvatures along x, along y, and twist [1/m], so small that only the linear terms count
 CURVATURE = {"bending along x": (1e-3, 0.0, 0.0), "bending along y": (0.0, 1e-3, 0.0), "twist": (0.0, 0.0, 1e-3)}
@@ -82,9 +82,10 @@ def bending_patch(sheet, fabric, curvature, distortion) -> tuple[float, float, f
 def test_patches(distortion, sheet, fabric, manual):
     case = manual(
         "Element", f"Patch tests on a {'distorted' if distortion else 'regular'} mesh",
-        known=f"6 x 4 elements, inner nodes shifted by up to {100 * distortion:.0f} % of the element size, yarns at 30 "
-        "degrees to the edges, all stabilisation at full strength. Uniform strains have their closed energy, uniform "
-        "curvatures that of the plate (in the linear range), and no inner node feels a force or a couple.",
+        known=f"6 x 4 elements, inner nodes shifted by up to {100 * distortion:.0f} % of the element size, yarns at "
+        "30 degrees to the edges, all stabilisation at full strength. Uniform strains have the energy of the closed "
+        "form, uniform curvatures that of the plate (in the linear range), and there is no force or couple on any "
+        "inner node.",
     )  # fmt: skip
     rows = []
     for name, image in MEMBRANE.items():

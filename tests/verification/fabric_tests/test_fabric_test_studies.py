@@ -81,10 +81,11 @@ def test_picture_frame(law, manual):
          "largest deviation of the force, 5 to 32 degrees [%]", "deviation at 40 degrees [%]"], rows,
     )  # fmt: skip
     case.text(
-        "The even deformation is exact on every mesh. What is left of the force is the inertia of the sheet: its "
-        "kinetic energy $\\rho L^2\\dot d^2/48\\sin^2\\theta$, $\\theta$ half the angle at the pulled hinges, asks for "
-        "$\\rho L\\dot d^2\\cos\\theta/48\\sin^4\\theta$, which falls with the square of the speed. Means from 10 to "
-        "30 degrees on the finest mesh (lumped masses of few elements turn more heavily):"
+        "The uniform deformation is exact on every mesh. The deviation of the force is the inertia of the sheet: "
+        "its kinetic energy $\\rho L^2\\dot d^2/48\\sin^2\\theta$, $\\theta$ half the angle at the pulled hinges, "
+        "requires $\\rho L\\dot d^2\\cos\\theta/48\\sin^4\\theta$, which is proportional to the square of the speed. "
+        "Means from 10 to 30 degrees on the finest mesh (with few elements, lumped masses have too much rotary "
+        "inertia):"
     )
     rows = []
     for speed in (2.0, 1.0, 0.5):
@@ -126,10 +127,10 @@ def test_picture_frame_under_yarn_tension(manual):
     """Loading and unloading: force against the closed form at the crossovers' pressure, loop against what is booked."""
     case = manual(
         "Fabric tests", "Picture frame under yarn tension",
-        known="Glass/polypropylene with friction of the crossovers, $m_f\\le2$ N/m $+\\,\\ell_cp_c$, "
-        "$\\ell_c=0.26$ mm: $F\\,\\dot d=A\\,(m+m_f)\\,\\dot\\gamma$ along the frame's own angles, $m_f$ "
-        "followed on the host at the pressure $p_c$ that the unit cells deliver. The area of the loop is what the "
-        "ledger books. 0.2 m, 40 degrees and back, 0.5 m/s.",
+        known="Glass/polypropylene with friction of the crossovers, $m_f\\le2$ N/m $+\\,\\ell_cp_c$, $\\ell_c=0.26$ "
+        "mm: $F\\,\\dot d=A\\,(m+m_f)\\,\\dot\\gamma$ along the frame's own angles, $m_f$ integrated on the host at "
+        "the pressure $p_c$ of the unit cells. The area of the loop is the loss in the ledger. 0.2 m, 40 degrees "
+        "and back, 0.5 m/s.",
     )  # fmt: skip
     loops, rows = {}, []
     for tension in (100.0, 400.0, 1000.0):
@@ -150,7 +151,7 @@ def test_picture_frame_under_yarn_tension(manual):
         assert booked["shear_friction_loss"] > 0.9 * loop
     case.table(
         ["yarn tension [N/m]", "known force at 40° [N]", "weavesim [N]", "known loop [J]", "loop of the force [J]",
-         "booked in all [J]", "of it rubbed away [J]"], rows,
+         "ledger, in total [J]", "of which friction loss [J]"], rows,
     )  # fmt: skip
     peaks, areas = np.array(rows)[:, 2], np.array(rows)[:, 4]
     assert np.all(np.diff(peaks) > 0.0) and areas[-1] > 2.0 * areas[0]
@@ -159,8 +160,8 @@ def test_picture_frame_under_yarn_tension(manual):
     for size in (0.05, 0.025, 0.0125):
         found, _, booked = rubbing_frame_test(400.0, size)
         rows.append([1e3 * size, found["peak_force_n"], found["work_of_a_cycle_j"], booked["shear_friction_loss"]])
-    case.text("Even shear is a state of every mesh, so the mesh does not matter; at 400 N/m:")
-    case.table(["element size [mm]", "force at 40° [N]", "loop of the force [J]", "rubbed away [J]"], rows)
+    case.text("Uniform shear is an equilibrium of every mesh, so the mesh has no influence; at 400 N/m:")
+    case.table(["element size [mm]", "force at 40° [N]", "loop of the force [J]", "friction loss [J]"], rows)
     spread = np.ptp(np.array(rows)[:, 1:], axis=0) / np.array(rows)[0, 1:]
     assert spread.max() < 0.01
     rows = []
@@ -170,12 +171,14 @@ def test_picture_frame_under_yarn_tension(manual):
         excess = c["force_n"] - c["closed_form_force_n"]
         rows.append([precision, damping, excess[101:].std(), booked["shear_friction_loss"]])
     case.text(
-        "A limit that grows with the pressure derives from no potential, so vibrations of the tension within the plane "
-        "can feed on the slip: they grow on the way back, once something has started them, in either precision. "
-        "Rounding in single precision is enough at 10/s; the tension then flutters and the loop is too small, with a "
-        "balance that stays closed. A damping of 50/s calms it:"
+        "A limit that grows with the pressure derives from no potential, so in-plane vibrations of the tension can "
+        "draw energy from the slip: once started, they grow during unloading, in either precision. At 10/s rounding "
+        "in single precision is enough to start them; the tension then flutters and the loop is too small, although "
+        "the energy balance still closes. A damping of 50/s suppresses them:"
     )
-    case.table(["precision", "damping rate [1/s]", "scatter of the force on the way back [N]", "rubbed away [J]"], rows)
+    case.table(
+        ["precision", "damping rate [1/s]", "scatter of the force during unloading [N]", "friction loss [J]"], rows
+    )
     assert rows[2][2] < 0.01 * peaks[1]
     assert rows[2][3] == pytest.approx(rows[0][3], rel=0.01)
 
@@ -240,9 +243,9 @@ def test_bias_extension(law, manual):
         assert clamped[-1] < 0.5
         assert force[-1] == pytest.approx(expected[0], rel=0.15)
     case.text(
-        "The edges of the zones are kinks of the yarns; here they run along the diagonals of the elements, which take "
-        "one element to turn a kink into even shear. The strip then acts as if the clamps were about one element "
-        "further apart: an error of first order, which the yarns' own stretch bounds from below."
+        "At the edges of the zones the yarns kink; here the edges run along the diagonals of the elements, and the "
+        "mesh needs one element to turn a kink into uniform shear. The strip then behaves as if the clamps were "
+        "about one element further apart: an error of first order, limited from below by the stretch of the yarns."
     )
 
 
@@ -251,8 +254,8 @@ def test_cantilever(yarn, manual):
     """Warp four times as stiff in bending as weft; the overhang is twice the bending length of each."""
     case = manual(
         "Fabric tests", f"Cantilever (Peirce), strip along the {yarn}",
-        known="Heavy elastica $\\theta''=-(w/D)\\,s\\cos\\theta$, $D$ 4 mN m along the warp and 1 mN m along the weft, "
-        "$L=2(D/w)^{1/3}$: the chord hangs by 41.49 degrees. Peirce's formula gives $1.057\\,D$ there.",
+        known="Heavy elastica $\\theta''=-(w/D)\\,s\\cos\\theta$, $D$ 4 mN m along the warp and 1 mN m along the "
+        "weft, $L=2(D/w)^{1/3}$: the chord hangs at 41.49 degrees. Peirce's formula gives $1.057\\,D$ there.",
     )  # fmt: skip
     bending = YarnBending(warp=4.0e-3, weft=1.0e-3, twist=1.0e-3)
     fabric = glass_polypropylene().model_copy(update={"bending": bending})
@@ -282,7 +285,7 @@ def test_cantilever(yarn, manual):
     orders = case.convergence("chord angle", "deg", length / np.array(counts), angles, exact)
     case.convergence("bending stiffness by the elastica", "N m", length / np.array(counts), recovered, stiffness)
     case.table(["element size [mm]", "Peirce's formula over input", "elastica over input"], rows)
-    case.text("The formula in $\\cos(\\theta/2)/8\\tan\\theta$ is 5.7 % off the elastica at this angle, at any mesh.")
+    case.text("The formula in $\\cos(\\theta/2)/8\\tan\\theta$ differs from the elastica by 5.7 % at this angle.")
     assert np.all(orders > 1.7)
     assert angles[-1] == pytest.approx(exact, abs=0.1)
     assert recovered[-1] == pytest.approx(stiffness, rel=5e-3)

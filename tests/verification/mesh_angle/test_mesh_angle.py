@@ -184,8 +184,9 @@ def test_bias_extension_does_not_depend_on_the_mesh_angle(manual):
         "Mesh angle", "Bias extension at any mesh angle",
         known="Yarns at 45° to the pull, the mesh at any angle to the yarns and fitted to the strip: force and angle "
         "belong to the fabric. Glass/polypropylene preset, 40° and more in the central zone. Required at 16 elements "
-        "across the width: forces within 5 %, angles within 1.5°. Kinematics of inextensible yarns without any "
-        "resistance to bending in the plane are beside it; they are the limit only for a kink of no width.",
+        "across the width: forces within 5 %, angles within 1.5°. The kinematics of inextensible yarns without any "
+        "resistance to bending in the plane are listed for comparison; they are the limit only for a kink of zero "
+        "width.",
     )  # fmt: skip
     laws = glass_polypropylene()
     counts = (8, 16, 24)
@@ -227,10 +228,10 @@ def test_bias_extension_does_not_depend_on_the_mesh_angle(manual):
         [[count, f"{100 * g[0]:.2f} %", f"{100 * g[1]:.2f} %", g[2]] for count, g in gaps.items()],
     )
     case.text(
-        "All meshes come short of kinematics by an error of first order: a kink of the yarns takes an element to turn "
-        "into even shear, as if the clamps were nearly an element further apart. The gap falls by far more than half "
-        "from 8 to 16 elements; what is left of it then is how this error differs with the mesh, about a fifth of an "
-        "element, and falls no faster."
+        "All meshes fall short of the kinematics by an error of first order: the mesh needs an element to turn a "
+        "kink into uniform shear, as if the clamps were almost an element further apart. The gap between the meshes "
+        "falls by far more than half from 8 to 16 elements; the rest is the variation of this error with the mesh, "
+        "about a fifth of an element, and falls no faster."
     )
     case.figure(pictures(pulls, 16))
 
@@ -241,10 +242,10 @@ def test_kinks_lock_yarns_that_resist_being_pushed_together(manual):
     case = manual(
         "Mesh angle", "Compressive resistance and kinks",
         known="A yarn that kinks by $\\varphi$ inside an element has a chord shorter by $\\varphi^2/8$, 1.5 % for "
-        "20°. The element sees compression. Straight yarns of $10^6$ N/m, shear moment 50 N/m per rad, nothing that "
-        "resists in-plane bending, 16 elements across, 43° by kinematics: with a compressive stiffness as that of a "
-        "buckled bundle (2.5 % of the tensile one) the meshes must agree within 5 % and 1.5°; with the tensile one in "
-        "compression they must not, or this explanation is wrong.",
+        "20°. The element reads this as compression. Straight yarns of $10^6$ N/m, shear moment 50 N/m per rad, no "
+        "resistance to in-plane bending, 16 elements across, 43° by kinematics: with the compressive stiffness of a "
+        "buckled bundle (2.5 % of the tensile one) the meshes must agree within 5 % and 1.5°; with the tensile "
+        "stiffness in compression they must not, or this explanation is wrong.",
     )  # fmt: skip
     stiffness = 1.0e6
     straight = PlainWeave.straight(stiffness_per_width=stiffness)

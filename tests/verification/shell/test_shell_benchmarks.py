@@ -266,7 +266,7 @@ def test_plate_converges(support, fabric, manual):
         known="Middle deflection of a thin plate, nu = 0.3 (Timoshenko and Woinowsky-Krieger, *Theory of plates and "
         f"shells*): w = {PLATE_VALUES[support]:.8f} q a^4/D. A quarter of a plate of 1 m, by dynamic relaxation; a/t "
         "from 100 to 1000 shows whether transverse shear locks. At a/t = 100 shear itself adds 0.05 % on simple "
-        "supports (in the exact value) and about 0.2 % clamped (not in it).",
+        "supports (included in the exact value) and about 0.2 % when clamped (not included).",
     )  # fmt: skip
     for slenderness, counts in ((1000.0, (2, 4, 8)), (100.0, (2, 4, 8))):
         exact = exact_deflection(support, slenderness)
@@ -326,7 +326,7 @@ def test_pinched_hemisphere_converges(fabric, manual):
         known="R = 10, t = 0.04, E = 6.825e7, nu = 0.3, two inward and two outward loads of 1 on the quarter's "
         "symmetry planes (2 on the whole shell). Published: 0.0940 (MacNeal and Harder 1985), 0.0930 (Simo, Fox and "
         "Rifai 1989, converged). Nearly inextensional: less than 1 % of the energy is in the membrane, whose yarns "
-        "know no Poisson effect. By dynamic relaxation, linear range.",
+        "have no Poisson effect. By dynamic relaxation, linear range.",
     )  # fmt: skip
     counts = (4, 8, 16)
     values = [hemisphere_displacement(fabric, count) for count in counts]

@@ -202,8 +202,8 @@ def test_entries(name, sheet, fabric, manual):
     found, tolerance = CASES[name]
     case = manual(
         "Energy and time step", f"Entries of the ledger: a sheet that is {name}",
-        known="Each entry worked out by hand; friction loss is in the case of the incline, load work in those of the "
-        "shell, snap loss in `test_snap.py`.",
+        known="Each entry is calculated by hand; the cases of the incline cover friction loss, those of the shell "
+        "load work, and `test_snap.py` snap loss.",
     )  # fmt: skip
     entries = found(sheet, fabric)
     case.table(

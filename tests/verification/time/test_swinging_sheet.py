@@ -49,9 +49,9 @@ def cloth(fabric):
 def test_swinging_sheet_keeps_its_energy(cloth, manual):
     case = manual(
         "Energy and time step", "A swinging sheet keeps its energy",
-        known="Nothing takes energy out of a sheet of 100 mm that is let go 20 degrees from the horizontal and swings "
-        "about one edge for 2.2 s. What the balance misses is the error of central differences, of second order in the "
-        "step, and the rounding of the precision. The requirement is 0.1 % in 10,000 steps.",
+        known="Nothing takes energy out of a sheet of 100 mm that is let go 20 degrees from the horizontal and "
+        "swings about one edge for 2.2 s. The error of the balance is that of central differences, of second order "
+        "in the step, plus rounding. The requirement is 0.1 % in 10,000 steps.",
     )  # fmt: skip
     rows, errors = [], {}
     for precision in ("float64", "float32"):

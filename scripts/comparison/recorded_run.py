@@ -1,6 +1,6 @@
 """The command line of weavesim, with all bits of all frames kept: scripts/same_results.py starts it.
 
-    PYTHONPATH=CHECKOUT python -P scripts/shared/recorded_run.py RECORD.npz double-dome --mesh-size 0.01 --out FOLDER
+    PYTHONPATH=CHECKOUT python -P scripts/comparison/recorded_run.py RECORD.npz double-dome --out FOLDER
 
 Tables have nine digits and films are in single precision, so a frame is read where it is made. RECORD.npz has
 

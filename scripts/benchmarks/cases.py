@@ -1,0 +1,83 @@
+"""What is timed: scenes on meshes of several sizes, and free patches of any size.
+
+Both versions of ``benchmark.py against`` make their cases here: what differs between them is asked of weavesim.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+
+def _double_dome(mesh_size: float) -> Callable[..., Any]:
+    def build(**options: Any):
+        from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
+
+        return _ready(double_dome(DoubleDomeParameters(mesh_size=mesh_size, **options)))
+
+    return build
+
+
+def _hemisphere(**options: Any):
+    from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
+
+    return _ready(hemisphere(HemisphereParameters(**options), "low-bending"))
+
+
+def _ready(made: Any) -> Any:
+    """A scene's set-up as a simulation. The scenes of 0.1 return simulations: ``against`` measures those too."""
+    from weavesim import Simulation
+
+    return made if isinstance(made, Simulation) else Simulation(made)
+
+
+def _patch(side: int) -> Callable[..., Any]:
+    """A free square of ``side`` x ``side`` elements of 5 mm, stretched, sheared and thrown, that meets no tool."""
+
+    def build(**options: Any):
+        from weavesim import Blank, Simulation
+        from weavesim.fabric import glass_polypropylene
+
+        size = min(0.005, 19.0 / side)
+        blank = Blank.rectangle((0.0, 0.0), (side * size, side * size), size)
+        x, y, _ = blank.node_position.T
+        wave = 20.0 * np.pi
+        velocity = np.column_stack([np.sin(wave * y), np.sin(wave * x), np.sin(wave * x) * np.sin(wave * y)])
+        try:
+            from weavesim.engine.setup import Setup, Solver
+            from weavesim.sheet.sheet import Sheet
+        except ImportError:  # 0.1, for ``against``
+            options |= {"blank": blank, "fabric": glass_polypropylene(), "initial_velocity": velocity}
+            return Simulation(name="patch", duration=1.0, **options)
+        sheet = Sheet(blank, glass_polypropylene(), initial_velocity=velocity)
+        return Simulation(Setup("patch", sheets=(sheet,), duration=1.0, solver=Solver(**options)))
+
+    return build
+
+
+CASES: dict[str, Callable[..., Any]] = {
+    "double_dome_10mm": _double_dome(0.01),
+    "double_dome_5mm": _double_dome(0.005),
+    "double_dome_2.5mm": _double_dome(0.0025),
+    "double_dome_1.25mm": _double_dome(0.00125),
+    "hemisphere": _hemisphere,
+    "patch_1k": _patch(32),
+    "patch_10k": _patch(100),
+    "patch_100k": _patch(316),
+    "patch_1m": _patch(1000),
+}
+# The longest takes 3 GB and several minutes: by name only.
+DEFAULT_CASES = tuple(name for name in CASES if name != "patch_1m")
+
+
+def element_count(simulation: Any) -> int:
+    """Of its sheet. Simulations of 0.1 have no set-up."""
+    setup = getattr(simulation, "setup", None)
+    return simulation.blank.element_count if setup is None else setup.sheet.blank.element_count
+
+
+def warm_up(simulation: Any) -> None:
+    """Steps before the clock starts, up to 4,000: the sheet is in motion, and that of a double dome meets its tools."""
+    simulation.stepper.advance(int(np.clip(2_000_000 // element_count(simulation), 5, 200)))

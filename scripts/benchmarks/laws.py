@@ -1,0 +1,76 @@
+"""What every law and unit cell costs beside the default ones."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from ..shared.machine import machine
+from ..shared.report import line_about
+from .cases import element_count, warm_up
+from .measures import seconds_per_step
+from .ratios import ratio_table
+
+
+def law_variants() -> dict[str, Any]:
+    """Fabrics that differ from the default one in one law."""
+    from weavesim.fabric.bending import BendingCurve, YarnBending
+    from weavesim.fabric.presets import UNIT_CELLS, glass_polypropylene
+    from weavesim.fabric.shear import ShearFriction
+    from weavesim.process.dynamics import Dynamics
+
+    base = glass_polypropylene()
+
+    def changed(dynamics: Dynamics | None = None, **update: Any) -> tuple[Any, Any]:
+        return base.model_copy(update=update), dynamics
+
+    stiff = base.bending.stiffness(base.thickness)
+    curve = BendingCurve(curvature=(0.0, 10.0, 50.0), moment_values=(0.0, 8.0 * stiff, 25.0 * stiff))
+    rubbing = BendingCurve.from_kawabata(rigidity=stiff, hysteresis=2e-2)
+    soft = base.shear.model_copy(update={"locking_stiffness": 0.0})
+    variants = {
+        "default: plain weave, shear curve, isotropic bending": changed(),
+        "linear shear": changed(shear=base.with_linear_shear(0.25e6).shear),
+        "shear friction, tension-shear coupling": changed(
+            shear_friction=ShearFriction(stiffness=60.0, limit=(0.5,), crossover_friction_length=1e-4)
+        ),
+        "bending per yarn family": changed(bending=YarnBending(warp=stiff, weft=stiff, twist=0.5 * stiff)),
+        "bending curves": changed(bending=YarnBending(warp=curve, weft=curve, twist=0.5 * stiff)),
+        "bending friction": changed(bending=YarnBending(warp=rubbing, weft=rubbing, twist=0.5 * stiff)),
+        "no in-plane bending of yarns": changed(in_plane_bending_stiffness=0.0),
+        "tools meet the current thickness": changed(Dynamics(contact_thickness="current")),
+    }
+    for name, cell in UNIT_CELLS.items():
+        if name != "plain-weave":
+            variants[f"unit cell: {name}"] = changed(unit_cell=cell(), shear=soft)
+    return variants
+
+
+def laws(
+    turns: Annotated[int, typer.Option(help="turns of each law")] = 7,
+    seconds: Annotated[float, typer.Option(help="length of a turn")] = 0.3,
+    mesh_size: Annotated[float, typer.Option(help="of the double dome [m]")] = 0.01,
+    precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
+) -> None:
+    """Time per element and step of every law and unit cell in the double dome, on one thread."""
+    from weavesim.run.simulation import Simulation
+    from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
+
+    parameters = DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1)
+    variants = law_variants()
+    simulations = []
+    for fabric, dynamics in variants.values():
+        setup = double_dome(parameters, fabric)
+        if dynamics is not None:
+            (world,) = setup.worlds
+            setup = setup.model_copy(update={"worlds": (world.model_copy(update={"dynamics": dynamics}),)})
+        simulation = Simulation(setup)
+        warm_up(simulation)
+        simulations.append(simulation)
+    times = np.array([[seconds_per_step(simulation, seconds) for simulation in simulations] for _ in range(turns)])
+    count = element_count(simulations[0])
+    typer.echo(line_about(machine()))
+    typer.echo(f"\n{count} elements, {precision}, one thread, {turns} turns of {seconds} s\n")
+    typer.echo(ratio_table(list(variants), 1e9 * times / count))

@@ -1,0 +1,105 @@
+"""What is measured of one simulation."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from .cases import element_count
+
+
+def seconds_per_step(simulation: Any, seconds: float, largest_block_count: int = 50) -> float:
+    """Time of one step, without output, over about ``seconds``."""
+    stepper = simulation.stepper
+    first, started = stepper.step_count, time.perf_counter()
+    block_count = 1
+    while (elapsed := time.perf_counter() - started) < seconds:
+        stepper.advance(block_count)
+        _synchronise()
+        block_count = min(2 * block_count, largest_block_count)
+    return elapsed / (stepper.step_count - first)
+
+
+def _synchronise() -> None:
+    import warp as wp
+
+    wp.synchronize()
+
+
+def phases(simulation: Any, seconds: float) -> dict[str, float]:
+    """Seconds of each phase of a step, and of an output frame, of a run on one thread; its state stays as it is."""
+    repeats = 10
+    result = {name: _repeat(phase, seconds) / repeats for name, phase in simulation.stepper.phases(repeats).items()}
+    # these contain what goes before them
+    result["nodes and contact"] -= result["elements"]
+    result["elements"] -= result.pop("copy")
+    # the best of a few, as for the others: writing to disk stalls now and then
+    result["output frame"] = min(output_frame(simulation, 0.5 * seconds) for _ in range(3))
+    return result
+
+
+def output_frame(simulation: Any, seconds: float) -> float:
+    """Mean time of an output frame as a run into a result folder makes it: ledger, film, series (not every time), log.
+
+    At most as many as a run has, four at least, over about ``seconds``.
+    """
+    from weavesim.app.progress import RunLog
+    from weavesim.output import ResultFolder
+    from weavesim.run.frame import Outcome
+
+    with TemporaryDirectory() as folder:
+        observers = (ResultFolder(folder), RunLog(Path(folder)))
+        for observer in observers:
+            observer.start(simulation.info)
+        for index in range(simulation.setup.frame_count + 1):
+            if index == 1:  # what the first one prepares is not counted
+                started = time.perf_counter()
+            time_now = simulation.setup.duration * index / simulation.setup.frame_count
+            frame = replace(simulation.ledger.frame(index), time=time_now)
+            simulation.ledger.penetration(frame)
+            for observer in observers:
+                observer.frame(frame)
+            if index >= 4 and time.perf_counter() - started > seconds:
+                break
+        elapsed = time.perf_counter() - started
+        for observer in observers:
+            observer.finish(Outcome.INTERRUPTED)
+    return elapsed / index
+
+
+def _repeat(work: Callable[[], object], seconds: float) -> float:
+    """Best time of one call, over about ``seconds``, twice at least."""
+    times, started = [], time.perf_counter()
+    while time.perf_counter() - started < seconds or len(times) < 2:
+        before = time.perf_counter()
+        work()
+        _synchronise()
+        times.append(time.perf_counter() - before)
+    return min(times)
+
+
+def state_bytes(simulation: Any) -> float:
+    """Allocated bytes per element of all arrays that constants and state of a run live in."""
+    return sum(array.capacity for array in simulation.stepper.arrays()) / element_count(simulation)
+
+
+def moved_bytes(simulation: Any) -> float:
+    """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
+    from weavesim.kernels.rows import CellReportRow, MotionRow
+
+    model = simulation.stepper.model.sheet
+    size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
+    flat = 4 * 4 + size * (4 + 2 + 1)
+    if not model.sheet_traits.flat:
+        flat += size * 8
+    element_reads = flat + per_node * size * (3 * 3 + 1)
+    element_own = 2 * size * (model.cell_law.unknown_count + CellReportRow.row_count())
+    corners = size * (24 + 4)
+    slots = model.nodes.corner_offset.shape[0]
+    node_constants = 4 * slots + 4 + size * 4
+    node_motion = 2 * size * (MotionRow.row_count() + len(model.node_report_rows) + 3 * model.tool_count)
+    return element_reads + element_own + 2 * corners + per_node * (node_constants + node_motion)

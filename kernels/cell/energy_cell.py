@@ -219,7 +219,7 @@ def solution_functions(
     n, equilibrium = cell.unknown_count, equilibrium_function(cell)
 
     @wp.func
-    def solve(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any):
+    def solve(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer: Any):
         _late = wp.grad(emitted_late)(real(0.0))
         q = type(start)()
         force1 = type(strain1)()
@@ -240,10 +240,10 @@ def solution_functions(
             residual[i] = strain1.dtype(worst)
             iterations[i] = strain1.dtype(count)
             i = i + 1
-        return q, force1, force2, moment, pressure, residual, iterations
+        return type(answer)(force1, force2, moment, pressure, residual, iterations, q)
 
     @wp.func
-    def stable_tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int):
+    def stable_tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int, t: Any):
         """State 0: as it is; 1: the same with its yarns, if slack, just pulled taut."""
         _late = wp.grad(emitted_late)(real(0.0))
         c11 = type(strain1)()
@@ -275,7 +275,7 @@ def solution_functions(
             moment[i] = strain1.dtype(g[2])
             pressure[i] = strain1.dtype(crossover_of(p, x))
             i = i + 1
-        return c11, c12, c22, c13, c23, c33, force1, force2, moment, pressure
+        return type(t)(c11, c12, c22, c13, c23, c33, force1, force2, moment, pressure)
 
     return solve, stable_tangent
 
@@ -293,23 +293,27 @@ def energies_function(cell: CellEnergy, parts_of: wp.Function, part_count: int, 
 
 
 def tangent_function(condensed: wp.Function, lane_state: wp.Function) -> wp.Function:
-    stiffness = wp.types.vector(6, real)
+    @wp.func
+    def lane(like: Any, value: real):
+        return type(like)(like.dtype(value))
 
     @wp.func
-    def six_lanes(like: Any, c: stiffness):
-        return (
-            type(like)(like.dtype(c[0])),
-            type(like)(like.dtype(c[1])),
-            type(like)(like.dtype(c[2])),
-            type(like)(like.dtype(c[3])),
-            type(like)(like.dtype(c[4])),
-            type(like)(like.dtype(c[5])),
-        )
-
-    @wp.func
-    def tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any):
+    def tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, t: Any):
         _late = wp.grad(emitted_late)(real(0.0))
-        return six_lanes(strain1, condensed(p, lane_state(strain1, strain2, angle, q, 0)))
+        c = condensed(p, lane_state(strain1, strain2, angle, q, 0))
+        zero = type(strain1)()
+        return type(t)(
+            lane(zero, c[0]),
+            lane(zero, c[1]),
+            lane(zero, c[2]),
+            lane(zero, c[3]),
+            lane(zero, c[4]),
+            lane(zero, c[5]),
+            zero,
+            zero,
+            zero,
+            zero,
+        )
 
     return tangent
 

@@ -287,7 +287,8 @@ def condensed_tangent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, in_tension:
 
 
 @wp.func
-def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any):
+def equilibrium(cell: Any, strain1: Any, strain2: Any, start: Any):
+    """Height changes, n_1, n_2, pressure, residual, iterations."""
     u1 = cell.half_spacing[0] * strain1
     u2 = cell.half_spacing[1] * strain2
     w, force, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start)
@@ -296,11 +297,16 @@ def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any):
         w,
         (half / cell.half_spacing[1]) * force[0],
         (half / cell.half_spacing[0]) * force[1],
-        fill(u1, 0.0),
         (half / (cell.half_spacing[0] * cell.half_spacing[1])) * crossover,
         residual,
         iterations,
     )
+
+
+@wp.func
+def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer: Any):
+    w, n1, n2, pressure, residual, iterations = equilibrium(cell, strain1, strain2, start)
+    return type(answer)(n1, n2, fill(n1, 0.0), pressure, residual, iterations, w)
 
 
 @wp.func
@@ -314,30 +320,32 @@ def energies(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: An
 
 @wp.func
 def per_width(cell: Any, k11: Any, k12: Any, k22: Any):
-    """C11, C12, C22 of dn = C dlambda from dF = K du, and what depends on the shear angle: nothing [N/m]."""
+    """C11, C12, C22 of dn = C dlambda from dF = K du [N/m]."""
     half = k11.dtype(0.5)
     l1 = cell.half_spacing[0]
     l2 = cell.half_spacing[1]
-    zero = fill(k11, 0.0)
-    return (half * l1 / l2) * k11, half * k12, (half * l2 / l1) * k22, zero, zero, zero
+    return (half * l1 / l2) * k11, half * k12, (half * l2 / l1) * k22
 
 
 @wp.func
-def tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any):
+def tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, t: Any):
     k11, k12, k22 = condensed_tangent(
         cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, q[0], q[1], False
     )
-    return per_width(cell, k11, k12, k22)
+    c11, c12, c22 = per_width(cell, k11, k12, k22)
+    zero = fill(k11, 0.0)
+    return type(t)(c11, c12, c22, zero, zero, zero, zero, zero, zero, zero)
 
 
 @wp.func
-def stable_tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int):
-    solution, n1, n2, m, pressure, residual, iterations = solve(cell, strain1, strain2, angle, q)
+def stable_tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int, t: Any):
+    solution, n1, n2, pressure, residual, iterations = equilibrium(cell, strain1, strain2, q)
     k11, k12, k22 = condensed_tangent(
         cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, solution[0], solution[1], True
     )
-    c11, c12, c22, c13, c23, c33 = per_width(cell, k11, k12, k22)
-    return c11, c12, c22, c13, c23, c33, n1, n2, m, pressure
+    c11, c12, c22 = per_width(cell, k11, k12, k22)
+    zero = fill(k11, 0.0)
+    return type(t)(c11, c12, c22, zero, zero, zero, n1, n2, zero, pressure)
 
 
 @wp.func

@@ -7,25 +7,25 @@ import warp as wp
 
 from ..lanes import lane_types
 from ..rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
-from .law import CellLaw
+from .law import CellLaw, cell_answer_struct, tangent_struct
 
 
 @wp.func
-def store_force(target: Any, i: int, n1: Any, n2: Any, m: Any, pressure: Any):
-    target[CellForceRow.warp, i] = n1[0]
-    target[CellForceRow.weft, i] = n2[0]
-    target[CellForceRow.moment, i] = m[0]
-    target[CellForceRow.crossover_pressure, i] = pressure[0]
+def store_force(target: Any, i: int, answer: Any):
+    target[CellForceRow.warp, i] = answer.warp_force[0]
+    target[CellForceRow.weft, i] = answer.weft_force[0]
+    target[CellForceRow.moment, i] = answer.moment[0]
+    target[CellForceRow.crossover_pressure, i] = answer.pressure[0]
 
 
 @wp.func
-def store_tangent(target: Any, i: int, c11: Any, c12: Any, c22: Any, c13: Any, c23: Any, c33: Any):
-    target[TangentRow.c11, i] = c11[0]
-    target[TangentRow.c12, i] = c12[0]
-    target[TangentRow.c22, i] = c22[0]
-    target[TangentRow.c13, i] = c13[0]
-    target[TangentRow.c23, i] = c23[0]
-    target[TangentRow.c33, i] = c33[0]
+def store_tangent(target: Any, i: int, t: Any):
+    target[TangentRow.c11, i] = t.c11[0]
+    target[TangentRow.c12, i] = t.c12[0]
+    target[TangentRow.c22, i] = t.c22[0]
+    target[TangentRow.c13, i] = t.c13[0]
+    target[TangentRow.c23, i] = t.c23[0]
+    target[TangentRow.c33, i] = t.c33[0]
 
 
 @cache
@@ -48,8 +48,8 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
     """Every item has a cell and its strains; the branch from rest is followed in equal increments."""
     lanes = lane_types(real, 1).lanes
     Response, UnitCell = response_struct(real), cell.parameters(real)
+    CellAnswer, Tangent = cell_answer_struct(real, 1, cell.row_count), tangent_struct(real, 1)
     unknown_count, part_count = cell.unknown_count, len(cell.energy_names)
-    Unknowns = wp.types.matrix((cell.row_count, 1), real)
     solve, cell_energies, cell_tangent, snap_loss = cell.solve, cell.energies, cell.tangent, cell.snap_loss
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -64,16 +64,13 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
     ):
         i = wp.tid()
         parameters = cells[wp.min(i, cells.shape[0] - 1)]
-        q = Unknowns()
+        answer = CellAnswer()
+        q = answer.unknowns
         for k in range(unknown_count):
             q[k, 0] = start[k, i]
         strain1 = lanes()
         strain2 = lanes()
         angle = lanes()
-        force1 = lanes()
-        force2 = lanes()
-        moment = lanes()
-        pressure = lanes()
         worst = real(0.0)
         most = real(0.0)
         lost = real(0.0)
@@ -83,22 +80,20 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
             strain2 = lanes(share * strain[StrainRow.weft, i])
             angle = lanes(share * strain[StrainRow.shear_angle, i])
             before = q
-            q, force1, force2, moment, pressure, residual, iterations = solve(
-                parameters, strain1, strain2, angle, before
-            )
+            answer = solve(parameters, strain1, strain2, angle, before, CellAnswer())
+            q = answer.unknowns
             # written so that a NaN counts as the worst
-            worst = wp.where(residual[0] <= worst, worst, residual[0])
-            most = wp.max(most, iterations[0])
+            worst = wp.where(answer.residual[0] <= worst, worst, answer.residual[0])
+            most = wp.max(most, answer.iterations[0])
             freed = snap_loss(parameters, strain1, strain2, angle, before, q)
             lost = lost + freed[0]
         parts = cell_energies(parameters, strain1, strain2, angle, q, lanes(real(1.0)))
-        c11, c12, c22, c13, c23, c33 = cell_tangent(parameters, strain1, strain2, angle, q)
         for k in range(unknown_count):
             response.unknowns[k, i] = q[k, 0]
         for k in range(part_count):
             response.energy[k, i] = parts[k, 0]
-        store_force(response.force, i, force1, force2, moment, pressure)
-        store_tangent(response.tangent, i, c11, c12, c22, c13, c23, c33)
+        store_force(response.force, i, answer)
+        store_tangent(response.tangent, i, cell_tangent(parameters, strain1, strain2, angle, q, Tangent()))
         response.convergence[ConvergenceRow.worst_residual, i] = worst
         response.convergence[ConvergenceRow.most_iterations, i] = most
         response.convergence[ConvergenceRow.snap_loss, i] = lost

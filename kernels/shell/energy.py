@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.law import CellLaw
+from ..cell.law import CellLaw, cell_answer_struct
 from ..cell.newton import emitted_late
 from ..curve import spring_energy
 from ..lanes import dot, fill, lane_types, where_positive
@@ -29,8 +29,9 @@ from .thickness import compressive_force
 
 @cache
 def cell_energies_function(real: type, cell: CellLaw):
-    """Function for the forces of an element's unit cell and its pressure; changes no state, books the energy."""
+    """Function for the ``CellAnswer`` of an element's unit cell; changes no state, books the energy."""
     part_count, solve, cell_energies = len(cell.energy_names), cell.solve, cell.energies
+    CellAnswer = cell_answer_struct(real, 1, cell.row_count)
     read_unknowns, late = unknowns_function(real, 1, cell), cell.lane_by_lane
 
     @wp.func
@@ -38,13 +39,11 @@ def cell_energies_function(real: type, cell: CellLaw):
         if wp.static(late):
             _late = wp.grad(emitted_late)(wp.float64(0.0))
         start = read_unknowns(cell_unknowns, e)
-        unknowns, warp_force, weft_force, moment, pressure, residual, iterations = solve(
-            cell, m.strain1, m.strain2, m.angle, start
-        )
-        parts = cell_energies(cell, m.strain1, m.strain2, m.angle, unknowns, area)
+        answer = solve(cell, m.strain1, m.strain2, m.angle, start, CellAnswer())
+        parts = cell_energies(cell, m.strain1, m.strain2, m.angle, answer.unknowns, area)
         for k in range(part_count):
             energies[k, e] = parts[k]
-        return warp_force, weft_force, moment, pressure
+        return answer
 
     return book_cell
 
@@ -157,8 +156,8 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         m = stretch_membrane(x.by1, x.by2)
         b = bend(elements, e, shape, x, d)
 
-        warp_force, weft_force, cell_moment, pressure = book_cell(sheet.cell, e, m, area, cell_unknowns, energies)
-        moment = book_shear(laws, e, m, area, cell_moment, slip, energies)
+        answer = book_cell(sheet.cell, e, m, area, cell_unknowns, energies)
+        moment = book_shear(laws, e, m, area, answer.moment, slip, energies)
         book_bending(laws, e, m, b, area, slip, energies)
         hourglass = hourglass_energy(elements, laws, e, shape, x, d, m, b)
         difference, square = corner_angles(elements, e, mean_angles, m.angle)
@@ -171,9 +170,9 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         fields[ElementField.shear_angle, e] = m.angle
         fields[ElementField.warp_stretch, e] = m.stretch1
         fields[ElementField.weft_stretch, e] = m.stretch2
-        fields[ElementField.warp_force, e] = warp_force + compressive_force(laws, m.stretch1)
-        fields[ElementField.weft_force, e] = weft_force + compressive_force(laws, m.stretch2)
-        fields[ElementField.crossover_pressure, e] = pressure
+        fields[ElementField.warp_force, e] = answer.warp_force + compressive_force(laws, m.stretch1)
+        fields[ElementField.weft_force, e] = answer.weft_force + compressive_force(laws, m.stretch2)
+        fields[ElementField.crossover_pressure, e] = answer.pressure
         fields[ElementField.area_ratio, e] = m.area_ratio
         fields[ElementField.shear_moment, e] = moment
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.law import CellLaw
+from ..cell.law import CellLaw, tangent_struct
 from ..cell.newton import emitted_late
 from ..lanes import dot, fill, lane_types, larger, magnitude, where_positive
 from ..laws.contract import device_law
@@ -22,7 +22,7 @@ from .kinematics import (
 )
 from .laws import SheetTraits, sheet_struct
 from .membrane import bundling_stiffness, unknowns_function
-from .shear import sticking_function, tangent_struct
+from .shear import sticking_function
 
 
 @cache
@@ -70,7 +70,7 @@ def ahead_function(cell: CellLaw):
 
 @cache
 def cell_tangent_function(real: type, lane_count: int, cell: CellLaw):
-    """Function for the ``Tangent`` of one stable state of a block's unit cells, and the pressure of its crossovers.
+    """Function for the ``Tangent`` of one stable state of a block's unit cells.
 
     A tangent that no state of the cell can have comes from differences across a kink, where a yarn goes slack: it is
     replaced by the largest.
@@ -82,9 +82,13 @@ def cell_tangent_function(real: type, lane_count: int, cell: CellLaw):
     def cell_tangent(cell: Any, bounds: Any, strain1: Any, strain2: Any, angle: Any, start: Any, state: int):
         if wp.static(late):
             _late = wp.grad(emitted_late)(wp.float64(0.0))
-        c11, c12, c22, c13, c23, c33, n1, n2, moment, pressure = stable_tangent(
-            cell, strain1, strain2, angle, start, state
-        )
+        t = stable_tangent(cell, strain1, strain2, angle, start, state, Tangent())
+        c11 = t.c11
+        c12 = t.c12
+        c22 = t.c22
+        c13 = t.c13
+        c23 = t.c23
+        c33 = t.c33
         zero = fill(c11, 0.0)
         beyond = larger(magnitude(c11) - fill(c11, bounds.warp), magnitude(c22) - fill(c11, bounds.weft))
         beyond = larger(beyond, magnitude(c12) - fill(c11, wp.sqrt(bounds.warp * bounds.weft)))
@@ -98,7 +102,7 @@ def cell_tangent_function(real: type, lane_count: int, cell: CellLaw):
         c11 = where_positive(beyond, fill(c11, bounds.warp), c11)
         c12 = where_positive(beyond, zero, c12)
         c22 = where_positive(beyond, fill(c11, bounds.weft), c22)
-        return Tangent(c11, c12, c22, c13, c23, c33, n1, n2, moment), pressure
+        return Tangent(c11, c12, c22, c13, c23, c33, t.n1, t.n2, t.moment, t.pressure)
 
     return cell_tangent
 
@@ -111,12 +115,12 @@ def sheet_tangent_function(cell: CellLaw, traits: SheetTraits):
     sticking_shear = sticking_function(traits) if shear_slides else None
 
     @wp.func
-    def sheet_tangent(laws: Any, m: Any, sine: Any, cosine: Any, pressure: Any, c: Any):
+    def sheet_tangent(laws: Any, m: Any, sine: Any, cosine: Any, c: Any):
         """c: the cell's; what it takes up of the yarns' tension counts, what it pushes does not."""
         zero = fill(sine, 0.0)
         t = shear_tangent(laws, m, sine, cosine, type(c)())
         if wp.static(shear_slides):
-            t = sticking_shear(laws, m.angle, pressure, t)
+            t = sticking_shear(laws, m.angle, c.pressure, t)
         if wp.static(cell_shears):
             t.c13 = t.c13 + c.c13
             t.c23 = t.c23 + c.c23
@@ -216,8 +220,8 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         in_plane = lanes()
         across = lanes()
         for state in range(state_count):
-            c, pressure = cell_tangent(sheet.cell, bounds, strain1, strain2, angle, start, state)
-            t = sheet_tangent(laws, m, sine, cosine, pressure, c)
+            c = cell_tangent(sheet.cell, bounds, strain1, strain2, angle, start, state)
+            t = sheet_tangent(laws, m, sine, cosine, c)
             t.c33 = t.c33 + real(4.0) * bundling
             t.moment = t.moment + bundling * difference
             h = in_tangent_plane(t, m, sine, cosine, Symmetric4())

@@ -5,9 +5,9 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.law import CellLaw
+from ..cell.law import CellLaw, cell_answer_struct
 from ..cell.newton import emitted_late
-from ..lanes import inverses, lane_maximum, lane_types, larger
+from ..lanes import inverses, lane_maximum, larger
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import CellReportRow
@@ -15,21 +15,6 @@ from .kinematics import corner_angles
 from .laws import SheetTraits
 from .shear import moment_resultants, shear_friction_function
 from .thickness import compressive_force
-
-
-@cache
-def cell_answer_struct(real: type, lane_count: int):
-    """What a unit cell answers."""
-    lanes = lane_types(real, lane_count).lanes
-
-    @wp.struct
-    class CellAnswer:
-        warp_force: lanes  # n_1, n_2, m [N/m]
-        weft_force: lanes
-        moment: lanes
-        pressure: lanes  # of the crossovers, per reference area [N/m^2]
-
-    return CellAnswer
 
 
 @cache
@@ -55,7 +40,8 @@ def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
     Warp emits functions that use gradients behind all others, and an ``energy_cell``, which takes lane by lane, is made
     of such: what calls it has to look like them. So have its callers in energy.py and frequency.py.
     """
-    CellAnswer, read_unknowns = cell_answer_struct(real, lane_count), unknowns_function(real, lane_count, cell)
+    CellAnswer = cell_answer_struct(real, lane_count, cell.row_count)
+    read_unknowns = unknowns_function(real, lane_count, cell)
     unknown_count, solve, snap_loss, late = cell.unknown_count, cell.solve, cell.snap_loss, cell.lane_by_lane
 
     @wp.func
@@ -63,20 +49,19 @@ def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
         if wp.static(late):
             _late = wp.grad(emitted_late)(wp.float64(0.0))
         start = read_unknowns(cell_unknowns, block)
-        unknowns, warp_force, weft_force, moment, pressure, residual, iterations = solve(
-            cell, m.strain1, m.strain2, m.angle, start
-        )
+        answer = solve(cell, m.strain1, m.strain2, m.angle, start, CellAnswer())
+        unknowns = answer.unknowns
         for k in range(unknown_count):
             cell_unknowns[k, block] = unknowns[k]
-        cell_report[CellReportRow.iterations, block] = iterations
+        cell_report[CellReportRow.iterations, block] = answer.iterations
         cell_report[CellReportRow.worst_residual, block] = larger(
-            cell_report[CellReportRow.worst_residual, block], residual
+            cell_report[CellReportRow.worst_residual, block], answer.residual
         )
         if wp.static(unknown_count > 0):
             freed = snap_loss(cell, m.strain1, m.strain2, m.angle, start, unknowns)
             if lane_maximum(freed) > freed.dtype(0.0):
                 cell_report[CellReportRow.snap_loss, block] = cell_report[CellReportRow.snap_loss, block] + freed
-        return CellAnswer(warp_force, weft_force, moment, pressure)
+        return answer
 
     return answer_cell
 

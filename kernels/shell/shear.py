@@ -6,31 +6,11 @@ from typing import Any
 import warp as wp
 
 from ..curve import slide
-from ..lanes import fill, lane_types, where_positive
+from ..lanes import fill, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import SlipRow
 from .laws import SheetTraits
-
-
-@cache
-def tangent_struct(real: type, lane_count: int):
-    """First and second derivatives of an energy by (stretch 1, stretch 2, shear angle) [N/m]."""
-    lanes = lane_types(real, lane_count).lanes
-
-    @wp.struct
-    class Tangent:
-        c11: lanes
-        c12: lanes
-        c22: lanes
-        c13: lanes
-        c23: lanes
-        c33: lanes
-        n1: lanes
-        n2: lanes
-        moment: lanes
-
-    return Tangent
 
 
 @wp.func

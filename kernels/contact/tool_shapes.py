@@ -1,20 +1,27 @@
-"""Signed distance and outward normal of every kind of part that a tool is made of: one function each, in one registry.
+"""Signed distance and outward normal of every kind of part that a tool is made of: one function each.
 
-A function takes the part and points in the part's frame, and is negative inside. A new kind is a function and an entry
-in ``SHAPE_KINDS``; a dimension that no other has is a field of the struct too.
+A function takes the part and points in the part's frame, and is negative inside. A further kind is a module anywhere
+with a ``SHAPE``, a ``ShapeKind``; its name is the module's full name.
 """
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
 from types import MappingProxyType
 from typing import Any
+from zlib import crc32
 
 import warp as wp
 
 from ..lanes import fill, larger, magnitude, smaller, square_root, where_positive
 from ..operators import div, mul  # noqa: F401
 from .mesh_distance import volume_distance
+
+# Dimensions of one part that are no fields of their own.
+NUMBER_COUNT = 8
 
 
 @cache
@@ -24,7 +31,7 @@ def part_struct(real: type):
 
     @wp.struct
     class ToolPart:
-        kind: wp.int32  # ShapeKind.number
+        kind: wp.int32  # see shape_number
         origin: vec3
         rotation: wp.types.matrix((3, 3), real)  # columns: the part's axes in the world
         radius: real
@@ -35,6 +42,7 @@ def part_struct(real: type):
         lower: vec3  # box of the volume; outside it the distance is at least that to the box
         upper: vec3
         reach: real  # value used outside the volume [m]
+        numbers: wp.types.vector(NUMBER_COUNT, real)  # further dimensions, see ShapeKind.places
 
     return ToolPart
 
@@ -157,34 +165,88 @@ def dome_cavity_distance(part: Any, p: Any):
     return distance, wp.matrix_from_rows(normal_out * along, normal_out * across, normal_up)
 
 
-@dataclass(frozen=True)
+# Fields of the part that a kind may have among its dimensions.
+NAMED_DIMENSIONS = ("radius", "major_radius", "half_length", "edge_radius", "volume", "lower", "upper", "reach")
+
+
+@dataclass(frozen=True, eq=False)
 class ShapeKind:
     """A kind of part.
 
     Attributes:
-        number: of the kind, as the kernels know it.
         distance: Warp function (part, points as rows of lanes) -> (distance, normals as rows of lanes).
-        dimensions: fields of the part that it reads beside the frame.
+        dimensions: what it reads of the part beside the frame. Those of ``NAMED_DIMENSIONS`` are fields of the part;
+            the others stand in ``part.numbers``, in this order.
+
+    Raises:
+        ValueError: there are more others than ``NUMBER_COUNT``.
     """
 
-    number: int
-    distance: wp.Function
+    distance: Any
     dimensions: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        if len(self.places) > NUMBER_COUNT:
+            raise ValueError(
+                f"a shape has at most {NUMBER_COUNT} dimensions beside {', '.join(NAMED_DIMENSIONS)}; "
+                f"these are {len(self.places)}: {', '.join(self.places)}"
+            )
 
-_distances = {
-    "plane": (plane_distance,),
-    "sphere": (sphere_distance, "radius"),
-    "capsule": (capsule_distance, "radius", "half_length"),
-    "torus": (torus_distance, "radius", "major_radius"),
-    "dome_punch": (dome_punch_distance, "radius", "half_length"),
-    "dome_opening": (dome_opening_distance, "radius", "half_length", "edge_radius"),
-    "dome_cavity": (dome_cavity_distance, "radius", "half_length"),
-    "volume": (volume_distance, "volume", "lower", "upper", "reach"),
-}
+    @property
+    def places(self) -> dict[str, int]:
+        """Index in ``part.numbers`` of every dimension that is no field of the part."""
+        others = [name for name in self.dimensions if name not in NAMED_DIMENSIONS]
+        return {name: index for index, name in enumerate(others)}
+
+
 SHAPE_KINDS: Mapping[str, ShapeKind] = MappingProxyType(
     {
-        name: ShapeKind(number, distance, tuple(dimensions))
-        for number, (name, (distance, *dimensions)) in enumerate(_distances.items())
+        "plane": ShapeKind(plane_distance),
+        "sphere": ShapeKind(sphere_distance, ("radius",)),
+        "capsule": ShapeKind(capsule_distance, ("radius", "half_length")),
+        "torus": ShapeKind(torus_distance, ("radius", "major_radius")),
+        "dome_punch": ShapeKind(dome_punch_distance, ("radius", "half_length")),
+        "dome_opening": ShapeKind(dome_opening_distance, ("radius", "half_length", "edge_radius")),
+        "dome_cavity": ShapeKind(dome_cavity_distance, ("radius", "half_length")),
+        "volume": ShapeKind(volume_distance, ("volume", "lower", "upper", "reach")),
     }
 )
+
+
+def shape_kind(name: str) -> ShapeKind:
+    """The kind of a name: one of ``SHAPE_KINDS``, or the ``SHAPE`` of a module, given by its full name.
+
+    A name can be sent to another process, functions cannot.
+
+    Raises:
+        ValueError: there is no such kind.
+    """
+    if name in SHAPE_KINDS:
+        return SHAPE_KINDS[name]
+    kind = getattr(import_module(name), "SHAPE", None) if _is_module(name) else None
+    if not isinstance(kind, ShapeKind):
+        raise ValueError(
+            f"no distance function {name!r}; there are {', '.join(SHAPE_KINDS)}, and the full names of modules with a "
+            "SHAPE (kernels/contact/tool_shapes.py)"
+        )
+    return kind
+
+
+def _is_module(name: str) -> bool:
+    if not all(part.isidentifier() for part in name.split(".")):
+        return False
+    try:
+        return name in sys.modules or find_spec(name) is not None
+    except ModuleNotFoundError:  # the package of the module
+        return False
+
+
+def further_kinds(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Those of ``names`` that are not in ``SHAPE_KINDS``."""
+    return tuple(name for name in names if name not in SHAPE_KINDS)
+
+
+def shape_number(name: str) -> int:
+    """Number of a kind, as the kernels know it; it depends on the name alone, and is the same in every process."""
+    known = list(SHAPE_KINDS)
+    return known.index(name) if name in SHAPE_KINDS else len(known) + crc32(name.encode()) % 2**30

@@ -122,7 +122,8 @@ def _part_data(part: Shape, real: type, samples: Samples) -> Any:
     data.rotation = [list(row) for row in part.rotation]
     for name, value in dimensions.items():
         if name in known.places:
-            data.numbers[known.places[name]] = value
+            field, index = known.places[name]
+            getattr(data, field)[index] = value
         else:
             setattr(data, name, value)
     return data

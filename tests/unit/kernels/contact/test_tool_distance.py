@@ -9,7 +9,14 @@ import pytest
 import warp as wp
 
 from weavesim.kernels.contact.tool_distance import part_distance_function
-from weavesim.kernels.contact.tool_shapes import SHAPE_KINDS, ShapeKind, part_struct, plane_distance, shape_number
+from weavesim.kernels.contact.tool_shapes import (
+    SHAPE_KINDS,
+    ShapeKind,
+    number,
+    part_struct,
+    plane_distance,
+    shape_number,
+)
 from weavesim.kernels.lanes import fill, lane_types
 
 
@@ -23,9 +30,28 @@ def test_kinds_have_a_number_each_and_read_fields_of_the_part():
 
 def test_dimensions_that_are_no_field_stand_among_the_numbers():
     kind = ShapeKind(plane_distance, ("height", "radius", "angle"))
-    assert kind.places == {"height": 0, "angle": 1}
-    with pytest.raises(ValueError, match="at most 8 dimensions beside radius, .*; these are 9: a, b"):
-        ShapeKind(plane_distance, tuple("abcdefghi"))
+    assert kind.places == {"height": ("lower", 0), "angle": ("lower", 1)}
+    with pytest.raises(ValueError, match="at most 6 dimensions beside radius, .*; these are 7: a, b"):
+        ShapeKind(plane_distance, tuple("abcdefg"))
+    with pytest.raises(ValueError, match="none with lower or upper; these are 1: height"):
+        ShapeKind(plane_distance, ("lower", "height"))
+
+
+def test_six_dimensions_are_read_as_they_were_given():
+    kind = ShapeKind(plane_distance, tuple("abcdef"))
+    part = part_struct(wp.float64)()
+    for value, (field, index) in enumerate(kind.places.values()):
+        getattr(part, field)[index] = float(value)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def read(parts: wp.array(dtype=part_struct(wp.float64)), found: wp.array(dtype=wp.float64)):
+        i = wp.tid()
+        found[i] = number(parts[0], i)
+
+    found = wp.zeros(6, dtype=wp.float64, device="cpu")
+    parts = wp.array([part], dtype=part_struct(wp.float64), device="cpu")
+    wp.launch(read, dim=6, inputs=[parts, found], device="cpu")
+    assert found.numpy().tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
 
 
 @wp.func

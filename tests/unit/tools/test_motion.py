@@ -163,7 +163,7 @@ def test_no_tools_make_empty_arrays():
         (lambda: Stroke((), ()), "at least one"),
         (lambda: Stroke((0.0, 1.0), (0.0,)), "2 times and 1 displacements"),
         (lambda: Stroke((0.0, 0.0), (0.0, 1.0)), "must increase"),
-        (lambda: Stroke((0.0, math.nan), (0.0, 1.0)), "Stroke: times = .* it must be finite"),
+        (lambda: Stroke((0.0, math.nan), (0.0, 1.0)), "Stroke: times = .*: entry 1 = nan: a finite number is needed"),
         (lambda: Stroke(0.0, 1.0), "list of numbers"),
         (lambda: Stroke.smooth(0.0, 1.0, 0.1), "Fixed"),
         (lambda: Stroke.smooth(0.1, -1.0, 0.1), "speed"),

@@ -34,6 +34,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema
 
+from .arrays import frozen
 from .errors import InputError
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -78,7 +79,7 @@ else:
 class Parameters(_Model):
     """Immutable, checked values; a bad one raises an InputError that names it.
 
-    Equality and hash are by content, including arrays. ``positional`` lists the fields that may be given by
+    Equality and hash are by content, including arrays, bit by bit. ``positional`` lists the fields that may be given by
     position, in order.
     """
 
@@ -175,17 +176,27 @@ class Parameters(_Model):
 
     def __setstate__(self, state: dict[Any, Any]) -> None:
         super().__setstate__(state)
-        for value in self.__dict__.values():
-            if isinstance(value, np.ndarray):  # pickle does not keep the read-only flag
-                value.setflags(write=False)
+        for name, value in self.__dict__.items():
+            if isinstance(value, np.ndarray):  # those of a pickle are writable
+                self.__dict__[name] = frozen(value)
+
+    def __copy__(self) -> Self:
+        return self  # it never changes
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        return self
 
 
 def _same(a: Any, b: Any) -> bool:
+    """Whether two values have the same bits, as their hashes see them: 0.0 and -0.0 differ."""
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.dtype == b.dtype and np.array_equal(a, b)
+        alike = isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.dtype == b.dtype and a.shape == b.shape
+        return alike and a.tobytes() == b.tobytes()
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(_same, a, b))
-    return bool(a == b)
+    if isinstance(a, float) and isinstance(b, float):
+        return a.hex() == b.hex()
+    return type(a) is type(b) and bool(a == b)
 
 
 # These replace Pydantic's own messages.

@@ -1,5 +1,6 @@
 """Checked values: by position and by name, equal by content, the same through pickle and JSON, kinds told apart."""
 
+import copy
 import json
 import pickle
 from typing import ClassVar, Literal
@@ -14,6 +15,7 @@ from pydantic import SerializeAsAny
 from weavesim.arrays import BoolArray, FloatArray, IndexArray
 from weavesim.checks import Kinded, Parameters, Positive, json_schema
 from weavesim.errors import InputError
+from weavesim.tools.shapes import Sphere
 
 
 class Body(Kinded):
@@ -67,6 +69,29 @@ def test_hash_sees_every_number():
     other = box().values.copy()
     other[7, 1] = np.nextafter(other[7, 1], 1.0)
     assert box().model_copy(update={"values": other}).content_hash != box().content_hash
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda b: pickle.loads(pickle.dumps(b)), lambda b: b])
+def test_arrays_cannot_be_thawed(copied):
+    there = copied(box())
+    for array in (there.values, there.nodes, Box(Ball(1.0), np.empty((0, 3))).values):
+        with pytest.raises(ValueError, match="cannot set WRITEABLE flag"):
+            array.setflags(write=True)
+    assert there == box()
+
+
+def test_equal_values_have_equal_hashes_down_to_the_sign_of_zero():
+    made = [
+        lambda zero: Ball(1.0, height=zero),
+        lambda zero: Pile(bodies=(Ball(1.0, height=zero),)),
+        lambda zero: Box(Ball(1.0), [zero, 1.0]),
+        lambda zero: Box(Ball(1.0), np.full((5, 20), zero)),
+        lambda zero: Sphere(0.1, origin=(0.0, 0.0, zero)),
+    ]
+    for make in made:
+        assert make(-0.0) == make(-0.0) and hash(make(-0.0)) == hash(make(-0.0))
+        assert make(0.0) != make(-0.0) and make(0.0).content_hash != make(-0.0).content_hash
+        assert type(make(0.0)).from_json(make(-0.0).to_json()) == make(-0.0)
 
 
 @given(arrays.arrays(np.float64, arrays.array_shapes(min_dims=1, max_dims=3, min_side=0)))

@@ -1,6 +1,6 @@
 """weavesim: draping and forming of woven fabrics with an explicit shell that carries a plain-weave unit cell.
 
-The names below are loaded when they are first used, so that ``import weavesim`` and ``weavesim --help`` stay quick.
+The names below are loaded on first use, so that ``import weavesim`` and ``weavesim --help`` stay fast.
 """
 
 from importlib import import_module
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .version import __version__
 
-# In a checkout, kernels/ and scenes/ lie beside this package and are installed inside it. Looking there too lets
+# In a checkout, kernels/ and scenes/ are next to this package; when installed, they are inside it. Searching both lets
 # the checkout work even when it hides an installed copy, as it does for a script started in its root.
 _checkout = Path(__file__).resolve().parent.parent
 if (_checkout / "pyproject.toml").is_file():
@@ -69,7 +69,7 @@ if TYPE_CHECKING:
     )
     from .tools.tool import Tool
 
-# Where the public names are; the imports above say the same to type checkers.
+# The modules of the public names; the imports above are the same list for type checkers.
 _names_in = {
     "checks": ("NotNegative", "Positive", "json_schema"),
     "device": ("Precision",),

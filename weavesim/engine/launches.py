@@ -1,4 +1,4 @@
-"""The kernels of a run, and each of their launches with its arguments."""
+"""The kernels of a run and their launches with all arguments."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ GROUP_SIZE = 256
 
 @dataclass(frozen=True)
 class SheetKernels:
-    """Kernels made for what one sheet has; sheets that have the same share them."""
+    """Kernels generated for the traits of one sheet; sheets with the same traits share them."""
 
     forces: wp.Kernel
     nodes: wp.Kernel
     frequencies: wp.Kernel
-    frequency_lane_count: int  # the wide kernel takes long to compile: only for cells that run faster in it
+    frequency_lane_count: int  # the wide kernel takes long to compile: only for cells that run faster with it
 
     @classmethod
     def of(cls, sheet: SheetModel) -> SheetKernels:
@@ -49,7 +49,7 @@ class SheetKernels:
 
 @dataclass(frozen=True)
 class _SheetArguments:
-    """What the launches of one sheet are given, on one state."""
+    """Arguments of the launches of one sheet, on one state."""
 
     tools: Any
     supports: Any
@@ -63,7 +63,7 @@ class _SheetArguments:
 
 
 class Launches:
-    """Every launch of a run on one state; which kernel, over what, with which arguments.
+    """Every launch of a run on one state: which kernel, over which range, with which arguments.
 
     Args:
         model: constants.
@@ -145,7 +145,7 @@ class Launches:
         )  # fmt: skip
 
     def move_supports(self) -> None:
-        """How far every drive goes in the step to come."""
+        """Displacement of every drive in the next step."""
         drives = self.model.drives
         if drives.count:
             wp.launch(
@@ -218,7 +218,7 @@ class Launches:
     # --- the rest ----------------------------------------------------------------------------------------------------
 
     def set_damping(self, rate: float | None) -> None:
-        """One rate of all nodes and directors from the next recording on [1/s]; None takes those of ``Dynamics``."""
+        """Set one rate [1/s] for all nodes and directors, from the next recording on; None uses ``Dynamics``."""
         self._node_laws = [sheet.node_laws() for sheet in self.model.sheets]
         if rate is not None:
             for laws in self._node_laws:
@@ -226,7 +226,7 @@ class Launches:
 
     @property
     def kernels(self) -> list[wp.Kernel]:
-        """All that is launched here, each once."""
+        """All kernels launched here, each once."""
         own = [kernel for kernels in self._kernels for kernel in (kernels.forces, kernels.nodes, kernels.frequencies)]
         common = [self._tool_motion, self._partial_sums, self._partial_maximum, self._set_step]
         if self.model.drives.count:
@@ -235,12 +235,12 @@ class Launches:
 
 
 class IntervalEnd:
-    """Lets a GPU do all blocks of an output interval without the host: it looks at the clock itself.
+    """Lets a GPU do all blocks of an output interval without the host: it checks the clock itself.
 
     Args:
         device: of the run.
         clock: of the state.
-        largest_block_count: blocks of one interval at most.
+        largest_block_count: maximum number of blocks in one interval.
     """
 
     kernel = look_at_clock
@@ -252,12 +252,12 @@ class IntervalEnd:
         self.running = wp.zeros(1, dtype=wp.int32, device=device)
 
     def begin(self, target: float) -> None:
-        """Aim at ``target`` [s] and count from zero."""
+        """Set the end of the interval to ``target`` [s], and the count to zero."""
         self._target.fill_(target)
         self._block_count.zero_()
 
     def check(self, done: int) -> None:
-        """Launch of the check after ``done`` more blocks; sets ``running``."""
+        """Launch the check after ``done`` more blocks; it sets ``running``."""
         wp.launch(
             look_at_clock,
             dim=1,

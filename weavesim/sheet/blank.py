@@ -1,4 +1,4 @@
-"""The sheet before it is formed: a quadrilateral mesh with yarn directions."""
+"""The sheet before forming: a quadrilateral mesh with yarn directions."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from ..checks import Parameters
 from ..errors import InputError
 from .topology import part_of_nodes
 
-# A one-point quadrilateral keeps its sign of area in the four corner triangles while it is convex.
+# In a convex quadrilateral the areas of all four corner triangles have the same sign.
 _LARGEST_EXTENT_M = 20.0
 
 
 class Blank(Parameters):
-    """Immutable mesh of one connected sheet, checked when it is made.
+    """Immutable mesh of one connected sheet, checked on construction.
 
     Attributes:
         node_position: initial nodes, (node_count, 3) [m].
         material_coordinates: flat coordinates, (node_count, 2) [m].
-        quads: corner nodes of each element, counter-clockwise seen from the top side, (element_count, 4).
+        quads: corner nodes of each element, counter-clockwise seen from above, (element_count, 4).
         warp_direction, weft_direction: unit yarn directions at the element centres, (element_count, 3).
-        initial_director: unit normals of the nodes, (node_count, 3).
+        initial_director: unit normals at the nodes, (node_count, 3).
     """
 
     positional = (
@@ -90,13 +90,13 @@ class Blank(Parameters):
         distortion: float = 0.0,
         seed: int = 0,
     ) -> Blank:
-        """A flat rectangle in the plane z = ``height``, in about square elements.
+        """A flat rectangle in the plane z = ``height``, with nearly square elements.
 
         Args:
             lower, upper: opposite corners (x, y) [m].
-            element_size: aimed edge length [m]; the sides are divided evenly.
-            yarn_angle: angle from the x axis to the warp [degrees]; the weft is 90 degrees further.
-            distortion: random shift of the inner nodes, as a share of the element size (below 0.4).
+            element_size: target edge length [m]; the sides are divided evenly.
+            yarn_angle: angle from the x axis to the warp [degrees]; the weft is at plus 90 degrees.
+            distortion: random displacement of the inner nodes, as a share of the element size (below 0.4).
 
         Raises:
             InputError: sizes that are not positive, or not finite.
@@ -132,21 +132,21 @@ class Blank(Parameters):
         distortion: float = 0.0,
         seed: int = 0,
     ) -> Blank:
-        """A flat sheet of any outline without corners that point inwards, the mesh at any angle to outline and yarns.
+        """A flat sheet with any outline without re-entrant corners; the mesh may be at any angle to outline and yarns.
 
-        Square elements in the inside, one layer of others along the outline; corners and sides are met exactly.
+        The elements are squares except for one layer along the outline; corners and sides are represented exactly.
 
         Args:
-            outline: corners in order, (k, 2) [m]; a curve is given by many corners, each of a small turn.
-            element_size: edge length in the inside [m].
+            outline: corners in order, (k, 2) [m]; give a curve as many corners with small turns.
+            element_size: edge length of the inner elements [m].
             mesh_angle: angle from the x axis to the edges of the elements [degrees].
             yarn_angle: angle from the x axis to the warp [degrees].
             height: z of all nodes [m].
-            distortion: random shift of the inner nodes, as a share of the element size (below 0.4).
-            seed: of that shift.
+            distortion: random displacement of the inner nodes, as a share of the element size (below 0.4).
+            seed: of that displacement.
 
         Raises:
-            InputError: an outline that crosses itself or has a corner that points inwards; elements too large for it.
+            InputError: an outline that crosses itself or has a re-entrant corner; elements too large for it.
         """
         from .fitted_mesh import fitted_mesh
 
@@ -155,7 +155,7 @@ class Blank(Parameters):
 
     @classmethod
     def disc(cls, radius: float, element_size: float, **options: Any) -> Blank:
-        """A flat disc around the origin [m], as a polygon of 720 sides; ``options`` are those of ``fitted``."""
+        """A flat disc around the origin [m], as a polygon with 720 sides; ``options`` are those of ``fitted``."""
         angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
         return cls.fitted(radius * np.column_stack([np.cos(angle), np.sin(angle)]), element_size, **options)
 
@@ -175,7 +175,7 @@ class Blank(Parameters):
         the direction at ``yarn_angle`` degrees from x in the xy plane. ``material_coordinates`` default to x and y.
 
         Raises:
-            InputError: NaN, degenerate or flipped elements, a mesh that looks as if it were in millimetres.
+            InputError: NaN, degenerate or flipped elements, or a mesh that appears to be in millimetres.
         """
         position = np.asarray(node_position, dtype=np.float64)
         quads = np.asarray(quads, dtype=np.int32)
@@ -195,7 +195,7 @@ class Blank(Parameters):
         length = np.linalg.norm(warp, axis=1, keepdims=True)
         if np.any(length < 1.0e-6):
             raise InputError(
-                f"warp direction of element {int(np.argmin(length))} is normal to the sheet: give one that is not"
+                f"warp direction of element {int(np.argmin(length))} is normal to the sheet: give another direction"
             )
         warp /= length
         return cls(
@@ -209,7 +209,7 @@ class Blank(Parameters):
 
     @classmethod
     def from_file(cls, path: str | Path, *, unit_scale: float = 1.0, yarn_angle: float = 0.0) -> Blank:
-        """Quadrilaterals of any file that meshio reads; ``unit_scale`` turns its unit into metres (0.001 for mm).
+        """Quadrilaterals from any file that meshio reads; ``unit_scale`` converts to metres (0.001 for mm).
 
         Raises:
             InputError: missing or unreadable file, no quadrilaterals, or a bad mesh (see ``from_mesh``).
@@ -219,10 +219,10 @@ class Blank(Parameters):
         try:
             mesh = meshio.read(path)
         except (OSError, SystemExit, meshio.ReadError, ValueError) as error:
-            raise InputError(f"blank mesh {path}: cannot be read ({error}); give a file that meshio knows") from None
+            raise InputError(f"blank mesh {path}: cannot be read ({error}); give a file that meshio reads") from None
         quads = mesh.cells_dict.get("quad")
         if quads is None:
-            raise InputError(f"blank mesh {path}: holds {sorted(mesh.cells_dict)}, but quadrilaterals are needed")
+            raise InputError(f"blank mesh {path}: contains {sorted(mesh.cells_dict)}, but quadrilaterals are needed")
         points = np.asarray(mesh.points, dtype=float) * unit_scale
         points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
         used, quads = np.unique(quads, return_inverse=True)
@@ -235,7 +235,7 @@ def _check_mesh(position: np.ndarray, quads: np.ndarray) -> None:
             f"blank mesh: nodes {position.shape} and elements {quads.shape}; (n, 3) and (m, 4), m > 0 are needed"
         )
     if quads.min() < 0 or quads.max() >= len(position):
-        raise InputError(f"blank mesh: elements name nodes {quads.min()} to {quads.max()}, there are {len(position)}")
+        raise InputError(f"blank mesh: elements use nodes {quads.min()} to {quads.max()}; there are {len(position)}")
     if not np.all(np.isfinite(position)):
         node = int(np.argmin(np.all(np.isfinite(position), axis=1)))
         raise InputError(f"blank mesh: node {node} is at {position[node]}; coordinates must be finite")
@@ -260,14 +260,14 @@ def _check_mesh(position: np.ndarray, quads: np.ndarray) -> None:
             f"nodes {quads[element].tolist()} at {corner[element].round(6).tolist()}; every corner angle must lie "
             "between 0 and 180 degrees"
         )
-    # an edge as one number: sorting those is ten times as fast as sorting pairs
+    # edges as single numbers: sorting these is ten times faster than sorting pairs
     edges = quads.astype(np.int64) * len(position) + np.roll(quads, -1, axis=1)
     key, count = np.unique(edges, return_counts=True)
     if np.any(count > 1):
         a, b = divmod(int(key[np.argmax(count > 1)]), len(position))
         raise InputError(
-            f"blank mesh: the edge from node {a} to node {b} is walked in the same direction by two elements, so one "
-            "of them is flipped (or three elements meet there); order the corners of all elements counter-clockwise"
+            f"blank mesh: two elements have the edge from node {a} to node {b} in the same direction, so one of them "
+            "is flipped (or three elements share it); order the corners of all elements counter-clockwise"
         )
 
 
@@ -280,6 +280,6 @@ def _check_connection(position: np.ndarray, quads: np.ndarray) -> None:
     if len(parts) > 1:
         raise InputError(
             f"blank mesh: it has {len(parts)} parts that share no node, of {', '.join(map(str, count[:5]))}"
-            f"{' and more' if len(parts) > 5 else ''} elements; they would pass through each other without a word: "
-            "give each part a sheet of its own"
+            f"{' and more' if len(parts) > 5 else ''} elements; they would pass through each other undetected: "
+            "make each part a separate sheet"
         )

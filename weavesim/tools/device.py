@@ -1,4 +1,4 @@
-"""Tools as the kernels take them."""
+"""Tools in the form that the kernels read."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DeviceTools:
-    """What is constant of all tools of a run, as the kernels take it; arrays on one device.
+    """Constants of all tools of a run, in the form that the kernels read; arrays on one device.
 
     Attributes:
         tool: ``kernels.contact.tool_distance.tool_struct(real)``, (tool_count,).
@@ -34,7 +34,7 @@ class DeviceTools:
         axis: directions of motion, (tool_count,) of vec3d.
         curve_times, curve_values: knots of all motions [s], [m] or [N], (knot_count,) of float64.
         initial_displacement, initial_velocity: along each axis at time zero, (tool_count,) [m], [m/s].
-        samples: keeps the sampled volumes alive that ``part`` refers to.
+        samples: keeps alive the sampled volumes that ``part`` refers to.
     """
 
     tool: wp.array
@@ -60,11 +60,11 @@ def build_device_tools(
     Args:
         tools: in the order of every array; may be empty.
         real: wp.float32 or wp.float64, of distances and frames.
-        device: Warp's name of it.
+        device: name in Warp.
         samples: of all meshes among the tools' parts, on the same device; see ``sample_meshes``.
 
     Raises:
-        InputError: a part is of no kind that the kernels know, or lacks a dimension of it.
+        InputError: a part is of an unknown kind, or lacks one of its dimensions.
     """
     parts = [part for tool in tools for part in tool.shape.parts()]
     curves = [tool.motion.curve() for tool in tools]
@@ -97,7 +97,7 @@ def _tool_data(tools: Sequence[Tool], real: type, samples: Samples) -> list[Any]
         data.part_count = len(parts)
         data.axis = tool.axis
         data.friction = tool.friction
-        # samples are cut to their reach, and have a side of which the box's outside knows nothing
+        # sampled distances are truncated at their reach, and outside the box they are only a lower bound
         reaches = [samples[part.surface].reach for part in parts if isinstance(part, MeshShape)]
         data.blind_distance = max(reaches, default=0.0)
         first_part += len(parts)
@@ -111,12 +111,12 @@ def _part_data(part: Shape, real: type, samples: Samples) -> Any:
     if known is None:
         raise InputError(
             f"{type(part).__name__} names the distance function {part.distance_function!r}, which does not exist; "
-            f"there are {', '.join(SHAPE_KINDS)} (kernels/contact/tool_shapes.py)"
+            f"choose one of {', '.join(SHAPE_KINDS)} (kernels/contact/tool_shapes.py)"
         )
     dimensions = samples[part.surface].dimensions() if isinstance(part, MeshShape) else part.dimensions()
     if set(dimensions) != set(known.dimensions):
         raise InputError(
-            f"{type(part).__name__} states the dimensions {', '.join(dimensions) or 'none'}, but the distance "
+            f"{type(part).__name__} has the dimensions {', '.join(dimensions) or 'none'}, but the distance "
             f"function {part.distance_function!r} takes {', '.join(known.dimensions) or 'none'}: state these in its "
             "dimensions()"
         )

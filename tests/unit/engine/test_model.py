@@ -97,10 +97,10 @@ def test_an_orientation_turns_the_yarns_and_nothing_else():
 
 def test_one_sheet_is_asked_for_only_where_there_is_one():
     two = Setup(name="two", worlds=(world("first", 0.0, 0.02), world("second", 0.0, 0.02)), duration=1.0)
-    with pytest.raises(InputError, match=r"2 sheets; take one of setup\.sheets"):
+    with pytest.raises(InputError, match=r"2 sheets; use one of setup\.sheets"):
         _ = two.sheet
     model = Model(two)
-    with pytest.raises(InputError, match=r"2 sheets: take one of model\.sheets"):
+    with pytest.raises(InputError, match=r"2 sheets: use one of model\.sheets"):
         _ = model.sheet
     assert [sheet.places.tools.start for sheet in model.sheets] == [0, 2]
 

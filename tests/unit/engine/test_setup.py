@@ -201,8 +201,11 @@ HELD = SHEET.model_copy(update={"supports": (Support("grip", [1]),)})
         (lambda: Setup("run", worlds=[], duration=1.0), "worlds: at least one is needed"),
         (lambda: Setup("run", sheets=[], duration=1.0), "at least one sheet is needed"),
         (lambda: Setup("run", tools=[], duration=1.0), "sheets: is required"),
-        (lambda: Setup("run", worlds=[World([SHEET])], sheets=[SHEET], duration=1.0), "sheets: belong into worlds"),
-        (lambda: Setup("run", sheets=[SHEET, SHEET], duration=1.0), "sheets: the name 'sheet' of entry 1 is .* taken"),
+        (lambda: Setup("run", worlds=[World([SHEET])], sheets=[SHEET], duration=1.0), "sheets: belong in worlds"),
+        (
+            lambda: Setup("run", sheets=[SHEET, SHEET], duration=1.0),
+            "sheets: the name 'sheet' of entry 1 is .* already",
+        ),
         (lambda: Setup("run", worlds=[World([SHEET])] * 2, duration=1.0), "worlds: the name 'world' of entry 1"),
         (
             lambda: Setup("run", sheets=[HELD, HELD.model_copy(update={"name": "upper"})], duration=1.0),
@@ -210,7 +213,7 @@ HELD = SHEET.model_copy(update={"supports": (Support("grip", [1]),)})
         ),
         (lambda: World([SHEET], [Tool("table", Plane())] * 2), "tools: the name 'table' of entry 1"),
         (lambda: World([SHEET], [Tool("", Plane())]), "tools: the name '' of entry 0 is empty"),
-        (lambda: World([SHEET], symmetry=("x", "x")), "each may be named once"),
+        (lambda: World([SHEET], symmetry=("x", "x")), "list each plane once"),
         (
             lambda: World([Sheet(Blank.rectangle((0.1, 0.0), (0.2, 0.1), 0.05), glass_polypropylene())], symmetry="x"),
             "symmetry",

@@ -45,8 +45,8 @@ def test_an_unknown_writer_is_refused_and_the_known_ones_are_listed(given):
         chosen_writers(**given)
 
 
-def test_two_writers_of_one_name_are_a_mistake():
-    with pytest.raises(TypeError, match="writer film: weavesim.output.writers.film has one of this name"):
+def test_two_writers_of_one_name_are_refused():
+    with pytest.raises(TypeError, match="writer film: weavesim.output.writers.film already has one of this name"):
 
         class Other(Writer):
             name = "film"

@@ -50,7 +50,7 @@ def test_a_time_must_be_positive_and_finite(name, value):
         ({"step_safety": 0.0}, r"step_safety = 0.*: above 0 and at most 0\.9 is stable"),
         ({"step_safety": 0.95}, r"step_safety = 0\.95: above 0 and at most 0\.9 is stable"),
         ({"frame_count": 0}, "frame_count = 0: at least one frame is needed"),
-        ({"lane_count": 4}, "lane_count = 4: 1 or 16 lanes are known"),
+        ({"lane_count": 4}, "lane_count = 4: 1 or 16 lanes are allowed"),
         ({"threads": 0}, "threads"),
         ({"precision": "float16"}, "float16"),
         ({"device": "abacus"}, "abacus"),

@@ -99,12 +99,12 @@ def changed(row: int, value) -> np.ndarray:
         (changed(4, [0.002, 0.002, 0.0]), SQUARES, r"not convex"),
         (NODES, [[0, 1, 4, 4], [1, 2, 5, 4]], r"degenerate"),
         (NODES, [[0, 1, 3, 4], [1, 2, 5, 4]], r"degenerate or not convex"),
-        (NODES, [[0, 1, 4, 9]], r"name nodes 0 to 9, there are 6"),
-        (NODES, [[0, 1, 4, -1]], r"name nodes -1"),
+        (NODES, [[0, 1, 4, 9]], r"use nodes 0 to 9; there are 6"),
+        (NODES, [[0, 1, 4, -1]], r"use nodes -1"),
         (NODES, np.empty((0, 4), dtype=int), r"m > 0"),
         (NODES[:, :2], SQUARES, r"\(n, 3\)"),
         (NODES, [[0, 1, 4]], r"\(m, 4\)"),
-        (NODES, np.vstack([SQUARES, SQUARES[:1]]), r"same direction by two elements"),
+        (NODES, np.vstack([SQUARES, SQUARES[:1]]), r"in the same direction"),
     ],
     ids=[
         "NaN", "infinite", "millimetres", "flipped", "straight corner", "doubled node", "dented", "triangle", "crossed",
@@ -168,7 +168,7 @@ PLIES = np.vstack([NODES, NODES + [0.0, 0.0, 0.001]])
 @pytest.mark.parametrize(
     ("nodes", "quads", "message"),
     [
-        (PLIES, np.vstack([SQUARES, SQUARES + 6]), "2 parts that share no node, of 2, 2 elements; .*sheet of its own"),
+        (PLIES, np.vstack([SQUARES, SQUARES + 6]), "2 parts that share no node, of 2, 2 elements; .*a separate sheet"),
         (np.vstack([NODES, [[9.0, 9.0, 0.0]]]), SQUARES, "node 6 belongs to no element; remove it"),
     ],
     ids=["two plies", "lonely node"],

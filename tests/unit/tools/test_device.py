@@ -33,9 +33,9 @@ def test_every_shape_has_a_kind_of_its_own_and_every_kind_a_shape():
 @pytest.mark.parametrize(
     ("shape", "says"),
     [
-        (Cone(), "Cone names the distance function 'cone', which does not exist; there are plane, sphere"),
+        (Cone(), "Cone names the distance function 'cone', which does not exist; choose one of plane, sphere"),
         (Shapeless(), "Shapeless names the distance function ''"),
-        (BallWithoutRadius(), "states the dimensions none, but the distance function 'sphere' takes radius"),
+        (BallWithoutRadius(), "has the dimensions none, but the distance function 'sphere' takes radius"),
     ],
 )
 def test_part_that_the_kernels_do_not_know_is_refused(shape, says):

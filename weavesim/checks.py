@@ -2,14 +2,13 @@
 
 ``Parameters`` is a frozen record that is checked on construction and names the value that is wrong. ``Kinded`` is the
 base class of families such as shapes or laws, whose members are identified by ``kind`` in JSON. Array fields use the
-types of ``arrays.py``.
+types of ``arrays.py``, and values that are no fields are checked by ``quantities.py``.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import math
 import reprlib
 from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
@@ -20,7 +19,6 @@ import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
@@ -53,25 +51,6 @@ def at_most(largest: float, hint: str) -> AfterValidator:
         return value
 
     return AfterValidator(check)
-
-
-def positive_number(name: str, value: Any, *, largest: float = float("inf"), hint: str = "") -> float:
-    """``value`` as a number above zero, for values that are not fields of a class.
-
-    Raises:
-        InputError: not a number, not above zero, or above ``largest``; the ``hint`` explains that limit.
-    """
-    if isinstance(value, bool | str | bytes):
-        raise InputError(f"{name} = {value!r}: a number above 0 is needed")
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {value!r}: a number above 0 is needed") from None
-    if not 0.0 < number < float("inf"):
-        raise InputError(f"{name} = {number:.6g}: a finite number above 0 is needed")
-    if number > largest:
-        raise InputError(f"{name} = {number:.6g}: at most {largest:.4g} is allowed: {hint}")
-    return number
 
 
 if TYPE_CHECKING:
@@ -205,6 +184,8 @@ _PLAIN = {
     "greater_than": "a number above {gt:g} is needed", "greater_than_equal": "at least {ge:g} is needed",
     "less_than": "a number below {lt:g} is needed", "less_than_equal": "at most {le:g} is allowed",
     "float_type": "a number is needed", "float_parsing": "a number is needed",
+    "finite_number": "a finite number is needed", "int_from_float": "a whole number is needed",
+    "string_type": "a text is needed", "literal_error": "one of {expected} is needed",
     "model_type": "a {class_name} is needed", "extra_forbidden": "unknown name",
 }  # fmt: skip
 
@@ -323,78 +304,3 @@ def json_schema(cls: type[Parameters]) -> dict[str, Any]:
 
     schema = described(cls)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "$defs": definitions}
-
-
-# --- single values ----------------------------------------------------------------------------------------------------
-
-Vector = tuple[float, float, float]
-
-
-def positive(what: str, value: Any) -> float:
-    """``value`` as a float; InputError unless it is finite and above zero."""
-    number = finite(what, value)
-    if number <= 0.0:
-        raise InputError(f"{what} is {value}; it must be above zero.")
-    return number
-
-
-def finite(what: str, value: Any) -> float:
-    """``value`` as a float; InputError unless it is a finite number."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{what} is {value!r}; it must be a number.") from None
-    if not math.isfinite(number):
-        raise InputError(f"{what} is {value}; it must be finite.")
-    return number
-
-
-def vector(what: str, value: Any) -> Vector:
-    """``value`` as three finite floats; InputError otherwise."""
-    try:
-        return _vector(value)
-    except ValueError as error:
-        raise InputError(f"{what} is {value!r}; {error}.") from None
-
-
-def unit_vector(what: str, value: Any) -> Vector:
-    """``value`` scaled to length one; InputError if it has no direction."""
-    try:
-        return _unit_vector(value)
-    except ValueError as error:
-        raise InputError(f"{what} is {value!r}; {error}.") from None
-
-
-def _vector(value: Any) -> Vector:
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.empty(0)
-    if array.shape != (3,) or not np.all(np.isfinite(array)):
-        raise ValueError("it must be three finite numbers")
-    return (float(array[0]), float(array[1]), float(array[2]))
-
-
-def _unit_vector(value: Any) -> Vector:
-    given = _vector(value)
-    length = float(np.linalg.norm(given))
-    if length < 1e-12:
-        raise ValueError("it is a direction and must not be zero")
-    # a vector that is already scaled keeps its bits
-    return given if abs(length - 1.0) <= UNIT_ROUNDING else _vector(np.array(given) / length)
-
-
-def _numbers(value: Any) -> tuple[float, ...]:
-    try:
-        items = tuple(value)
-    except TypeError:
-        raise ValueError("it must be a list of numbers") from None
-    return tuple(finite(f"entry {k}", item) for k, item in enumerate(items))
-
-
-# A vector that was scaled to length one differs from it by less than this.
-UNIT_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
-# Types of fields: three finite numbers; the same, scaled to length one; any finite numbers.
-FiniteVector = Annotated[Vector, BeforeValidator(_vector)]
-UnitVector = Annotated[Vector, BeforeValidator(_unit_vector)]
-Numbers = Annotated[tuple[float, ...], BeforeValidator(_numbers)]

@@ -10,6 +10,7 @@ differences, and energies that are compared, then have digits to spare, and sing
 and out.
 """
 
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -37,42 +38,52 @@ def parameter_struct(name: str, fields: tuple[tuple[str, int], ...]):
     return wp.struct(type(name, (), {"__annotations__": members, "__module__": __name__}))
 
 
+@dataclass(frozen=True)
+class CellFunctions:
+    """Warp functions of (parameters, warp stretch, weft stretch, shear angle, q), all per reference area.
+
+    All arguments are doubles, q is a vector of doubles, one at least. The unknowns are dimensionless, so that a change
+    of one is large.
+
+    Attributes:
+        energy: psi [J/m^2]; may be left out if ``parts`` is given.
+        parts: a vector with the parts of the energy, for the ledger.
+        gradient: a vector with the derivatives by warp stretch, weft stretch, shear angle and the unknowns, if they are
+            known by hand.
+        crossover_pressure: force between warp and weft [N/m^2].
+    """
+
+    energy: wp.Function | None = None
+    parts: wp.Function | None = None
+    gradient: wp.Function | None = None
+    crossover_pressure: wp.Function | None = None
+
+
 @cache
 def energy_cell(
     name: str,
     fields: tuple[tuple[str, int], ...],
     unknown_count: int,
-    energy: Any = None,
-    *,
-    parts: Any = None,
+    functions: CellFunctions,
     part_names: tuple[str, ...] = ("unit_cell",),
-    gradient: Any = None,
-    crossover_pressure: Any = None,
     depends_on_shear: bool = True,
 ) -> CellLaw:
-    """A cell from its energy psi(parameters, warp stretch, weft stretch, shear angle, q) per reference area [J/m^2].
-
-    All arguments are doubles, q is a vector of doubles, one at least. The unknowns are dimensionless, so that a change
-    of one is large.
+    """A cell from its energy.
 
     Args:
         name: for messages.
         fields: names of the parameters in the struct that the functions get, and the length of each.
         unknown_count: length of q; 0 if there are no unknowns.
-        energy: Warp function of the five arguments; may be left out if ``parts`` is given.
-        parts: of the same arguments: a vector with the parts of the energy, for the ledger.
-        part_names: their names.
-        gradient: of the same arguments: a vector with the derivatives by warp stretch, weft stretch, shear angle and
-            the unknowns, if they are known by hand.
-        crossover_pressure: of the same arguments: force between warp and weft per reference area [N/m^2].
+        functions: energy and what else is known of it.
+        part_names: of the energy.
         depends_on_shear: False if the shear angle is not used.
     """
-    Parameters = parameter_struct(name, fields)
+    Parameters, energy, parts = parameter_struct(name, fields), functions.energy, functions.parts
     if energy is None:
         energy = sum_function(Parameters, unknown_count, parts, len(part_names))
-    cell = cell_energy(Parameters, unknown_count, energy, gradient)
+    cell = cell_energy(Parameters, unknown_count, energy, functions.gradient)
     lane_state, condensed = lane_state_function(cell), condensed_tangent_function(cell)
-    crossover_of = crossover_function(cell, crossover_pressure)
+    crossover_of = crossover_function(cell, functions.crossover_pressure)
     solve, stable_tangent = solution_functions(cell, crossover_of, condensed, lane_state)
     energies = energies_function(cell, parts_function(cell, parts, len(part_names)), len(part_names), lane_state)
     return CellLaw(

@@ -121,6 +121,13 @@ def third_order_step(cell: Any, state1: Any, state2: Any, diagonal: Any, stiffne
 
 
 @wp.func
+def step_ratio(newton: Any, extra: Any):
+    """Size of what the third derivatives add to Newton's step, over the size of that."""
+    added = magnitude(extra[0]) + magnitude(extra[1])
+    return added / (magnitude(newton[0]) + magnitude(newton[1]) + fill(added, 1.0e-37))
+
+
+@wp.func
 def pair_remainder(cell: Any, state1: Any, state2: Any, w: Any, step: Any):
     """``yarn_remainder`` of both: what a step adds to dPi/dw beyond the third derivatives, and to the sizes."""
     beyond1, change1 = yarn_remainder(cell, 0, state1, step[0])
@@ -131,6 +138,19 @@ def pair_remainder(cell: Any, state1: Any, state2: Any, w: Any, step: Any):
         closed = closing + step[0] + step[1]
         beyond = beyond + cell.contact_stiffness * larger(where_positive(-closing, closed, -closed), fill(closing, 0.0))
     return beyond, wp.matrix_from_rows(change1, change2)
+
+
+@wp.func
+def last_step(w: Any, step: Any, better: Any, by_u: Any, uw: Any, uww: Any):
+    """Heights after the last step, which is taken where ``better`` > 0, and dPi/du there, to second order."""
+    half = better.dtype(0.5)
+    heights = type(w)()
+    force = type(w)()
+    for k in range(2):
+        taken = where_positive(better, step[k], fill(better, 0.0))
+        heights[k] = w[k] + taken
+        force[k] = by_u[k] + (uw[k] + half * uww[k] * taken) * taken
+    return heights, force
 
 
 @wp.func
@@ -182,7 +202,6 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
     """
     w = start
     zero = fill(u1, 0.0)
-    half = u1.dtype(0.5)
     step = type(start)()
     slope = zero  # directional derivative at the start of the step, <= 0
     force = type(start)()
@@ -203,9 +222,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         newton, extra, uw, uww = third_order_step(cell, state1, state2, diagonal, stiffness, inverse, gradient)
         last = newton + extra
         # what both leave: the ratio of the two parts once more, and what no third derivative knows
-        ratio = (magnitude(extra[0]) + magnitude(extra[1])) / (
-            magnitude(newton[0]) + magnitude(newton[1]) + fill(u1, 1.0e-37)
-        )
+        ratio = step_ratio(newton, extra)
         beyond, changes = pair_remainder(cell, state1, state2, w, last)
         size_after = residual_size(sizes + changes, crossover - stiffness * (last[0] + last[1]), least)
         remainder = (u1.dtype(2.0) * residual * size * ratio * ratio + beyond) / smaller(size, size_after)
@@ -214,10 +231,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         # a NaN compares false, and is caught by the caller; it must not stall the other lanes
         unfinished = where_positive(remainder - fill(u1, cell.tolerance), fill(u1, 1.0), zero)
         if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
-            for k in range(2):
-                last[k] = where_positive(better, last[k], zero)
-                w[k] = w[k] + last[k]
-                force[k] = by_u[k] + (uw[k] + half * uww[k] * last[k]) * last[k]
+            w, force = last_step(w, last, better, by_u, uw, uww)
             residual = remainder
             break
         iterations = iterations + unfinished

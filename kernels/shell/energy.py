@@ -17,7 +17,6 @@ from .hourglass import hourglass_function, hourglass_stiffnesses
 from .kinematics import (
     bend_function,
     corner_angles,
-    element_struct,
     membrane_function,
     shape_functions,
     shape_struct,
@@ -127,8 +126,7 @@ def hourglass_energy_function(flat: bool):
 def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
     """Energies [J] and fields of every element; changes nothing of the state."""
     lanes, layout, part_count = lane_types(real, 1).lanes, (real, 1), len(cell.energy_names)
-    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real, traits)
-    Shape = shape_struct(*layout)
+    Sheet, Shape = sheet_struct(*layout, cell, traits), shape_struct(*layout)
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)
     book_cell, book_shear = cell_energies_function(real, cell), shear_energies_function(part_count, traits)
@@ -138,9 +136,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
     @wp.kernel(module="unique", enable_backward=False)
     def element_ledger(
         # In
-        elements: Elements,
-        cell: UnitCell,
-        laws: SheetLaws,
+        sheet: Sheet,
         motion: wp.array(dtype=real),
         mean_angles: wp.array(dtype=real),  # the motion array that has those of the nodes
         cell_unknowns: wp.array2d(dtype=lanes),
@@ -151,6 +147,8 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         fields: wp.array2d(dtype=lanes),  # rows: see ElementField
     ):
         e = wp.tid()
+        elements = sheet.elements
+        laws = sheet.laws
         area = elements.area[e]
         half = real(0.5)
         shape = shape_functions(elements, e, Shape())
@@ -159,7 +157,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         m = stretch_membrane(x.by1, x.by2)
         b = bend(elements, e, shape, x, d)
 
-        warp_force, weft_force, cell_moment, pressure = book_cell(cell, e, m, area, cell_unknowns, energies)
+        warp_force, weft_force, cell_moment, pressure = book_cell(sheet.cell, e, m, area, cell_unknowns, energies)
         moment = book_shear(laws, e, m, area, cell_moment, slip, energies)
         book_bending(laws, e, m, b, area, slip, energies)
         hourglass = hourglass_energy(elements, laws, e, shape, x, d, m, b)

@@ -15,7 +15,6 @@ from .hourglass import stabilisation_function, warping_moments
 from .kinematics import (
     bend_function,
     corner_difference,
-    element_struct,
     membrane_function,
     shape_functions,
     shape_struct,
@@ -135,8 +134,7 @@ def store_everywhere(corner_force: Any, row: int, block: int, value: Any):
 def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Kernel of one launch per step: nodal forces and director gradients of every element."""
     lanes, layout = lane_types(real, lane_count).lanes, (real, lane_count)
-    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real, traits)
-    Shape, Resultants = shape_struct(*layout), resultants_struct(*layout)
+    Sheet, Shape, Resultants = sheet_struct(*layout, cell, traits), shape_struct(*layout), resultants_struct(*layout)
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)
     answer_cell, shear_moment = cell_answer_function(*layout, cell), shear_moment_function(cell, traits)
@@ -147,9 +145,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
     def element_forces(
         # In
         first_block: wp.int32,
-        elements: Elements,
-        cell: UnitCell,
-        laws: SheetLaws,
+        sheet: Sheet,
         motion: wp.array(dtype=real),
         # Out
         cell_unknowns: wp.array2d(dtype=lanes),
@@ -158,12 +154,14 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         corner_force: wp.array2d(dtype=lanes),  # rows: see CornerRow
     ):
         block = first_block + wp.tid()
+        elements = sheet.elements
+        laws = sheet.laws
         shape = shape_functions(elements, block, Shape())
         x = positions(elements, block, shape, motion)
         d = vectors(elements, block, shape, motion, MotionRow.director)
         m = stretch_membrane(x.by1, x.by2)
 
-        answer = answer_cell(cell, block, m, cell_unknowns, cell_report)
+        answer = answer_cell(sheet.cell, block, m, cell_unknowns, cell_report)
         # once more: to read them is cheaper than to keep them while the cell iterates
         shape = shape_functions(elements, block, Shape())
         area = elements.area[block]

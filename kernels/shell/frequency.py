@@ -15,7 +15,6 @@ from .coupling import coupled_function, sizes_function
 from .eigenvalue import in_tangent_plane, largest_in_plane, largest_of_pencil, symmetric2_struct, symmetric4_struct
 from .kinematics import (
     corner_angles,
-    element_struct,
     membrane_function,
     shape_functions,
     shape_struct,
@@ -172,8 +171,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
     motions in the plane, across it, and hourglass modes, of which the largest counts.
     """
     lanes, layout, state_count = lane_types(real, lane_count).lanes, (real, lane_count), cell.stable_state_count
-    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real, traits)
-    StepBounds, Shape = step_bounds_struct(real), shape_struct(*layout)
+    Sheet, StepBounds, Shape = sheet_struct(*layout, cell, traits), step_bounds_struct(real), shape_struct(*layout)
     Symmetric2, Symmetric4 = symmetric2_struct(*layout), symmetric4_struct(*layout)
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, strains_ahead = membrane_function(*layout), ahead_function(cell)
@@ -185,9 +183,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
     def element_frequencies(
         # In
         first: wp.int32,
-        elements: Elements,
-        cell: UnitCell,
-        laws: SheetLaws,
+        sheet: Sheet,
         bounds: StepBounds,
         motion: wp.array(dtype=real),
         cell_unknowns: wp.array2d(dtype=lanes),
@@ -197,6 +193,8 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         squared_frequency: wp.array(dtype=lanes),
     ):
         block = first + wp.tid()
+        elements = sheet.elements
+        laws = sheet.laws
         shape = shape_functions(elements, block, Shape())
         x = positions(elements, block, shape, motion)
         d = vectors(elements, block, shape, motion, MotionRow.director)
@@ -218,7 +216,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         in_plane = lanes()
         across = lanes()
         for state in range(state_count):
-            c, pressure = cell_tangent(cell, bounds, strain1, strain2, angle, start, state)
+            c, pressure = cell_tangent(sheet.cell, bounds, strain1, strain2, angle, start, state)
             t = sheet_tangent(laws, m, sine, cosine, pressure, c)
             t.c33 = t.c33 + real(4.0) * bundling
             t.moment = t.moment + bundling * difference

@@ -6,9 +6,11 @@ from typing import Any
 
 import warp as wp
 
+from ..cell.law import CellLaw
 from ..laws import isotropic_bending, moment_curve
 from ..laws.contract import device_law
 from .bending import bending_friction_struct
+from .kinematics import element_struct
 
 
 @dataclass(frozen=True)
@@ -46,16 +48,16 @@ def no_law_struct():
     return NoLaw
 
 
-def sheet_struct(real: type, traits: SheetTraits):
+def sheet_laws_struct(real: type, traits: SheetTraits):
     """Constants of a sheet's laws and stabilisation in one precision, as a Warp struct."""
     ShearLaw, BendingLaw = (device_law(module).parameters(real) for module in (traits.shear, traits.bending))
     friction = traits.shear_friction
     FrictionLaw = device_law(friction).parameters(real) if friction else no_law_struct()
-    return _sheet_struct(real, ShearLaw, FrictionLaw, BendingLaw)
+    return _sheet_laws_struct(real, ShearLaw, FrictionLaw, BendingLaw)
 
 
 @cache
-def _sheet_struct(real: type, ShearLaw: Any, FrictionLaw: Any, BendingLaw: Any):
+def _sheet_laws_struct(real: type, ShearLaw: Any, FrictionLaw: Any, BendingLaw: Any):
     @wp.struct
     class SheetLaws:
         shear: ShearLaw
@@ -74,3 +76,19 @@ def _sheet_struct(real: type, ShearLaw: Any, FrictionLaw: Any, BendingLaw: Any):
         inverse_crossover_modulus: real  # 1/E_c [1/Pa]
 
     return SheetLaws
+
+
+def sheet_struct(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
+    """All that is constant of a sheet's elements, as a Warp struct."""
+    return _sheet_struct(element_struct(real, lane_count), cell.parameters(real), sheet_laws_struct(real, traits))
+
+
+@cache
+def _sheet_struct(Elements: Any, UnitCell: Any, SheetLaws: Any):
+    @wp.struct
+    class Sheet:
+        elements: Elements
+        cell: UnitCell
+        laws: SheetLaws
+
+    return Sheet

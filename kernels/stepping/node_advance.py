@@ -9,7 +9,7 @@ from ..contact.penalty import touch_struct
 from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, rows3, scale, store, store_rows3, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import MotionRow
-from .node_data import motion_struct, node_struct, present_struct, support_struct
+from .node_data import node_laws_struct, node_struct, present_struct, support_struct
 
 
 @wp.func
@@ -27,10 +27,10 @@ def translate_function(real: type, lane_count: int):
     """wp.func -> (acceleration, which components are free, new velocity), without supports."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
-    Nodes, Present, MotionLaws = node_struct(real, lane_count), present_struct(real, lane_count), motion_struct(real)
+    Nodes, Present, NodeLaws = node_struct(real, lane_count), present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
-    def translate(present: Present, nodes: Nodes, laws: MotionLaws, force: lanes3):
+    def translate(present: Present, nodes: Nodes, laws: NodeLaws, force: lanes3):
         acceleration = scale(nodes.inverse_mass[present.block], force)
         for c in range(3):
             acceleration[c] = acceleration[c] + lanes(laws.gravity[c])
@@ -122,10 +122,10 @@ def turn_function(real: type, lane_count: int):
     """wp.func -> (sum of old and new spin, energy lost in the damping of spins [J])."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
-    Nodes, Present, MotionLaws = node_struct(real, lane_count), present_struct(real, lane_count), motion_struct(real)
+    Nodes, Present, NodeLaws = node_struct(real, lane_count), present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
-    def turn(present: Present, nodes: Nodes, laws: MotionLaws, couple: lanes3, motion: wp.array2d(dtype=lanes)):
+    def turn(present: Present, nodes: Nodes, laws: NodeLaws, couple: lanes3, motion: wp.array2d(dtype=lanes)):
         """I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps the director's length."""
         block = present.block
         director = present.director

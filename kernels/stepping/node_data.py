@@ -5,6 +5,7 @@ from functools import cache
 
 import warp as wp
 
+from ..contact.tool_distance import tool_set_struct
 from ..lanes import lane_types
 
 
@@ -65,11 +66,24 @@ def support_struct(real: type, lane_count: int):
 
 
 @cache
-def motion_struct(real: type):
+def surroundings_struct(real: type, lane_count: int):
+    """What acts on the nodes from outside the sheet, and when."""
+
+    @wp.struct
+    class Surroundings:
+        clock: wp.array(dtype=wp.float64)  # see ClockEntry
+        tools: tool_set_struct(real)
+        supports: support_struct(real, lane_count)
+
+    return Surroundings
+
+
+@cache
+def node_laws_struct(real: type):
     """Constants of the time integration and contact."""
 
     @wp.struct
-    class MotionLaws:
+    class NodeLaws:
         gravity: wp.types.vector(3, real)  # [m/s^2]
         damping: real  # mass-proportional [1/s]
         director_damping: real  # [1/s]
@@ -81,7 +95,7 @@ def motion_struct(real: type):
         spare_distance: real  # kept of the distance before a contact, for the rounding of positions and distances [m]
         tool_count: wp.int32
 
-    return MotionLaws
+    return NodeLaws
 
 
 @cache

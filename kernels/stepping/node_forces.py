@@ -8,7 +8,7 @@ import warp as wp
 from ..lanes import cross, gather, lane_maximum, lane_types, load, pick, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, NodeReportRow
-from .node_data import motion_struct, node_struct, present_struct
+from .node_data import node_laws_struct, node_struct, present_struct
 
 
 @wp.func
@@ -63,10 +63,10 @@ def gather_corners_function(real: type, lane_count: int, follows_thickness: bool
 def follow_angle_function(real: type, lane_count: int):
     """wp.func -> energy that the new mean shear angle takes from the motion [J]; the angle is written."""
     lanes = lane_types(real, lane_count).lanes
-    Nodes, MotionLaws = node_struct(real, lane_count), motion_struct(real)
+    Nodes, NodeLaws = node_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
-    def follow_angle(block: wp.int32, nodes: Nodes, laws: MotionLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
+    def follow_angle(block: wp.int32, nodes: Nodes, laws: NodeLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
         # the elements met the mean of one step before: that resists its change, which is booked as damping
         mean_angle = nodes.angle_weight[block] * angle
         late = mean_angle - motion[MotionRow.mean_angle, block]

@@ -9,7 +9,7 @@ from ..contact.tool_distance import tool_distance_function, tool_set_struct
 from ..lanes import dot, lane_maximum, lane_sum, lane_types, rows3, scale, store_rows3
 from ..operators import div, mul  # noqa: F401
 from ..rows import NodeReportRow
-from .node_data import NodeTraits, motion_struct, present_struct
+from .node_data import NodeTraits, node_laws_struct, present_struct
 
 
 @cache
@@ -17,12 +17,12 @@ def contact_function(real: type, lane_count: int):
     """wp.func -> (normal spring, force of it and its dashpot, of the dashpot, of friction, friction's spring)."""
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
-    Present, MotionLaws = present_struct(real, lane_count), motion_struct(real)
+    Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
     def contact(
         present: Present,
-        laws: MotionLaws,
+        laws: NodeLaws,
         friction: real,
         tool_velocity: vec3,
         penetration: lanes,
@@ -56,7 +56,7 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
     """
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
-    Present, MotionLaws = present_struct(real, lane_count), motion_struct(real)
+    Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
     Tools, Touch = tool_set_struct(real), touch_struct(real, lane_count)
     tool_distance = tool_distance_function(real, lane_count, traits.shape_kinds, traits.rotated)
     contact = contact_function(real, lane_count)
@@ -70,7 +70,7 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
     @wp.func
     def meet_tools(
         present: Present,
-        laws: MotionLaws,
+        laws: NodeLaws,
         tools: Tools,
         force: lanes3,
         # Out

@@ -21,6 +21,16 @@ class ToolDrive:
     mass: wp.float64  # [kg], of a force-driven tool
 
 
+@wp.struct
+class ToolDrives:
+    """How all tools move."""
+
+    drive: wp.array(dtype=ToolDrive)
+    axis: wp.array(dtype=wp.vec3d)  # unit direction of each tool's motion
+    curve_time: wp.array(dtype=wp.float64)  # knots of all curves [s]
+    curve_value: wp.array(dtype=wp.float64)  # [m] or [N]
+
+
 @wp.func
 def curve_value(
     curve_time: wp.array(dtype=wp.float64), curve_value: wp.array(dtype=wp.float64), drive: ToolDrive, time: wp.float64
@@ -77,10 +87,7 @@ def tool_motion_kernel(real: type):
     @wp.kernel(module="unique", enable_backward=False)
     def tool_motion(
         # In
-        drives: wp.array(dtype=ToolDrive),
-        axis: wp.array(dtype=wp.vec3d),
-        curve_times: wp.array(dtype=wp.float64),
-        curve_values: wp.array(dtype=wp.float64),
+        drives: ToolDrives,
         reactions: wp.array2d(dtype=vec3),
         # Out
         clock: wp.array(dtype=wp.float64),
@@ -91,17 +98,17 @@ def tool_motion_kernel(real: type):
     ):
         step = clock[ClockEntry.step]
         next_time = clock[ClockEntry.time] + step
-        for k in range(drives.shape[0]):
-            drive = drives[k]
+        for k in range(drives.drive.shape[0]):
+            drive = drives.drive[k]
             total = total_force(reactions, k)
             total_reaction[k] = total
-            along = wp.dot(total, axis[k])
+            along = wp.dot(total, drives.axis[k])
             old = displacement[k]
             old_velocity = velocity[k]
             drive_force = wp.float64(0.0)
-            new = curve_value(curve_times, curve_values, drive, next_time)
+            new = curve_value(drives.curve_time, drives.curve_value, drive, next_time)
             if drive.kind == FORCE:
-                drive_force = curve_value(curve_times, curve_values, drive, clock[ClockEntry.time])
+                drive_force = curve_value(drives.curve_time, drives.curve_value, drive, clock[ClockEntry.time])
                 new_velocity = velocity[k] + clock[ClockEntry.mean_step] * (drive_force + along) / drive.mass
                 velocity[k] = new_velocity
                 new = old + step * new_velocity

@@ -5,7 +5,6 @@ A set-up is checked on construction, which does not load Warp, compile or step.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any, Self
 
@@ -46,8 +45,8 @@ class Solver(Parameters):
     precision: Precision = Precision.SINGLE
     threads: int | None = None
     lane_count: int | None = None
-    time_step: float | None = None
-    target_step: float | None = None
+    time_step: Positive | None = None
+    target_step: Positive | None = None
     step_safety: float = STEP_SAFETY
 
     @field_validator("precision", mode="before")
@@ -68,11 +67,6 @@ class Solver(Parameters):
         if value not in (None, *LANE_COUNTS):
             raise ValueError(f"{LANE_COUNTS[0]} or {LANE_COUNTS[1]} lanes are allowed")
         return value
-
-    @field_validator("time_step", "target_step")
-    @classmethod
-    def _is_a_time(cls, value: float | None) -> float | None:
-        return None if value is None else _seconds(value)
 
     @field_validator("step_safety")
     @classmethod
@@ -157,7 +151,7 @@ class Setup(Parameters):
 
     name: str
     worlds: tuple[World, ...]
-    duration: float
+    duration: Positive
     frame_count: int = 60
     leading_tool: int = 0
     rest: Rest | None = None
@@ -176,11 +170,6 @@ class Setup(Parameters):
         if "sheets" not in own:
             raise ValueError("sheets: is required")
         return {**{name: value for name, value in values.items() if name not in own}, "worlds": (World(**own),)}
-
-    @field_validator("duration")
-    @classmethod
-    def _is_a_time(cls, value: float) -> float:
-        return _seconds(value)
 
     @field_validator("frame_count")
     @classmethod
@@ -225,12 +214,6 @@ class Setup(Parameters):
     def supports(self) -> tuple[Support, ...]:
         """Of all sheets, in order."""
         return tuple(support for sheet in self.sheets for support in sheet.supports)
-
-
-def _seconds(value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError("a positive, finite number of seconds is needed")
-    return value
 
 
 def _check_names(what: str, names: list[str]) -> None:

@@ -15,7 +15,8 @@ from ..kernels.lanes import LaneTypes, lane_types
 from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
-from ..kernels.stepping.node_data import motion_struct, node_struct
+from ..kernels.shell.laws import sheet_struct
+from ..kernels.stepping.node_data import node_laws_struct, node_struct
 from ..process.device import build_support_arrays
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
@@ -229,6 +230,13 @@ class SheetModel:
         elements.node_stride = self.motion_layout.stride
         return elements
 
+    def device_sheet(self, lane_count: int):
+        """Elements, unit cell and laws in one struct, for kernels with ``lane_count`` lanes."""
+        sheet = sheet_struct(self.real, lane_count, self.cell_law, self.sheet_traits)()
+        sheet.elements = self.elements_single if lane_count == 1 else self.elements
+        sheet.cell, sheet.laws = self.cell, self.laws
+        return sheet
+
     def _sheet_laws(self):
         laws = sheet_laws(self.fabric, self.precision, self.device)
         laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(self.fabric)
@@ -279,7 +287,7 @@ class SheetModel:
 
     def node_laws(self):
         """Constants of the time integration and contact, as a new struct."""
-        laws = motion_struct(self.real)()
+        laws = node_laws_struct(self.real)()
         laws.gravity = self.types.vec3(*self.dynamics.gravity)
         laws.damping = self.dynamics.damping
         laws.director_damping = self.dynamics.director_damping

@@ -10,7 +10,7 @@ import warp as wp
 from ..device import Precision
 from ..kernels.curve import curve_struct
 from ..kernels.lanes import lane_types
-from ..kernels.shell.laws import SheetTraits, sheet_struct
+from ..kernels.shell.laws import SheetTraits, sheet_laws_struct
 from .curve import tabulate
 from .device_form import DeviceForm, Tabulated
 from .fabric import Fabric
@@ -26,8 +26,8 @@ def law_traits(fabric: Fabric) -> dict[str, Any]:
 
 
 def sheet_laws(fabric: Fabric, precision: Precision, device: Any) -> Any:
-    """A ``sheet_struct`` with all constants of a fabric except those of the stabilisation."""
-    laws = sheet_struct(precision.real, SheetTraits(**law_traits(fabric)))()
+    """A ``sheet_laws_struct`` with all constants of a fabric except those of the stabilisation."""
+    laws = sheet_laws_struct(precision.real, SheetTraits(**law_traits(fabric)))()
     for name, form in _forms(fabric).items():
         _fill(getattr(laws, name), form, precision, device)
     vec2 = wp.types.vector(2, precision.real)
@@ -57,7 +57,7 @@ def device_curve(table: Tabulated, precision: Precision, device: Any) -> Any:
 
 
 def _forms(fabric: Fabric) -> dict[str, DeviceForm]:
-    """Each law by its field name in ``SheetTraits`` and ``sheet_struct``."""
+    """Each law by its field name in ``SheetTraits`` and ``sheet_laws_struct``."""
     friction = fabric.shear_friction
     return {
         "shear": fabric.shear.device_form(fabric.thickness),

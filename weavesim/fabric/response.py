@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..device import initialise, resolve_device, resolve_precision
 from ..errors import InputError
-from ..kernels.cell.response import unit_cell_response_kernel
+from ..kernels.cell.response import response_struct, unit_cell_response_kernel
 from ..kernels.rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
 from .cell import UnitCell
 
@@ -98,11 +98,16 @@ def respond(
     first_guess[:, : law.unknown_count] = start
     strain = np.empty((StrainRow.row_count(), count))
     strain[[StrainRow.warp, StrainRow.weft]], strain[StrainRow.shear_angle] = stretch.T - 1.0, angle
-    row_counts = (
-        law.row_count, CellForceRow.row_count(), len(law.energy_names), TangentRow.row_count(),
-        ConvergenceRow.row_count(),
-    )  # fmt: skip
-    rows = [wp.zeros((n, count), dtype=real, device=wp_device) for n in row_counts]
+    row_counts = {
+        "unknowns": law.row_count,
+        "force": CellForceRow.row_count(),
+        "energy": len(law.energy_names),
+        "tangent": TangentRow.row_count(),
+        "convergence": ConvergenceRow.row_count(),
+    }
+    response = response_struct(real)()
+    for name, row_count in row_counts.items():
+        setattr(response, name, wp.zeros((row_count, count), dtype=real, device=wp_device))
     wp.launch(
         unit_cell_response_kernel(real, law),
         dim=count,
@@ -114,10 +119,12 @@ def respond(
             wp.array(first_guess.T.copy(), dtype=real, device=wp_device),
             increment_count,
         ],
-        outputs=rows,
+        outputs=[response],
         device=wp_device,
     )
-    unknowns, force, energy, tangent, convergence = (row.numpy().astype(np.float64).T for row in rows)
+    unknowns, force, energy, tangent, convergence = (
+        getattr(response, name).numpy().astype(np.float64).T for name in row_counts
+    )
     return UnitCellResponse(
         unknowns=unknowns[:, : law.unknown_count],
         force_per_width=force[:, [CellForceRow.warp, CellForceRow.weft]],

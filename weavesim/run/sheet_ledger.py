@@ -58,6 +58,7 @@ class SheetLedger:
         self._model, self._run_model, self._index, self._state = model.sheets[index], model, index, state
         sheet = self._model
         self._kernel = element_ledger_kernel(sheet.real, sheet.cell_law, sheet.sheet_traits)
+        self._device_sheet = sheet.device_sheet(1)
         self._energy_names = (*sheet.cell_law.energy_names, *SheetEnergy.names())
         self.internal = (*sheet.cell_law.energy_names, *SHEET_INTERNAL)
         count, device = sheet.element_count, sheet.device
@@ -99,7 +100,7 @@ class SheetLedger:
                 self._kernel,
                 dim=sheet.element_count,
                 inputs=[
-                    sheet.elements_single, sheet.cell, sheet.laws, self._own.motion, ahead.motion,
+                    self._device_sheet, self._own.motion, ahead.motion,
                     lanes_view(ahead.cell_unknowns, 1), lanes_view(ahead.cell_report, 1), lanes_view(ahead.slip, 1),
                 ],
                 outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],

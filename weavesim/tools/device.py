@@ -13,7 +13,7 @@ import warp as wp
 from ..errors import InputError
 from ..kernels.contact.tool_distance import tool_struct
 from ..kernels.contact.tool_shapes import SHAPE_KINDS, part_struct
-from ..kernels.stepping.tools import FORCE, STROKE, ToolDrive
+from ..kernels.stepping.tools import FORCE, STROKE, ToolDrive, ToolDrives
 from ..process.strokes import ForceDriven
 from .mesh_tool import MeshShape
 from .sampling import SampledDistance, Samples
@@ -30,19 +30,14 @@ class DeviceTools:
     Attributes:
         tool: ``kernels.contact.tool_distance.tool_struct(real)``, (tool_count,).
         part: ``kernels.contact.tool_shapes.part_struct(real)``, (part_count,), all parts of all tools.
-        drive: ``kernels.stepping.tools.ToolDrive``, (tool_count,).
-        axis: directions of motion, (tool_count,) of vec3d.
-        curve_times, curve_values: knots of all motions [s], [m] or [N], (knot_count,) of float64.
+        drives: ``kernels.stepping.tools.ToolDrives``: how all of them move.
         initial_displacement, initial_velocity: along each axis at time zero, (tool_count,) [m], [m/s].
         samples: keeps alive the sampled volumes that ``part`` refers to.
     """
 
     tool: wp.array
     part: wp.array
-    drive: wp.array
-    axis: wp.array
-    curve_times: wp.array
-    curve_values: wp.array
+    drives: Any
     initial_displacement: np.ndarray
     initial_velocity: np.ndarray
     samples: tuple[SampledDistance, ...]
@@ -74,13 +69,15 @@ def build_device_tools(
     def array(data: list | np.ndarray, dtype: type) -> wp.array:
         return wp.array(data, dtype=dtype, device=device) if len(data) else wp.empty(0, dtype=dtype, device=device)
 
+    drives = ToolDrives()
+    drives.drive = array(_drives(tools, curves), ToolDrive)
+    drives.axis = array([tool.axis for tool in tools], wp.vec3d)
+    drives.curve_time = array(np.concatenate([np.empty(0), *(times for times, _ in curves)]), wp.float64)
+    drives.curve_value = array(np.concatenate([np.empty(0), *(values for _, values in curves)]), wp.float64)
     return DeviceTools(
         tool=array(_tool_data(tools, real, samples), tool_struct(real)),
         part=array([_part_data(part, real, samples) for part in parts], part_struct(real)),
-        drive=array(_drives(tools, curves), ToolDrive),
-        axis=array([tool.axis for tool in tools], wp.vec3d),
-        curve_times=array(np.concatenate([np.empty(0), *(times for times, _ in curves)]), wp.float64),
-        curve_values=array(np.concatenate([np.empty(0), *(values for _, values in curves)]), wp.float64),
+        drives=drives,
         initial_displacement=start[:, 0],
         initial_velocity=start[:, 1],
         samples=tuple(samples.values()),

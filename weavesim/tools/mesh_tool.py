@@ -19,8 +19,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..arrays import FloatArray, IntArray
-from ..checks import FiniteVector, Parameters, Vector, positive, unit_vector
+from ..checks import Parameters
 from ..errors import InputError
+from ..quantities import FiniteVector, Vector, positive, unit_vector
 from .mesh_repair import (
     SEAM,
     WELD,

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, field_validator, model_validator
 
-from ..checks import FiniteVector, Kinded, NotNegative, Positive, Vector, unit_vector, vector
+from ..checks import Kinded, NotNegative, Positive
 from ..errors import InputError
+from ..quantities import FiniteVector, Vector, unit_vector, vector
 from .drawing import CIRCLE_COUNT, Triangles, ring_triangles, stadium_rings, swept
 
 if TYPE_CHECKING:
@@ -33,11 +34,14 @@ def rotation_matrix(axis: Any, angle: float) -> Matrix:
 
 
 def _matrix(value: Any) -> Matrix:
-    rows = [vector("row of the rotation", row) for row in value]
+    try:
+        rows = [vector(f"row {k}", row) for k, row in enumerate(value)]
+    except TypeError:
+        rows = []
     array = np.array(rows)
     if array.shape != (3, 3) or np.abs(array @ array.T - np.eye(3)).max() > 1e-6 or np.linalg.det(array) < 0.0:
         raise InputError(
-            "it must be a 3 x 3 rotation matrix (orthonormal columns, right-handed), for example "
+            "a 3 x 3 rotation matrix is needed (orthonormal columns, right-handed), for example "
             "weavesim.rotation_matrix((0, 1, 0), angle)"
         )
     return (rows[0], rows[1], rows[2])

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field, SerializeAsAny, field_validator
 
-from ..checks import NotNegative, Parameters, UnitVector
+from ..checks import NotNegative, Parameters
 from ..process.strokes import Fixed, Motion, SmoothStroke
+from ..quantities import UnitVector
 from .shapes import Shape, Triangles
 
 if TYPE_CHECKING:

@@ -131,7 +131,7 @@ class EnergyCell(UnitCell):
         """
         import warp as wp
 
-        from ...kernels.cell.energy_cell import energy_cell
+        from ...kernels.cell.energy_cell import CellFunctions, energy_cell
         from ...kernels.cell.law import LARGEST_UNKNOWN_COUNT
 
         name = type(self).__name__
@@ -151,9 +151,9 @@ class EnergyCell(UnitCell):
             self.law_name or name,
             tuple((name, np.size(value)) for name, value in self.parameters().items()),
             self.unknown_count,
-            part_names=self.part_names,
-            depends_on_shear=self.depends_on_shear,
-            **functions,
+            CellFunctions(**functions),
+            self.part_names,
+            self.depends_on_shear,
         )
 
     def device_parameters(self, precision: Precision) -> Any:

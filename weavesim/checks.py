@@ -13,7 +13,7 @@ import reprlib
 from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -102,6 +102,15 @@ class Parameters(_Model):
                 raise ValueError("a number is needed, not true or false")
         return value
 
+    @field_validator("*", mode="before")
+    @classmethod
+    def _one_is_no_list(cls, value: Any, info: ValidationInfo) -> Any:
+        # Pydantic would take the fields of a lone value as the entries of the list
+        field = cls.model_fields[info.field_name or ""]
+        if isinstance(value, Parameters) and get_origin(field.annotation) is tuple:
+            raise ValueError(_PLAIN["tuple_type"])
+        return value
+
     def __init__(self, *arguments: Any, **values: Any) -> None:
         names = self.positional[: len(arguments)]
         if len(arguments) > len(names):
@@ -185,7 +194,7 @@ _PLAIN = {
     "less_than": "a number below {lt:g} is needed", "less_than_equal": "at most {le:g} is allowed",
     "float_type": "a number is needed", "float_parsing": "a number is needed",
     "finite_number": "a finite number is needed", "int_from_float": "a whole number is needed",
-    "string_type": "a text is needed", "literal_error": "one of {expected} is needed",
+    "string_type": "a text is needed", "tuple_type": "give a list", "literal_error": "one of {expected} is needed",
     "model_type": "a {class_name} is needed", "extra_forbidden": "unknown name",
 }  # fmt: skip
 
@@ -203,8 +212,12 @@ def _problems(error: ValidationError) -> str:
         elif isinstance(problem["input"], dict | np.ndarray):  # too long to show
             lines.setdefault(name, f"{name}: {message}" if name else message)
         else:
-            lines.setdefault(name, f"{name} = {reprlib.repr(problem['input'])}: {message}" if name else message)
+            lines.setdefault(name, f"{name} = {_shown(problem['input'])}: {message}" if name else message)
     return "; ".join(lines.values())
+
+
+def _shown(value: Any) -> str:
+    return f"{type(value).__name__}(...)" if isinstance(value, Parameters) else reprlib.repr(value)
 
 
 def _types(annotation: Any) -> Iterator[Any]:
@@ -248,7 +261,7 @@ class Kinded(Parameters):
             raise ValueError(f"one of {', '.join(cls.kinds())} is needed")
         implied = cls.implied_kind if Kinded in cls.__bases__ else None
         name = value.get("kind", implied or cls.__name__)
-        if name not in cls.kinds():
+        if not isinstance(name, str) or name not in cls.kinds():
             raise ValueError(
                 f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed; import the module that defines your own "
                 "kind before reading it"

@@ -2,7 +2,7 @@
 
 import json
 import pickle
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 import pytest
@@ -36,6 +36,12 @@ class Box(Parameters):
     values: FloatArray
     nodes: IndexArray = ()
     held: BoolArray | None = None
+
+
+class Plain(Parameters):
+    count: int = 1
+    name: str = "plain"
+    side: Literal["top", "bottom"] = "top"
 
 
 def box() -> Box:
@@ -80,11 +86,20 @@ def test_flags_survive_json(flags):
     [
         (lambda: Ball(-1.0), "radius = -1.0"),
         (lambda: Ball(), "radius: is required"),
-        (lambda: Ball(1.0, 2.0), "2 values are given by position"),
+        (lambda: Ball(1.0, 2.0), "Ball: 2 values are given by position; allowed are radius"),
+        (lambda: Pile(1.0), "Pile: 1 values are given by position; allowed are none"),
         (lambda: Ball(1.0, radius=2.0), "radius is given twice"),
         (lambda: Ball(True), "a number is needed, not true"),
         (lambda: Body(), "kind = 'Body': one of Ball, Pile"),
         (lambda: Box({"kind": "Cube"}, [1.0]), "kind = 'Cube': one of Ball, Pile"),
+        (lambda: Box({"kind": ["Ball"]}, [1.0]), r"kind = \['Ball'\]: one of Ball, Pile"),
+        (lambda: Box({"kind": {}}, [1.0]), "one of Ball, Pile"),
+        (lambda: Pile(bodies=Ball(1.0)), r"bodies = Ball\(...\): give a list"),
+        (lambda: Ball(float("inf")), "radius = inf: a finite number is needed"),
+        (lambda: Ball(float("nan")), "radius = nan: a finite number is needed"),
+        (lambda: Plain(count=1.5), "Plain: count = 1.5: a whole number is needed"),
+        (lambda: Plain(name=7), "Plain: name = 7: a text is needed"),
+        (lambda: Plain(side="left"), "Plain: side = 'left': one of 'top' or 'bottom' is needed"),
         (lambda: Box(Ball(1.0), ["x"]), "an array of float64"),
         (lambda: Box(Ball(1.0), [1.0], nodes=[0.5]), "an array of int32"),
         (lambda: Box(Ball(1.0), [1.0], nodes=[2**40]), "out of range of int32"),

@@ -31,6 +31,10 @@ class Blank(Parameters):
         quads: corner nodes of each element, counter-clockwise seen from above, (element_count, 4).
         warp_direction, weft_direction: unit yarn directions at the element centres, (element_count, 3).
         initial_director: unit normals at the nodes, (node_count, 3).
+
+    Raises:
+        InputError: a bad mesh (see ``from_mesh``), numbers that are not finite, directions that do not have length 1,
+            yarns that are parallel or not in the plane of their element.
     """
 
     positional = (

@@ -13,7 +13,7 @@ import reprlib
 from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -34,6 +34,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema
 
+from .arrays import frozen
 from .errors import InputError
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -78,7 +79,7 @@ else:
 class Parameters(_Model):
     """Immutable, checked values; a bad one raises an InputError that names it.
 
-    Equality and hash are by content, including arrays. ``positional`` lists the fields that may be given by
+    Equality and hash are by content, including arrays, bit by bit. ``positional`` lists the fields that may be given by
     position, in order.
     """
 
@@ -100,6 +101,15 @@ class Parameters(_Model):
             types = set(_types(cls.model_fields[info.field_name].annotation))
             if types & {int, float} and bool not in types:
                 raise ValueError("a number is needed, not true or false")
+        return value
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _one_is_no_list(cls, value: Any, info: ValidationInfo) -> Any:
+        # Pydantic would take the fields of a lone value as the entries of the list
+        field = cls.model_fields[info.field_name or ""]
+        if isinstance(value, Parameters) and get_origin(field.annotation) is tuple:
+            raise ValueError(_PLAIN["tuple_type"])
         return value
 
     def __init__(self, *arguments: Any, **values: Any) -> None:
@@ -166,17 +176,27 @@ class Parameters(_Model):
 
     def __setstate__(self, state: dict[Any, Any]) -> None:
         super().__setstate__(state)
-        for value in self.__dict__.values():
-            if isinstance(value, np.ndarray):  # pickle does not keep the read-only flag
-                value.setflags(write=False)
+        for name, value in self.__dict__.items():
+            if isinstance(value, np.ndarray):  # those of a pickle are writable
+                self.__dict__[name] = frozen(value)
+
+    def __copy__(self) -> Self:
+        return self  # it never changes
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        return self
 
 
 def _same(a: Any, b: Any) -> bool:
+    """Whether two values have the same bits, as their hashes see them: 0.0 and -0.0 differ."""
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.dtype == b.dtype and np.array_equal(a, b)
+        alike = isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.dtype == b.dtype and a.shape == b.shape
+        return alike and a.tobytes() == b.tobytes()
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(_same, a, b))
-    return bool(a == b)
+    if isinstance(a, float) and isinstance(b, float):
+        return a.hex() == b.hex()
+    return type(a) is type(b) and bool(a == b)
 
 
 # These replace Pydantic's own messages.
@@ -185,7 +205,7 @@ _PLAIN = {
     "less_than": "a number below {lt:g} is needed", "less_than_equal": "at most {le:g} is allowed",
     "float_type": "a number is needed", "float_parsing": "a number is needed",
     "finite_number": "a finite number is needed", "int_from_float": "a whole number is needed",
-    "string_type": "a text is needed", "literal_error": "one of {expected} is needed",
+    "string_type": "a text is needed", "tuple_type": "give a list", "literal_error": "one of {expected} is needed",
     "model_type": "a {class_name} is needed", "extra_forbidden": "unknown name",
 }  # fmt: skip
 
@@ -203,8 +223,12 @@ def _problems(error: ValidationError) -> str:
         elif isinstance(problem["input"], dict | np.ndarray):  # too long to show
             lines.setdefault(name, f"{name}: {message}" if name else message)
         else:
-            lines.setdefault(name, f"{name} = {reprlib.repr(problem['input'])}: {message}" if name else message)
+            lines.setdefault(name, f"{name} = {_shown(problem['input'])}: {message}" if name else message)
     return "; ".join(lines.values())
+
+
+def _shown(value: Any) -> str:
+    return f"{type(value).__name__}(...)" if isinstance(value, Parameters) else reprlib.repr(value)
 
 
 def _types(annotation: Any) -> Iterator[Any]:
@@ -248,7 +272,7 @@ class Kinded(Parameters):
             raise ValueError(f"one of {', '.join(cls.kinds())} is needed")
         implied = cls.implied_kind if Kinded in cls.__bases__ else None
         name = value.get("kind", implied or cls.__name__)
-        if name not in cls.kinds():
+        if not isinstance(name, str) or name not in cls.kinds():
             raise ValueError(
                 f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed; import the module that defines your own "
                 "kind before reading it"

@@ -73,9 +73,10 @@ DEFAULT_CASES = tuple(name for name in CASES if name != "patch_1m")
 
 
 def element_count(simulation: Any) -> int:
-    """Number of elements of its sheet. Simulations of 0.1 have no set-up."""
+    """Number of elements of all its sheets. Simulations of 0.1 have one sheet and no set-up."""
     setup = getattr(simulation, "setup", None)
-    return simulation.blank.element_count if setup is None else setup.sheet.blank.element_count
+    blanks = [simulation.blank] if setup is None else [sheet.blank for sheet in setup.sheets]
+    return sum(blank.element_count for blank in blanks)
 
 
 def warm_up(simulation: Any) -> None:

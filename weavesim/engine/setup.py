@@ -135,7 +135,7 @@ class Setup(Parameters):
     ``worlds``.
 
     Attributes:
-        name: used for the result files.
+        name: used for the names of the result files, so no path.
         worlds: sheets and their tools; the names of all sheets must differ, and those of all supports.
         duration: time at which the run ends [s].
         frame_count: frames after the first, evenly spaced in time.
@@ -171,6 +171,13 @@ class Setup(Parameters):
             raise ValueError("sheets: is required")
         return {**{name: value for name, value in values.items() if name not in own}, "worlds": (World(**own),)}
 
+    @field_validator("name")
+    @classmethod
+    def _names_files(cls, value: str) -> str:
+        if not value.strip(" .") or not value.isprintable() or set(value) & set("/\\"):
+            raise ValueError("it becomes the name of files: give letters, without / and \\ and control characters")
+        return value
+
     @field_validator("frame_count")
     @classmethod
     def _has_frames(cls, value: int) -> int:
@@ -182,7 +189,7 @@ class Setup(Parameters):
     def _fits_together(self) -> Self:
         if not self.worlds:
             raise ValueError("worlds: at least one is needed")
-        if self.tools and not 0 <= self.leading_tool < len(self.tools):
+        if not 0 <= self.leading_tool < max(1, len(self.tools)):  # without tools it stays 0
             raise ValueError(f"leading_tool = {self.leading_tool}: there are {len(self.tools)} tools, counted from 0")
         _check_names("worlds", [world.name for world in self.worlds])
         _check_names("sheets", [sheet.name for sheet in self.sheets])

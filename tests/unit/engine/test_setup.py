@@ -218,6 +218,10 @@ HELD = SHEET.model_copy(update={"supports": (Support("grip", [1]),)})
             lambda: World([Sheet(Blank.rectangle((0.1, 0.0), (0.2, 0.1), 0.05), glass_polypropylene())], symmetry="x"),
             "symmetry",
         ),
+        (lambda: Setup("run", sheets=SHEET, duration=1.0), r"sheets = Sheet\(...\): give a list$"),
+        (lambda: World([SHEET], Tool("table", Plane())), r"^World: tools = Tool\(...\): give a list$"),
+        (lambda: Setup("run", World([SHEET]), duration=1.0), r"^Setup: worlds = World\(...\): give a list$"),
+        (lambda: Setup("run", sheets=[SHEET], duration=1.0, leading_tool=7), "leading_tool = 7: there are 0 tools"),
         (lambda: Rest(-1.0, 0.1), "after = -1.0"),
         (lambda: Rest(1.0, 0.0), "kinetic_share = 0.0"),
         (lambda: Solver(threads=0), "threads = 0: 1 to 256 threads"),
@@ -227,6 +231,12 @@ HELD = SHEET.model_copy(update={"supports": (Support("grip", [1]),)})
 def test_what_does_not_fit_together_is_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+@pytest.mark.parametrize("name", ["", " ", "..", "../x", "a/b", "a\\b", "a\nb", "a\0"])
+def test_a_name_that_is_no_name_of_a_file_is_refused(name):
+    with pytest.raises(InputError, match="Setup: name = .*: it becomes the name of files"):
+        Setup(name, sheets=[SHEET], duration=1.0)
 
 
 def test_a_run_ends_at_rest():

@@ -1,7 +1,7 @@
-"""Signed distance and outward normal of every kind of part that a tool is made of: one function each, in one registry.
+"""Signed distance and outward normal of every kind of tool part: one function each, in one registry.
 
-A function takes the part and points in the part's frame, and is negative inside. A new kind is a function and an entry
-in ``SHAPE_KINDS``; a dimension that no other has is a field of the struct too.
+A function takes the part and points in the part's frame, and is negative inside. A new kind needs a function and an
+entry in ``SHAPE_KINDS``, and a field of the struct for a dimension that no other kind has.
 """
 
 from collections.abc import Mapping
@@ -120,7 +120,7 @@ def dome_opening_distance(part: Any, p: Any):
     wall = smaller(a, zero)
     top = larger(b, zero)
     corner = square_root(wall * wall + top * top)
-    # in the corner quadrant the rounded edge; elsewhere inside the solid the nearer of wall and top
+    # in the corner quadrant the rounded edge; elsewhere in the solid the nearer of wall and top
     rounded = corner - edge
     inner = larger(-a, b) - edge
     distance = where_positive(corner, rounded, inner)
@@ -162,9 +162,9 @@ class ShapeKind:
     """A kind of part.
 
     Attributes:
-        number: of the kind, as the kernels know it.
+        number: identifies the kind in the kernels.
         distance: Warp function (part, points as rows of lanes) -> (distance, normals as rows of lanes).
-        dimensions: fields of the part that it reads beside the frame.
+        dimensions: fields of the part that it reads in addition to the frame.
     """
 
     number: int

@@ -1,3 +1,3 @@
-"""The version of weavesim, once."""
+"""The version of weavesim."""
 
 __version__ = "0.1.0"

@@ -1,11 +1,11 @@
-"""The contract of a unit cell: what it answers to the strains of an element (docs/theory.md, section 2)."""
+"""The contract of a unit cell: its response to the strains of an element (docs/theory.md, section 2)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 LARGEST_UNKNOWN_COUNT = 4
-# Newton iterations of a cell in one step; what is left after them is reported as its residual.
+# Largest number of Newton iterations of a cell in one step; the remainder is reported as its residual.
 MAXIMUM_ITERATIONS = 40
 
 
@@ -21,16 +21,16 @@ class CellLaw:
         parameters: ``parameters(real)`` is the struct of the cell's constants in one precision.
         unknown_count: number n of unknowns, 0 to 4.
         energy_names: the parts of the energy, entries of the ledger.
-        depends_on_shear: False spares all that would be zero.
-        lane_by_lane: True if its functions take one lane after the other, so that wide kernels gain nothing.
-        stable_state_count: states whose tangents ``stable_tangent`` gives.
+        depends_on_shear: False skips all terms that would be zero.
+        lane_by_lane: True if its functions process one lane after the other, so that wide kernels gain nothing.
+        stable_state_count: number of states for ``stable_tangent``.
         solve: (..., start q) -> q, n_1, n_2, m [N/m], pressure between warp and weft per reference
             area [N/m^2], relative residual, iterations.
         energies: (..., q, area) -> one row per part [J]; like ``tangent`` for kernels of one lane.
         tangent: (..., q) -> derivatives of (n_1, n_2, m) at equilibrium: C11, C12, C22, C13, C23, C33 [N/m].
-        stable_tangent: (..., q, state) -> the same six, n_1, n_2, m and the pressure, with the yarns in tension: what
-            becomes of the cell as soon as it is pulled. Where one state is not enough, there are several.
-        snap_loss: (..., start q, q) -> energy that a jump to another equilibrium freed [J/m^2], 0 where none happened.
+        stable_tangent: (..., q, state) -> the same six, n_1, n_2, m and the pressure, with the yarns in tension, as
+            soon as the cell is pulled. There are several states where one is not enough.
+        snap_loss: (..., start q, q) -> energy released by a jump to another equilibrium [J/m^2], 0 without a jump.
     """
 
     name: str
@@ -48,5 +48,5 @@ class CellLaw:
 
     @property
     def row_count(self) -> int:
-        """Rows of the array of unknowns; a cell without unknowns has one that nobody reads."""
+        """Rows of the array of unknowns; a cell without unknowns has one unused row."""
         return max(self.unknown_count, 1)

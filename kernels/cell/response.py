@@ -1,4 +1,4 @@
-"""The unit cell alone, on arrays of stretches and shear angles: for tests, plots and calibration."""
+"""The unit cell by itself, on arrays of stretches and shear angles: for tests, plots and calibration."""
 
 from functools import cache
 from typing import Any
@@ -29,10 +29,26 @@ def store_tangent(target: Any, i: int, c11: Any, c12: Any, c22: Any, c13: Any, c
 
 
 @cache
+def response_struct(real: type):
+    """What cells answer; one column per cell."""
+
+    @wp.struct
+    class Response:
+        unknowns: wp.array2d(dtype=real)
+        force: wp.array2d(dtype=real)  # rows: see CellForceRow
+        energy: wp.array2d(dtype=real)  # parts [J/m^2]
+        tangent: wp.array2d(dtype=real)  # rows: see TangentRow
+        convergence: wp.array2d(dtype=real)  # rows: see ConvergenceRow
+
+    return Response
+
+
+@cache
 def unit_cell_response_kernel(real: type, cell: CellLaw):
-    """Every item has a cell and its strains; the branch from rest is followed in equal increments."""
+    """Every item has its cell and strains; the branch from rest is followed in equal increments."""
     lanes = lane_types(real, 1).lanes
-    UnitCell, unknown_count, part_count = cell.parameters(real), cell.unknown_count, len(cell.energy_names)
+    Response, UnitCell = response_struct(real), cell.parameters(real)
+    unknown_count, part_count = cell.unknown_count, len(cell.energy_names)
     Unknowns = wp.types.matrix((cell.row_count, 1), real)
     solve, cell_energies, cell_tangent, snap_loss = cell.solve, cell.energies, cell.tangent, cell.snap_loss
 
@@ -44,11 +60,7 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
         start: wp.array2d(dtype=real),  # unknowns at rest
         increment_count: wp.int32,
         # Out
-        unknowns: wp.array2d(dtype=real),
-        force: wp.array2d(dtype=real),  # rows: see CellForceRow
-        energy: wp.array2d(dtype=real),  # parts [J/m^2]
-        tangent: wp.array2d(dtype=real),  # rows: see TangentRow
-        convergence: wp.array2d(dtype=real),  # rows: see ConvergenceRow
+        response: Response,
     ):
         i = wp.tid()
         parameters = cells[wp.min(i, cells.shape[0] - 1)]
@@ -82,13 +94,13 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
         parts = cell_energies(parameters, strain1, strain2, angle, q, lanes(real(1.0)))
         c11, c12, c22, c13, c23, c33 = cell_tangent(parameters, strain1, strain2, angle, q)
         for k in range(unknown_count):
-            unknowns[k, i] = q[k, 0]
+            response.unknowns[k, i] = q[k, 0]
         for k in range(part_count):
-            energy[k, i] = parts[k, 0]
-        store_force(force, i, force1, force2, moment, pressure)
-        store_tangent(tangent, i, c11, c12, c22, c13, c23, c33)
-        convergence[ConvergenceRow.worst_residual, i] = worst
-        convergence[ConvergenceRow.most_iterations, i] = most
-        convergence[ConvergenceRow.snap_loss, i] = lost
+            response.energy[k, i] = parts[k, 0]
+        store_force(response.force, i, force1, force2, moment, pressure)
+        store_tangent(response.tangent, i, c11, c12, c22, c13, c23, c33)
+        response.convergence[ConvergenceRow.worst_residual, i] = worst
+        response.convergence[ConvergenceRow.most_iterations, i] = most
+        response.convergence[ConvergenceRow.snap_loss, i] = lost
 
     return unit_cell_response

@@ -1,4 +1,4 @@
-"""Signed distance and outward normal of every kind of part that a tool is made of: one function each.
+"""Signed distance and outward normal of every kind of tool part: one function each.
 
 A function takes the part and points in the part's frame, and is negative inside. A further kind is a module anywhere
 with a ``SHAPE``, a ``ShapeKind``; its name is the module's full name.
@@ -125,7 +125,7 @@ def dome_opening_distance(part: Any, p: Any):
     wall = smaller(a, zero)
     top = larger(b, zero)
     corner = square_root(wall * wall + top * top)
-    # in the corner quadrant the rounded edge; elsewhere inside the solid the nearer of wall and top
+    # in the corner quadrant the rounded edge; elsewhere in the solid the nearer of wall and top
     rounded = corner - edge
     inner = larger(-a, b) - edge
     distance = where_positive(corner, rounded, inner)
@@ -181,11 +181,11 @@ class ShapeKind:
 
     Attributes:
         distance: Warp function (part, points as rows of lanes) -> (distance, normals as rows of lanes).
-        dimensions: what it reads of the part beside the frame. Those of ``NAMED_DIMENSIONS`` are fields of the part;
-            the others are ``number(part, 0)``, ``number(part, 1)`` and so on, in this order.
+        dimensions: what it reads of the part in addition to the frame. Those of ``NAMED_DIMENSIONS`` are fields of the
+            part; the others are ``number(part, 0)``, ``number(part, 1)`` and so on, in this order.
 
     Raises:
-        ValueError: there are more than six others, or any beside the box of a volume.
+        ValueError: there are more than six others, or any in addition to the box of a volume.
     """
 
     distance: Any
@@ -234,8 +234,8 @@ def shape_kind(name: str) -> ShapeKind:
     kind = getattr(import_module(name), "SHAPE", None) if _is_module(name) else None
     if not isinstance(kind, ShapeKind):
         raise ValueError(
-            f"no distance function {name!r}; there are {', '.join(SHAPE_KINDS)}, and the full names of modules with a "
-            "SHAPE (kernels/contact/tool_shapes.py)"
+            f"no distance function {name!r}; choose one of {', '.join(SHAPE_KINDS)}, or give the full name of a module "
+            "with a SHAPE (kernels/contact/tool_shapes.py)"
         )
     return kind
 

@@ -17,7 +17,6 @@ from .hourglass import hourglass_function, hourglass_stiffnesses
 from .kinematics import (
     bend_function,
     corner_angles,
-    element_struct,
     membrane_function,
     shape_functions,
     shape_struct,
@@ -30,7 +29,7 @@ from .thickness import compressive_force
 
 @cache
 def cell_energies_function(real: type, cell: CellLaw):
-    """Function for the forces of an element's unit cell and its pressure; changes no state, books the energy."""
+    """Function for the forces of an element's unit cell and its pressure; books the energy, changes no state."""
     part_count, solve, cell_energies = len(cell.energy_names), cell.solve, cell.energies
     read_unknowns, late = unknowns_function(real, 1, cell), cell.lane_by_lane
 
@@ -61,7 +60,7 @@ def compressive_energy(laws: Any, m: Any):
 
 @cache
 def shear_energies_function(part_count: int, traits: SheetTraits):
-    """Function that books the energy of shear with its friction, and gives the moment [N/m]."""
+    """Function that books the energy of shear with its friction, and returns the moment [N/m]."""
     law, shear_slides = device_law(traits.shear), traits.shear_friction != ""
     shear_energy, shear_moment = law.energy, law.moment
 
@@ -125,10 +124,9 @@ def hourglass_energy_function(flat: bool):
 
 @cache
 def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
-    """Energies [J] and fields of every element; changes nothing of the state."""
+    """Energies [J] and fields of every element; does not change the state."""
     lanes, layout, part_count = lane_types(real, 1).lanes, (real, 1), len(cell.energy_names)
-    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real, traits)
-    Shape = shape_struct(*layout)
+    Sheet, Shape = sheet_struct(*layout, cell, traits), shape_struct(*layout)
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)
     book_cell, book_shear = cell_energies_function(real, cell), shear_energies_function(part_count, traits)
@@ -138,11 +136,9 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
     @wp.kernel(module="unique", enable_backward=False)
     def element_ledger(
         # In
-        elements: Elements,
-        cell: UnitCell,
-        laws: SheetLaws,
+        sheet: Sheet,
         motion: wp.array(dtype=real),
-        mean_angles: wp.array(dtype=real),  # the motion array that has those of the nodes
+        mean_angles: wp.array(dtype=real),  # the motion array that contains those of the nodes
         cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),  # rows: see CellReportRow
         slip: wp.array2d(dtype=lanes),  # rows: see SlipRow
@@ -151,6 +147,8 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         fields: wp.array2d(dtype=lanes),  # rows: see ElementField
     ):
         e = wp.tid()
+        elements = sheet.elements
+        laws = sheet.laws
         area = elements.area[e]
         half = real(0.5)
         shape = shape_functions(elements, e, Shape())
@@ -159,7 +157,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         m = stretch_membrane(x.by1, x.by2)
         b = bend(elements, e, shape, x, d)
 
-        warp_force, weft_force, cell_moment, pressure = book_cell(cell, e, m, area, cell_unknowns, energies)
+        warp_force, weft_force, cell_moment, pressure = book_cell(sheet.cell, e, m, area, cell_unknowns, energies)
         moment = book_shear(laws, e, m, area, cell_moment, slip, energies)
         book_bending(laws, e, m, b, area, slip, energies)
         hourglass = hourglass_energy(elements, laws, e, shape, x, d, m, b)

@@ -15,7 +15,6 @@ from .hourglass import stabilisation_function, warping_moments
 from .kinematics import (
     bend_function,
     corner_difference,
-    element_struct,
     membrane_function,
     shape_functions,
     shape_struct,
@@ -35,7 +34,7 @@ def resist_bending_function(traits: SheetTraits):
 
     @wp.func
     def resist_bending(laws: Any, block: int, shape: Any, m: Any, b: Any, slip: Any, r: Any):
-        # the membrane's
+        # those of the membrane
         t11 = r.t11
         t12 = r.t12
         t22 = r.t22
@@ -106,7 +105,7 @@ def assemble_forces(corner_force: Any, block: int, shape: Any, area: Any, x: Any
     quarter_warping = area.dtype(0.25) * h.warping_force
     by_hourglass = scale(h.in_plane, x.hourglass - scale(h.height, h.unit_normal))
     by_hourglass = by_hourglass + scale(quarter_warping, d.mean)
-    # the mean of the positions moves nothing
+    # the energy does not depend on the mean of the positions
     mean = type(by_hourglass)()
     store_corners(corner_force, CornerRow.force, block, shape, by_a1, by_a2, scale(area, by_hourglass), mean)
 
@@ -126,17 +125,16 @@ def assemble_couples(corner_force: Any, block: int, shape: Any, area: Any, x: An
 
 @wp.func
 def store_everywhere(corner_force: Any, row: int, block: int, value: Any):
-    """The same scalar at all corners."""
+    """Store the same scalar at all corners."""
     for corner in range(4):
         corner_force[row + ROWS_PER_CORNER * corner, block] = value
 
 
 @cache
 def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
-    """Kernel of one launch per step: nodal forces and director gradients of every element."""
+    """Kernel, launched once per step: nodal forces and director gradients of every element."""
     lanes, layout = lane_types(real, lane_count).lanes, (real, lane_count)
-    Elements, UnitCell, SheetLaws = element_struct(*layout), cell.parameters(real), sheet_struct(real, traits)
-    Shape, Resultants = shape_struct(*layout), resultants_struct(*layout)
+    Sheet, Shape, Resultants = sheet_struct(*layout, cell, traits), shape_struct(*layout), resultants_struct(*layout)
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)
     answer_cell, shear_moment = cell_answer_function(*layout, cell), shear_moment_function(cell, traits)
@@ -147,9 +145,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
     def element_forces(
         # In
         first_block: wp.int32,
-        elements: Elements,
-        cell: UnitCell,
-        laws: SheetLaws,
+        sheet: Sheet,
         motion: wp.array(dtype=real),
         # Out
         cell_unknowns: wp.array2d(dtype=lanes),
@@ -158,13 +154,15 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         corner_force: wp.array2d(dtype=lanes),  # rows: see CornerRow
     ):
         block = first_block + wp.tid()
+        elements = sheet.elements
+        laws = sheet.laws
         shape = shape_functions(elements, block, Shape())
         x = positions(elements, block, shape, motion)
         d = vectors(elements, block, shape, motion, MotionRow.director)
         m = stretch_membrane(x.by1, x.by2)
 
-        answer = answer_cell(cell, block, m, cell_unknowns, cell_report)
-        # once more: to read them is cheaper than to keep them while the cell iterates
+        answer = answer_cell(sheet.cell, block, m, cell_unknowns, cell_report)
+        # once more: reading them again is cheaper than keeping them while the cell iterates
         shape = shape_functions(elements, block, Shape())
         area = elements.area[block]
         moment, shear12 = shear_moment(elements, laws, block, shape, m, answer, motion, slip)

@@ -1,4 +1,4 @@
-"""In-plane shear beside its law (docs/theory.md, section 3): from moments to forces, and the slider of the friction."""
+"""In-plane shear without its law (docs/theory.md, section 3): forces from moments, and the friction slider."""
 
 from functools import cache
 from typing import Any
@@ -15,7 +15,7 @@ from .laws import SheetTraits
 
 @cache
 def tangent_struct(real: type, lane_count: int):
-    """First and second derivatives of an energy by (stretch 1, stretch 2, shear angle) [N/m]."""
+    """First and second derivatives of an energy with respect to (stretch 1, stretch 2, shear angle) [N/m]."""
     lanes = lane_types(real, lane_count).lanes
 
     @wp.struct
@@ -37,7 +37,7 @@ def tangent_struct(real: type, lane_count: int):
 def moment_resultants(moment: Any, m12: Any, inverse1: Any, inverse2: Any, inverse_ratio: Any):
     """T11, T12, T22 of a moment m = dpsi/dgamma: dgamma/da_1 = (a_2 - a_1 m12/m11)/J, likewise for a_2.
 
-    Given are the reciprocals of the stretches, whose squares are m11 and m22, and of J.
+    Arguments are the reciprocals of the stretches, whose squares are m11 and m22, and of J.
     """
     t12 = moment * inverse_ratio
     across = -(t12 * m12)
@@ -49,7 +49,7 @@ def moment_resultants(moment: Any, m12: Any, inverse1: Any, inverse2: Any, inver
 
 @cache
 def shear_friction_function(traits: SheetTraits):
-    """Function for the moment of the friction [N/m]; it writes slip, spring and the work lost."""
+    """Function for the friction moment [N/m]; it writes slip, spring and the work lost."""
     friction_limit = device_law(traits.shear_friction).limit
 
     @wp.func
@@ -73,7 +73,7 @@ def shear_friction_function(traits: SheetTraits):
 
 @cache
 def sticking_function(traits: SheetTraits):
-    """Function that adds friction to a ``Tangent`` of shear: it sticks, with all the moment that it can bear."""
+    """Function that adds friction to a ``Tangent`` of shear: sticking, with the largest possible moment."""
     friction_limit = device_law(traits.shear_friction).limit
 
     @wp.func

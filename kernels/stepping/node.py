@@ -1,4 +1,4 @@
-"""Nodes: gather the forces of the elements, meet the tools, advance in time (docs/theory.md, 6 and 7)."""
+"""Nodes: gather the forces of the elements, contact with tools, time integration (docs/theory.md, 6 and 7)."""
 
 from functools import cache
 from typing import Any
@@ -6,7 +6,6 @@ from typing import Any
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..contact.tool_distance import tool_set_struct
 from ..lanes import dot, lane_types, rows3
 from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, MotionRow, NodeReportRow
@@ -17,7 +16,7 @@ from .node_advance import (
     translate_function,
     turn_function,
 )
-from .node_data import NodeTraits, motion_struct, node_struct, present_struct, support_struct
+from .node_data import NodeTraits, node_laws_struct, node_struct, present_struct, surroundings_struct
 from .node_forces import (
     apply_loads_function,
     follow_angle_function,
@@ -34,11 +33,11 @@ def book(report: Any, row: int, block: int, entry: Any):
 
 @cache
 def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
-    """Kernel of one launch per step: forces, contact, new velocities, positions and directors."""
+    """Kernel, launched once per step: forces, contact, new velocities, positions and directors."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
-    Nodes, MotionLaws, Tools = node_struct(real, lane_count), motion_struct(real), tool_set_struct(real)
-    Supports, Touch = support_struct(real, lane_count), touch_struct(real, lane_count)
+    Nodes, NodeLaws = node_struct(real, lane_count), node_laws_struct(real)
+    Surroundings, Touch = surroundings_struct(real, lane_count), touch_struct(real, lane_count)
     Present = present_struct(real, lane_count)
     has_tools = len(traits.shape_kinds) > 0
     gather_corners = gather_corners_function(real, lane_count, traits.follows_thickness)
@@ -56,7 +55,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
     def present_block(
         block: wp.int32,
         nodes: Nodes,
-        laws: MotionLaws,
+        laws: NodeLaws,
         clock: wp.array(dtype=wp.float64),
         motion: wp.array2d(dtype=lanes),
     ):
@@ -76,10 +75,8 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         # In
         first_block: wp.int32,
         nodes: Nodes,
-        laws: MotionLaws,
-        tools: Tools,
-        supports: Supports,
-        clock: wp.array(dtype=wp.float64),
+        laws: NodeLaws,
+        around: Surroundings,
         corners: wp.array(dtype=real),
         # Out
         motion: wp.array2d(dtype=lanes),  # rows: see MotionRow
@@ -87,7 +84,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         report: wp.array2d(dtype=lanes),  # rows: see NodeReportRow
     ):
         block = first_block + wp.tid()
-        present = present_block(block, nodes, laws, clock, motion)
+        present = present_block(block, nodes, laws, around.clock, motion)
         force, couple, angle, thickness = gather_corners(block, nodes, corners)
         lost = follow_angle(block, nodes, laws, angle, motion)
         if wp.static(traits.follows_thickness):
@@ -95,26 +92,26 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         applied_force = lanes3()
         applied_couple = lanes3()
         if wp.static(traits.loaded):
-            force, couple, applied_force, applied_couple = apply_loads(present, nodes, clock, force, couple)
+            force, couple, applied_force, applied_couple = apply_loads(present, nodes, around.clock, force, couple)
         friction = lanes3()
         friction_power = lanes()
         dashpots = lanes3()
         dashpot_power = lanes()
         if wp.static(has_tools):
             force, friction, friction_power, dashpots, dashpot_power = meet_tools(
-                present, laws, tools, force, touch, report
+                present, laws, around.tools, force, touch, report
             )
 
         acceleration, free, velocity = translate(present, nodes, laws, force)
         travel = present.step * velocity
         if wp.static(traits.supported):
-            travel, velocity = follow_supports(present, supports, travel, velocity)
+            travel, velocity = follow_supports(present, around.supports, travel, velocity)
         place(present, laws.tool_count, travel, velocity, motion, touch)
         spin_sum, spin_loss = turn(present, nodes, laws, couple, motion)
 
         middle = real(0.5) * (present.velocity + velocity)
         moving = wp.cw_mul(free, middle)
-        worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, supports)
+        worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, around.supports)
         damped = dashpot_power - dot(dashpots, middle) + laws.damping * present.mass * dot(moving, moving)
         book(report, NodeReportRow.support_work, block, worked)
         book(report, NodeReportRow.friction_work, block, present.mean_step * (friction_power - dot(friction, middle)))

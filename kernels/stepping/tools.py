@@ -1,4 +1,4 @@
-"""Rigid tools: sum the reactions in a fixed order, move by a stroke curve or by a force, advance the clock."""
+"""Rigid tools: sum the reactions in a fixed order, move along a stroke curve or by a force, advance the clock."""
 
 from functools import cache
 from typing import Any
@@ -13,12 +13,22 @@ FORCE = wp.constant(1)
 
 @wp.struct
 class ToolDrive:
-    """Motion law of one tool; its curve is a run of knots in the common arrays."""
+    """Motion law of one tool; its curve is a range of knots in the common arrays."""
 
     kind: wp.int32
     first_knot: wp.int32
     knot_count: wp.int32
     mass: wp.float64  # [kg], of a force-driven tool
+
+
+@wp.struct
+class ToolDrives:
+    """How all tools move."""
+
+    drive: wp.array(dtype=ToolDrive)
+    axis: wp.array(dtype=wp.vec3d)  # unit direction of each tool's motion
+    curve_time: wp.array(dtype=wp.float64)  # knots of all curves [s]
+    curve_value: wp.array(dtype=wp.float64)  # [m] or [N]
 
 
 @wp.func
@@ -45,7 +55,7 @@ def curve_value(
 
 @cache
 def partial_sum_kernel(real: type):
-    """Sum ``group_size`` neighbouring reactions, so that the last sum stays short on many nodes."""
+    """Sum ``group_size`` neighbouring reactions, so that the final sum stays short with many nodes."""
     vec3 = wp.types.vector(3, real)
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -77,10 +87,7 @@ def tool_motion_kernel(real: type):
     @wp.kernel(module="unique", enable_backward=False)
     def tool_motion(
         # In
-        drives: wp.array(dtype=ToolDrive),
-        axis: wp.array(dtype=wp.vec3d),
-        curve_times: wp.array(dtype=wp.float64),
-        curve_values: wp.array(dtype=wp.float64),
+        drives: ToolDrives,
         reactions: wp.array2d(dtype=vec3),
         # Out
         clock: wp.array(dtype=wp.float64),
@@ -91,24 +98,24 @@ def tool_motion_kernel(real: type):
     ):
         step = clock[ClockEntry.step]
         next_time = clock[ClockEntry.time] + step
-        for k in range(drives.shape[0]):
-            drive = drives[k]
+        for k in range(drives.drive.shape[0]):
+            drive = drives.drive[k]
             total = total_force(reactions, k)
             total_reaction[k] = total
-            along = wp.dot(total, axis[k])
+            along = wp.dot(total, drives.axis[k])
             old = displacement[k]
             old_velocity = velocity[k]
             drive_force = wp.float64(0.0)
-            new = curve_value(curve_times, curve_values, drive, next_time)
+            new = curve_value(drives.curve_time, drives.curve_value, drive, next_time)
             if drive.kind == FORCE:
-                drive_force = curve_value(curve_times, curve_values, drive, clock[ClockEntry.time])
+                drive_force = curve_value(drives.curve_time, drives.curve_value, drive, clock[ClockEntry.time])
                 new_velocity = velocity[k] + clock[ClockEntry.mean_step] * (drive_force + along) / drive.mass
                 velocity[k] = new_velocity
                 new = old + step * new_velocity
             else:
                 velocity[k] = (new - old) / step
             displacement[k] = new
-            # forces are those of the present, between two half steps: like a node, the tool travels the mean of both
+            # forces are at the current instant, between two half steps: as for a node, the travel is the mean of both
             travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
             work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * travel
             work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * travel

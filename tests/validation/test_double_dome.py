@@ -133,7 +133,7 @@ def test_film_ends_with_the_final_state(folder):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"blank_holder_force": 100.0, "blank_holder_gap": 0.001}, "one or the other"),
+        ({"blank_holder_force": 100.0, "blank_holder_gap": 0.001}, "choose one"),
         ({"fabric": "silk"}, "glass-polypropylene"),
         ({"yarn_angle": 30.0}, "full"),
         ({"punch": "missing.stl"}, "does not exist"),

@@ -1,4 +1,4 @@
-"""Compile the kernels of a run ahead of it, side by side in processes."""
+"""Compile the kernels of a run in advance, in parallel processes."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class KernelSet:
-    """What decides which kernels are taken; it can be sent to another process, kernels cannot.
+    """What determines which kernels are needed; unlike kernels, it can be sent to another process.
 
     Attributes:
-        unit_cell: of the fabric; kernels are made for its law, not for its numbers.
+        unit_cell: of the fabric; kernels depend on its law, not on its numbers.
         sheets, nodes: traits of one run, or of several.
         precision: of the runs.
-        device: where they compute.
+        device: of the runs.
         lane_count: elements per kernel thread.
         tools: whether there are any.
         driven: whether supports move.
@@ -68,11 +68,11 @@ class KernelSet:
 
     @classmethod
     def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
-        """What any of some runs takes, with any number of threads and of triangle meshes.
+        """What a group of runs needs, for any number of threads and of triangle meshes.
 
         Args:
             setups: of runs in one precision and on one device; at least one.
-            unit_cell: in the place of their own, of which one kind is possible.
+            unit_cell: replaces their own, which must be of one kind.
 
         Raises:
             InputError: no such device.
@@ -92,7 +92,7 @@ class KernelSet:
 
     @classmethod
     def of_sheet(cls, setup: Setup, unit_cell: UnitCell, sheet: SheetTraits, nodes: NodeTraits) -> Self:
-        """What one sheet of a set-up takes, from its traits.
+        """What one sheet of a set-up needs, from its traits.
 
         Raises:
             InputError: no such device.
@@ -112,7 +112,7 @@ class KernelSet:
         )
 
     def kernels(self) -> list[wp.Kernel]:
-        """All kernels, roughly those first that take long to compile.
+        """All kernels, roughly in order of decreasing compile time.
 
         Raises:
             InputError: no such device.
@@ -139,7 +139,7 @@ class KernelSet:
 
 
 def kernel_sets(setup: Setup) -> list[KernelSet]:
-    """What a run takes, from its set-up alone.
+    """What a run needs, from its set-up alone.
 
     Raises:
         InputError: no such device.
@@ -155,7 +155,7 @@ def kernel_sets(setup: Setup) -> list[KernelSet]:
 
 @dataclass(frozen=True)
 class MeshKernelSet:
-    """What it takes to sample the distance to triangle meshes; see ``KernelSet``."""
+    """What sampling the distance to triangle meshes needs; see ``KernelSet``."""
 
     device: str
 
@@ -164,12 +164,12 @@ class MeshKernelSet:
 
 
 def mesh_kernels() -> list[wp.Kernel]:
-    """Those that sample the distance to a triangle mesh."""
+    """Kernels that sample the distance to a triangle mesh."""
     return [mesh_distance_kernel, volume_distance_kernel, fill_tiles_kernel]
 
 
 def missing(kernel_set: KernelSet | MeshKernelSet) -> list[int]:
-    """Which of the set's kernels are not in the cache; nothing is compiled to find out.
+    """Indices of the set's kernels that are not in the cache, found without compiling anything.
 
     Raises:
         InputError: no such device, or the cache cannot be written.
@@ -178,16 +178,16 @@ def missing(kernel_set: KernelSet | MeshKernelSet) -> list[int]:
     return [index for index, kernel in enumerate(kernel_set.kernels()) if not is_compiled(kernel, device)]
 
 
-# What tells the user how many kernels are about to be compiled; None in a program that is not the command line.
+# Announces to the user how many kernels will be compiled; None in programs other than the command line.
 _announce: ContextVar[Callable[[int], None] | None] = ContextVar("_announce", default=None)
 
 
 @contextmanager
 def side_by_side(announce: Callable[[int], None]) -> Iterator[None]:
-    """Within it runs compile in processes side by side, and call ``announce`` with the number of kernels before.
+    """Inside this context, runs first call ``announce`` with the number of kernels, then compile in parallel processes.
 
-    Not for programs at large: a process starts by importing the program again, and would do all that stands there
-    without ``if __name__ == "__main__"``.
+    Not for programs in general: each process imports the program again, and would execute everything that is not
+    under ``if __name__ == "__main__"``.
     """
     token = _announce.set(announce)
     try:
@@ -197,7 +197,7 @@ def side_by_side(announce: Callable[[int], None]) -> Iterator[None]:
 
 
 def compile_missing(kernel_set: KernelSet | MeshKernelSet) -> None:
-    """Compile ahead of a run what is not in the cache, if that is wanted; else say that its start will do so.
+    """Before a run, log how many kernels are not in the cache, and compile them in parallel within ``side_by_side``.
 
     Raises:
         InputError: no such device, or the cache cannot be written.
@@ -212,14 +212,14 @@ def compile_missing(kernel_set: KernelSet | MeshKernelSet) -> None:
 
 
 def compile_kernels(kernel_set: KernelSet | MeshKernelSet, process_count: int | None = None) -> float:
-    """Compile what is not in the cache yet.
+    """Compile the kernels that are not in the cache yet.
 
     Args:
-        kernel_set: what for.
-        process_count: that compile side by side; None takes one per core.
+        kernel_set: what to compile.
+        process_count: parallel processes; None uses one per core.
 
     Returns:
-        Seconds that it took.
+        Time taken [s].
 
     Raises:
         InputError: no such device, or the cache cannot be written.
@@ -235,8 +235,8 @@ def _compile(kernel_set: KernelSet | MeshKernelSet, indices: list[int], process_
         for index in indices:
             _load(kernel_set, index)
         return
-    # Not threads: Warp's compiler does one kernel after the other as long as CPU_COMPILER_FLAGS sets an option of LLVM.
-    # A fresh interpreter each: a forked Warp would share its compiler with the others.
+    # Not threads: Warp compiles one kernel at a time as long as CPU_COMPILER_FLAGS sets an option of LLVM.
+    # A new interpreter each: forked processes would share one Warp compiler.
     with ProcessPoolExecutor(
         process_count,
         mp_context=multiprocessing.get_context("spawn"),
@@ -248,13 +248,13 @@ def _compile(kernel_set: KernelSet | MeshKernelSet, indices: list[int], process_
 
 
 def _cache_folder() -> str:
-    """The folder that Warp was given for its cache: it has added its version."""
+    """The cache folder as it was given to Warp, which has added its version."""
     folder = Path(str(wp.config.kernel_cache_dir))
     return str(folder.parent if folder.name == wp.config.version else folder)
 
 
 def _prepare_process(cache_folder: str) -> None:
-    # Ctrl-C ends it at once and without a word, in the middle of a kernel
+    # Ctrl-C ends the process at once and silently, in the middle of a kernel
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     wp.config.kernel_cache_dir = cache_folder
 

@@ -1,4 +1,4 @@
-"""Highest frequencies of the elements of a sheet before it moves, and the stabilisation that enters them."""
+"""Highest frequencies of the elements of a sheet before it moves, and the stabilisation that they depend on."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import numpy as np
 from ..fabric.fabric import Fabric
 from ..sheet.geometry import ElementGeometry
 
-# The rotary inertia is scaled up until bending and transverse shear take at most this share of the membrane's omega^2.
+# The rotary inertia is scaled up until bending and transverse shear reach at most this share of the membrane's omega^2.
 ROTARY_SHARE = 0.05
 
 
 @dataclass(frozen=True)
 class Frequencies:
-    """Parts of each element's highest squared frequency that the state does not change [1/s^2], for stable steps."""
+    """State-independent parts of each element's highest squared frequency [1/s^2], for the stable step."""
 
-    straight: np.ndarray  # membrane with straight yarns: a safe bound of any crimped state
+    straight: np.ndarray  # membrane with straight yarns: a safe bound for any crimped state
     constant: np.ndarray  # bending, transverse shear, stabilisation
     rotary_radius_squared: np.ndarray  # scaled rotary inertia per mass [m^2]
 
@@ -46,8 +46,8 @@ class Frequencies:
 def hourglass_coefficients(fabric: Fabric) -> tuple[float, float, float]:
     """Factors of the sum of squared gradients in the hourglass energies (docs/theory.md, section 5).
 
-    In-plane, warping, director. On a square the exact stiffness of the first two modes is G/24 and 4/3 G_s times that
-    sum; D/24 times it is the bending along one yarn of the third.
+    In-plane, warping, director. On a square, the exact stiffness of the first two modes is G/24 and 4/3 G_s times that
+    sum; for the third, bending along one yarn contributes D/24 times it.
     """
     share = fabric.stabilisation
     return (

@@ -1,4 +1,4 @@
-"""The kernels of a run, and each of their launches with its arguments."""
+"""The kernels of a run and their launches with all arguments."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..kernels.contact.tool_distance import tool_set_struct
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.stepping.node import node_motion_kernel
-from ..kernels.stepping.node_data import support_struct
+from ..kernels.stepping.node_data import support_struct, surroundings_struct
 from ..kernels.stepping.step import look_at_clock, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
@@ -28,12 +28,12 @@ GROUP_SIZE = 256
 
 @dataclass(frozen=True)
 class SheetKernels:
-    """Kernels made for what one sheet has; sheets that have the same share them."""
+    """Kernels generated for the traits of one sheet; sheets with the same traits share them."""
 
     forces: wp.Kernel
     nodes: wp.Kernel
     frequencies: wp.Kernel
-    frequency_lane_count: int  # the wide kernel takes long to compile: only for cells that run faster in it
+    frequency_lane_count: int  # the wide kernel takes long to compile: only for cells that run faster with it
 
     @classmethod
     def of(cls, sheet: SheetModel) -> SheetKernels:
@@ -49,10 +49,11 @@ class SheetKernels:
 
 @dataclass(frozen=True)
 class _SheetArguments:
-    """What the launches of one sheet are given, on one state."""
+    """Arguments of the launches of one sheet, on one state."""
 
-    tools: Any
-    supports: Any
+    sheet: Any
+    stable_sheet: Any  # for the stable step, whose kernel may have other lanes
+    around: Any
     touch: Any
     motion: wp.array
     cell_unknowns: wp.array
@@ -63,7 +64,7 @@ class _SheetArguments:
 
 
 class Launches:
-    """Every launch of a run on one state; which kernel, over what, with which arguments.
+    """Every launch of a run on one state: which kernel, over which range, with which arguments.
 
     Args:
         model: constants.
@@ -74,7 +75,7 @@ class Launches:
         self.model, self.state = model, state
         real, device = model.real, model.device
         self._kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
-        self._arguments = [self._of_sheet(sheet, own) for sheet, own in zip(model.sheets, state.sheets, strict=True)]
+        self._arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
         self._node_laws = [sheet.node_laws() for sheet in model.sheets]
         self._tool_motion = tool_motion_kernel(real)
         self._partial_sums = partial_sum_kernel(real)
@@ -91,15 +92,24 @@ class Launches:
         starts = [sum(group_counts[:k]) for k in range(len(group_counts))]
         self._own_maxima = [self.maxima[a : a + n] for a, n in zip(starts, group_counts, strict=True)]
 
-    def _of_sheet(self, sheet: SheetModel, own: SheetState) -> _SheetArguments:
-        state, lane_count = self.state, sheet.lane_count
+    def _surroundings(self, sheet: SheetModel, own: SheetState) -> Any:
+        """What acts on the nodes of a sheet; structs within a struct are copies, and filled before."""
+        state, around = self.state, surroundings_struct(sheet.real, sheet.lane_count)()
+        around.clock = state.clock
         tools = tool_set_struct(sheet.real)()
         tools.part = self.model.tools.part
         tools.tool = sheet.places.tools.of(self.model.tools.tool)
         tools.displacement, tools.velocity = map(sheet.places.tools.of, (state.tool_displacement, state.tool_velocity))
-        supports = support_struct(sheet.real, lane_count)()
+        around.tools = tools
+        supports = support_struct(sheet.real, sheet.lane_count)()
         supports.held, supports.direction = sheet.held, sheet.drive_direction
         supports.increment, supports.holding = sheet.places.drives.of(state.drive_increment), own.holding
+        around.supports = supports
+        return around
+
+    def _of_sheet(self, index: int) -> _SheetArguments:
+        sheet, own, state = self.model.sheets[index], self.state.sheets[index], self.state
+        lane_count = sheet.lane_count
         touch = touch_struct(sheet.real, lane_count)()
         touch.friction = sheet.friction_layout.view(own.friction)
         touch.gap = own.gap
@@ -108,7 +118,10 @@ class Launches:
             rows.start : rows.stop, sheet.places.first_reaction : sheet.places.first_reaction + sheet.block_count
         ]
         return _SheetArguments(
-            tools, supports, touch,
+            sheet=sheet.device_sheet(lane_count),
+            stable_sheet=sheet.device_sheet(self._kernels[index].frequency_lane_count),
+            around=self._surroundings(sheet, own),
+            touch=touch,
             motion=sheet.motion_layout.view(own.motion),
             cell_unknowns=lanes_view(own.cell_unknowns, lane_count),
             cell_report=lanes_view(own.cell_report, lane_count),
@@ -125,7 +138,7 @@ class Launches:
         wp.launch(
             self._kernels[index].forces,
             dim=sheet.element_count // sheet.lane_count if count is None else count,
-            inputs=[first, sheet.elements, sheet.cell, sheet.laws, own.motion],
+            inputs=[first, arguments.sheet, own.motion],
             outputs=[arguments.cell_unknowns, arguments.cell_report, arguments.slip, arguments.corner_force],
             device=sheet.device,
         )
@@ -136,16 +149,13 @@ class Launches:
         wp.launch(
             self._kernels[index].nodes,
             dim=sheet.block_count if count is None else count,
-            inputs=[
-                first, sheet.nodes, self._node_laws[index], arguments.tools, arguments.supports, self.state.clock,
-                own.corner_force,
-            ],
+            inputs=[first, sheet.nodes, self._node_laws[index], arguments.around, own.corner_force],
             outputs=[arguments.motion, arguments.touch, arguments.node_report],
             device=sheet.device,
-        )  # fmt: skip
+        )
 
     def move_supports(self) -> None:
-        """How far every drive goes in the step to come."""
+        """Displacement of every drive in the next step."""
         drives = self.model.drives
         if drives.count:
             wp.launch(
@@ -170,7 +180,7 @@ class Launches:
         wp.launch(
             self._tool_motion,
             dim=1,
-            inputs=[tools.drive, tools.axis, tools.curve_times, tools.curve_values, self._sums],
+            inputs=[tools.drives, self._sums],
             outputs=[state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_work],
             device=device,
         )
@@ -185,12 +195,11 @@ class Launches:
         """Bounds of the highest frequencies of sheet ``index``, in ``count`` blocks of elements from ``first``."""
         sheet, own = self.model.sheets[index], self.state.sheets[index]
         lane_count = self._kernels[index].frequency_lane_count
-        elements = sheet.elements_single if lane_count == 1 else sheet.elements
         wp.launch(
             self._kernels[index].frequencies,
             dim=count,
             inputs=[
-                first, elements, sheet.cell, sheet.laws, sheet.step_bounds, own.motion,
+                first, self._arguments[index].stable_sheet, sheet.step_bounds, own.motion,
                 lanes_view(own.cell_unknowns, lane_count), lanes_view(sheet.step_inertia, lane_count), self.state.clock,
             ],
             outputs=[lanes_view(self.squared_frequency[index], lane_count)],
@@ -218,7 +227,7 @@ class Launches:
     # --- the rest ----------------------------------------------------------------------------------------------------
 
     def set_damping(self, rate: float | None) -> None:
-        """One rate of all nodes and directors from the next recording on [1/s]; None takes those of ``Dynamics``."""
+        """Set one rate [1/s] for all nodes and directors, from the next recording on; None uses ``Dynamics``."""
         self._node_laws = [sheet.node_laws() for sheet in self.model.sheets]
         if rate is not None:
             for laws in self._node_laws:
@@ -226,7 +235,7 @@ class Launches:
 
     @property
     def kernels(self) -> list[wp.Kernel]:
-        """All that is launched here, each once."""
+        """All kernels launched here, each once."""
         own = [kernel for kernels in self._kernels for kernel in (kernels.forces, kernels.nodes, kernels.frequencies)]
         common = [self._tool_motion, self._partial_sums, self._partial_maximum, self._set_step]
         if self.model.drives.count:
@@ -235,12 +244,12 @@ class Launches:
 
 
 class IntervalEnd:
-    """Lets a GPU do all blocks of an output interval without the host: it looks at the clock itself.
+    """Lets a GPU do all blocks of an output interval without the host: it checks the clock itself.
 
     Args:
         device: of the run.
         clock: of the state.
-        largest_block_count: blocks of one interval at most.
+        largest_block_count: maximum number of blocks in one interval.
     """
 
     kernel = look_at_clock
@@ -252,12 +261,12 @@ class IntervalEnd:
         self.running = wp.zeros(1, dtype=wp.int32, device=device)
 
     def begin(self, target: float) -> None:
-        """Aim at ``target`` [s] and count from zero."""
+        """Set the end of the interval to ``target`` [s], and the count to zero."""
         self._target.fill_(target)
         self._block_count.zero_()
 
     def check(self, done: int) -> None:
-        """Launch of the check after ``done`` more blocks; sets ``running``."""
+        """Launch the check after ``done`` more blocks; it sets ``running``."""
         wp.launch(
             look_at_clock,
             dim=1,

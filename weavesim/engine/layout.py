@@ -1,4 +1,4 @@
-"""How rows of numbers of elements or nodes lie in memory."""
+"""Memory layout of rows of numbers over elements or nodes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, overload
 import numpy as np
 import warp as wp
 
-# Arrays are padded to whole blocks of the widest lanes, whatever lanes the kernels use.
+# Arrays are padded to whole blocks of the widest lanes, whatever lane count the kernels use.
 BLOCK = 16
 
 
@@ -18,7 +18,7 @@ def padded(count: int, spare: int) -> int:
 
 
 def lanes_view(array: wp.array, lane_count: int) -> wp.array:
-    """A scalar array whose last axis is padded, seen as an array of lane vectors on the same memory."""
+    """View a scalar array with padded last axis as an array of lane vectors, on the same memory."""
     lanes = wp.types.vector(lane_count, array.dtype)
     shape = (*array.shape[:-1], array.shape[-1] // lane_count)
     view: Any = wp.array(ptr=array.ptr, dtype=lanes, shape=shape, device=array.device, capacity=array.capacity)
@@ -28,10 +28,10 @@ def lanes_view(array: wp.array, lane_count: int) -> wp.array:
 
 @dataclass(frozen=True)
 class RowLayout:
-    """Rows of numbers in one flat array: in lanes, the rows of one block lie one behind the other.
+    """Rows of numbers in one flat array: with lanes, the rows of one block are consecutive.
 
-    With whole rows everything that a block reads and writes would be on a page of its own. Single lanes (a GPU) keep
-    whole rows, which neighbouring threads read and write together.
+    With whole rows, every value that a block reads or writes would be on a different memory page. Single lanes (a GPU)
+    keep whole rows, which neighbouring threads read and write together.
     """
 
     row_count: int
@@ -45,7 +45,7 @@ class RowLayout:
     def entry(self, row: np.ndarray | int, item: np.ndarray) -> np.ndarray: ...
 
     def entry(self, row: np.ndarray | int, item: np.ndarray | int) -> np.ndarray | int:
-        """Where the flat array has one row of one element or node."""
+        """Index in the flat array of one row of one element or node."""
         if self.lane_count == 1:
             return row * self.length + item
         block, lane = item // self.lane_count, item % self.lane_count
@@ -75,7 +75,7 @@ class RowLayout:
 
     def read(self, entries: wp.array) -> np.ndarray:
         """The rows, (row_count, length); waits for the device."""
-        # the same as by ``_all``, in a sixth of the time
+        # the same as with ``_all``, in a sixth of the time
         values = entries.numpy()
         if self.lane_count == 1:
             return values.reshape(self.row_count, self.length).copy()
@@ -91,7 +91,7 @@ class RowLayout:
 
 @dataclass(frozen=True)
 class Span:
-    """Some neighbouring entries of an array over all tools, or all drives, of a run."""
+    """Consecutive entries of an array over all tools, or all drives, of a run."""
 
     start: int
     stop: int

@@ -1,4 +1,4 @@
-"""All that is constant in a run, on one device."""
+"""All constants of a run, on one device."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from .sheet_model import CONTACT_SHARE, SPARE_NODE_COUNT, Numerics, Places, Shee
 
 
 class Model:
-    """Constants of a run on one device; nobody writes them once they are made.
+    """Constants of a run on one device; nothing writes them after construction.
 
     Args:
-        setup: what is run.
+        setup: of the run.
         contact_share: stiffness of the contact, see ``CONTACT_SHARE``.
 
     Attributes:
@@ -32,7 +32,7 @@ class Model:
         tools: of all worlds.
         drives: of all supports.
         reaction_count: blocks of nodes of the largest world.
-        reference_step: stable step with straight yarns [s], from which the first step comes.
+        reference_step: stable step with straight yarns [s], the basis of the first step.
 
     Raises:
         InputError: no such device, tools that cannot be sampled, or a mesh that the sheet cannot carry.
@@ -59,18 +59,18 @@ class Model:
 
     @property
     def sheet(self) -> SheetModel:
-        """Constants of the sheet of a run that has one.
+        """Constants of the only sheet of a run.
 
         Raises:
             InputError: the run has several.
         """
         if len(self.sheets) != 1:
-            raise InputError(f"this run has {len(self.sheets)} sheets: take one of model.sheets")
+            raise InputError(f"this run has {len(self.sheets)} sheets: use one of model.sheets")
         return self.sheets[0]
 
     @property
     def identity(self) -> dict[str, object]:
-        """What a saved state must share with this run to continue it."""
+        """Properties that a saved state must share with this run to continue it."""
         elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
         solver = self.setup.solver.model_copy(update=elsewhere)
         return {
@@ -80,15 +80,17 @@ class Model:
         }
 
     def arrays(self) -> Iterator[wp.array]:
-        """Constants of elements and nodes."""
+        """Every array of constants."""
         for sheet in self.sheets:
-            yield from _arrays_in(sheet.elements)
-            yield from _arrays_in(sheet.nodes)
-            yield sheet.step_inertia
+            for struct in (sheet.elements, sheet.nodes, sheet.laws, sheet.cell):
+                yield from _arrays_in(struct)
+            yield from (sheet.step_inertia, sheet.held, sheet.drive_direction)
+        for values in (self.tools, self.drives):
+            yield from (array for array in vars(values).values() if isinstance(array, wp.array))
 
 
 def _placed(setup: Setup, block_count: Callable[[Sheet], int]) -> Iterator[tuple[Sheet, World, Places]]:
-    """Every sheet with its world and its places in the arrays of the run."""
+    """Every sheet with its world and its ranges in the arrays of the run."""
     tool_count = drive_count = 0
     for world in setup.worlds:
         tools, first_reaction = Span(tool_count, tool_count + len(world.tools)), 0
@@ -101,7 +103,7 @@ def _placed(setup: Setup, block_count: Callable[[Sheet], int]) -> Iterator[tuple
 
 
 def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
-    """Distances of all triangle meshes among the tools, deep enough for the sheets of their world."""
+    """Sampled distances of all triangle meshes among the tools, deep enough for the sheets of their world."""
     samples: dict[Any, SampledDistance] = {}
     if mesh_parts(setup.tools):
         compile_missing(MeshKernelSet(device))
@@ -111,7 +113,7 @@ def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
 
 
 def _arrays_in(struct: Any) -> Iterator[wp.array]:
-    """Arrays of a Warp struct, and of the structs in it."""
+    """Arrays of a Warp struct and of its nested structs."""
     for name in struct._cls.vars:
         value = getattr(struct, name)
         if isinstance(value, wp.array):

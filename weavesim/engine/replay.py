@@ -11,33 +11,33 @@ from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnor
 
 
 class Replay:
-    """Records launches and replays them on threads side by side.
+    """Records launches and replays them on parallel threads.
 
     Args:
         device: of the launches.
-        largest_thread_count: that will be used.
+        largest_thread_count: upper limit of the threads used.
     """
 
     def __init__(self, device: wp.Device, largest_thread_count: int) -> None:
         self._device = device
         self._largest_thread_count = largest_thread_count
         self._counter = wp.zeros(1, dtype=wp.int32, device=device)
-        # how each thread treated subnormal numbers before a replay
+        # how each thread treats subnormal numbers outside a replay
         self._modes = wp.zeros(largest_thread_count, dtype=wp.int32, device=device)
 
     @property
     def kernels(self) -> list[wp.Kernel]:
-        """All that is launched here."""
+        """All kernels launched here."""
         kernels = [flush_subnormals, restore_subnormals] if self._device.is_cpu else []
         return kernels + ([barrier] if self._largest_thread_count > 1 else [])
 
     def wait(self, thread_count: int) -> None:
-        """Launch that lets ``thread_count`` threads wait for each other."""
+        """Launch a barrier for ``thread_count`` threads."""
         if thread_count > 1:
             wp.launch(barrier, dim=1, inputs=[self._counter, thread_count], device=self._device)
 
     def record(self, launch: Callable[[], None], thread: int = 0) -> wp.Graph:
-        """What ``launch`` launches, to be replayed on one thread; numbers too small for a full mantissa become zero."""
+        """Record the launches of ``launch``, for replay on one thread; subnormal numbers are flushed to zero."""
         flushes = self._device.is_cpu
         before = self._modes[thread : thread + 1]
         wp.capture_begin(device=self._device)
@@ -52,7 +52,7 @@ class Replay:
         return graph
 
     def run(self, graphs: Sequence[Sequence[wp.Graph]], times: int = 1) -> None:
-        """Launch each thread's graphs one after the other, ``times`` over."""
+        """Launch each thread's graphs in sequence, ``times`` times."""
 
         def replay(own: Sequence[wp.Graph]) -> None:
             for _ in range(times):

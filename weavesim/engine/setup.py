@@ -1,11 +1,10 @@
-"""All that a run is given, as one value: sheets and tools in their worlds, how long, and how it is solved.
+"""All input of a run as one value: sheets and tools in their worlds, duration, and solver settings.
 
-A set-up is checked when it is made; making one loads no Warp, compiles nothing and steps nothing.
+A set-up is checked on construction, which does not load Warp, compile or step.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any, Self
 
@@ -20,34 +19,34 @@ from ..sheet.sheet import Sheet
 from ..sheet.symmetry import Symmetry
 from ..tools.tool import Tool
 
-# Share of the stable step 2/omega that is taken at most.
+# Largest share of the stable step 2/omega that may be used.
 STEP_SAFETY = 0.9
 # Elements per kernel thread: on a GPU, and on a CPU.
 LANE_COUNTS = (1, 16)
-# Fields of a world that a set-up of one world takes itself.
+# Fields of a world that a set-up with one world accepts directly.
 _WORLD_FIELDS = ("sheets", "tools", "symmetry", "dynamics")
 
 
 class Solver(Parameters):
-    """Where and how a run is computed.
+    """Settings for how and where a run is computed.
 
     Attributes:
         device: "cpu", "cuda:0", ...
         precision: scalar type of state and kernels, "float32" or "float64".
-        threads: CPU threads; None takes as many as turn out to be fastest while it runs.
+        threads: CPU threads; None uses the fastest number, measured during the run.
         lane_count: elements per kernel thread, 1 or 16; chosen by the device if None.
-        time_step: largest step allowed [s]; must be stable. None takes the stable one.
-        target_step: step to scale the mass for [s]; None adds none.
-        step_safety: share of the stable step 2/omega that is taken; less quiets yarns that rattle between slack and
-            taut (theory, section 7).
+        time_step: largest step allowed [s]; must be stable. None uses the stable step.
+        target_step: step for which the mass is scaled up [s]; None adds no mass.
+        step_safety: share of the stable step 2/omega that is used; a smaller one calms yarns that rattle between
+            slack and taut (theory, section 7).
     """
 
     device: str = "cpu"
     precision: Precision = Precision.SINGLE
     threads: int | None = None
     lane_count: int | None = None
-    time_step: float | None = None
-    target_step: float | None = None
+    time_step: Positive | None = None
+    target_step: Positive | None = None
     step_safety: float = STEP_SAFETY
 
     @field_validator("precision", mode="before")
@@ -59,35 +58,30 @@ class Solver(Parameters):
     @classmethod
     def _are_some(cls, value: int | None) -> int | None:
         if value is not None and not 1 <= value <= LARGEST_THREAD_COUNT:
-            raise ValueError(f"1 to {LARGEST_THREAD_COUNT} threads are possible")
+            raise ValueError(f"1 to {LARGEST_THREAD_COUNT} threads are allowed")
         return value
 
     @field_validator("lane_count")
     @classmethod
     def _is_known(cls, value: int | None) -> int | None:
         if value not in (None, *LANE_COUNTS):
-            raise ValueError(f"{LANE_COUNTS[0]} or {LANE_COUNTS[1]} lanes are known")
+            raise ValueError(f"{LANE_COUNTS[0]} or {LANE_COUNTS[1]} lanes are allowed")
         return value
-
-    @field_validator("time_step", "target_step")
-    @classmethod
-    def _is_a_time(cls, value: float | None) -> float | None:
-        return None if value is None else _seconds(value)
 
     @field_validator("step_safety")
     @classmethod
     def _is_stable(cls, value: float) -> float:
         if not 0.0 < value <= STEP_SAFETY:
-            raise ValueError(f"above 0 and at most {STEP_SAFETY} is stable")
+            raise ValueError(f"must be above 0 and at most {STEP_SAFETY} to be stable")
         return value
 
 
 class Rest(Parameters):
-    """Ends a run at the first frame at which its sheets are at rest.
+    """Ends a run at the first frame in which its sheets are at rest.
 
     Attributes:
-        after: not before this time [s].
-        kinetic_share: kinetic over internal energy, below which a sheet counts as at rest.
+        after: earliest time [s].
+        kinetic_share: kinetic over internal energy below which a sheet counts as at rest.
     """
 
     positional = ("after", "kinetic_share")
@@ -101,12 +95,12 @@ class Rest(Parameters):
 
 
 class World(Parameters):
-    """Sheets that share tools, gravity and damping. What is in two worlds never touches.
+    """Sheets that share tools, gravity and damping. Objects in different worlds never touch.
 
     Attributes:
         sheets: at least one.
         tools: rigid, in the order of all outputs.
-        symmetry: planes at which the sheets are cut; their nodes there are held accordingly.
+        symmetry: planes at which the sheets are cut; their nodes on these planes are held accordingly.
         dynamics: gravity, damping and contact.
         name: of the world.
     """
@@ -135,29 +129,29 @@ class World(Parameters):
 
 
 class Setup(Parameters):
-    """All that a run is given.
+    """All input of a run.
 
-    Where there is one world, its ``sheets``, ``tools``, ``symmetry`` and ``dynamics`` may be given instead of
+    With one world, its ``sheets``, ``tools``, ``symmetry`` and ``dynamics`` may be given directly instead of
     ``worlds``.
 
     Attributes:
-        name: of the result files.
-        worlds: sheets and their tools; the names of all sheets, and those of all supports, differ.
+        name: used for the names of the result files, so no path.
+        worlds: sheets and their tools; the names of all sheets must differ, and those of all supports.
         duration: time at which the run ends [s].
         frame_count: frames after the first, evenly spaced in time.
-        leading_tool: index, among the tools of all worlds, of the one whose displacement is the stroke.
-        rest: ends the run earlier; None does not.
-        solver: where and how it is computed.
+        leading_tool: index, among the tools of all worlds, of the tool whose displacement is the stroke.
+        rest: ends the run early, at rest; None runs the full duration.
+        solver: how and where the run is computed.
 
     Raises:
-        InputError: anything that would spoil the run and that can be seen without a device.
+        InputError: any bad input that can be detected without a device.
     """
 
     positional = ("name", "worlds")
 
     name: str
     worlds: tuple[World, ...]
-    duration: float
+    duration: Positive
     frame_count: int = 60
     leading_tool: int = 0
     rest: Rest | None = None
@@ -172,15 +166,17 @@ class Setup(Parameters):
         if not own:
             return values
         if "worlds" in values:
-            raise ValueError(f"{', '.join(own)}: belong into worlds, which are given too")
+            raise ValueError(f"{', '.join(own)}: belong in worlds, which are given too")
         if "sheets" not in own:
             raise ValueError("sheets: is required")
         return {**{name: value for name, value in values.items() if name not in own}, "worlds": (World(**own),)}
 
-    @field_validator("duration")
+    @field_validator("name")
     @classmethod
-    def _is_a_time(cls, value: float) -> float:
-        return _seconds(value)
+    def _names_files(cls, value: str) -> str:
+        if not value.strip(" .") or not value.isprintable() or set(value) & set("/\\"):
+            raise ValueError("it becomes the name of files: give letters, without / and \\ and control characters")
+        return value
 
     @field_validator("frame_count")
     @classmethod
@@ -193,7 +189,7 @@ class Setup(Parameters):
     def _fits_together(self) -> Self:
         if not self.worlds:
             raise ValueError("worlds: at least one is needed")
-        if self.tools and not 0 <= self.leading_tool < len(self.tools):
+        if not 0 <= self.leading_tool < max(1, len(self.tools)):  # without tools it stays 0
             raise ValueError(f"leading_tool = {self.leading_tool}: there are {len(self.tools)} tools, counted from 0")
         _check_names("worlds", [world.name for world in self.worlds])
         _check_names("sheets", [sheet.name for sheet in self.sheets])
@@ -207,13 +203,13 @@ class Setup(Parameters):
 
     @property
     def sheet(self) -> Sheet:
-        """The sheet of a run that has one.
+        """The only sheet of a run.
 
         Raises:
             InputError: the run has several.
         """
         if len(self.sheets) != 1:
-            raise InputError(f"setup {self.name}: it has {len(self.sheets)} sheets; take one of setup.sheets")
+            raise InputError(f"setup {self.name}: it has {len(self.sheets)} sheets; use one of setup.sheets")
         return self.sheets[0]
 
     @property
@@ -227,13 +223,7 @@ class Setup(Parameters):
         return tuple(support for sheet in self.sheets for support in sheet.supports)
 
 
-def _seconds(value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError("a positive, finite number of seconds is needed")
-    return value
-
-
 def _check_names(what: str, names: list[str]) -> None:
     for index, name in enumerate(names):
         if not name or name in names[:index]:
-            raise ValueError(f"{what}: the name {name!r} of entry {index} is empty or taken; outputs use it")
+            raise ValueError(f"{what}: the name {name!r} of entry {index} is empty or already used; outputs need it")

@@ -15,7 +15,8 @@ from ..kernels.lanes import LaneTypes, lane_types
 from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
-from ..kernels.stepping.node_data import motion_struct, node_struct
+from ..kernels.shell.laws import sheet_struct
+from ..kernels.stepping.node_data import node_laws_struct, node_struct
 from ..process.device import build_support_arrays
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
@@ -25,14 +26,14 @@ from .layout import BLOCK, RowLayout, Span, lanes_view, padded
 from .setup import STEP_SAFETY, World
 from .traits import node_traits, sheet_traits
 
-# Contact stiffness is this share of mass / step^2: two tools on one node then take a few per cent of the stable step.
+# Contact stiffness is this share of mass / step^2: two tools on one node then reduce the stable step by a few per cent.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
-# Nodes are measured again when this share of half the thickness is left between them and a tool.
+# The distance to a tool is evaluated again once less than this share of half the thickness is left.
 SPARE_DISTANCE = 0.5
-# Steps between two looks at the stable step.
+# Steps between two updates of the stable step.
 REFRESH_INTERVAL = 20
-# Padding elements sit on this many nodes of their own.
+# Padding elements use this many nodes of their own.
 SPARE_NODE_COUNT = 4
 
 
@@ -67,11 +68,11 @@ class Numerics:
 
 @dataclass(frozen=True)
 class Places:
-    """Where the arrays of a run hold what belongs to one sheet.
+    """Ranges of one sheet in the arrays of a run.
 
     Attributes:
-        tools: those of its world, among all tools.
-        drives: those of its supports, among all drives.
+        tools: of its world, among all tools.
+        drives: of its supports, among all drives.
         first_reaction: its first block of nodes, among those of its world.
     """
 
@@ -85,17 +86,17 @@ class SheetModel:
 
     Args:
         numerics: how the run is computed.
-        sheet, world: what it is, and what it shares with others.
-        places: of its tools, drives and nodes in the arrays of the run.
+        sheet, world: the sheet, and what it shares with others.
+        places: ranges of its tools, drives and nodes in the arrays of the run.
 
     Attributes:
         blank: with the yarn directions of the sheet's orientation.
         free: (node_count, 6) bool, False where a displacement (x, y, z) or a rotation of the director about x, y, z is
             held; a held component keeps its initial velocity.
-        reference_step: stable step with straight yarns [s]; contact stiffness and the first step come from it.
+        reference_step: stable step with straight yarns [s]; contact stiffness and the first step are based on it.
         element_nodes: (4, padded elements) corner nodes.
-        corners, motion_layout, friction_layout: of what the elements write at their corners (CORNER_ROW_COUNT), of the
-            nodes' motion, and of their friction springs (three components per tool).
+        corners, motion_layout, friction_layout: layouts of the values that elements write at their corners
+            (CORNER_ROW_COUNT), of the nodes' motion, and of their friction springs (three components per tool).
         added_mass_ratio: mass added by scaling over the mass of the blank.
     """
 
@@ -127,7 +128,7 @@ class SheetModel:
         self._contact_frequency = numerics.contact_share / self.reference_step**2
         self.contact_stiffness = self._contact_frequency * self.node_mass
 
-        # padding elements keep an infinite areal density: they never decide the step
+        # padding elements keep an infinite areal density: they never limit the step
         inertia = np.stack([1.0 / self.areal_density, 1.0 / frequencies.rotary_radius_squared])
         self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)
         self.step_bounds = self._step_bounds()
@@ -169,12 +170,12 @@ class SheetModel:
 
     @property
     def follows_thickness(self) -> bool:
-        """True where tools meet the current thickness."""
+        """Whether contact with tools uses the current thickness."""
         return self.dynamics.contact_thickness == "current"
 
     @property
     def node_report_rows(self) -> tuple[str, ...]:
-        """Names of those rows of ``NodeReportRow`` that this run has."""
+        """Names of the rows of ``NodeReportRow`` that this run has."""
         first = NodeReportRow.half_thickness if self.loads is not None else NodeReportRow.load_work
         return NodeReportRow.names()[: None if self.follows_thickness else first]
 
@@ -202,7 +203,7 @@ class SheetModel:
         geometry, element_count = self.geometry, self.blank.element_count
         quads = np.empty((4, self.element_count), dtype=np.int32)
         quads[:, :element_count] = self.blank.quads.T
-        # padding elements sit on the four padding nodes, a unit square that never moves
+        # padding elements use the four padding nodes, a unit square that never moves
         quads[:, element_count:] = (self.blank.node_count + np.arange(4, dtype=np.int32))[:, None]
         gradient = self._padded(geometry.gradient, self.element_count)
         gradient[:, element_count:] = np.array([-0.5, -0.5, 0.5, -0.5])[:, None]
@@ -228,6 +229,13 @@ class SheetModel:
             setattr(elements, name, lanes_view(array, lane_count))
         elements.node_stride = self.motion_layout.stride
         return elements
+
+    def device_sheet(self, lane_count: int):
+        """Elements, unit cell and laws in one struct, for kernels with ``lane_count`` lanes."""
+        sheet = sheet_struct(self.real, lane_count, self.cell_law, self.sheet_traits)()
+        sheet.elements = self.elements_single if lane_count == 1 else self.elements
+        sheet.cell, sheet.laws = self.cell, self.laws
+        return sheet
 
     def _sheet_laws(self):
         laws = sheet_laws(self.fabric, self.precision, self.device)
@@ -278,8 +286,8 @@ class SheetModel:
         return nodes
 
     def node_laws(self):
-        """Constants of the time integration and contact, a struct of the caller's own."""
-        laws = motion_struct(self.real)()
+        """Constants of the time integration and contact, as a new struct."""
+        laws = node_laws_struct(self.real)()
         laws.gravity = self.types.vec3(*self.dynamics.gravity)
         laws.damping = self.dynamics.damping
         laws.director_damping = self.dynamics.director_damping
@@ -296,7 +304,7 @@ class SheetModel:
     # --- initial values ----------------------------------------------------------------------------------------------
 
     def initial_unknowns(self) -> np.ndarray:
-        """Of every element's unit cell at rest, (rows, padded elements)."""
+        """Unknowns of every element's unit cell at rest, (rows, padded elements)."""
         rows = np.zeros((self.cell_law.row_count, self.element_count))
         rows[: self.cell_law.unknown_count] = np.array(self.fabric.unit_cell.initial_unknowns)[:, None]
         return rows
@@ -320,12 +328,12 @@ class SheetModel:
         rows = np.zeros((len(MOTION_VECTORS), self.node_count, 3))
         position, velocities, director, _, remainder = rows
         position[:count] = self.blank.node_position
-        # the padding square, far from nothing: its nodes have no contact stiffness
+        # the padding square may be anywhere: its nodes have no contact stiffness
         position[count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
         director[:, 2] = 1.0
         director[:count] = self.blank.initial_director
         if self.start_velocity is not None:
             velocities[:count] = self.start_velocity
-        # what the precision cannot hold of the positions
+        # the rounding errors of the positions
         remainder[:] = position - position.astype(self.precision.numpy)
         return rows

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
-from zipfile import BadZipFile
 
 import numpy as np
 import warp as wp
@@ -186,20 +185,23 @@ class State:
         try:
             with np.load(path, allow_pickle=False) as file:
                 content = {name: file[name] for name in file.files}
-            about = json.loads(str(content.pop("about")))
-        except (OSError, KeyError, ValueError, BadZipFile) as error:
-            raise InputError(f"state {path}: cannot be read ({error})") from None
+            about = dict(json.loads(str(content.pop("about"))))
+            step_count = int(about["step_count"])
+        except Exception as error:  # a damaged file may fail anywhere in zipfile, NumPy or JSON
+            raise InputError(f"state {path}: cannot be read ({error}); the file is missing or damaged") from None
         for name, wanted in {"version": FILE_VERSION, **model.identity}.items():
             if about.get(name) != wanted:
+                found = "another one" if name == "setup" else f"{about.get(name)}, but this run has {wanted}"
                 raise InputError(
-                    f"state {path}: its {name.replace('_', ' ')} is {about.get(name)}, but this run has {wanted}; a "
-                    "state continues the run that wrote it"
+                    f"state {path}: its {name.replace('_', ' ')} is {found}; a state continues the run that wrote it: "
+                    "take the set-up and the solver settings of that run"
                 )
         state = cls.initial(model)
-        state.step_count = int(about["step_count"])
+        state.step_count = step_count
         for name, array in state.arrays():
-            if name not in content or content[name].shape != array.numpy().shape:
-                raise InputError(f"state {path}: {name} is missing or of another shape; the file is damaged")
+            here = array.numpy()
+            if name not in content or (content[name].shape, content[name].dtype) != (here.shape, here.dtype):
+                raise InputError(f"state {path}: {name} is missing or of another shape or type; the file is damaged")
             if array.size:
                 array.assign(content[name])
         return state

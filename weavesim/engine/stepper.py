@@ -1,8 +1,8 @@
-"""One time step as a sequence of launches: step, block of steps, interval between two outputs.
+"""Time stepping as a sequence of launches: step, block of steps, interval between two outputs.
 
-A step is: supports take the distance that they move; elements write the forces of their corners; nodes gather the
-forces, meet the tools and move, on a CPU tile by tile behind the elements; tools move and the clock advances. Every
-``REFRESH_INTERVAL`` steps the stable step is taken again from the current tangents.
+In a step, supports compute their displacement increments; elements write the forces at their corners; nodes gather the
+forces, make contact with the tools and move, on a CPU tile by tile after the elements; tools move and the clock
+advances. Every ``REFRESH_INTERVAL`` steps the stable step is computed again from the current tangents.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from .state import State
 from .threads import ThreadChoice
 from .tiles import TILE_SIZE, Part, chunks, divide_step
 
-# A thread with more tiles records one step instead of a block of them: a launch takes about 70 us to record.
+# A thread with more tiles records one step instead of a block: recording a launch takes about 70 us.
 LARGEST_RECORDED_TILE_COUNT = 8
-# At most this many blocks are done before the host checks the clock, and on a GPU that checks it by itself.
+# Largest number of blocks before the host checks the clock, and on a GPU that checks the clock itself.
 LARGEST_REPLAY = 50
 LARGEST_INTERVAL = 10_000
 
 
 def safe_block_count(remaining: float, step: float) -> int:
-    """Blocks of which none but the last can reach a time ``remaining`` seconds away, however the step grows."""
+    """Number of blocks such that only the last can reach a time ``remaining`` seconds away, however the step grows."""
     growth = float(STEP_GROWTH) - 1.0
     return max(1, int(math.log1p(growth * remaining / (REFRESH_INTERVAL * step)) / math.log1p(growth)))
 
@@ -46,15 +46,15 @@ class Stepper:
 
     Args:
         model: constants.
-        state: what is advanced: ``State.initial``, to be followed by ``start``, or one that goes on.
-        thread_counts: numbers of CPU threads, ascending, of which the fastest is taken as the run goes; results are
-            bit-identical for any of them.
+        state: what is advanced: ``State.initial``, followed by ``start``, or a state to continue from.
+        thread_counts: numbers of CPU threads, ascending; the fastest is chosen during the run. Results are
+            bit-identical for all of them.
         largest_step: upper limit of the time step [s].
-        step_safety: share of the stable step 2/omega that is taken.
+        step_safety: share of the stable step 2/omega that is used.
 
     Attributes:
-        loading_time: of the kernels, with the compilation of those that were not cached [s].
-        launches_intervals: whether all blocks up to an output are one launch, as a GPU may do them.
+        loading_time: time to load the kernels, including compilation of those that were not cached [s].
+        launches_intervals: whether all blocks up to an output are a single launch, as is possible on a GPU.
     """
 
     def __init__(
@@ -78,10 +78,10 @@ class Stepper:
         self._forget_recordings()
         self._ahead: Launches | None = None
 
-    # --- what is done once -------------------------------------------------------------------------------------------
+    # --- start -------------------------------------------------------------------------------------------------------
 
     def load(self) -> None:
-        """Load the kernels of the run, and compile those that are not cached."""
+        """Load the kernels of the run; those that are not cached are compiled."""
         started = time.perf_counter()
         for kernel_set in self.kernel_sets:
             compile_missing(kernel_set)
@@ -90,16 +90,16 @@ class Stepper:
         self.loading_time = time.perf_counter() - started
 
     def start(self) -> None:
-        """Take the first stable step of a state at time zero."""
+        """Compute the first stable step, for a state at time zero."""
         self.refresh_step()
-        # velocities live at half steps, the initial ones at time zero: the first change is that of half a step
+        # velocities are at half steps, but the initial ones at time zero: the first update covers half a step
         clock = self.state.clock.numpy()
         clock[ClockEntry.mean_step] = 0.5 * clock[ClockEntry.step]
         self.state.clock.assign(clock)
 
     @property
     def kernel_sets(self) -> list[KernelSet]:
-        """What decides the kernels of every sheet, those of its ledger included."""
+        """What determines the kernels of every sheet, including those of its ledger."""
         setup = self.model.setup
         return [
             KernelSet.of_sheet(setup, sheet.fabric.unit_cell, sheet.sheet_traits, sheet.node_traits)
@@ -108,7 +108,7 @@ class Stepper:
 
     @property
     def kernels(self) -> list[wp.Kernel]:
-        """All that is launched."""
+        """All kernels that are launched."""
         return [
             *self._launches.kernels,
             *self._replay.kernels,
@@ -118,7 +118,7 @@ class Stepper:
     # --- step, block, interval ---------------------------------------------------------------------------------------
 
     def _step(self, parts: Sequence[Sequence[Part]], thread: int) -> None:
-        """One step: ``parts`` of every sheet for every thread, of which this is ``thread``."""
+        """One step on ``thread``; ``parts`` are those of every sheet for every thread."""
         launches, wait = self._launches, partial(self._replay.wait, len(parts[0]))
         own = [of_sheet[thread] for of_sheet in parts]
         if self.model.drives.count:
@@ -154,7 +154,7 @@ class Stepper:
         self._refresh(len(parts[0]), thread)
 
     def _interval(self) -> None:
-        """All blocks up to the target, for a GPU to do without the host."""
+        """All blocks up to the target, done by a GPU without the host."""
         parts = self._parts(1)
 
         def body() -> None:
@@ -179,7 +179,7 @@ class Stepper:
     # --- recordings --------------------------------------------------------------------------------------------------
 
     def _forget_recordings(self) -> None:
-        # for each number of threads the graphs per thread that make a block; recorded when first wanted
+        # for each number of threads: the graphs per thread that form a block; recorded on first use
         self._block_graphs: dict[int, list[list[wp.Graph]]] = {}
         self._interval_graph: wp.Graph | None = None
         self._ahead_graph: wp.Graph | None = None
@@ -200,7 +200,7 @@ class Stepper:
         return self._block_graphs[thread_count]
 
     def _take_turn(self, largest_block_count: int) -> int:
-        """Do blocks on as many threads as are fastest, until that is to be decided again; how many were done."""
+        """Do blocks on the chosen number of threads until the next choice; returns the number of blocks done."""
         graphs = self._recorded_blocks(self._choice.count)
         block_count = min(largest_block_count, self._choice.block_count())
         started = time.perf_counter()
@@ -216,7 +216,7 @@ class Stepper:
         wp.capture_launch(self._interval_graph)
         self.state.step_count += self._interval_end.block_count * REFRESH_INTERVAL
 
-    # --- what others use ---------------------------------------------------------------------------------------------
+    # --- public interface --------------------------------------------------------------------------------------------
 
     @property
     def step_count(self) -> int:
@@ -225,24 +225,24 @@ class Stepper:
 
     @property
     def thread_count(self) -> int:
-        """The number of threads that most steps were done on."""
+        """The number of threads that did most steps."""
         return self._choice.most_used
 
     def evaluate(self) -> None:
-        """Element forces of the current state."""
+        """Compute the element forces of the current state."""
         for index in range(len(self.model.sheets)):
             self._launches.element_forces(index)
 
     def refresh_step(self) -> None:
-        """Take the stable step from the present state."""
+        """Compute the stable step from the current state."""
         self._refresh(1, 0)
 
     def stable_step(self) -> float:
-        """Stable step at the last refresh, safety included [s]; waits for the device."""
+        """Stable step at the last refresh, including the safety factor [s]; waits for the device."""
         return self.step_safety * 2.0 / np.sqrt(float(self._launches.maxima.numpy().max()))
 
     def look_ahead(self) -> State:
-        """The next step, done on a copy: the state stays as it is."""
+        """Do the next step on a copy and return it; the state itself does not change."""
         if self._ahead is None:
             self._ahead = Launches(self.model, self.state.clone())
             self._ahead.set_damping(self._damping)
@@ -253,7 +253,7 @@ class Stepper:
         return self._ahead.state
 
     def _step_ahead(self, phase_count: int = 3) -> None:
-        """Copy the state, and do the next step there, or its first phases."""
+        """Copy the state, and do the next step, or its first phases, on the copy."""
         assert self._ahead is not None
         ahead = self._ahead
         ahead.state.copy_from(self.state)
@@ -269,7 +269,7 @@ class Stepper:
             ahead.move_tools()
 
     def set_damping(self, rate: float | None) -> None:
-        """Damp all nodes and directors at one rate from the next step on [1/s]; None takes those of ``Dynamics``."""
+        """Damp all nodes and directors at one rate [1/s] from the next step on; None uses those of ``Dynamics``."""
         self._damping = rate
         for launches in (self._launches, self._ahead):
             if launches is not None:
@@ -277,12 +277,12 @@ class Stepper:
         self._forget_recordings()
 
     def corner_rows(self, index: int = 0, state: State | None = None) -> np.ndarray:
-        """What the elements of a sheet wrote at the last evaluation, (corner, row of CornerRow, element).
+        """Values that the elements of a sheet wrote in the last evaluation, (corner, row of CornerRow, element).
 
         Args:
             index: of the sheet.
-            state: ``look_ahead()`` for the forces of the present; by default the present state, whose forces are those
-                of the last ``evaluate`` or step.
+            state: ``look_ahead()`` for the forces at the current positions; by default the current state, whose
+                forces are those of the last ``evaluate`` or step.
         """
         sheet = self.model.sheets[index]
         corner_force = (state or self.state).sheets[index].corner_force
@@ -299,16 +299,16 @@ class Stepper:
         return result
 
     def advance(self, block_count: int = 1) -> None:
-        """Do ``block_count`` times ``REFRESH_INTERVAL`` steps."""
+        """Do ``block_count`` blocks of ``REFRESH_INTERVAL`` steps."""
         while block_count > 0:
             block_count -= self._take_turn(block_count)
 
     def advance_to(self, target: float, stop: Callable[[], bool] = lambda: False) -> None:
-        """Do blocks up to the first end of one at or after ``target`` [s].
+        """Do blocks until one ends at or after ``target`` [s].
 
-        Earlier ends are that ``stop()`` is true, and that the step is no longer positive and finite, which any number
-        of the state that is not finite leads to within a block. The host checks both between turns of about a
-        twentieth of a second, a block at least; where ``launches_intervals`` is true, only at the end of all blocks.
+        Stops earlier when ``stop()`` is true, or when the step is no longer positive and finite, which happens within a
+        block of any non-finite number in the state. The host checks both between turns of about a twentieth of a
+        second, at least a block; where ``launches_intervals`` is true, only after all blocks.
         """
         while not stop():
             clock = self.state.clock.numpy()
@@ -321,10 +321,10 @@ class Stepper:
                 self._take_turn(min(safe_block_count(remaining, step), LARGEST_REPLAY))
 
     def phases(self, repeat_count: int) -> dict[str, Callable[[], None]]:
-        """Phases of a step, to be timed on one thread: each call does ``repeat_count`` times what it is called after.
+        """Phases of a step, for timing on one thread: each call repeats the phase of its name ``repeat_count`` times.
 
-        The first three begin with a copy of the state, so that they start from the same one and leave it as it is: the
-        first only copies, each of the next does one more phase of the step behind it. The others are alone.
+        The first three begin with a copy of the state, so that they all start from it and leave it unchanged: the first
+        only copies, each of the next two adds one phase of the step. The others are measured separately.
         """
         self.look_ahead()
         assert self._ahead is not None
@@ -340,7 +340,7 @@ class Stepper:
 
         launches["stable step (every 20th)"] = frequencies
 
-        # recorded, as in a run: a launch from Python alone costs more than a small sheet
+        # recorded, as in a run: a launch from Python costs more than the work of a small sheet
         def repeat(launch: Callable[[], None]) -> None:
             for _ in range(repeat_count):
                 launch()
@@ -349,7 +349,7 @@ class Stepper:
         return {name: partial(wp.capture_launch, graph) for name, graph in graphs.items()}
 
     def arrays(self) -> list[wp.array]:
-        """All that constants and state of elements and nodes are kept in, each allocation once."""
+        """All arrays with constants and state of elements and nodes, each allocation once."""
         found: dict[int, wp.array] = {}
         own = [array for _, array in self.state.arrays()]
         for array in [*own, *self.model.arrays(), *self._launches.squared_frequency]:

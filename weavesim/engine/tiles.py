@@ -1,4 +1,4 @@
-"""What each thread does in a step: tiles of elements, and the nodes that may move behind them."""
+"""What each thread does in a step: tiles of elements, and the nodes that can move after them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Elements whose forces stay in a core's second-level cache until their nodes have moved.
+# Number of elements whose forces stay in a core's L2 cache until their nodes have moved.
 TILE_SIZE = 1024
 
 
@@ -21,8 +21,8 @@ class Part:
     """What one thread does in a step; ranges of blocks of lanes as (first, count).
 
     Attributes:
-        tiles: elements, then the nodes that may move after them.
-        shared: nodes that may move when the elements of all threads are done.
+        tiles: elements, then the nodes that can move after them.
+        shared: nodes that can move once the elements of all threads are done.
     """
 
     tiles: tuple[tuple[tuple[int, int], tuple[int, int]], ...]
@@ -30,10 +30,10 @@ class Part:
 
 
 def divide_step(element_nodes: np.ndarray, lane_count: int, thread_count: int, tile_size: int) -> list[Part]:
-    """Share the elements out to threads and cut them into tiles.
+    """Distribute the elements to threads and divide them into tiles.
 
-    A node may move as soon as all of its elements are done, and is then best moved while their forces are in the cache.
-    Numbers that run through the mesh row by row let nearly all nodes move so; without any order all of them wait.
+    A node can move as soon as all of its elements are done, and it is fastest while their forces are in the cache. With
+    elements numbered row by row nearly all nodes can do so; with random numbering all of them have to wait.
 
     Args:
         element_nodes: (4, padded element count) corner nodes.
@@ -75,6 +75,6 @@ def divide_step(element_nodes: np.ndarray, lane_count: int, thread_count: int, t
 
 
 def _runs(numbers: np.ndarray) -> list[tuple[int, int]]:
-    """Ascending numbers as (first, count) of what follows without a gap."""
+    """Ascending numbers as (first, count) of consecutive runs."""
     runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
     return [(int(run[0]), len(run)) for run in runs if len(run)]

@@ -1,4 +1,4 @@
-"""What the kernels of a sheet are made for, from its set-up alone."""
+"""Traits for which the kernels of a sheet are generated, from its set-up alone."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .setup import World
 
 
 def sheet_traits(fabric: Fabric, geometry: ElementGeometry, dynamics: Dynamics) -> SheetTraits:
-    """What the kernels of the elements are made for."""
+    """Traits for the element kernels."""
     return SheetTraits(
         **law_traits(fabric),
         follows_thickness=dynamics.contact_thickness == "current",
@@ -26,7 +26,7 @@ def sheet_traits(fabric: Fabric, geometry: ElementGeometry, dynamics: Dynamics) 
 
 
 def node_traits(sheet: Sheet, world: World) -> NodeTraits:
-    """What the kernel of the nodes is made for."""
+    """Traits for the node kernel."""
     parts = [part for tool in world.tools for part in tool.shape.parts()]
     return NodeTraits(
         follows_thickness=world.dynamics.contact_thickness == "current",

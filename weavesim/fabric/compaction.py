@@ -17,40 +17,40 @@ if TYPE_CHECKING:
 class Compaction(Parameters):
     """t = t_0 J^-n / (1 + p/E_c), v_f = (fibre mass per area) / (fibre density t J).
 
-    J is the area ratio, p the pressure with which warp and weft press on each other, per reference area. A sheet whose
-    area shrinks in shear thickens (n = 1: it keeps its fibre content; n = 0: it keeps its thickness and packs its
-    fibres instead); yarns under tension flatten each other where they cross.
+    J is the area ratio, p the pressure between warp and weft, per reference area. A sheet whose area shrinks in shear
+    thickens (n = 1: its fibre content stays constant; n = 0: its thickness stays constant and its fibres pack
+    instead); yarns under tension flatten each other where they cross.
     """
 
-    thickening: Share = Field(default=1.0, description="n, share of a loss of area that turns into thickness")
+    thickening: Share = Field(default=1.0, description="n, share of a loss of area that is converted to thickness")
     crossover_modulus: Positive | None = Field(
-        default=None, description="E_c, pressure over relative flattening [Pa]; None takes that of the unit cell"
+        default=None, description="E_c, pressure over relative flattening [Pa]; None uses that of the unit cell"
     )
     fibre_areal_density: Positive | None = Field(
-        default=None, description="mass of the fibres alone per reference area [kg/m^2]; None: no fibre fraction"
+        default=None, description="mass of the fibres alone per reference area [kg/m^2]; None: no fibre volume fraction"
     )
-    fibre_density: Positive | None = Field(default=None, description="mass of the fibres per volume [kg/m^3]")
+    fibre_density: Positive | None = Field(default=None, description="density of the fibres [kg/m^3]")
 
     def modulus(self, cell: UnitCell) -> float:
-        """E_c [Pa]; infinite where the cell has no crossover that could flatten."""
+        """E_c [Pa]; infinite if the cell has no crossovers that can flatten."""
         return cell.crossover_modulus if self.crossover_modulus is None else self.crossover_modulus
 
     def thickness_ratio(self, cell: UnitCell, area_ratio: np.ndarray, pressure: np.ndarray) -> np.ndarray:
-        """t/t_0 from the area ratio J and the pressure of the crossovers [Pa]."""
+        """t/t_0 from the area ratio J and the crossover pressure [Pa]."""
         return area_ratio**-self.thickening / (1.0 + np.maximum(pressure, 0.0) / self.modulus(cell))
 
     def fibre_volume_fraction(self, thickness: np.ndarray, area_ratio: np.ndarray) -> np.ndarray | None:
-        """Share of the volume that is fibre, of sheets of a thickness [m]; None if the fibres are not known."""
+        """Fibre volume fraction at the given thickness [m]; None if the fibre content is unknown."""
         if self.fibre_areal_density is None or self.fibre_density is None:
             return None
         return self.fibre_areal_density / (self.fibre_density * thickness * area_ratio)
 
 
 def check_compaction(compaction: Compaction, thickness: float, areal_density: float) -> None:
-    """ValueError if the fibres weigh more than the sheet, or fill more than its volume."""
+    """Raise ValueError if the fibres weigh more than the sheet, or fill more than is possible."""
     fibres, density = compaction.fibre_areal_density, compaction.fibre_density
     if (fibres is None) != (density is None):
-        raise ValueError("compaction: fibre_areal_density and fibre_density are needed together")
+        raise ValueError("compaction: give fibre_areal_density and fibre_density together")
     if fibres is None or density is None:
         return
     if fibres > areal_density * (1.0 + 1.0e-9):

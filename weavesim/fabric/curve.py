@@ -1,4 +1,4 @@
-"""Measured curves: cubic interpolation through their points, and the even table that the kernels read."""
+"""Measured curves: cubic interpolation through their points, and the evenly spaced table that the kernels read."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from ..errors import InputError
 
 
 def check_curve(abscissa: Sequence[float], values: Sequence[float], names: tuple[str, str], *, from_zero: bool) -> None:
-    """ValueError if this is no curve over increasing, finite numbers from 0 (``from_zero``: with the value 0 there)."""
+    """Raise ValueError unless ``abscissa`` is finite and increases from 0 (``from_zero``: the first value is 0 too)."""
     x, y = np.array(abscissa), np.array(values)
     if len(x) != len(y) or len(x) < (2 if from_zero else 1):
         least = "two" if from_zero else "one"
-        raise ValueError(f"{len(x)} {names[0]} and {len(y)} {names[1]}: {least} or more of each, as many, are needed")
+        raise ValueError(f"{len(x)} {names[0]} and {len(y)} {names[1]}: give the same number of both, {least} or more")
     if not (np.all(np.isfinite(x)) and np.all(np.isfinite(y))):
         raise ValueError(f"{names[0]} and {names[1]} must be finite")
     if x[0] != 0.0 or np.any(np.diff(x) <= 0.0):
         raise ValueError(f"{names[0]} must start at 0 and increase")
     if from_zero and y[0] != 0.0:
-        raise ValueError(f"{names[1]} must start at 0, where {names[0]} do")
+        raise ValueError(f"{names[1]} must start at 0, as {names[0]} do")
 
 
-# Numbers of one quantity.
+# Values of one quantity.
 Column = Sequence[float] | np.ndarray
 
 
@@ -31,7 +31,7 @@ def measured_columns(**columns: Column) -> tuple[np.ndarray, ...]:
     """Columns of one test, by name, as arrays (n,).
 
     Raises:
-        InputError: values that are no finite numbers, or columns of unequal lengths.
+        InputError: values that are not finite numbers, or columns of unequal length.
     """
     result = []
     for name, values in columns.items():
@@ -44,22 +44,22 @@ def measured_columns(**columns: Column) -> tuple[np.ndarray, ...]:
         result.append(array.astype(float))
     if len({len(array) for array in result}) > 1:
         lengths = ", ".join(f"{len(array)} of {name}" for name, array in zip(columns, result, strict=True))
-        raise InputError(f"{lengths}: as many values of each are needed")
+        raise InputError(f"{lengths}: the same number of values is needed in each")
     if len(result[0]) < 2:
-        raise InputError(f"{next(iter(columns))}: two points or more are needed")
+        raise InputError(f"{next(iter(columns))}: at least two points are needed")
     return tuple(result)
 
 
 def interpolate(knots: Column, values: Column, x: np.ndarray) -> np.ndarray:
-    """Cubic curve through points at ``x`` >= 0; beyond the last point its end slope goes on, never a negative one.
+    """Cubic curve through points at ``x`` >= 0; extrapolated with its end slope, or zero if that is negative.
 
     Args:
-        knots, values: the points, (n,) each, two at least; knots increase.
-        x: where, any shape.
+        knots, values: the points, (n,) each, at least two; knots increase.
+        x: where to evaluate, any shape.
 
     Returns:
-        Values in the unit of ``values``, in the shape of ``x``. Slopes at the points are three-point differences, of
-        second order also at the ends.
+        Values in the unit of ``values``, in the shape of ``x``. Slopes at the points are three-point differences,
+        second-order also at the ends.
     """
     knots, values = np.asarray(knots, dtype=float), np.asarray(values, dtype=float)
     slope = np.gradient(values, knots, edge_order=2 if len(knots) > 2 else 1)
@@ -79,9 +79,9 @@ def interpolate(knots: Column, values: Column, x: np.ndarray) -> np.ndarray:
 def tabulate(
     function: Callable[[np.ndarray], np.ndarray], spacing: float, piece_count: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Cubic pieces of a function of x >= 0 between even knots, and one straight piece beyond the last.
+    """Cubic pieces of a function of x >= 0 between evenly spaced knots, and one linear piece beyond the last.
 
-    Slopes are differences of the function, as it may be more than the interpolated curve (locking is added to it).
+    Slopes are finite differences of the function, since it may be more than the interpolated curve (locking is added).
     Exact slopes would change the last digits of every run.
 
     Returns:

@@ -1,4 +1,4 @@
-"""The laws of a fabric on a device: the structs that the kernels read. Only the engine imports this module."""
+"""The laws of a fabric on a device: structs that the kernels read. Only the engine imports this module."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import warp as wp
 from ..device import Precision
 from ..kernels.curve import curve_struct
 from ..kernels.lanes import lane_types
-from ..kernels.shell.laws import SheetTraits, sheet_struct
+from ..kernels.shell.laws import SheetTraits, sheet_laws_struct
 from .curve import tabulate
 from .device_form import DeviceForm, Tabulated
 from .fabric import Fabric
@@ -20,18 +20,18 @@ CURVE_PIECE_COUNT = 512
 
 
 def law_traits(fabric: Fabric) -> dict[str, Any]:
-    """The fields of ``SheetTraits`` that the fabric's laws decide."""
+    """The fields of ``SheetTraits`` that depend on the fabric's laws."""
     modules = {name: form.module for name, form in _forms(fabric).items()}
     return {**modules, "bending_friction": fabric.has_bending_friction}
 
 
 def sheet_laws(fabric: Fabric, precision: Precision, device: Any) -> Any:
-    """A ``sheet_struct`` with all constants of a fabric but those of the stabilisation."""
-    laws = sheet_struct(precision.real, SheetTraits(**law_traits(fabric)))()
+    """A ``sheet_laws_struct`` with all constants of a fabric except those of the stabilisation."""
+    laws = sheet_laws_struct(precision.real, SheetTraits(**law_traits(fabric)))()
     for name, form in _forms(fabric).items():
         _fill(getattr(laws, name), form, precision, device)
     vec2 = wp.types.vector(2, precision.real)
-    # a family without friction has a slider that never holds: any spring will do
+    # in a family without friction the slider always slips: any spring stiffness will do
     laws.bending_friction.stiffness = vec2(*(stiffness or 1.0 for stiffness in fabric.bending.friction_stiffness))
     laws.bending_friction.limit = vec2(*fabric.bending.friction_limit)
     laws.thickness = fabric.thickness
@@ -45,7 +45,7 @@ def sheet_laws(fabric: Fabric, precision: Precision, device: Any) -> Any:
 
 
 def device_curve(table: Tabulated, precision: Precision, device: Any) -> Any:
-    """The device's table of a function."""
+    """The table of a function on a device."""
     spacing = table.end / CURVE_PIECE_COUNT
     coefficients, integral = tabulate(table.function, spacing, CURVE_PIECE_COUNT)
     curve = curve_struct(precision.real)()
@@ -57,7 +57,7 @@ def device_curve(table: Tabulated, precision: Precision, device: Any) -> Any:
 
 
 def _forms(fabric: Fabric) -> dict[str, DeviceForm]:
-    """Each law by the field of ``SheetTraits`` and of ``sheet_struct`` that holds it."""
+    """Each law by its field name in ``SheetTraits`` and ``sheet_laws_struct``."""
     friction = fabric.shear_friction
     return {
         "shear": fabric.shear.device_form(fabric.thickness),

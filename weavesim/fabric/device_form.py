@@ -1,4 +1,4 @@
-"""What a law hands to the kernels: plain numbers and curves, from which the engine fills the structs of the device."""
+"""What a law passes to the kernels: plain numbers and curves, from which the engine fills the device structs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Tabulated:
-    """A function of x >= 0 that the kernels read from a table between 0 and ``end``, straight beyond."""
+    """A function of x >= 0 that the kernels read from a table between 0 and ``end``; linear beyond."""
 
     function: Callable[[np.ndarray], np.ndarray]
     end: float

@@ -1,4 +1,4 @@
-"""Fabrics: physical parameters with their sources, checked when they are made."""
+"""Fabrics: physical parameters with their sources, checked on construction."""
 
 from __future__ import annotations
 
@@ -14,53 +14,54 @@ from .cell import UnitCell
 from .compaction import Compaction, check_compaction
 from .shear import CrossoverFriction, LinearShear, ShearLaw
 
-# No law may resist locking or slip harder than this share of a yarn's stiffness per width: it enters the stable step.
+# Stiffness of locking and of friction springs is at most this share of a yarn's stiffness per width: it affects the
+# stable step.
 LARGEST_LOCKING_SHARE = 0.1
 
 
 class Stabilisation(Parameters):
     """Shares of the exact stiffness of the hourglass modes; constants of a run.
 
-    The in-plane share is of the shear stiffness, never of the yarns': a sheet that shears almost freely would else be
-    locked by its own stabilisation. The warping mode is measured without the twist, so that a pure twist costs nothing.
+    The in-plane share is of the shear stiffness, never of the yarns': otherwise a sheet with little shear stiffness
+    would be locked by its own stabilisation. The warping mode excludes the twist, so that pure twist stores no energy.
     """
 
-    in_plane: NotNegative = Field(default=0.1, description="of the in-plane modes, a share of the shear stiffness")
-    warping: NotNegative = Field(default=0.1, description="of the warping mode, a share of transverse shear")
-    director: NotNegative = Field(default=0.1, description="of the directors' modes, a share of the bending stiffness")
+    in_plane: NotNegative = Field(default=0.1, description="in-plane modes, share of the shear stiffness")
+    warping: NotNegative = Field(default=0.1, description="warping mode, share of the transverse shear stiffness")
+    director: NotNegative = Field(default=0.1, description="director modes, share of the bending stiffness")
 
 
 class Fabric(Parameters):
-    """A woven fabric as the sheet sees it."""
+    """A woven fabric: the material of a sheet."""
 
-    name: str = Field(description="of the fabric, in reports")
+    name: str = Field(description="name of the fabric, for reports")
     areal_density: Annotated[Positive, at_most(50.0, "it is in kg/m^2, write 0.6 for 600 g/m^2")] = Field(
         description="mass per reference area [kg/m^2]"
     )
     thickness: Annotated[Positive, at_most(0.05, "it is in metres, write 0.0012 for 1.2 mm")] = Field(
         description="of the undeformed sheet [m]"
     )
-    unit_cell: SerializeAsAny[UnitCell] = Field(description="what the yarns do")
+    unit_cell: SerializeAsAny[UnitCell] = Field(description="response of the yarns")
     shear: SerializeAsAny[ShearLaw] = Field(description="elastic law of in-plane shear")
     shear_friction: SerializeAsAny[CrossoverFriction] | None = Field(
-        default=None, description="of the yarns that turn on each other, beside the elastic law"
+        default=None, description="friction of the yarns that rotate on each other, in addition to the elastic law"
     )
     bending: SerializeAsAny[BendingLaw] = Field(kw_only=True, description="law of bending")
     transverse_shear_modulus: NotNegative = Field(kw_only=True, description="G of equation (6) across the sheet [Pa]")
     in_plane_bending_stiffness: NotNegative = Field(
         default=0.0,
-        description="B of psi = 1/2 B |grad gamma|^2: yarns resist being bent in the plane, so that the shear angle "
-        "cannot jump from element to element [N m]",
+        description="B of psi = 1/2 B |grad gamma|^2: in-plane bending stiffness of the yarns, which keeps the shear "
+        "angle from jumping between elements [N m]",
     )
     compressive_stiffness: NotNegative = Field(
         default=0.0,
-        description="of the sheet itself along yarns that are pushed together, beside the unit cell's [N/m]",
+        description="of the sheet itself along yarns in compression, in addition to the unit cell's [N/m]",
     )
     stabilisation: Stabilisation = Field(default=Stabilisation(), description="of the hourglass modes")
     compaction: Compaction = Field(default=Compaction(), description="thickness and fibre content when deformed")
     source: str = Field(default="", description="where the values come from")
     assumed: tuple[str, ...] = Field(
-        default=(), description="names of the values that no source gives; a report labels them so"
+        default=(), description="names of the values without a source; a report labels them as assumed"
     )
 
     @model_validator(mode="after")
@@ -92,17 +93,17 @@ class Fabric(Parameters):
 
     @property
     def has_bending_friction(self) -> bool:
-        """True where a bent yarn of one family at least has friction inside."""
+        """True if the yarns of at least one family have internal bending friction."""
         return max(self.bending.friction_limit) > 0.0
 
     @property
     def has_inner_friction(self) -> bool:
-        """True where yarns or fibres slip on each other inside the sheet, which then has a history."""
+        """True if yarns or fibres can slip inside the sheet, which makes it history-dependent."""
         return self.shear_friction is not None or self.has_bending_friction
 
     @property
     def shear_stiffness_scale(self) -> float:
-        """Typical shear stiffness [N/m], for the in-plane stabilisation: the mean of m/gamma up to 45 degrees."""
+        """Typical shear stiffness [N/m] for the in-plane stabilisation: the mean of m/gamma up to 45 degrees."""
         angle = np.linspace(0.0, math.pi / 4, 46)[1:]
         moment = self.shear.moment(angle, self.thickness)
         if self.shear_friction is not None:
@@ -116,7 +117,7 @@ class Fabric(Parameters):
 
     @property
     def largest_bending_stiffness(self) -> float:
-        """Bound of the bending stiffness of any curvature [N m], for the stable step."""
+        """Upper bound of the bending stiffness at any curvature [N m], for the stable step."""
         return self.bending.largest_stiffness(self.thickness)
 
     @property

@@ -1,7 +1,7 @@
-"""The registry of laws: which kinds a field of a fabric may be, and how each is made.
+"""The registry of laws: the kinds that each field of a fabric accepts, and their constructors.
 
 A law is a kind of a family (``checks.Kinded``), registered when its class is defined. Fabric files, presets, the tables
-of the documentation and the tests' lists read the registry, so that a law is added by its own file alone.
+of the documentation and the tests read the registry, so that a new law needs only its own file.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from ..checks import Kinded, Parameters
 
 
 def define_kinds(package: str, path: Iterable[str]) -> None:
-    """Import all modules of a package, given by its ``__name__`` and ``__path__``: that registers their kinds."""
+    """Register the kinds of a package, given by its ``__name__`` and ``__path__``, by importing all its modules."""
     for module in pkgutil.iter_modules(path):
         importlib.import_module(f"{package}.{module.name}")
 
 
 def kinds_of_field(owner: type[Parameters], field: str) -> dict[str, type[Parameters]]:
-    """What a table in this place may be, by the name that its ``kind`` gives; empty if the field takes no table."""
+    """The kinds that a table for this field may have, by name; empty if the field does not accept a table."""
     result: dict[str, type[Parameters]] = {}
     for part in _classes(owner.model_fields[field].annotation):
         result |= part.kinds() if issubclass(part, Kinded) else {part.__name__: part}
@@ -29,14 +29,14 @@ def kinds_of_field(owner: type[Parameters], field: str) -> dict[str, type[Parame
 
 
 def implied_kind(owner: type[Parameters], field: str) -> str | None:
-    """The kind of a table in this place that says none."""
+    """The kind of a table for this field that does not give one."""
     for part in _classes(owner.model_fields[field].annotation):
         return part.implied_kind if issubclass(part, Kinded) else part.__name__
     return None
 
 
 def kinds_within(owner: type[Parameters]) -> dict[str, type[Parameters]]:
-    """All kinds that ``owner`` may be made of, in the order of its fields, those within others after them."""
+    """All kinds that ``owner`` may contain, in the order of its fields, nested ones after their owners."""
     result: dict[str, type[Parameters]] = {}
     waiting = [owner]
     while waiting:
@@ -49,7 +49,7 @@ def kinds_within(owner: type[Parameters]) -> dict[str, type[Parameters]]:
 
 
 def constructors(kind: type[Parameters]) -> dict[str, Callable[..., Parameters]]:
-    """Class methods that make a value of this kind, by name, beside its own name."""
+    """Class methods that construct a value of this kind, by name."""
     family = next((base for base in kind.__mro__ if Kinded in base.__bases__), Parameters)
     names = {name for base in kind.__mro__ for name, item in vars(base).items() if isinstance(item, classmethod)}
     general = {name for base in family.__mro__ for name in vars(base)}
@@ -57,7 +57,7 @@ def constructors(kind: type[Parameters]) -> dict[str, Callable[..., Parameters]]
 
 
 def _classes(annotation: Any) -> Iterator[type[Parameters]]:
-    """The classes of checked values in a field's type."""
+    """The ``Parameters`` classes in a field's type."""
     if isinstance(annotation, type) and issubclass(annotation, Parameters):
         yield annotation
     for part in get_args(annotation):

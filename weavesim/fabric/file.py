@@ -17,12 +17,12 @@ from .families import constructors, implied_kind, kinds_of_field, kinds_within
 from .presets import PRESETS
 
 FABRIC_HELP = f"one of {', '.join(PRESETS)}, or a .toml or .json file"
-# What a constructor may raise on values that it cannot take.
+# Exceptions that a constructor may raise for bad values.
 _MISTAKES = (TypeError, ValueError, ArithmeticError)
 
 
 def resolve_fabric(name_or_path: str) -> Fabric:
-    """A preset by its name, or the fabric of a file ending in .toml or .json.
+    """A preset by name, or the fabric of a .toml or .json file.
 
     Raises:
         InputError: no such preset or file, or a file with mistakes.
@@ -37,13 +37,13 @@ def resolve_fabric(name_or_path: str) -> Fabric:
 
 
 def load_fabric(path: str | Path) -> Fabric:
-    """The fabric that a TOML or JSON file describes.
+    """Read a fabric from a TOML or JSON file.
 
     Keys are the names of the parameters of ``Fabric``, in SI units, as ``Fabric.to_json`` writes them; ``based_on``
-    names a preset whose values hold where the file is silent. A table chooses its law by ``kind``, such as
-    "TwillWeave", or "MomentCurve.from_picture_frame" to call a constructor; tables may be within tables. In place of a
-    list of numbers, ``{csv = "test.csv", column = "force", scale = 1000.0}`` takes a column of a CSV file with a
-    header, beside the fabric's file, times the scale (by default 1).
+    names a preset that supplies all values that the file does not give. A table chooses its law by ``kind``, such as
+    "TwillWeave", or "MomentCurve.from_picture_frame" to call a constructor; tables may be nested. In place of a
+    list of numbers, ``{csv = "test.csv", column = "force", scale = 1000.0}`` reads a column of a CSV file with a
+    header, relative to the fabric's file, and multiplies it by the scale (default 1).
 
     Raises:
         InputError: a file that is missing or unreadable, an unknown kind, or values that are not allowed.
@@ -73,21 +73,21 @@ def load_fabric(path: str | Path) -> Fabric:
 
 
 def _converted(value: Any, name: str, owner: type[Parameters] | None, folder: Path) -> Any:
-    """Tables as parameters or columns, lists as tuples; ``name`` is a field of ``owner``, if that is known."""
+    """Convert tables to parameters or columns, lists to tuples; ``name`` is a field of ``owner``, if that is known."""
     if isinstance(value, list):
         return tuple(_converted(item, name, owner, folder) for item in value)
     if not isinstance(value, dict):
         return value
     if "csv" in value:
         return _column(value, name, folder)
-    # the argument of a constructor may be of any kind
+    # arguments of constructors accept any kind
     field_of = owner if owner is not None and name in owner.model_fields else None
     allowed = kinds_of_field(field_of, name) if field_of else kinds_within(Fabric)
     if not allowed:
         raise InputError(f"{name}: a value is needed, not a table")
     given = value.get("kind", implied_kind(field_of, name) if field_of else None)
     if given is None:
-        raise InputError(f"[{name}] says no kind; one of {', '.join(allowed)} is needed")
+        raise InputError(f"[{name}] has no kind; one of {', '.join(allowed)} is needed")
     kind, _, constructor = str(given).partition(".")
     if kind not in allowed:
         raise InputError(f"[{name}] kind = {given!r}: one of {', '.join(allowed)} is needed")
@@ -108,7 +108,7 @@ def _converted(value: Any, name: str, owner: type[Parameters] | None, folder: Pa
 def _column(value: dict[str, Any], name: str, folder: Path) -> tuple[float, ...]:
     unknown = set(value) - {"csv", "column", "scale"}
     if unknown or "column" not in value:
-        raise InputError(f"{name}: a CSV column needs csv and column, and may have scale; given are {sorted(value)}")
+        raise InputError(f"{name}: a CSV column needs csv and column, optionally scale; got {sorted(value)}")
     path = folder / str(value["csv"])
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
@@ -126,6 +126,6 @@ def _column(value: dict[str, Any], name: str, folder: Path) -> tuple[float, ...]
             result.append(scale * float(row[value["column"]]))
         except (TypeError, ValueError):
             raise InputError(
-                f"{name}: {path}, line {line}: {row[value['column']]!r} is no number (use a point, not a comma)"
+                f"{name}: {path}, line {line}: {row[value['column']]!r} is not a number (use a point, not a comma)"
             ) from None
     return tuple(result)

@@ -20,11 +20,11 @@ def glass_polypropylene(
 ) -> Fabric:
     """Commingled glass/polypropylene plain weave, as in the double-dome benchmark.
 
-    Areal density, thickness, pitch, yarn stiffness and the shear curve: published, second-hand (Aridhi et al. 2019,
+    Areal density, thickness, pitch, yarn stiffness and the shear curve are published, second-hand (Aridhi et al. 2019,
     credited there to Cao et al. 2008). Crimp, contact stiffness, yarn bending and sheet bending are assumed.
     """
     thickness = 1.2e-3
-    bending_modulus = 20.0e6  # of the sheet [Pa]; pushed together along its yarns it is as stiff
+    bending_modulus = 20.0e6  # of the sheet [Pa]; also sets its compressive stiffness along the yarns
     return Fabric(
         name="glass/polypropylene plain weave",
         areal_density=0.743,
@@ -46,16 +46,16 @@ def glass_polypropylene(
     )  # fmt: skip
 
 
-# Examples of all kinds of unit cells, to try, to test and to measure. All but those of the plain weave are assumed.
+# Examples of all kinds of unit cells, for trials, tests and benchmarks. All except the plain weave are assumed.
 UNIT_CELLS: dict[str, Callable[[], UnitCell]] = {
     name: make for kind in UnitCell.kinds().values() for name, make in sorted(kind.examples().items())
 }
 
 
 def assumed_fabric(unit_cell: str) -> Fabric:
-    """The glass/polypropylene fabric with another of ``UNIT_CELLS``: no such fabric was measured."""
+    """The glass/polypropylene fabric with another of ``UNIT_CELLS``; no such fabric was measured."""
     fabric, cell = glass_polypropylene(), UNIT_CELLS[unit_cell]()
-    # locking may be a tenth as stiff as the softer yarns
+    # locking stiffness is limited to a tenth of that of the softer yarns
     largest = LARGEST_LOCKING_SHARE * min(cell.yarn_stiffness_per_width)
     return fabric.model_copy(
         update={

@@ -1,4 +1,4 @@
-"""The response of any unit cell on its own, for any number of strains and cells at once."""
+"""The response of any unit cell by itself, for any number of strains and cells at once."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..device import initialise, resolve_device, resolve_precision
 from ..errors import InputError
-from ..kernels.cell.response import unit_cell_response_kernel
+from ..kernels.cell.response import response_struct, unit_cell_response_kernel
 from ..kernels.rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
 from .cell import UnitCell
 
@@ -25,20 +25,20 @@ TANGENT = (
 
 @dataclass(frozen=True)
 class UnitCellResponse:
-    """Answers for n strains; all per reference area or width.
+    """Response to n strains; all values per reference area or width.
 
     Attributes:
         unknowns: internal unknowns, (n, unknown_count); of the plain weave the height changes w_1, w_2 [m].
         force_per_width: n_1, n_2, (n, 2) [N/m].
         moment: m = dpsi/dgamma, (n,) [N/m].
-        crossover_force: pressing warp and weft together at a physical crossover, (n,) [N].
-        energy: parts of psi, (n, part_count) [J/m^2]; ``energy_names`` says which.
+        crossover_force: force that presses warp and weft together at a physical crossover, (n,) [N].
+        energy: parts of psi, (n, part_count) [J/m^2], in the order of ``energy_names``.
         energy_names: names of the parts.
-        tangent: derivatives of (n_1, n_2, m) by (warp stretch, weft stretch, shear angle) with the unknowns in
-            equilibrium, (n, 3, 3) [N/m].
+        tangent: derivatives of (n_1, n_2, m) with respect to (warp stretch, weft stretch, shear angle) with the
+            unknowns in equilibrium, (n, 3, 3) [N/m].
         residual: largest relative residual on the path, (n,).
-        iterations: most Newton steps of one increment before its last, (n,).
-        snap_loss: energy freed by jumps to other equilibria on the path, (n,) [J/m^2].
+        iterations: largest number of Newton steps in one increment, not counting its last, (n,).
+        snap_loss: energy released by jumps to other equilibria on the path, (n,) [J/m^2].
     """
 
     unknowns: np.ndarray
@@ -66,13 +66,13 @@ def respond(
     """Follow each cell from rest to ``stretch`` and ``shear_angle`` in equal increments.
 
     Args:
-        cells: one cell for all, or one per row of ``stretch``; all of one class.
+        cells: one cell for all rows of ``stretch``, or one per row; all of the same class.
         stretch: of warp and weft, (n, 2).
-        shear_angle: one for all, or (n,) [rad]; less than a right angle.
+        shear_angle: one for all rows, or (n,) [rad]; below pi/2.
         start: first guess of the unknowns, (n, unknown_count); those of the cell at rest by default.
 
     Raises:
-        InputError: strains that are not finite, stretches not positive, or shapes that do not fit.
+        InputError: strains that are not finite, stretches that are not positive, or shapes that do not match.
     """
     initialise()
     precision = resolve_precision(precision)
@@ -85,24 +85,29 @@ def respond(
     count = len(stretch)
     angle = np.asarray(shear_angle, dtype=float)
     if angle.shape not in ((), (count,)) or not np.all(np.abs(angle) < 0.5 * np.pi):
-        raise InputError(f"shear_angle: one angle or {count} are needed, in radians and less than a right angle")
+        raise InputError(f"shear_angle: one angle or {count} are needed, in radians and below pi/2")
     cells = [cells] if isinstance(cells, UnitCell) else list(cells)
     if len(cells) not in (1, count):
-        raise InputError(f"{len(cells)} cells for {count} pairs of stretches: give one, or as many")
+        raise InputError(f"{len(cells)} cells for {count} pairs of stretches: give one, or {count}")
     law = cells[0].law()
     if any(cell.law() is not law for cell in cells):
-        raise InputError("cells of several classes were given: answer each class on its own")
+        raise InputError("cells of several classes were given: call respond for each class separately")
     if start is None:
         start = np.array([cell.initial_unknowns for cell in cells])
     first_guess = np.zeros((count, law.row_count))
     first_guess[:, : law.unknown_count] = start
     strain = np.empty((StrainRow.row_count(), count))
     strain[[StrainRow.warp, StrainRow.weft]], strain[StrainRow.shear_angle] = stretch.T - 1.0, angle
-    row_counts = (
-        law.row_count, CellForceRow.row_count(), len(law.energy_names), TangentRow.row_count(),
-        ConvergenceRow.row_count(),
-    )  # fmt: skip
-    rows = [wp.zeros((n, count), dtype=real, device=wp_device) for n in row_counts]
+    row_counts = {
+        "unknowns": law.row_count,
+        "force": CellForceRow.row_count(),
+        "energy": len(law.energy_names),
+        "tangent": TangentRow.row_count(),
+        "convergence": ConvergenceRow.row_count(),
+    }
+    response = response_struct(real)()
+    for name, row_count in row_counts.items():
+        setattr(response, name, wp.zeros((row_count, count), dtype=real, device=wp_device))
     wp.launch(
         unit_cell_response_kernel(real, law),
         dim=count,
@@ -114,10 +119,12 @@ def respond(
             wp.array(first_guess.T.copy(), dtype=real, device=wp_device),
             increment_count,
         ],
-        outputs=rows,
+        outputs=[response],
         device=wp_device,
     )
-    unknowns, force, energy, tangent, convergence = (row.numpy().astype(np.float64).T for row in rows)
+    unknowns, force, energy, tangent, convergence = (
+        getattr(response, name).numpy().astype(np.float64).T for name in row_counts
+    )
     return UnitCellResponse(
         unknowns=unknowns[:, : law.unknown_count],
         force_per_width=force[:, [CellForceRow.warp, CellForceRow.weft]],

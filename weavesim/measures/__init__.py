@@ -1,4 +1,4 @@
-"""Numbers that are read off a formed sheet."""
+"""Quantities measured on a formed sheet."""
 
 from .angles import (
     locate,

@@ -18,25 +18,24 @@ if TYPE_CHECKING:
 
 
 def smoothed_shear_angle(blank: Blank, shear_angle: np.ndarray, symmetry: Symmetry = WHOLE) -> np.ndarray:
-    """Shear angle smoothed to the nodes for pictures and points: the mean by area around each, (node_count,) [rad].
+    """Shear angle smoothed to the nodes for pictures and points: area-weighted mean around each, (node_count,) [rad].
 
     On a symmetry plane the mirrored elements count as well, by their ``shear_angle_parity``.
 
-    The solver has a mean of its own (theory, "mean shear angle around a node"), in which all elements around a node
-    have the same weight: it is part of a bending energy, where it only has to be smooth and cheap to gather. A result
-    that is read off must not depend on how a mesh is graded, so here elements count by their area. On even meshes
-    both are the same.
+    The solver uses another mean (theory, "mean shear angle around a node"), in which all elements around a node have
+    the same weight: it is part of a bending energy, where it only has to be smooth and cheap to gather. A result must
+    not depend on the grading of the mesh, so here elements are weighted by area. On uniform meshes both are equal.
     """
     return smoothed(blank, smoothing_weights(blank, symmetry), shear_angle)
 
 
 def smoothed(blank: Blank, weights: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """``values`` of the elements at the nodes by ``smoothing_weights`` of the blank, which many frames can share."""
+    """Element ``values`` smoothed to the nodes with ``smoothing_weights`` of the blank, which frames can share."""
     return np.bincount(blank.quads.ravel(), (weights * values[:, None]).ravel(), blank.node_count)
 
 
 def smoothing_weights(blank: Blank, symmetry: Symmetry = WHOLE) -> np.ndarray:
-    """Share of each element in the smoothed shear angle of its corners, (element_count, 4)."""
+    """Weight of each element in the smoothed shear angle of its corners, (element_count, 4)."""
     area = flat_areas(blank)
     weight = np.repeat(area[:, None], 4, axis=1)
     share = np.ones_like(weight)
@@ -48,7 +47,7 @@ def smoothing_weights(blank: Blank, symmetry: Symmetry = WHOLE) -> np.ndarray:
 
 
 def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Element that holds each flat point, (k,), and the bilinear weights of its four corners, (k, 4).
+    """Element that contains each flat point, (k,), and the bilinear weights of its four corners, (k, 4).
 
     Raises:
         InputError: a point outside the blank.
@@ -73,7 +72,7 @@ def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _local_coordinates(corner: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where a point lies in each element (k, 4, 2): its coordinates from -1 to 1, (k, 2), and the corners' weights."""
+    """A point's coordinates from -1 to 1 in each element (k, 4, 2): coordinates (k, 2), and the corners' weights."""
     local = np.zeros((len(corner), 2))
     shapes = np.full((len(corner), 4), 0.25)
     for _ in range(20):  # Newton on the bilinear map; exact after one step on parallelograms
@@ -103,13 +102,13 @@ def shear_angle_at(blank: Blank, shear_angle: np.ndarray, points: np.ndarray, sy
     """Absolute shear angle at material points, (k,) [degrees].
 
     Rule: signed element values are averaged to the nodes by flat area, mirrored elements included
-    (``smoothed_shear_angle``), and interpolated bilinearly in the element that holds the point. Where symmetry makes
-    the angle odd it is zero, also at the corner of a border and a symmetry line.
+    (``smoothed_shear_angle``), and interpolated bilinearly in the element that contains the point. Where symmetry
+    makes the angle odd it is zero, also at the corner of a border and a symmetry line.
 
     Args:
         shear_angle: one per element, (element_count,) [rad].
         points: flat coordinates, (k, 2) [m].
-        symmetry: at which the computed part is mirrored.
+        symmetry: planes at which the computed part is mirrored.
     """
     element, weight = locate(blank, points)
     nodal = smoothed_shear_angle(blank, shear_angle, symmetry)
@@ -117,7 +116,7 @@ def shear_angle_at(blank: Blank, shear_angle: np.ndarray, points: np.ndarray, sy
 
 
 def ten_points(half_length: float, half_width: float) -> np.ndarray:
-    """Points 1 to 10 of the double dome, (10, 2) [m]: nine equal parts from (half_length, 0) to (0, half_width)."""
+    """Points 1 to 10 of the double dome, (10, 2) [m]: evenly spaced from (half_length, 0) to (0, half_width)."""
     return np.linspace((half_length, 0.0), (0.0, half_width), 10)
 
 
@@ -129,7 +128,7 @@ def yarn_vectors(
     Args:
         blank: the flat sheet.
         position: formed nodes, (node_count, 3) [m].
-        components: ``yarn_components(blank)``, which many frames can share.
+        components: ``yarn_components(blank)``, which frames can share.
     """
     components = yarn_components(blank) if components is None else components
     current = _sides(position[blank.quads])

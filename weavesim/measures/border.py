@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class MaterialLine(NamedTuple):
-    """Points along a straight line of the flat blank, as places on mesh edges: ``start + share (end - start)``."""
+    """Points along a straight line of the flat blank, as points on mesh edges: ``start + share (end - start)``."""
 
     start: np.ndarray
     end: np.ndarray
@@ -31,10 +31,10 @@ class MaterialLine(NamedTuple):
 
 
 def symmetry_line(blank: Blank, along: str) -> MaterialLine:
-    """The flat line y = 0 (``along`` "x") or x = 0 ("y"), by rising coordinate; through nodes, or across edges.
+    """The flat line y = 0 (``along`` "x") or x = 0 ("y"), by increasing coordinate; through nodes or across edges.
 
     Raises:
-        InputError: the blank does not meet the line.
+        InputError: the blank does not cross the line.
     """
     axis = AXES[along]
     across = blank.material_coordinates[:, 1 - axis]
@@ -46,7 +46,7 @@ def symmetry_line(blank: Blank, along: str) -> MaterialLine:
     edges = edges[(np.minimum(a, b) < -tolerance) & (np.maximum(a, b) > tolerance)]
     a, b = across[edges].T
     if not len(nodes) and not len(edges):
-        raise InputError(f"the blank does not meet the line along {along}: place it over the origin")
+        raise InputError(f"the blank does not cross the line along {along}: place it over the origin")
     start, end = np.concatenate([nodes, edges[:, 0]]), np.concatenate([nodes, edges[:, 1]])
     share = np.concatenate([np.zeros(len(nodes)), a / (a - b)])
     line = MaterialLine(start, end, share)
@@ -62,10 +62,10 @@ def draw_in(blank: Blank, position: np.ndarray, along: str) -> float:
 
 
 class Outline(NamedTuple):
-    """Free border of the computed part.
+    """Free border of the computed part, without the edges on symmetry planes.
 
     Attributes:
-        node: in order, (k,); a symmetry plane's edges are left out.
+        node: in order, (k,).
         closed: whether the last node joins the first.
         normal: outward flat unit normal, (k, 2).
     """
@@ -76,7 +76,7 @@ class Outline(NamedTuple):
 
 
 def outline(blank: Blank, symmetry: Symmetry = WHOLE) -> Outline:
-    """Free border of the blank, counter-clockwise as the elements are."""
+    """Free border of the blank, counter-clockwise like the elements."""
     loop = blank.boundary_loop()
     following = np.roll(loop, -1)
     free = np.ones(len(loop), dtype=bool)
@@ -84,7 +84,7 @@ def outline(blank: Blank, symmetry: Symmetry = WHOLE) -> Outline:
         held = on_plane(blank, plane)
         free &= ~(held[loop] & held[following])
     closed = bool(free.all())
-    if not closed:  # begin behind a symmetry plane
+    if not closed:  # begin after a symmetry plane
         first = int(np.flatnonzero(free & ~np.roll(free, 1))[0])
         loop, free = np.roll(loop, -first), np.roll(free, -first)
         loop = loop[: int(np.argmin(free)) + 1]
@@ -114,22 +114,22 @@ def whole_outline(blank: Blank, values: np.ndarray, symmetry: Symmetry = WHOLE) 
         pieces.append((np.arctan2(middle[1], middle[0]), (own * factor)[::step], (flat * sign)[::step]))
     pieces.sort(key=lambda piece: piece[0])
     chain, flat_chain = (np.concatenate([piece[i] for piece in pieces]) for i in (1, 2))
-    # Where two copies meet, the node on the symmetry plane comes twice.
+    # Where two copies meet, the node on the symmetry plane appears twice.
     repeated = np.linalg.norm(flat_chain - np.roll(flat_chain, 1, axis=0), axis=1) <= length_tolerance(blank)
     return chain[~repeated]
 
 
 def border_draw_in(blank: Blank, position: np.ndarray, border: Outline) -> np.ndarray:
-    """Draw-in along the border, (k,) [m]: plan movement of a node against the outward normal of the flat outline."""
+    """Draw-in along the border, (k,) [m]: in-plan displacement against the outward normal of the flat outline."""
     movement = position[border.node, :2] - blank.material_coordinates[border.node]
     return -np.einsum("ki,ki->k", movement, border.normal)
 
 
 def integrated_yarn_stretch(blank: Blank, stretch: np.ndarray, along: str) -> float:
-    """Lengthening of the yarns on the positive half of a symmetry line [m]: (stretch - 1) summed over its length.
+    """Elongation of the yarns on the positive half of a symmetry line [m]: (stretch - 1) integrated over its length.
 
-    The elements that touch the line count, each with its flat extent along it; where they lie on both sides, the two
-    sides are averaged. ``stretch`` is that of the yarns along the line, (element_count,).
+    The elements that touch the line contribute, each with its flat extent along the line; if there are elements on
+    both sides, the two sides are averaged. ``stretch`` is that of the yarns along the line, (element_count,).
     """
     axis = AXES[along]
     corner = blank.material_coordinates[blank.quads]
@@ -152,12 +152,12 @@ def taut_path_draw_in(
     """Draw-in of inextensible straight yarns on a symmetry line of a double dome [m].
 
     The mid-surface follows the punch at ``punch_radius + thickness/2``, a common tangent, the die entry at
-    ``die_radius + thickness/2`` and then stays flat; the draw-in is the length of this path minus its plan length.
-    ``depth`` is that of the punch's nose below the die's face, so that a sheet lying on the face is met
-    ``thickness`` before. The die's wall stands at ``punch_radius + clearance``.
+    ``die_radius + thickness/2``, and is flat from there; the draw-in is the length of this path minus its plan length.
+    ``depth`` is measured from the die face to the nose of the punch, which touches a sheet on the die face at a depth
+    of minus ``thickness``. The die wall is at ``punch_radius + clearance``.
 
     Raises:
-        InputError: lengths for which there is no such path.
+        InputError: there is no such path for these lengths.
     """
     given = (
         f"punch radius {punch_radius:g}, die radius {die_radius:g}, depth {depth:g}, thickness {thickness:g}, "
@@ -166,12 +166,12 @@ def taut_path_draw_in(
     if not min(punch_radius, die_radius, depth, thickness) > 0.0 or not clearance >= thickness * (1.0 - 1.0e-9):
         raise InputError(f"taut path: {given}; lengths must be positive and the clearance at least the thickness")
     on_punch, on_die = punch_radius + 0.5 * thickness, die_radius + 0.5 * thickness
-    # Centre of the die entry seen from that of the punch; heights are those of the mid-surface.
+    # Centre of the die entry relative to that of the punch; heights are those of the mid-surface.
     across = punch_radius + clearance + die_radius
     up = -on_die - (-(depth + thickness) + on_punch)
     distance, radii = np.hypot(across, up), on_punch + on_die
     if distance < radii:
-        raise InputError(f"taut path: {given}: punch and die overlap; lower the depth or raise the clearance")
+        raise InputError(f"taut path: {given}: punch and die overlap; reduce the depth or increase the clearance")
     angle = np.arctan2(up, across) + np.arcsin(radii / distance)
     if not 0.0 < angle <= 0.5 * np.pi + 1.0e-9:
         raise InputError(f"taut path: {given}: the wall would lean over by {np.rad2deg(angle):.1f} degrees")

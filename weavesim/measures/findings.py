@@ -1,7 +1,7 @@
-"""What is found of a formed sheet: each number once, with its name, unit and meaning.
+"""Results of a formed sheet: each number once, with its name, unit and meaning.
 
 Summary, tables, pictures and report read the same ``FormedSheet`` and the same ``SHEET_FINDINGS``. To add a number, add
-a ``Finding`` to that tuple: it then stands in summary.json and in the report.
+a ``Finding`` to that tuple: it then appears in summary.json and in the report.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .zigzag import Checkerboard, checkerboard
 if TYPE_CHECKING:
     from ..sheet.blank import Blank
 
-# Yarns within this angle of a symmetry line count as lying along it [degrees].
+# Yarns within this angle of a symmetry line count as parallel to it [degrees].
 LARGEST_MISALIGNMENT = 1.0
 
 
@@ -35,8 +35,8 @@ class Finding:
     Attributes:
         name: without its unit.
         unit: of the number.
-        description: what it is, for a person.
-        compute: the number of what it is found of, in its unit; None where it means nothing.
+        description: for readers.
+        compute: returns the number for a subject, in its unit; None where it has no meaning.
     """
 
     name: str
@@ -46,28 +46,28 @@ class Finding:
 
     @property
     def key(self) -> str:
-        """Name in summary.json, with the unit."""
+        """Name in summary.json, including the unit."""
         return self.unit.named(self.name)
 
 
 def found(findings: tuple[Finding, ...], subject: Any) -> dict[str, Any]:
-    """Numbers of ``subject`` by their keys, without those that mean nothing there."""
+    """Numbers of ``subject`` by key, without those that have no meaning for it."""
     values = {finding.key: finding.compute(subject) for finding in findings}
     return {key: value for key, value in values.items() if value is not None}
 
 
 @dataclass(frozen=True, eq=False)
 class FormedSheet:
-    """A sheet at one instant. What is read off it is computed when it is first asked for, and once.
+    """A sheet at one instant. Its measures are computed on first use, once.
 
     Attributes:
         blank: the flat sheet.
         position: formed nodes, (node_count, 3) [m].
         fields: one value per element by name, (element_count,), in SI units.
-        thickness: initial one [m].
-        symmetry: at which it is cut.
+        thickness: initial thickness [m].
+        symmetry: planes at which it is cut.
         points: material points at which the shear angle is of interest, (k, 2) [m]; None for none.
-        has_draw_in: whether the movement of the border inwards means something.
+        has_draw_in: whether draw-in of the border is meaningful.
     """
 
     blank: Blank
@@ -85,7 +85,7 @@ class FormedSheet:
 
     @cached_property
     def point_angles_deg(self) -> np.ndarray:
-        """``shear_angle_at`` the points, (k,) [degrees]; empty without points."""
+        """``shear_angle_at`` at the points, (k,) [degrees]; empty without points."""
         if self.points is None:
             return np.zeros(0)
         return shear_angle_at(self.blank, self.fields["shear_angle"], self.points, self.symmetry)
@@ -107,12 +107,12 @@ class FormedSheet:
 
     @cached_property
     def draw_in_mm(self) -> dict[str, float]:
-        """``draw_in`` along "x" and "y" [mm], without the lines that the blank does not meet."""
+        """``draw_in`` along "x" and "y" [mm], for the lines that the blank crosses."""
         return self._along_lines(lambda along: 1.0e3 * draw_in(self.blank, self.position, along))
 
     @cached_property
     def yarn_stretch_mm(self) -> dict[str, float]:
-        """``integrated_yarn_stretch`` along "x" and "y" [mm], of the yarns that lie along these lines."""
+        """``integrated_yarn_stretch`` along "x" and "y" [mm], of the yarns parallel to these lines."""
         return self._along_lines(self._yarn_stretch_along)
 
     @cached_property
@@ -123,7 +123,7 @@ class FormedSheet:
 
     @cached_property
     def stretch(self) -> np.ndarray:
-        """Of both yarn families of each element, (2 element_count,)."""
+        """Stretch of both yarn families of each element, (2 element_count,)."""
         return np.concatenate([self.fields["warp_stretch"], self.fields["weft_stretch"]])
 
     def _along_lines(self, measure: Callable[[str], float | None]) -> dict[str, float]:
@@ -149,7 +149,7 @@ class FormedSheet:
 def _extreme(
     name: str, which: Callable[[np.ndarray], Any], factor: float | None = None
 ) -> Callable[[FormedSheet], Any]:
-    """Smallest or largest value of a field that not every fabric has."""
+    """Smallest or largest value of an optional field."""
 
     def compute(sheet: FormedSheet) -> float | None:
         if name not in sheet.fields:
@@ -190,12 +190,12 @@ SHEET_FINDINGS = (
     ),
     Finding("draw_in_long_axis", MILLIMETRES, "draw-in, long axis", lambda sheet: sheet.draw_in_mm.get("x")),
     Finding(
-        "integrated_yarn_stretch_long_axis", MILLIMETRES, "lengthening of the yarns along the long axis",
+        "integrated_yarn_stretch_long_axis", MILLIMETRES, "elongation of the yarns along the long axis",
         lambda sheet: sheet.yarn_stretch_mm.get("x"),
     ),
     Finding("draw_in_short_axis", MILLIMETRES, "draw-in, short axis", lambda sheet: sheet.draw_in_mm.get("y")),
     Finding(
-        "integrated_yarn_stretch_short_axis", MILLIMETRES, "lengthening of the yarns along the short axis",
+        "integrated_yarn_stretch_short_axis", MILLIMETRES, "elongation of the yarns along the short axis",
         lambda sheet: sheet.yarn_stretch_mm.get("y"),
     ),
 )  # fmt: skip

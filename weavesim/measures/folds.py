@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class RimFolds(NamedTuple):
-    """Folds along the rim of a drape: how many, and how high [m]."""
+    """Folds along the rim of a drape: number and height [m]."""
 
     fold_count: int
     amplitude: float
@@ -27,16 +27,16 @@ def rim_folds(
     threshold: float | None = None,
     smooth_radius: np.ndarray | None = None,
 ) -> RimFolds:
-    """Folds of the free border around the z axis, seen in its distance from that axis.
+    """Folds of the free border around the z axis, from its distance to that axis.
 
-    The distance is taken over the length of the flat outline, which stays single-valued when a fold overhangs. A fold
-    is a maximum that rises at least ``threshold`` [m] (2 % of the mean distance by default) above the valleys on both
-    sides. The amplitude is half the peak-to-peak distance.
+    The distance is a function of the length along the flat outline, so it stays single-valued when a fold overhangs. A
+    fold is a maximum at least ``threshold`` [m] (default 2 % of the mean distance) above the valleys on both sides. The
+    amplitude is half the peak-to-peak distance.
 
     Args:
-        smooth_radius: distance of each node from the axis without any fold, (node_count,) [m]: what is left is folds.
-            Without it the Fourier harmonics 0 to 4 along the outline, which hold the shape of a smooth drape of a
-            square, are taken out of the amplitude.
+        smooth_radius: distance of each node from the axis without any fold, (node_count,) [m]; the difference is
+            attributed to folds. Without it the Fourier harmonics 0 to 4 along the outline, which contain the shape
+            of a smooth drape of a square, are subtracted for the amplitude.
     """
     flat = whole_outline(blank, blank.material_coordinates, symmetry)
     radius = np.hypot(*whole_outline(blank, position, symmetry)[:, :2].T)
@@ -57,7 +57,7 @@ def rim_folds(
 
 
 def _count_maxima(values: np.ndarray, height: float) -> int:
-    """Maxima of a periodic signal that rise ``height`` above the valleys on both sides."""
+    """Number of maxima of a periodic signal that are ``height`` above the valleys on both sides."""
     values = np.roll(values, -int(np.argmin(values)))
     count, rising, extreme = 0, True, values[0]
     for value in [*values, values[0]]:

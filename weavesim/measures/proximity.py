@@ -12,8 +12,8 @@ from ..errors import InputError
 def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int:
     """Number of pairs of a node and an element closer than ``distance`` [m] that are not neighbours.
 
-    A pair is neighbouring if one or two element edges lead from the node to a corner of the element. An element is
-    taken as two triangles.
+    Node and element are neighbours if one or two element edges lead from the node to a corner of the element. An
+    element is treated as two triangles.
 
     Args:
         position: formed nodes, (node_count, 3) [m].
@@ -26,7 +26,7 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
     element, node = element[far], node[far]
     if len(node) == 0:
         return 0
-    from trimesh.triangles import closest_point  # takes half a second to import, and a good sheet never needs it
+    from trimesh.triangles import closest_point  # import takes half a second, and a good sheet never needs it
 
     corners = position[quads]
     gap = np.full(len(node), np.inf)
@@ -37,13 +37,13 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
 
 
 def _near_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and elements of all pairs that may be closer than ``distance``: the node is in reach of the element."""
+    """Nodes and elements of all pairs that may be closer than ``distance``."""
     corners = position[quads]
     centre = corners.mean(axis=1)
     reach = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1) + distance
     origin, size = position.min(axis=0), reach.max()
 
-    # nodes by cell; an element looks in the 27 cells around its centre
+    # nodes by cell; for an element the 27 cells around its centre are searched
     node_cell, element_cell = (np.floor((points - origin) / size).astype(np.int64) + 1 for points in (position, centre))
     stride = node_cell.max(axis=0) + 3
     node_key, element_key = ((c[:, 0] * stride[1] + c[:, 1]) * stride[2] + c[:, 2] for c in (node_cell, element_cell))
@@ -70,7 +70,7 @@ def _join(left: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.nda
 
 
 def _neighbour_keys(quads: np.ndarray, node_count: int) -> np.ndarray:
-    """Keys element * node_count + node of all nodes that at most two element edges join to a corner of the element."""
+    """Keys element * node_count + node of all nodes connected to a corner of the element by at most two edges."""
     edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]).astype(np.int64)
     itself = np.repeat(np.arange(node_count), 2).reshape(-1, 2)
     edges = np.unique(np.concatenate([edges, edges[:, ::-1], itself]), axis=0)

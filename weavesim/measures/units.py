@@ -1,4 +1,4 @@
-"""Units of numbers in files, and the endings by which their names carry them: this is the only list of both."""
+"""Units of numbers in files, and the suffixes for them in names: the only list of both."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 
 class Unit(NamedTuple):
-    """A unit that a number is shown in.
+    """A unit for displaying numbers.
 
     Attributes:
         ending: of names in files, without the underscore; "" for pure numbers.
-        symbol: for people.
+        symbol: for readers.
     """
 
     ending: str
@@ -21,7 +21,7 @@ class Unit(NamedTuple):
         return f"{name}_{self.ending}" if self.ending else name
 
     def after(self, text: str) -> str:
-        """The unit written behind a number."""
+        """``text`` followed by the unit."""
         return f"{text}{'' if self.symbol in ('', '°') else ' '}{self.symbol}"
 
 

@@ -1,4 +1,4 @@
-"""Checkerboard patterns of the shear angle, the trace of an hourglass mode."""
+"""Checkerboard patterns of the shear angle, the sign of an hourglass mode."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run leaves in its folder."""
+"""Results of a run, written to its folder."""
 
 from .files import write_summary
 from .film import Film

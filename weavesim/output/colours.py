@@ -1,4 +1,4 @@
-"""One colour map for film, pictures and report."""
+"""The colour map of film, pictures and report."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-# Shear angles are always shown on this range, so that pictures of different runs compare [degrees].
+# Shear angles are always shown on this range, so that pictures of different runs can be compared [degrees].
 LARGEST_SHOWN_ANGLE = 60.0
 
 # Inverse of the OKLab colour space (B. Ottosson, 2020): to cone responses, and from their cubes to linear sRGB.
@@ -28,10 +28,10 @@ _CONES_TO_LINEAR = np.array(
 
 @cache
 def colour_table() -> np.ndarray:
-    """256 colours from deep blue to yellow in linear sRGB, (256, 3).
+    """256 colours from dark blue to yellow in linear sRGB, (256, 3).
 
-    Lightness rises evenly in OKLab while the hue turns once through red, so equal steps look equal and the map still
-    reads in grey.
+    Lightness increases linearly in OKLab while the hue passes through red, so equal steps look equal and the map also
+    works in greyscale.
     """
     s = np.linspace(0.0, 1.0, 256)
     lightness = 0.30 + 0.62 * s
@@ -42,11 +42,11 @@ def colour_table() -> np.ndarray:
 
 
 def encoded(linear: np.ndarray) -> np.ndarray:
-    """Linear sRGB to the encoded values that screens and matplotlib take."""
+    """Convert linear sRGB to the encoded values that screens and matplotlib use."""
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055)
 
 
 def shear_colours(angle: np.ndarray) -> np.ndarray:
-    """Linear sRGB of shear angles [degrees], (k, 3); the sign does not count."""
+    """Linear sRGB of shear angles [degrees], (k, 3), regardless of sign."""
     place = np.clip(np.abs(angle) / LARGEST_SHOWN_ANGLE, 0.0, 1.0) * 255.0
     return colour_table()[np.rint(place).astype(int)]

@@ -1,4 +1,4 @@
-"""Curves of a test: a scene's own numbers of every frame, as a CSV and as charts."""
+"""Curves of a test: a scene's own numbers for every frame, as a CSV and as charts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Chart:
     """One chart of columns over a column.
 
     Attributes:
-        name: of the picture, without ending.
+        name: of the picture, without extension.
         title, caption: in the picture, and below it in the report.
         x: column along the abscissa, with its label.
         y_label: of the ordinate.
@@ -33,12 +33,12 @@ class Chart:
 
 
 class Curves:
-    """Observer that takes the same numbers from every frame.
+    """Observer that records the same numbers from every frame.
 
     Args:
-        name: of the CSV, without ending.
-        measure: the numbers of a frame by name; the names are the header, so they end in their unit.
-        charts: to draw of them.
+        name: of the CSV, without extension.
+        measure: returns the numbers of a frame by name; names are the CSV header, so they end in their unit.
+        charts: to draw from them.
     """
 
     def __init__(self, name: str, measure: Callable[[Frame], Mapping[str, float]], charts: Sequence[Chart]) -> None:

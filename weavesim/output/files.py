@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Atomic writing: a file is complete or absent."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from ..run.frame import RunInfo, unique_names
 
 
 def temporary_name(path: Path) -> Path:
-    """Hidden name beside ``path`` with the same ending, by which writers choose their format."""
+    """Hidden name next to ``path`` with the same extension, from which writers choose their format."""
     return path.with_name(f".{path.stem}.partial{path.suffix}")
 
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary name to write to; it takes the place of ``path`` if nothing is raised, else it is removed."""
+    """Yield a temporary name to write to; it replaces ``path`` if nothing is raised, else it is removed."""
     temporary = temporary_name(path)
     try:
         yield temporary
@@ -35,10 +35,10 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def check_writable(folder: Path) -> None:
-    """Make the folder if it is not there, and try to write in it.
+    """Create the folder if necessary, and check that it can be written to.
 
     Raises:
-        InputError: it cannot be made, is a file, or cannot be written to.
+        InputError: it cannot be created, is a file, or cannot be written to.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -52,7 +52,7 @@ def check_writable(folder: Path) -> None:
 
 
 def file_endings(info: RunInfo) -> tuple[str, ...]:
-    """What the names of files end in, for each sheet: nothing for the only one, else its name."""
+    """Suffix of file names for each sheet: nothing for a single one, else its name."""
     if len(info.sheets) == 1:
         return ("",)
     return tuple(f"_{name}" for name in unique_names(re.sub(r"[^\w.-]+", "_", sheet.name) for sheet in info.sheets))
@@ -65,7 +65,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Built-in types for JSON; a number that is not finite becomes None."""
+    """Convert to built-in types for JSON; a number that is not finite becomes None."""
     if isinstance(value, Mapping):
         return {str(key): plain(entry) for key, entry in value.items()}
     if isinstance(value, np.ndarray):

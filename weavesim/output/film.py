@@ -1,4 +1,4 @@
-"""The film of a run: one USD file that usdview, Omniverse, Blender or Houdini play."""
+"""The film of a run: one USD file for usdview, Omniverse, Blender or Houdini."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from .files import temporary_name
 from .usd import bind, define_camera, define_light, define_mesh, define_tool, node_normals, sheet_material, usd_errors
 
 FRAMES_PER_SECOND = 24
-# Frames between two writes to disk: what is written leaves the memory, and survives a killed process.
+# Frames between two writes to disk: writing frees memory, and written frames survive a killed process.
 _FRAMES_PER_FLUSH = 40
-# Tools above the sheet would hide it from the camera, so they are drawn like glass.
+# Tools above the sheet would hide it from the camera, so they are drawn transparent.
 _OPACITY_ABOVE, _OPACITY_BELOW = 0.22, 1.0
 
 
 class Film:
-    """Observer that writes a USD film: sheets, tools that move, materials, camera and light.
+    """Observer that writes a USD film: sheets, moving tools, materials, camera and light.
 
-    Frame i is at time code i. Positions are in metres, Z up. The sheet of a run is the mesh ``/World/sheet``, unless
-    it has a name of its own: then ``/World/sheet_NAME``. With symmetry, mirrored copies refer to it, so that the whole
-    part is seen and stored once. It carries ``displayColor`` by the absolute shear angle (smoothed to the nodes, 0 to
-    60 degrees) and, per element and frame, the fields of ``weavesim.run.fields`` that have a ``film``, by their names
-    and in their units in files; of ``shear_angle_deg`` the size. Tools are drawn as their ``display_triangles`` are and
-    not mirrored.
+    Frame i is at time code i. Positions are in metres, Z up. The sheet of a run is the mesh ``/World/sheet``, or
+    ``/World/sheet_NAME`` if it has its own name. With symmetry, mirrored copies reference it, so that the whole part
+    is visible but stored once. It has ``displayColor`` from the absolute shear angle (smoothed to the nodes, 0 to 60
+    degrees) and, per element and frame, the fields of ``weavesim.run.fields`` that have a ``film``, with their names
+    and units in files; ``shear_angle_deg`` is the absolute value. Tools are drawn as their ``display_triangles``,
+    without mirroring.
 
     Raises:
         InputError: the path does not end in .usdc, .usda or .usd.
@@ -46,7 +46,7 @@ class Film:
 
     @staticmethod
     def load() -> None:
-        """Load USD and its schemas, which takes longer than a small film; else that is done when the run starts."""
+        """Load USD and its schemas in advance, which takes longer than a small film; otherwise ``start`` does it."""
         from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdShade, Vt  # noqa: F401
 
         UsdGeom.Mesh.Define(Usd.Stage.CreateInMemory(), "/sheet")
@@ -110,7 +110,7 @@ class Film:
         os.replace(temporary, self.path)
 
     def discard(self) -> None:
-        """Give up the film and remove what was written of it."""
+        """Abandon the film and remove what was written."""
         self._release()
         temporary_name(self.path).unlink(missing_ok=True)
 
@@ -119,7 +119,7 @@ class Film:
 
 
 class _FilmedSheet:
-    """One sheet in the film: its mesh, the mirrored copies of it, and what of them changes with time."""
+    """One sheet in the film: its mesh, its mirrored copies, and its time-dependent attributes."""
 
     def __init__(self, stage: Any, name: str, info: SheetInfo) -> None:
         from pxr import Gf, Sdf, UsdGeom
@@ -143,7 +143,7 @@ class _FilmedSheet:
         self._extent = np.array([np.full(3, np.inf), np.full(3, -np.inf)])
 
     def add(self, frame: SheetFrame, time: float) -> None:
-        """The state of a frame, at its time code."""
+        """Write the state of a frame at its time code."""
         from pxr import Vt
 
         points = frame.position.astype(np.float32)
@@ -160,7 +160,7 @@ class _FilmedSheet:
                 self._attribute(field.file_name).Set(Vt.FloatArray.FromNumpy(values.astype(np.float32)), time)
 
     def _attribute(self, name: str) -> Any:
-        """Of a field, made when it first comes."""
+        """The attribute of a field, created on first use."""
         from pxr import Sdf, UsdGeom
 
         if name not in self._fields:
@@ -180,7 +180,7 @@ class _FilmedSheet:
 
 
 def prim_names(names: Iterable[str]) -> list[str]:
-    """Valid and different names of prims, each as close to the given one as can be."""
+    """Valid, unique names of prims, each as close to the given one as possible."""
     from pxr import Tf
 
     return list(unique_names(Tf.MakeValidIdentifier(name) for name in names))

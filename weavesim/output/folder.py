@@ -1,4 +1,4 @@
-"""The folder of a run: a list of writers, each of which leaves its results there."""
+"""The folder of a run: a list of writers, each of which writes its results there."""
 
 from __future__ import annotations
 
@@ -20,24 +20,23 @@ from .writer import Writer, chosen_writers
 
 
 class ResultFolder:
-    """Observer of a run that leaves everything in one folder.
+    """Observer of a run that writes everything to one folder.
 
-    During the run film and series grow; ``write`` adds the tables, pictures, report and summary. A file that
-    cannot be written, on a full disk for example, is given up with a warning, and the run goes on.
+    Film and series are written during the run; ``write`` adds tables, pictures, report and summary. A file that
+    cannot be written, for example on a full disk, is abandoned with a warning, and the run continues.
 
     Attributes:
-        path: the folder; made if it is not there. Nothing in it is touched before the run starts.
+        path: the folder; created if necessary. Its contents are not touched before the run starts.
         history: scalars of all frames, and the last frame.
         warnings: what could not be written, for the report.
 
     Args:
         path: the folder.
-        points, measured_angles, measured_outline, curves, draw_in: what the scene wants to be shown, see ``Wanted``.
-        writers: names of those to use; all that are known if None.
+        points, measured_angles, measured_outline, curves, draw_in: what the scene wants to show, see ``Wanted``.
+        writers: names of the writers to use; None uses all known ones.
 
     Raises:
-        InputError: the folder cannot be written to, a writer is not known, or angles were measured but no points are
-            given.
+        InputError: the folder cannot be written to, a writer is unknown, or there are measured angles but no points.
     """
 
     def __init__(
@@ -86,7 +85,7 @@ class ResultFolder:
         self._inform(lambda writer: writer.finish(outcome))
 
     def _inform(self, message: Callable[[Writer], None]) -> None:
-        """Pass ``message`` to every writer; who cannot write is given up."""
+        """Pass ``message`` to every writer; one that cannot write is abandoned."""
         for writer in list(self._writers):
             if not writer.attempt(writer.title, partial(message, writer)):
                 self._writers.remove(writer)
@@ -96,11 +95,11 @@ class ResultFolder:
     # ------------------------------------------------------------------------------------------------- after a run
 
     def write(self, summary: Mapping[str, Any], *, setup: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Write what is made of the run so far.
+        """Write the results of the run so far.
 
         Args:
-            summary: numbers of the run; an entry here goes before one of the same name found here.
-            setup: more to say in the report about what was run, by name.
+            summary: numbers of the run; they take precedence over those computed here with the same name.
+            setup: additional information about the run for the report, by name.
 
         Returns:
             The whole summary, as written.
@@ -110,7 +109,7 @@ class ResultFolder:
         """
         frame = self.history.last_frame
         if frame is None:
-            raise InputError("results: there is no frame to write; run the simulation with this folder as an observer")
+            raise InputError("results: there is no frame to write; run the simulation with this folder as observer")
         sheets = sheet_results(self._info, self._wanted, frame)
         numbers = run_summary(sheets, self._outcome, self.history.frame_count, summary)
         results = Results(self._info, self._wanted, self.history, sheets, numbers, setup or {}, self.warnings)

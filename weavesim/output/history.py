@@ -10,7 +10,7 @@ import numpy as np
 from ..run.frame import Frame, Outcome, RunInfo
 from .tables import write_table
 
-# Entries of the ledger that are named after what they are; the others are energies.
+# Entries of the ledger whose names state what they are; the others are energies.
 _NOT_ENERGIES = ("energy", "work", "loss", "error", "supplied", "used")
 
 
@@ -60,7 +60,7 @@ class History:
         )
 
     def finish(self, outcome: Outcome) -> None:
-        """Nothing to close; ``write`` makes the file."""
+        """Nothing to close; ``write`` creates the file."""
 
     @property
     def frame_count(self) -> int:
@@ -112,7 +112,7 @@ class History:
 
     def write(self, path: str | Path) -> None:
         """Write ``history.csv``: frame, step count, time, stroke; displacement and force of each tool; force of each
-        support; displacement and force of each of their drives; every energy.
+        support; displacement and force of each drive; every energy.
         """
         energies = self.energies
         header = ["frame", "step_count", "time_s", "stroke_m"]

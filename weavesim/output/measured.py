@@ -1,4 +1,4 @@
-"""Measured angles and outlines, to compare a result with."""
+"""Measured angles and outlines, for comparison with results."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def load_measured_angles(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     table = _load_columns(path, ("point", "angle_deg"))
     numbers, angles = table.T
     if np.any(numbers != np.rint(numbers)) or np.any(numbers < 1) or len(np.unique(numbers)) < len(numbers):
-        raise InputError(f"measured angles {path}: point numbers must be whole, from 1, each once; got {numbers}")
+        raise InputError(f"measured angles {path}: point numbers must be integers from 1, each once; got {numbers}")
     if np.any(np.abs(angles) >= 90.0):
-        raise InputError(f"measured angles {path}: {angles[np.argmax(np.abs(angles))]:g} degrees; below 90 is allowed")
+        raise InputError(f"measured angles {path}: {angles[np.argmax(np.abs(angles))]:g} degrees; must be below 90")
     return numbers.astype(int), angles
 
 
@@ -35,10 +35,10 @@ def load_measured_outline(path: str | Path) -> np.ndarray:
     """
     points = 1.0e-3 * _load_columns(path, ("x_mm", "y_mm"))
     if len(points) < 2:
-        raise InputError(f"measured outline {path}: one point only; give two or more, in order along the outline")
+        raise InputError(f"measured outline {path}: only one point; give two or more, in order along the outline")
     if np.abs(points).max() > 20.0:
         raise InputError(
-            f"measured outline {path}: it reaches {np.abs(points).max():g} m from the origin; give millimetres"
+            f"measured outline {path}: it extends {np.abs(points).max():g} m from the origin; give millimetres"
         )
     return points
 

@@ -1,4 +1,4 @@
-"""What a run has come to, for the writers of its results."""
+"""The results of a run, for its writers."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from .history import History
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a scene wants to be shown besides what every run shows.
+    """What a scene wants to show in addition to the standard results.
 
     Attributes:
         points: material points at which the shear angle is of interest, (k, 2) [m]; None for none.
-        measured_angles: measured point numbers and angles [degrees] to draw beside the computed ones.
-        measured_outline: a measured outline in plan (k, 2) [m] to draw beside the computed one.
-        curves: the scene's own numbers of every frame, for a CSV and charts of their own.
-        draw_in: whether the movement of the border inwards means something.
+        measured_angles: measured point numbers and angles [degrees], drawn next to the computed ones.
+        measured_outline: a measured outline in plan (k, 2) [m], drawn next to the computed one.
+        curves: the scene's own numbers for every frame, written to a separate CSV and charts.
+        draw_in: whether draw-in of the border is meaningful.
 
     Raises:
         InputError: angles were measured at a point that is not given.
@@ -50,7 +50,7 @@ class Wanted:
                 )
 
     def check(self, info: RunInfo) -> None:
-        """See before a run that its sheets hold the points.
+        """Check before a run that its sheets contain the points.
 
         Raises:
             InputError: a point outside a sheet.
@@ -65,10 +65,10 @@ class SheetResult:
     """One sheet at the last frame.
 
     Attributes:
-        info: what is known before the run.
-        formed: what is read off it.
-        ending: of the names of its files; "" for the only sheet.
-        tools: name, tool and displacement [m] of each that it may touch.
+        info: known before the run.
+        formed: the formed sheet and its measures.
+        ending: suffix of its file names; "" for the only sheet.
+        tools: name, tool and displacement [m] of each tool that it may touch.
     """
 
     info: SheetInfo
@@ -77,29 +77,29 @@ class SheetResult:
     tools: tuple[tuple[str, Tool, float], ...]
 
     def file(self, name: str) -> str:
-        """``name`` for this sheet: "draw_in.csv" to "draw_in_upper.csv" where there are several."""
+        """File name for this sheet: "draw_in.csv" becomes "draw_in_upper.csv" if there are several."""
         path = Path(name)
         return f"{path.stem}{self.ending}{path.suffix}"
 
     @property
     def findings(self) -> dict[str, Any]:
-        """Numbers of the sheet, by their keys."""
+        """Numbers of the sheet, by key."""
         return found(SHEET_FINDINGS, self.formed)
 
 
 @dataclass
 class Results:
-    """A run that has ended, or has come to a frame.
+    """Results of a run that has ended, or up to the current frame.
 
     Attributes:
-        info: what is run.
-        wanted: what the scene wants to be shown.
+        info: about the run.
+        wanted: what the scene wants to show.
         history: scalars of all frames.
         sheets: at the last frame.
-        summary: all numbers, but for the warnings of the writers.
-        setup: what was asked for, by name, for the report.
-        failures: what could not be written, in words; writers add to it.
-        pictures: files that were drawn, with their captions; writers add to it.
+        summary: all numbers, without the warnings of the writers.
+        setup: the options given by the user, by name, for the report.
+        failures: messages about files that could not be written; writers add to it.
+        pictures: files that were drawn, with captions; writers add to it.
     """
 
     info: RunInfo
@@ -113,7 +113,7 @@ class Results:
 
     @property
     def warnings(self) -> list[str]:
-        """Of the run, and what could not be written so far."""
+        """Warnings of the run, and failures to write so far."""
         return [*map(str, self.summary.get("warnings") or ()), *self.failures]
 
     @property
@@ -123,7 +123,7 @@ class Results:
 
 
 def sheet_results(info: RunInfo, wanted: Wanted, frame: Frame) -> tuple[SheetResult, ...]:
-    """What is read off every sheet of ``frame``."""
+    """Results of every sheet of ``frame``."""
     parts = zip(info.sheets, frame.sheets, file_endings(info), strict=True)
     return tuple(_sheet_result(info, wanted, frame, *part) for part in parts)
 
@@ -141,7 +141,7 @@ def _sheet_result(
 def run_summary(
     sheets: tuple[SheetResult, ...], outcome: Outcome | None, frame_count: int, given: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Findings of the sheets and ``given`` numbers of the run; of several sheets in a list by that name."""
+    """Findings of the sheet and ``given`` numbers of the run; several sheets are in a list ``sheets``."""
     own: dict[str, Any] = {"outcome": outcome.value if outcome else "running", "frame_count": frame_count}
     if len(sheets) == 1:
         return {**own, **sheets[0].findings, **given}

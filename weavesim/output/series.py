@@ -18,23 +18,23 @@ from .files import file_endings, replacing, write_text
 _VTK_QUAD = 9
 _VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uint8": "UInt8"}
 _BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
-# Wider than the gap between two output frames by its round-off only.
+# A tolerance for the rounding of frame times.
 _TIME_SLACK = 1.0e-9
 
 
 class ParaViewSeries:
     """Observer that writes ``frame_0000.vtu`` ..., ``series.pvd`` with their times, and ``final_state.vtu``.
 
-    With several sheets, each has files of its own, ``frame_0000_NAME.vtu`` ..., that the series holds together.
+    With several sheets, each has its own files, ``frame_0000_NAME.vtu`` ..., which the series combines.
 
-    Point data: ``displacement`` [m] and ``director``. Cell data: every field of the frame, by its name and in its unit
-    in files (``weavesim.run.fields``), and the yarn directions ``warp_direction`` and ``weft_direction``. Frames are
-    in single precision, the final state in double. Only the computed part is written (ParaView's Reflect filter
-    mirrors it).
+    Point data: ``displacement`` [m] and ``director``. Cell data: every field of the frame, with its name and unit in
+    files (``weavesim.run.fields``), and the yarn directions ``warp_direction`` and ``weft_direction``. Frames are in
+    single precision, the final state in double. Only the computed part is written (ParaView's Reflect filter mirrors
+    it).
 
     Args:
-        folder: made if it is not there; numbered frames of a former run are removed at the start.
-        every: write each ``every``-th frame; by default about 30 frames, evenly over the duration.
+        folder: created if necessary; numbered frames of a previous run are removed at the start.
+        every: write every ``every``-th frame; by default about 30 frames, evenly over the duration.
 
     Raises:
         InputError: ``every`` below 1.
@@ -42,7 +42,7 @@ class ParaViewSeries:
 
     def __init__(self, folder: str | Path, every: int | None = None) -> None:
         if every is not None and every < 1:
-            raise InputError(f"ParaView series of each {every}-th frame: give 1 or more")
+            raise InputError(f"ParaView series: every = {every}; give 1 or more")
         self.folder = Path(folder)
         self._every = every
         self._last: Frame | None = None
@@ -103,7 +103,7 @@ class _SheetFiles:
 
     def __init__(self, folder: Path, place: int, ending: str, info: SheetInfo) -> None:
         self._folder, self._ending, self._blank = folder, ending, info.blank
-        # ParaView takes numbers for parts
+        # ParaView identifies parts by number
         self.part = f' part="{place}" name={quoteattr(info.name)}' if ending else ""
         self._yarn_components = yarn_components(info.blank)
 
@@ -112,7 +112,7 @@ class _SheetFiles:
         return f"{stem}{self._ending}.vtu"
 
     def write(self, frame: SheetFrame, stem: str, real: type) -> None:
-        """The state of a frame in numbers of type ``real``."""
+        """Write the state of a frame with numbers of type ``real``."""
         points = {"displacement": frame.position - self._blank.node_position, "director": frame.director}
         cells = in_files(frame.fields)
         cells["warp_direction"], cells["weft_direction"] = yarn_vectors(
@@ -134,9 +134,9 @@ def write_quads(
     point_data: Mapping[str, np.ndarray],
     cell_data: Mapping[str, np.ndarray],
 ) -> None:
-    """Write quadrilaterals as VTU, all numbers as they are in memory behind the XML.
+    """Write quadrilaterals as VTU, with all numbers as raw binary data after the XML.
 
-    That takes as many bytes as compressed text, and a twentieth of the time.
+    That takes as much space as compressed text, and a twentieth of the time.
 
     Args:
         path: of the file.
@@ -166,7 +166,7 @@ def write_quads(
 
 
 def _appended(sections: Iterable[tuple[str, Mapping[str, np.ndarray]]]) -> tuple[list[str], list[bytes]]:
-    """Lines of XML that declare all arrays, and the blocks of bytes behind the XML that they refer to."""
+    """Lines of XML that declare all arrays, and the blocks of bytes after the XML that they refer to."""
     lines: list[str] = []
     blocks: list[bytes] = []
     offset = 0

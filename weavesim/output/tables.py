@@ -21,7 +21,7 @@ def write_table(path: str | Path, header: Sequence[str], rows: Iterable[Sequence
 
 
 def write_shear_angles(path: str | Path, sheet: FormedSheet) -> None:
-    """Write the absolute shear angle at the material points of the sheet, which has some."""
+    """Write the absolute shear angle at the material points of the sheet, at least one."""
     rows = [
         [i + 1, 1.0e3 * float(x), 1.0e3 * float(y), float(angle)]
         for i, ((x, y), angle) in enumerate(zip(np.asarray(sheet.points), sheet.point_angles_deg, strict=True))
@@ -30,10 +30,10 @@ def write_shear_angles(path: str | Path, sheet: FormedSheet) -> None:
 
 
 def write_draw_in(path: str | Path, sheet: FormedSheet) -> None:
-    """Write the free border of the computed part, in order: flat and formed, and the draw-in of each node.
+    """Write the free border of the computed part in order: flat and formed positions, and draw-in of each node.
 
-    The draw-in is the plan movement of the node against the outward normal of the flat border (at a corner, against
-    the mean of the two sides' normals).
+    The draw-in is the in-plan displacement of the node against the outward normal of the flat border (at a corner,
+    against the mean of the two sides' normals).
     """
     node = sheet.border.node
     lengths = 1.0e3 * np.column_stack([sheet.blank.material_coordinates[node], sheet.position[node]])

@@ -17,7 +17,7 @@ _LARGEST_SMOOTH_ANGLE = 35.0
 
 @contextmanager
 def usd_errors() -> Iterator[None]:
-    """USD reports a full disk or a missing folder by errors of its own; here they are what they are."""
+    """Turn USD's own errors, for a full disk or a missing folder, into OSError."""
     from pxr import Tf
 
     try:
@@ -102,7 +102,7 @@ def define_camera(stage: Any, lower: np.ndarray, upper: np.ndarray) -> None:
     from pxr import Gf, UsdGeom
 
     camera = UsdGeom.Camera.Define(stage, "/World/camera")
-    focal_length, aperture = 50.0, (36.0, 24.0)  # tenths of a stage unit, as USD has it; only the ratio counts
+    focal_length, aperture = 50.0, (36.0, 24.0)  # tenths of a stage unit, as USD defines it; only the ratio matters
     centre, radius = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
     distance = 1.05 * radius / np.sin(np.arctan(0.5 * min(aperture) / focal_length))
     azimuth, elevation = np.deg2rad((-60.0, 38.0))
@@ -143,13 +143,13 @@ def node_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
 
 
 def _corner_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Normals of the corners of each triangle, (3 face_count, 3): smooth, but for sharp edges."""
+    """Normals of the corners of each triangle, (3 face_count, 3): smooth except at sharp edges."""
     corner = vertices[faces]
     side = np.roll(corner, -1, axis=1) - corner
     side /= np.maximum(np.linalg.norm(side, axis=2, keepdims=True), 1.0e-300)
     normal = np.cross(side[:, 0], side[:, 1])
     face = np.repeat(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1.0e-300), 3, axis=0)
-    # weighted by the angles of the corners, so that it does not matter how a flat face is cut into triangles
+    # weighted by the corner angles, so that the triangulation of a flat face does not matter
     cosine = -np.einsum("fci,fci->fc", side, np.roll(side, 1, axis=1))
     weighted = face * np.arccos(np.clip(cosine, -1.0, 1.0)).reshape(-1, 1)
     corners = faces.ravel()

@@ -1,7 +1,7 @@
-"""Writers: each leaves one kind of result in the folder of a run, and is chosen by its name.
+"""Writers: each writes one kind of result to the folder of a run, and is selected by name.
 
-A writer is one file in ``writers/`` with a subclass of ``Writer``; defining the class registers it. It needs nothing
-else: the command line offers it, and a run writes with it.
+A writer is one file in ``writers/`` with a subclass of ``Writer``; defining the class registers it. Nothing else is
+needed: the command line lists it, and runs use it.
 """
 
 from __future__ import annotations
@@ -23,19 +23,20 @@ _known: dict[str, type[Writer]] = {}
 
 
 class Writer:
-    """Base of all writers. A subclass defines what it needs of ``start``, ``frame``, ``finish`` and ``write``.
+    """Base class of all writers. A subclass overrides what it needs of ``start``, ``frame``, ``finish`` and ``write``.
 
-    What raises OSError, on a full disk for example, costs the writer or the file, but not the run: it is given up with
-    a warning.
+    After an OSError, for example on a full disk, the writer or the file is abandoned with a warning, and the run
+    continues.
 
     Attributes:
-        name: by which it is chosen; a class without one is no writer itself.
-        title: in messages.
-        rank: writers of a higher rank write later: what shows the work of others, such as the report, has a high one.
+        name: selects the writer; a class without a name is not a writer itself.
+        title: for messages.
+        rank: writers with a higher rank write later; those that show the output of others, such as the report, rank
+            high.
 
     Args:
-        folder: of the run; it is there.
-        failures: what could not be written, in words, is added to it.
+        folder: of the run; it exists.
+        failures: messages about what could not be written are added to it.
     """
 
     name: ClassVar[str] = ""
@@ -47,7 +48,7 @@ class Writer:
             return
         other = _known.get(cls.name)
         if other and (other.__module__, other.__qualname__) != (cls.__module__, cls.__qualname__):
-            raise TypeError(f"writer {cls.name}: {other.__module__} has one of this name")
+            raise TypeError(f"writer {cls.name}: {other.__module__} already has one of this name")
         _known[cls.name] = cls
 
     def __init__(self, folder: Path, failures: list[str]) -> None:
@@ -56,25 +57,25 @@ class Writer:
 
     @classmethod
     def load(cls) -> None:
-        """Import what takes long, before a run; nothing else may happen."""
+        """Do slow imports before a run; nothing else may happen here."""
 
     def start(self, info: RunInfo) -> None:
-        """A run begins."""
+        """Called when a run begins."""
 
     def frame(self, frame: Frame) -> None:
-        """A frame of it."""
+        """Called for every frame."""
 
     def finish(self, outcome: Outcome) -> None:
-        """It ended."""
+        """Called when the run has ended."""
 
     def discard(self) -> None:
-        """Remove what is half written; called once, after ``start``, ``frame`` or ``finish`` failed."""
+        """Remove incomplete output; called once, after ``start``, ``frame`` or ``finish`` failed."""
 
     def write(self, results: Results) -> None:
-        """Leave what is made of the whole run."""
+        """Write the results of the whole run."""
 
     def attempt(self, what: str, action: Callable[[], object]) -> bool:
-        """Whether ``action`` could write what it should; if not, that is reported once."""
+        """Run ``action`` and return whether it could write; a failure is reported once."""
         try:
             action()
         except OSError as error:
@@ -86,7 +87,7 @@ class Writer:
 
 
 def known_writers() -> dict[str, type[Writer]]:
-    """All known writers by name, in the order in which they write."""
+    """All known writers by name, in order of writing."""
     from . import writers as folder  # which imports this module
 
     for module in iter_modules(folder.__path__):
@@ -95,11 +96,14 @@ def known_writers() -> dict[str, type[Writer]]:
 
 
 def chosen_writers(names: Iterable[str] | None = None, without: Iterable[str] = ()) -> tuple[type[Writer], ...]:
-    """Writers by their names, all if None, but for those ``without``.
+    """Writers by name, all if None, except those in ``without``.
 
     Raises:
-        InputError: a name that no writer has.
+        InputError: an unknown name.
     """
+    for argument, given in (("writers", names), ("without", without)):
+        if isinstance(given, str):
+            raise InputError(f"{argument} = {given!r}: give a list, [{given!r}]")
     known = known_writers()
     left_out, wanted = set(without), set(known if names is None else names)
     if unknown := sorted((left_out | wanted) - set(known)):

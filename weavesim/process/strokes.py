@@ -9,8 +9,9 @@ from typing import ClassVar, Self
 import numpy as np
 from pydantic import model_validator
 
-from ..checks import Kinded, Numbers, Positive, finite, positive
+from ..checks import Kinded, Positive
 from ..errors import InputError
+from ..quantities import Numbers, finite, positive
 
 # Knots of each smooth ramp: the speed of the piecewise linear stroke then changes by less than 0.4 % at a knot.
 RAMP_KNOT_COUNT = 400

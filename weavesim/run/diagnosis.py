@@ -13,7 +13,7 @@ from .frame import Frame, SheetFrame
 
 
 def find_failure(model: Model, state: State, last: Frame) -> str | None:
-    """What to tell the user if some number of the state is no longer finite; None if all are.
+    """Message for the user if the state is no longer finite; None if it is.
 
     Args:
         model, state: of the run.

@@ -1,8 +1,8 @@
-"""Values per element that frames hold, each named once: what it is, its unit, and how files show it.
+"""Element fields of frames, each defined once: meaning, unit, and form in files.
 
-Rows that kernels write are described in ``kernels/rows.py``; what the host derives of them stands here, with how it is
-derived. Frames, film, ParaView files and docs read this list. To add a field, add a row there, or a ``Field`` here, or
-one of your own by ``add_field``.
+Rows that kernels write are described in ``kernels/rows.py``; fields that the host derives from them are defined here.
+Frames, film, ParaView files and docs read this list. To add a field, add a row there or a ``Field`` here, or call
+``add_field`` from your own code.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from ..kernels.rows import ElementField
 if TYPE_CHECKING:
     from ..fabric.fabric import Fabric
 
-# A cell whose residual ever exceeds this share of the forces that it balances has failed.
+# A cell has failed if its residual ever exceeds this share of the forces that it balances.
 UNIT_CELL_FAILURE = 1.0e-3
 
 Values = Mapping[str, np.ndarray]
-# The field from the fabric, the fields before it, and the report of the unit cells; None where the fabric has none.
+# Computes a field from the fabric, the fields before it, and the report of the unit cells; None if not applicable.
 Derivation = Callable[["Fabric", Values, Values], np.ndarray | None]
 
 
@@ -38,10 +38,10 @@ class Field:
 
     Attributes:
         name: in frames, where it has SI units.
-        unit: there; "1" for a pure number.
-        description: what it is.
-        derive: how the host finds it; None for what a kernel writes.
-        film: how the film shows it; None where it does not.
+        unit: in frames; "1" for a pure number.
+        description: for readers.
+        derive: computes it on the host; None for a row that a kernel writes.
+        film: converts it for the film; None leaves it out.
     """
 
     name: str
@@ -52,12 +52,12 @@ class Field:
 
     @property
     def file_name(self) -> str:
-        """In files, where angles are in degrees and say so."""
+        """Name in files, where angles are in degrees and named accordingly."""
         return f"{self.name}_deg" if self.unit == "rad" else self.name
 
     @property
     def file_unit(self) -> str:
-        """In files."""
+        """Unit in files."""
         return "degrees" if self.unit == "rad" else self.unit
 
     def in_file(self, values: np.ndarray) -> np.ndarray:
@@ -65,7 +65,7 @@ class Field:
         return np.rad2deg(values) if self.unit == "rad" else values
 
 
-# How the film shows rows of the kernel: of the shear angle it has the size.
+# Conversion of kernel rows for the film: the shear angle as absolute value.
 _IN_FILM: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "shear_angle": np.abs, "warp_stretch": as_it_is, "weft_stretch": as_it_is,
 }  # fmt: skip
@@ -110,15 +110,15 @@ FIELDS: list[Field] = [
 
 
 def add_field(field: Field) -> Field:
-    """Make a field of your own known to all frames and files of this process, behind the others.
+    """Add your own field to all frames and files of this process, after the others.
 
     Raises:
-        InputError: a field of this name is known, or it says not how it is derived.
+        InputError: a field of this name exists, or ``derive`` is missing.
     """
     if field.derive is None:
-        raise InputError(f"field {field.name}: derive is missing; only rows of the kernel come without it")
+        raise InputError(f"field {field.name}: derive is missing; only rows of a kernel have none")
     if field.name in {other.name for other in FIELDS}:
-        raise InputError(f"field {field.name}: one of this name is known; choose another name")
+        raise InputError(f"field {field.name}: one of this name exists; choose another name")
     FIELDS.append(field)
     return field
 
@@ -128,8 +128,8 @@ def complete(fabric: Fabric, rows: Values, report: Values) -> dict[str, np.ndarr
 
     Args:
         fabric: of the sheet.
-        rows: what the kernel wrote, by the names of ``ElementField``.
-        report: of the unit cells, by the names of ``CellReportRow``.
+        rows: written by the kernel, by names of ``ElementField``.
+        report: of the unit cells, by names of ``CellReportRow``.
     """
     fields = dict(rows)
     for field in FIELDS:
@@ -140,7 +140,7 @@ def complete(fabric: Fabric, rows: Values, report: Values) -> dict[str, np.ndarr
 
 
 def in_files(fields: Values) -> dict[str, np.ndarray]:
-    """``fields`` by their names in files, in their units there; what is in no list stays as it is."""
+    """``fields`` with their names and units in files; unknown fields are unchanged."""
     known = {field.name: field for field in FIELDS}
     return {
         known[name].file_name if name in known else name: known[name].in_file(values) if name in known else values

@@ -1,4 +1,4 @@
-"""What the observers of a run get: what is run, its frames, and how it ended."""
+"""What the observers of a run receive: information about the run, its frames, and its outcome."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ class SheetInfo:
     """One sheet of a run.
 
     Attributes:
-        name: of its outputs, unique in the run.
+        name: used in outputs, unique in the run.
         blank: the flat sheet.
         fabric: its laws.
         symmetry: planes at which it is cut.
-        tools: places of the tools of its world among those of the run.
-        supports: places of its supports among those of the run.
+        tools: indices of the tools of its world among those of the run.
+        supports: indices of its supports among those of the run.
     """
 
     name: str
@@ -47,10 +47,10 @@ class SheetInfo:
 
 @dataclass(frozen=True)
 class RunInfo:
-    """What is run, for its observers. Everything is known before the first frame.
+    """Information about a run for its observers, all known before the first frame.
 
     Attributes:
-        name: of the result files.
+        name: used for the result files.
         sheets: in the order of all frames.
         tools: in the order of all frames.
         supports: in the order of all frames.
@@ -60,9 +60,9 @@ class RunInfo:
         precision: "float32" or "float64".
         thread_counts: CPU threads that may be used.
         internal_energies: names of the entries of the ledger whose sum is the internal energy.
-        warnings: what a user should know; the run adds to this list until it ends.
-        notes: what was found about the input.
-        setup: all that the run is given.
+        warnings: for the user; the run adds to this list until it ends.
+        notes: findings about the input.
+        setup: the input of the run.
     """
 
     name: str
@@ -81,7 +81,7 @@ class RunInfo:
 
     @property
     def sheet(self) -> SheetInfo:
-        """The sheet of a run that has one.
+        """The only sheet of a run.
 
         Raises:
             InputError: the run has several.
@@ -100,7 +100,7 @@ class RunInfo:
 
     @property
     def tool_names(self) -> tuple[str, ...]:
-        """Names of the tools in outputs: in several worlds two may have the same, there the second is NAME_2."""
+        """Names of the tools in outputs: if tools of different worlds have the same name, the second is NAME_2."""
         return unique_names(tool.name for tool in self.tools)
 
     def tools_of(self, sheet: SheetInfo) -> tuple[Tool, ...]:
@@ -135,16 +135,16 @@ class Frame:
         index: number of the frame, 0 for the undeformed state.
         step_count: time steps done.
         time: [s].
-        stroke: displacement of the leading tool along its axis, without tools that of the first drive [m].
+        stroke: displacement of the leading tool along its axis, or without tools that of the first drive [m].
         sheets: in the order of the set-up.
         tool_displacement: along each tool's axis, (tool_count,) [m].
         tool_reaction: force of the sheets on each tool, (tool_count, 3) [N].
         energies: every entry of the ledger [J], by name, summed over the sheets.
-        support_force: force of each support on its sheet, (support_count, 3) [N]: it holds against all other forces on
+        support_force: force of each support on its sheet, (support_count, 3) [N]: it balances all other forces on
             its nodes and accelerates their mass.
         drive_displacement: of every drive of every support, in order, (drive_count,) [m].
-        drive_force: of the support on the sheet along each drive, (drive_count,) [N]: its work per unit of the drive's
-            displacement.
+        drive_force: of the support on the sheet along each drive, (drive_count,) [N]: work per unit displacement of
+            the drive.
     """
 
     index: int
@@ -185,7 +185,7 @@ class Frame:
 
 
 def unique_names(names: Iterable[str]) -> tuple[str, ...]:
-    """``names`` in order, where the second of the same name is NAME_2, and so on."""
+    """``names`` in order, with repeated ones numbered NAME_2, NAME_3, ..."""
     taken: list[str] = []
     for name in names:
         candidates = (name if k == 1 else f"{name}_{k}" for k in count(1))
@@ -194,13 +194,13 @@ def unique_names(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def only_sheet(sheets: tuple[OfSheet, ...]) -> OfSheet:
-    """What there is of the sheet of a run that has one.
+    """The entry of the only sheet of a run.
 
     Raises:
         InputError: the run has several.
     """
     if len(sheets) != 1:
-        raise InputError(f"this run has {len(sheets)} sheets: take one of them from the tuple ``sheets``")
+        raise InputError(f"this run has {len(sheets)} sheets: use one of the tuple ``sheets``")
     return sheets[0]
 
 

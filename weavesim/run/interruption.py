@@ -1,4 +1,4 @@
-"""Ctrl-C ends a run in order."""
+"""Orderly end of a run on Ctrl-C."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def interruption() -> Iterator[threading.Event]:
-    """An event that Ctrl-C sets, so that a run stops between two turns of steps; a second Ctrl-C stops at once."""
+    """Yield an event that Ctrl-C sets, so that a run stops between turns of steps; a second Ctrl-C stops at once."""
     event = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         yield event

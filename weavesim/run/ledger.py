@@ -1,4 +1,4 @@
-"""The energy ledger of a run and its frames, taken from the state without changing it."""
+"""The energy ledger of a run and its frames, computed from the state without changing it."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ LOST = ("friction_loss", "damping_loss", "snap_loss", "shear_friction_loss", "be
 SUPPLIED = (
     "tool_work", "driving_force_work", "support_work", "load_work", "thickness_work", "gravity_work", "initial_kinetic",
 )  # fmt: skip
-# What is made of the other entries.
+# Derived from the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")
-# Where the entries of the tools stand among those of the sheets.
+# Positions of the entries of the tools among those of the sheets.
 _BEFORE_TOOLS = {"tool_kinetic": "kinetic", "tool_work": "load_work", "driving_force_work": "tool_work"}
 
 
@@ -44,7 +44,7 @@ class Ledger:
         self._tool_mass = np.array([tool.motion.driven_mass for tool in tools])
 
     def frame(self, index: int) -> Frame:
-        """The present state; waits for the device."""
+        """A frame of the current state; waits for the device."""
         state, ahead = self._stepper.state, self._stepper.look_ahead()
         sheets = tuple(sheet.frame(ahead) for sheet in self.sheets)
         tool_displacement = state.tool_displacement.numpy().copy()
@@ -66,7 +66,7 @@ class Ledger:
         )
 
     def _support_outputs(self, ahead: State) -> tuple[np.ndarray, np.ndarray]:
-        """Forces of all supports (support_count, 3), and along all drives (drive_count,) [N], of the present."""
+        """Current forces of all supports (support_count, 3), and along all drives (drive_count,) [N]."""
         force: list[list[float]] = []
         along: list[float] = []
         for sheet, state in zip(self._stepper.model.sheets, ahead.sheets, strict=True):
@@ -76,7 +76,7 @@ class Ledger:
         return np.array(force).reshape(-1, 3), np.array(along)
 
     def _balance(self, sheets: tuple[SheetFrame, ...], ahead: State) -> dict[str, float]:
-        """Every entry of the ledger [J], the supplied and used sums, and their difference."""
+        """Every entry of the ledger [J], the sums of supplied and used energy, and their difference."""
         entries: dict[str, float] = {}
         for sheet in sheets:
             for name, value in sheet.energies.items():
@@ -101,7 +101,7 @@ class Ledger:
 
 
 def _inserted(entries: dict[str, float], of_tools: dict[str, float]) -> dict[str, float]:
-    """``entries`` with those of the tools behind the ones that they belong to: the order is that of all outputs."""
+    """``entries`` with those of the tools inserted after the related ones, in the order of all outputs."""
     names = list(entries)
     for name, before in _BEFORE_TOOLS.items():
         names.insert(names.index(before) + 1, name)

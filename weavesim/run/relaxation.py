@@ -1,4 +1,4 @@
-"""Static equilibrium by dynamic relaxation: the sheet moves until damping has brought it to rest."""
+"""Static equilibrium by dynamic relaxation: the sheet moves until damping brings it to rest."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from ..errors import InputError, RunError
 from ..kernels.rows import ClockEntry, LoadRow, MotionRow, NodeReportRow
 from .simulation import Simulation
 
-# Stops of the motion from which the lowest frequency is taken, before viscous damping takes over.
+# Number of stops from which the lowest frequency is determined, before viscous damping takes over.
 STOP_COUNT = 3
-# Critically damped, every vibration falls by exp(-w t): after this w t the frequency is measured anew.
+# With critical damping every vibration decays as exp(-w t): after this w t the frequency is determined again.
 LONGEST_DECAY = 30.0
 
 
@@ -26,7 +26,7 @@ class Equilibrium:
     Attributes:
         residual: sum of the unbalanced nodal forces over that of the applied ones.
         step_count: time steps of the relaxation.
-        frequency: lowest angular frequency that it found [rad/s].
+        frequency: lowest angular frequency found [rad/s].
     """
 
     residual: float
@@ -35,21 +35,21 @@ class Equilibrium:
 
 
 def relax(simulation: Simulation, *, tolerance: float = 1.0e-3, largest_step_count: int = 500_000) -> Equilibrium:
-    """Bring a simulation to rest under the loads, supports and tools of the present instant.
+    """Bring a simulation to rest under the current loads, supports and tools.
 
-    First by kinetic damping: the sheet moves freely until its kinetic energy passes a peak, where it is stopped. From
-    rest to the peak is a quarter of a period, which gives the lowest frequency w. Then mass-proportional damping at the
-    rate 2 w, critical for that frequency, takes out all vibrations at the same rate. Neither changes a static answer
-    (friction apart, which remembers the path); what they take is booked as ``damping_loss``.
+    First by kinetic damping: the sheet moves freely until its kinetic energy passes a peak, where it is stopped. The
+    time from rest to the peak is a quarter of a period, which gives the lowest frequency w. Then mass-proportional
+    damping at the rate 2 w, critical for that frequency, removes all vibrations at the same rate. Neither changes the
+    static solution (except for friction, which is path-dependent); the energy removed is booked as ``damping_loss``.
 
-    It may follow ``simulation.run()``, which brings loads and tools to where they stay, or replace it. At the end a
+    It may follow ``simulation.run()``, which brings loads and tools to their final values, or replace it. At the end a
     frame is taken: ``simulation.frame``, and the last entry of ``simulation.history``.
 
     Args:
         simulation: on any device.
-        tolerance: on ``Equilibrium.residual``. The applied forces are the larger of loads with weight, and of the
-            reactions of supports and tools; couples count over the largest extent of the blank.
-        largest_step_count: after which to give up.
+        tolerance: for ``Equilibrium.residual``. The applied forces are the larger of loads plus weight, and the
+            reactions of supports and tools; couples are divided by the largest extent of the blank.
+        largest_step_count: limit after which to give up.
 
     Raises:
         InputError: a tolerance or a number of steps that is not positive.
@@ -91,14 +91,13 @@ class _Relaxation:
         if self.step_count >= self.largest_step_count:
             raise RunError(
                 f"relax: after {self.step_count} steps the residual is {self.residual:.3g} of the applied forces, "
-                f"above {self.tolerance:g}: give more steps or a larger tolerance; a sheet that may move freely never "
-                "comes to rest, and the rounding of stiff sheets under small loads may keep the residual up (float64 "
-                "has more digits)"
+                f"above {self.tolerance:g}: allow more steps or a larger tolerance; a sheet that can move freely never "
+                "comes to rest, and for stiff sheets under small loads rounding may limit the residual (use float64)"
             )
         self.simulation.stepper.advance(1)
 
     def find_frequency(self) -> None:
-        """Kinetic damping, until the motion has been stopped a few times or is at rest."""
+        """Kinetic damping, until the motion has been stopped a few times or the sheet is at rest."""
         self.set_damping(0.0)
         longest = 0.0
         for _ in range(STOP_COUNT):
@@ -112,12 +111,12 @@ class _Relaxation:
             self.stop()
             if self.residual <= self.tolerance:
                 break
-        # near rest only rounding moves, and fast: what was found in motion counts
+        # near rest the motion is only fast rounding noise: the frequency found in motion is kept
         found = 0.5 * math.pi / longest
         self.frequency = min(self.frequency, found) if self.frequency else found
 
     def damp(self) -> None:
-        """Critical damping of the lowest frequency, until the sheet is at rest or that frequency is in doubt."""
+        """Critical damping of the lowest frequency, until the sheet is at rest or that frequency is doubtful."""
         if self.residual <= self.tolerance:
             return
         self.set_damping(2.0 * self.frequency)
@@ -126,7 +125,7 @@ class _Relaxation:
         while self.residual > self.tolerance and self.simulation.state.time < end:
             for _ in range(block):
                 self.advance()
-            self.look()
+            self.evaluate()
             block = min(block + 1, 20)
         self.stop()
 
@@ -141,8 +140,8 @@ class _Relaxation:
             )
         return total
 
-    def look(self) -> tuple[State, list[_Change]]:
-        """Find the residual. Returns the state after the next step, and what the step changes in every sheet."""
+    def evaluate(self) -> tuple[State, list[_Change]]:
+        """Compute the residual. Returns the state after the next step, and its changes in every sheet."""
         model, stepper, state = self.simulation.model, self.simulation.stepper, self.simulation.state
         mean_step = float(state.clock.numpy()[ClockEntry.mean_step])
         ahead = stepper.look_ahead()
@@ -154,13 +153,13 @@ class _Relaxation:
             next_velocity, next_spin = rates(sheet, ahead.sheets[index])
             change, turn = next_velocity - velocity, next_spin - spin
             changes.append(_Change(velocity, change, spin, turn))
-            # without the force of the damping, which vanishes with the motion
+            # without the damping force, which vanishes with the motion
             acceleration = change / mean_step + self.damping * np.where(free, velocity + 0.5 * change, 0.0)
             turning = turn / mean_step + self.damping * (spin + 0.5 * turn)
             unbalanced += size(sheet.node_mass[:, None] * acceleration, sheet.node_inertia[:, None] * turning, extent)
             loads = applied_loads(sheet, state.time)
             applied += size(loads[LoadRow.force], loads[LoadRow.couple], extent)
-            # what supports bear
+            # reactions of supports
             forces = stepper.nodal_forces(index, ahead) + loads[LoadRow.force]
             borne += float(np.linalg.norm(np.where(free, 0.0, forces), axis=1).sum())
         borne += float(np.linalg.norm(state.tool_force.numpy(), axis=1).sum()) if len(self.driven) else 0.0
@@ -170,12 +169,12 @@ class _Relaxation:
         return ahead, changes
 
     def stop(self) -> None:
-        """Take the motion out and book its energy as damped.
+        """Stop the motion and book its energy as damped.
 
-        The velocities become those of half a step before a start from rest. With zeros the coming half step would be a
-        whole one, and vibrations near the stable limit would grow from stop to stop.
+        The velocities become those half a step before a start from rest. With zeros the next half step would be a whole
+        one, and vibrations near the stable limit would grow from stop to stop.
         """
-        ahead, changes = self.look()
+        ahead, changes = self.evaluate()
         state, of_tools = self.simulation.state, self.stop_tools(ahead)
         for sheet, own, later, change in zip(
             self.simulation.model.sheets, state.sheets, ahead.sheets, changes, strict=True
@@ -189,7 +188,7 @@ class _Relaxation:
             sheet.write_motion(own.motion, motion)
 
     def stop_tools(self, ahead: State) -> float:
-        """Likewise for the tools that a force moves; returns the energy that they lose [J]."""
+        """The same for force-driven tools; returns the energy that they lose [J]."""
         if not self.driven.any():
             return 0.0
         state = self.simulation.state
@@ -200,7 +199,7 @@ class _Relaxation:
 
 @dataclass(frozen=True)
 class _Change:
-    """Rates of the nodes of a sheet half a step ago, and what the next step changes of them."""
+    """Rates of the nodes of a sheet half a step ago, and their change in the next step."""
 
     velocity: np.ndarray
     velocity_change: np.ndarray
@@ -223,7 +222,7 @@ def rates(sheet: SheetModel, state: SheetState) -> tuple[np.ndarray, np.ndarray]
 
 
 def size(forces: np.ndarray, couples: np.ndarray, extent: float) -> float:
-    """Sum of the sizes of forces [N], and of couples over a length [m]."""
+    """Sum of the magnitudes of forces [N], and of couples over a length [m]."""
     return float(np.linalg.norm(forces, axis=1).sum() + np.linalg.norm(couples, axis=1).sum() / extent)
 
 
@@ -237,12 +236,12 @@ def applied_loads(sheet: SheetModel, time: float) -> np.ndarray:
 
 
 def book(sheet: SheetModel, state: SheetState, ahead: SheetState, damped: np.ndarray, of_tools: float) -> None:
-    """Bring the works of the nodes to this instant, as the ledger takes them, and add what is damped [J]."""
+    """Update the work entries of the nodes to this instant, as the ledger reads them, and add the damped energy [J]."""
     report = state.node_report.numpy()
     works = [row for row, name in enumerate(sheet.node_report_rows) if not name.startswith("half_thickness")]
-    # the next step counts from rest
+    # the next step starts from rest
     report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
     report[NodeReportRow.damping_loss, : len(damped)] += damped
-    # no node moves a tool: any one of them may book its loss
+    # the loss of a tool belongs to no node: it is booked at an arbitrary one
     report[NodeReportRow.damping_loss, 0] += of_tools
     state.node_report.assign(report)

@@ -1,4 +1,4 @@
-"""Fields and energies of one sheet, taken from the state without changing it."""
+"""Fields and energies of one sheet, computed from the state without changing it."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from ..kernels.shell.energy import element_ledger_kernel
 from .fields import complete
 from .frame import SheetFrame
 
-# Elastic energies of the sheet; their sum with those of its unit cell is the internal energy.
+# Elastic energies of the sheet; the internal energy is their sum plus those of its unit cell.
 SHEET_INTERNAL = ("compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass")
 
 
 @dataclass(frozen=True)
 class Penetration:
-    """Deepest overlap of a sheet's faces with any tool [m]; negative where nothing touches."""
+    """Deepest overlap of a sheet's faces with any tool [m]; negative without contact."""
 
     at_nodes: float
     at_element_centres: float
 
     def deeper(self, other: Penetration) -> Penetration:
-        """The deeper one of both, at nodes and at element centres."""
+        """The deeper of the two, at nodes and at element centres."""
         return Penetration(max(self.at_nodes, other.at_nodes), max(self.at_element_centres, other.at_element_centres))
 
 
@@ -38,7 +38,7 @@ NO_PENETRATION = Penetration(-np.inf, -np.inf)
 
 
 def centred(now: wp.array, later: wp.array, started: bool) -> np.ndarray:
-    """What is booked at the instant of the positions: the mean of now and after the next step, once steps were done."""
+    """Booked values at the instant of the positions: after the first step, the mean of now and after the next step."""
     value = now.numpy().astype(np.float64)
     return 0.5 * (value + later.numpy()) if started else value
 
@@ -59,6 +59,7 @@ class SheetLedger:
         self._model, self._run_model, self._index, self._state = model.sheets[index], model, index, state
         sheet = self._model
         self._kernel = element_ledger_kernel(sheet.real, sheet.cell_law, sheet.sheet_traits)
+        self._device_sheet = sheet.device_sheet(1)
         self._energy_names = (*sheet.cell_law.energy_names, *SheetEnergy.names())
         self.internal = (*sheet.cell_law.energy_names, *SHEET_INTERNAL)
         count, device = sheet.element_count, sheet.device
@@ -67,7 +68,7 @@ class SheetLedger:
         point_count = sheet.blank.node_count + sheet.blank.element_count if sheet.tool_count else 0
         self._points = wp.zeros(point_count, dtype=sheet.types.vec3, device=device)
         self._distances = wp.zeros((sheet.tool_count, point_count), dtype=sheet.real, device=device)
-        # packed once: from Python a launch costs more than the work of a small sheet
+        # packed once: a launch from Python costs more than the work of a small sheet
         self._element_ledger: wp.Launch | None = None
         self._tool_distances = self._record_distances()
         # positions of a frame, and their distances to the tools
@@ -81,7 +82,7 @@ class SheetLedger:
         return self._state.sheets[self._index]
 
     def frame(self, ahead: State) -> SheetFrame:
-        """The present state, with that after the next step; waits for the device."""
+        """A frame of the current state, given the state after the next step; waits for the device."""
         self._launch(ahead.sheets[self._index])
         motion = self._motion(self._own.motion)
         position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
@@ -100,7 +101,7 @@ class SheetLedger:
                 self._kernel,
                 dim=sheet.element_count,
                 inputs=[
-                    sheet.elements_single, sheet.cell, sheet.laws, self._own.motion, ahead.motion,
+                    self._device_sheet, self._own.motion, ahead.motion,
                     lanes_view(ahead.cell_unknowns, 1), lanes_view(ahead.cell_report, 1), lanes_view(ahead.slip, 1),
                 ],
                 outputs=[lanes_view(self._energies, 1), lanes_view(self._fields, 1)],
@@ -116,14 +117,14 @@ class SheetLedger:
         return complete(fabric, rows, report)
 
     def _motion(self, motion: wp.array) -> np.ndarray:
-        """MOTION_VECTORS without the padding, in double precision, (vectors, node_count, 3)."""
+        """MOTION_VECTORS without padding, in double precision, (vectors, node_count, 3)."""
         return self._model.read_motion(motion)[:, : self._model.blank.node_count].astype(np.float64)
 
     def _kinetic(self, before: np.ndarray, after: np.ndarray, spin_before: np.ndarray, spin_after: np.ndarray) -> float:
-        """1/2 sum m v.v from the velocities of half a step before and after, whose product central differences keep.
+        """1/2 sum m v-.v+ from the velocities half a step before and after, which central differences conserve.
 
-        Of a linear sheet under constant loads, 1/2 m v-.v+ plus the energies at the positions between them is constant
-        to round-off; a squared velocity would swing against them by a share omega dt.
+        For a linear sheet under constant loads, 1/2 m v-.v+ plus the energies at the positions between is constant to
+        round-off; with a squared velocity the sum would oscillate by a relative omega dt.
         """
         mass, inertia = self._model.node_mass, self._model.node_inertia
         return 0.5 * float(mass @ (before * after).sum(axis=1) + inertia @ (spin_before * spin_after).sum(axis=1))
@@ -131,8 +132,8 @@ class SheetLedger:
     def _entries(self, position: np.ndarray, motion: np.ndarray, ahead: SheetState) -> dict[str, float]:
         """Entries of the ledger that belong to the sheet [J].
 
-        Works are the mean of what is booked and what will be after the next step: that of half the next step is
-        needed to bring them to the instant of the positions.
+        Work entries are the mean of their values now and after the next step: half of the next step's work brings them
+        to the instant of the positions.
         """
         sheet, started = self._model, self._state.step_count > 0
         element = self._energies.numpy()[:, : sheet.blank.element_count].astype(np.float64).sum(axis=1)
@@ -191,7 +192,7 @@ class SheetLedger:
         ]
 
     def _tool_distance(self, position: np.ndarray) -> np.ndarray:
-        """Distance of nodes and then element centres to each tool as it stands, (tool_count, point_count) [m]."""
+        """Current distance of nodes, then element centres, to each tool, (tool_count, point_count) [m]."""
         if self._measured is None or self._measured[0] is not position:
             sheet = self._model
             if not sheet.tool_count:

@@ -26,18 +26,18 @@ logger = logging.getLogger(__name__)
 
 
 class Simulation:
-    """One run: ``prepare()`` makes it ready, ``run()`` does it, ``frame`` is the last frame taken.
+    """One run: ``prepare()`` makes it ready, ``run()`` executes it, ``frame`` is the last frame taken.
 
-    Making one costs nothing. The first use of what lives on the device, such as ``frame`` or ``state``, prepares it,
-    which compiles kernels that are not cached.
+    Construction is cheap. The first access to device data, such as ``frame`` or ``state``, prepares the run, which
+    compiles kernels that are not cached.
 
     Args:
-        setup: what is run.
+        setup: of the run.
 
     Attributes:
         setup: as given.
         history: time, stroke and every entry of the ledger, of all frames of the run.
-        outcome: how the run ended; None before.
+        outcome: how the run ended; None before its end.
         failure: why the state became non-finite; None if it did not.
         stepping_time, wall_time: of the run [s].
     """
@@ -53,13 +53,13 @@ class Simulation:
         self._frame: Frame | None = None
         self._penetration: Penetration | None = None
 
-    # --- what lives on the device ------------------------------------------------------------------------------------
+    # --- device data -------------------------------------------------------------------------------------------------
 
     def prepare(self) -> Prepared:
         """Make the run ready, once: constants and state on the device, kernels loaded, the start checked.
 
         Raises:
-            InputError: what would spoil the run and can only be seen on its device, such as a step that is not stable.
+            InputError: bad input that can only be detected on the device, such as an unstable step.
         """
         if self._prepared is None:
             self._prepared = prepare(self.setup)
@@ -72,7 +72,7 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """All that changes."""
+        """Everything that changes in the run."""
         return self.prepare().state
 
     @property
@@ -87,12 +87,12 @@ class Simulation:
 
     @property
     def info(self) -> RunInfo:
-        """What observers get."""
+        """What observers receive."""
         return self.prepare().info
 
     @property
     def warnings(self) -> list[str]:
-        """What a user should know; the run adds to it until it ends."""
+        """Warnings for the user; the run adds to them until it ends."""
         return self.info.warnings
 
     @property
@@ -102,27 +102,27 @@ class Simulation:
 
     @property
     def penetration(self) -> Penetration:
-        """The deepest of all frames."""
+        """The deepest penetration of all frames."""
         return self._penetration or self.prepare().penetration
 
     # --- the run -----------------------------------------------------------------------------------------------------
 
     def run(self, observers: Sequence[Observer] = ()) -> Outcome:
-        """Run to the end, to rest, to Ctrl-C, or until the state is no longer finite.
+        """Run until the end, until rest, until Ctrl-C, or until the state is no longer finite.
 
-        Ctrl-C stops a run on a CPU within about a tenth of a second (or a block of steps, if that is longer), on a GPU
-        at the next frame.
+        Ctrl-C stops a run within about a tenth of a second on a CPU (or a block of steps, if that takes longer), and at
+        the next frame on a GPU.
 
-        Every observer gets all frames and, however the run ends, its ``finish``. Doubts about the result are added to
+        Every observer receives all frames, and ``finish`` however the run ends. Doubts about the result are added to
         ``warnings``.
 
         Raises:
             InputError: see ``prepare``.
-            RunError: the state became non-finite, and the message names the element and the likely cause; or this
+            RunError: the state became non-finite (the message names the element and the likely cause), or this
                 simulation has been run before.
         """
         if self.history:
-            raise RunError("this simulation has been run: make a new one, a run starts from the undeformed blank")
+            raise RunError("this simulation has been run: make a new one, since runs start from the undeformed blank")
         self.prepare()
         started = time.perf_counter()
         with ExitStack() as at_end, interruption() as interrupted:
@@ -160,7 +160,7 @@ class Simulation:
         observer.finish(self.outcome or Outcome.INTERRUPTED)
 
     def take_frame(self) -> Frame:
-        """A frame of the present state, added to ``history``; no observer hears of it."""
+        """Take a frame of the current state and add it to ``history``, without notifying observers."""
         self._publish(self.ledger.frame(self.frame.index + 1), ())
         return self.frame
 
@@ -172,19 +172,19 @@ class Simulation:
             observer.frame(frame)
 
     def _advance_to(self, target: float, interrupted: threading.Event) -> bool:
-        """Step until ``target`` [s]; False if Ctrl-C came."""
+        """Step until ``target`` [s]; False if interrupted by Ctrl-C."""
         started = time.perf_counter()
         self.stepper.advance_to(target, interrupted.is_set)
         self.failure = find_failure(self.model, self.state, self.frame)
         self.stepping_time += time.perf_counter() - started
         return not interrupted.is_set()
 
-    # --- what is said of the run -------------------------------------------------------------------------------------
+    # --- assessment --------------------------------------------------------------------------------------------------
 
     def summary(self) -> dict[str, Any]:
         """Numbers of the run for summary.json; SI units unless the name says otherwise."""
         return summary(self)
 
     def doubts(self) -> list[str]:
-        """Why the result of the run should not be trusted as it is; empty if nothing speaks against it."""
+        """Reasons not to trust the result of the run as it is; empty if there are none."""
         return doubts(self.summary(), min(sheet.fabric.thickness for sheet in self.setup.sheets))

@@ -1,4 +1,4 @@
-"""From a set-up to a run that may begin: everything on the device, kernels loaded, and checked there."""
+"""Prepare a run from a set-up: data on the device, kernels loaded, and checks that need the device."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from .sheet_ledger import Penetration
 
 logger = logging.getLogger(__name__)
 
-# Forces of the undeformed sheet above this share of the unit cell's stiffness are no rounding.
+# Forces of the undeformed sheet above this share of the unit cell's stiffness are more than rounding.
 LARGEST_REST_FORCE = 1.0e-4
-# A sheet sags over an edge along whose quarter turn it has fewer elements.
+# With fewer elements along a quarter turn of an edge, the sheet sags over it.
 LEAST_ELEMENTS_PER_QUARTER_TURN = 5.0
 
 
@@ -54,8 +54,8 @@ def prepare(setup: Setup) -> Prepared:
     """Make a run ready.
 
     Raises:
-        InputError: what would spoil the run and can only be seen on its device: a step that is not stable, a tool in
-            the sheet, a unit cell that carries force at rest, a mesh that cannot be sampled.
+        InputError: bad input that can only be detected on the device: an unstable step, a tool that overlaps the
+            sheet, a unit cell that carries force at rest, a mesh that cannot be sampled.
     """
     model = Model(setup)
     state = State.initial(model)
@@ -74,7 +74,7 @@ def prepare(setup: Setup) -> Prepared:
     if solver.time_step is not None and solver.time_step > stable:
         raise InputError(
             f"time_step = {solver.time_step:.4g} s is unstable for this mesh and fabric: at most {stable:.4g} s "
-            "is stable; take that, a coarser mesh, or mass scaling (target_step)"
+            "is stable; use that, a coarser mesh, or mass scaling (target_step)"
         )
     ledger = Ledger(stepper)
     frame = ledger.frame(0)
@@ -101,7 +101,7 @@ def prepare(setup: Setup) -> Prepared:
 
 
 def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
-    """What the observers get of every sheet."""
+    """Information about every sheet, for the observers."""
     tool_count = support_count = 0
     for world in setup.worlds:
         tools = tuple(range(tool_count, tool_count + len(world.tools)))
@@ -113,7 +113,7 @@ def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
 
 
 def check_cell_at_rest(cell: UnitCell, frame: SheetFrame) -> None:
-    """The undeformed sheet carries no force; a unit cell of the user's own may be written otherwise."""
+    """Check that the undeformed sheet carries no force, which a user-defined unit cell may violate."""
     largest = LARGEST_REST_FORCE * max(*cell.yarn_stiffness_per_width, cell.shear_stiffness)
     found = max(float(np.abs(frame.fields[name]).max()) for name in ("warp_force", "weft_force", "shear_moment"))
     if not found <= largest:
@@ -124,7 +124,7 @@ def check_cell_at_rest(cell: UnitCell, frame: SheetFrame) -> None:
 
 
 def check_overlap(sheet: Sheet, penetration: float) -> None:
-    """No tool may overlap the blank before the run starts by more than half its thickness [m]."""
+    """Check that no tool overlaps the blank by more than half its thickness before the run starts [m]."""
     thickness = sheet.fabric.thickness
     if penetration > 0.5 * thickness:
         raise InputError(
@@ -134,7 +134,7 @@ def check_overlap(sheet: Sheet, penetration: float) -> None:
 
 
 def first_warnings(model: Model) -> list[str]:
-    """What a user should know before the run, each once."""
+    """Warnings for the user before the run, each once."""
     found: list[str] = []
     sheets = iter(model.sheets)
     for world in model.setup.worlds:
@@ -155,7 +155,7 @@ def _tool_warnings(world: World, largest_area: float) -> Iterator[str]:
 
 
 def mesh_notes(model: Model) -> Iterator[str]:
-    """What was found about the triangle meshes of the tools, and how well they are sampled."""
+    """Notes on the triangle meshes of the tools, and the accuracy of their sampling."""
     for surface in mesh_parts(model.setup.tools).values():
         yield from surface.notes()
         yield model.samples[surface].note(surface.name)

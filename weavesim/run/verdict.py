@@ -1,4 +1,4 @@
-"""What is said of a run: its numbers, and why they should not be trusted as they are."""
+"""Assessment of a run: its numbers, and reasons not to trust them as they are."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from ..version import __version__
 if TYPE_CHECKING:
     from .simulation import Simulation
 
-# The balance of frames in which less than this share of the run's work is done is compared with that share.
+# The balance error of a frame is relative to the work so far, but at least to this share of the run's work.
 LEAST_WORK = 1.0e-4
-# Hourglass and kinetic over internal energy are judged from this share of the largest internal energy on.
+# Hourglass and kinetic over internal energy are judged only above this share of the largest internal energy.
 LEAST_INTERNAL = 0.05
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """A run, and what several of its numbers are made of."""
+    """A run, and intermediate values that several of its numbers use."""
 
     run: Simulation
 
@@ -43,7 +43,7 @@ class Judged:
 
     @cached_property
     def history(self) -> list[dict[str, float]]:
-        """Time, stroke and energies of all frames, one at least."""
+        """Time, stroke and energies of all frames, at least one."""
         frame = self.run.frame
         return self.run.history or [{"time": frame.time, "stroke": frame.stroke, **frame.energies}]
 
@@ -54,13 +54,13 @@ class Judged:
 
     @cached_property
     def stored(self) -> list[dict[str, float]]:
-        """Frames in which enough energy is stored to judge by it."""
+        """Frames that store enough energy for energy ratios to be meaningful."""
         largest = max(entry["internal"] for entry in self.history)
         return [entry for entry in self.history if entry["internal"] > LEAST_INTERNAL * largest]
 
     @cached_property
     def last_quarter(self) -> list[dict[str, float]]:
-        """Those of them in the last quarter of the stroke; where no tool has one, of the time."""
+        """The ``stored`` frames in the last quarter of the stroke; without a stroke, of the time."""
         stroke, time = abs(self.run.frame.stroke), self.run.frame.time
         return [
             entry
@@ -78,7 +78,7 @@ class Judged:
 
 
 def _of_sheets(name: str, which: Callable[[Any], float]) -> Finding:
-    """A finding of sheets for a run: the ``which`` of all its sheets."""
+    """A finding of sheets as a finding of a run: the value chosen by ``which`` among all sheets."""
     finding = next(finding for finding in SHEET_FINDINGS if finding.name == name)
     return Finding(
         name, finding.unit, finding.description,
@@ -184,13 +184,13 @@ def summary(simulation: Simulation) -> dict[str, Any]:
 
 
 class Limit(NamedTuple):
-    """What a number of the summary must not exceed.
+    """Upper limit of a number of the summary.
 
     Attributes:
         key: of the number.
-        text: what it is.
-        largest: allowed.
-        advice: what to think of it, or to do.
+        text: description of the number.
+        largest: largest value allowed.
+        advice: what it means, or what to do.
     """
 
     key: str
@@ -200,8 +200,8 @@ class Limit(NamedTuple):
 
 
 def limits(numbers: Mapping[str, Any], thickness: float) -> tuple[Limit, ...]:
-    """For a run with these numbers, whose thinnest sheet has this thickness [m]."""
-    # what falls comes to rest by damping alone
+    """Limits for a run with these numbers, whose thinnest sheet has this thickness [m]."""
+    # a falling sheet comes to rest by damping alone
     damping = 0.05 if numbers["gravity_work_ratio"] < 0.5 else 1.0
     return (
         Limit(
@@ -224,7 +224,7 @@ def limits(numbers: Mapping[str, Any], thickness: float) -> tuple[Limit, ...]:
 
 
 def doubts(numbers: Mapping[str, Any], thickness: float) -> list[str]:
-    """Why the result of a run should not be trusted as it is; empty if nothing speaks against it.
+    """Reasons not to trust the result of a run as it is; empty if there are none.
 
     Args:
         numbers: the ``summary``.

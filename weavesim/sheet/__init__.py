@@ -1,4 +1,4 @@
-"""The sheet before it is formed: mesh, yarn directions, symmetry."""
+"""The sheet before forming: mesh, yarn directions, symmetry."""
 
 from .blank import Blank
 from .sheet import Sheet

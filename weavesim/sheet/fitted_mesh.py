@@ -1,8 +1,8 @@
-"""Quadrilaterals that fill an outline, with the direction of the mesh free of the outline's own.
+"""Quadrilaterals that fill an outline, with a mesh direction independent of the outline.
 
-A regular grid, turned by any angle, is kept well inside the outline; one layer of quadrilaterals joins its staircase
-edge to the outline, and what lies near that layer is smoothed. So the mesh direction in the inside is exact, and
-nothing of a staircase is left at the edge.
+A regular grid, rotated by any angle, is kept well inside the outline; one layer of quadrilaterals connects its
+staircase edge to the outline, and nodes near that layer are smoothed. So the mesh direction in the interior is exact,
+and no staircase is left at the edge.
 """
 
 from __future__ import annotations
@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InputError
+from ..quantities import finite, positive
 
-# A vertex where the outline turns by more than this becomes a node; gentler ones are taken as parts of a curve [rad].
+# A vertex where the outline turns by more than this becomes a node; others are treated as parts of a curve [rad].
 CORNER_TURN = np.deg2rad(15.0)
 # Where the outline turns left by more than this, one element fills the corner; elsewhere two meet in it [rad].
 FILLED_TURN = np.deg2rad(60.0)
@@ -20,34 +21,32 @@ LEAST_DISTANCE = 0.6
 # Nodes up to this distance from the outline are smoothed, in element sizes.
 SMOOTHED_DISTANCE = 3.0
 SMOOTHING_COUNT = 60
-# Distortion leaves no element below this quality, unless it was worse before.
+# Distortion reduces no element below this quality, unless it was worse before.
 CAREFUL_QUALITY = 0.4
-# Smallest sine of a corner angle that is accepted; forces of flatter elements are poor.
+# Smallest accepted sine of a corner angle; forces of flatter elements are inaccurate.
 LEAST_QUALITY = 0.2
 
 
 def fitted_mesh(
     outline: np.ndarray, element_size: float, *, mesh_angle: float = 0.0, distortion: float = 0.0, seed: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (n, 2) [m] and quadrilaterals (m, 4) that fill a polygon without corners that point inwards.
+    """Nodes (n, 2) [m] and quadrilaterals (m, 4) that fill a polygon without re-entrant corners.
 
     Args:
         outline: corners in order, (k, 2) [m].
-        element_size: edge length of the regular inside [m].
+        element_size: edge length in the regular interior [m].
         mesh_angle: from the x axis to the grid [degrees].
-        distortion: random shift of the inner nodes, as a share of the element size.
-        seed: of the shift.
+        distortion: random displacement of the inner nodes, as a share of the element size.
+        seed: of the displacement.
 
     Raises:
-        InputError: an outline that crosses itself, that is too small for the elements, or whose corners they cannot
+        InputError: an outline that crosses itself, is too small for the elements, or has corners that they cannot
             fill well.
     """
     outline = _checked_outline(outline)
-    if not (np.isfinite(element_size) and element_size > 0.0 and np.isfinite(mesh_angle) and 0.0 <= distortion < 0.4):
-        raise InputError(
-            f"fitted mesh: element size {element_size} m, mesh angle {mesh_angle} degrees, distortion {distortion}; "
-            "a positive size, a finite angle and a distortion from 0 to 0.4 are needed"
-        )
+    element_size, mesh_angle = positive("element_size", element_size), finite("mesh_angle", mesh_angle)
+    if not 0.0 <= finite("distortion", distortion) < 0.4:
+        raise InputError(f"distortion = {distortion}: a number from 0 to 0.4 is needed")
     cosine, sine = np.cos(np.deg2rad(mesh_angle)), np.sin(np.deg2rad(mesh_angle))
     turn = np.array([[cosine, -sine], [sine, cosine]])
     centre = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
@@ -56,8 +55,8 @@ def fitted_mesh(
     if border.turn.min() < -CORNER_TURN:
         at = outline[border.turn.argmin()]
         raise InputError(
-            f"fitted mesh: the outline has a corner at ({at[0]:.4g}, {at[1]:.4g}) m that points into the sheet; "
-            "outlines without such corners can be filled, mesh others elsewhere (Blank.from_file)"
+            f"fitted mesh: the outline has a re-entrant corner at ({at[0]:.4g}, {at[1]:.4g}) m; only outlines without "
+            "such corners can be filled, use another mesh generator and Blank.from_file"
         )
     node, quads = _inner_grid(border)
     node, quads, on_border = _join(node, quads, border)
@@ -70,7 +69,7 @@ def fitted_mesh(
         where = (node[quads[np.argmin(quality)]].mean(axis=0) * element_size) @ turn.T + centre
         raise InputError(
             f"fitted mesh: an element near ({where[0]:.4g}, {where[1]:.4g}) m has a corner angle with the sine "
-            f"{quality.min():.2f}, below {LEAST_QUALITY}; take smaller elements than {element_size} m, less distortion "
+            f"{quality.min():.2f}, below {LEAST_QUALITY}; use smaller elements than {element_size} m, less distortion "
             f"than {distortion}, or an outline without sharp corners"
         )
     return node * element_size @ turn.T + centre, quads
@@ -90,13 +89,16 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def _checked_outline(outline: np.ndarray) -> np.ndarray:
     """The corners counter-clockwise, (k, 2)."""
-    outline = np.asarray(outline, dtype=np.float64)
+    try:
+        outline = np.asarray(outline, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError("fitted mesh: the outline is no array of numbers; (k, 2) coordinates are needed") from None
     if outline.ndim != 2 or outline.shape[1:] != (2,) or len(outline) < 3 or not np.isfinite(outline).all():
         raise InputError(f"fitted mesh: outline of shape {outline.shape}; (k, 2) finite coordinates, k > 2, are needed")
     side = np.roll(outline, -1, axis=0) - outline
     if np.any(np.linalg.norm(side, axis=1) < 1e-9 * np.ptp(outline, axis=0).max()):
         raise InputError("fitted mesh: two corners of the outline coincide; give each once, the last one too")
-    # sides i and j cross where the ends of each lie on different sides of the other
+    # sides i and j cross if the ends of each lie on different sides of the other
     start, end = outline, np.roll(outline, -1, axis=0)
     across = np.sign(_cross(side[:, None], start[None] - start[:, None])) * np.sign(
         _cross(side[:, None], end[None] - start[:, None])
@@ -130,7 +132,7 @@ class Outline:
         distance = np.linalg.norm(from_start - share[..., None] * self.side, axis=2)
         side = distance.argmin(axis=1)
         row = np.arange(len(point))
-        # crossings of a ray in the direction of x
+        # crossings of a ray in the x direction
         y, low, high = point[:, 1:], self.vertex[:, 1], np.roll(self.vertex[:, 1], -1)
         with np.errstate(divide="ignore", invalid="ignore"):
             crossing = self.vertex[:, 0] + (y - low) / (high - low) * self.side[:, 0]
@@ -148,7 +150,7 @@ class Outline:
 
 
 def _inner_grid(border: Outline) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and unit squares well inside, without squares that hang on by a single corner."""
+    """Nodes and unit squares well inside, without squares connected by a single corner only."""
     reach = np.ceil(np.abs(border.vertex).max(axis=0)).astype(int)
     x, y = (np.arange(-r, r + 1) for r in reach)
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).astype(float)
@@ -159,7 +161,7 @@ def _inner_grid(border: Outline) -> tuple[np.ndarray, np.ndarray]:
     while True:
         a, b, c, d = kept[:-1, :-1], kept[1:, :-1], kept[1:, 1:], kept[:-1, 1:]
         touching = np.argwhere((a & c & ~b & ~d) | (b & d & ~a & ~c))
-        # a square with one neighbour at most is a needle of the staircase
+        # a square with at most one neighbour is a spike of the staircase
         neighbours = np.zeros(kept.shape, dtype=int)
         for axis in range(2):
             for shift in (1, -1):
@@ -173,7 +175,7 @@ def _inner_grid(border: Outline) -> tuple[np.ndarray, np.ndarray]:
     kept = _largest_part(kept)[1:-1, 1:-1]
     if not kept.any():
         raise InputError(
-            "fitted mesh: fewer than two by two elements fit into the outline; take smaller ones, at most about a "
+            "fitted mesh: fewer than two by two elements fit into the outline; use smaller ones, at most about a "
             "quarter of its width"
         )
     index = np.arange(grid.shape[0] * grid.shape[1]).reshape(grid.shape[:2])
@@ -183,7 +185,7 @@ def _inner_grid(border: Outline) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _largest_part(kept: np.ndarray) -> np.ndarray:
-    """The largest set of squares that hang together by their edges."""
+    """The largest set of squares connected by edges."""
     label = np.where(kept, np.arange(1, kept.size + 1).reshape(kept.shape), 0)
     while True:
         spread = label.copy()
@@ -199,7 +201,7 @@ def _largest_part(kept: np.ndarray) -> np.ndarray:
 
 
 def _join(node: np.ndarray, quads: np.ndarray, border: Outline) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The grid with a layer of quadrilaterals between its staircase and the outline; which nodes lie on the outline."""
+    """Grid plus the layer of quadrilaterals between its staircase and the outline; which nodes are on the outline."""
     stair = _staircase(quads)
     arc = _ordered(border.nearest(node[stair])[1], border.length)
     held = np.zeros(len(stair), dtype=bool)
@@ -253,7 +255,7 @@ def _staircase(quads: np.ndarray) -> np.ndarray:
         loop.append(node)
     if len(loop) != len(following):
         raise InputError(
-            "fitted mesh: the elements leave a hole inside the outline, or it is too narrow; take smaller elements"
+            "fitted mesh: the elements leave a hole inside the outline, or it is too narrow; use smaller elements"
         )
     return np.array(loop)
 
@@ -265,7 +267,7 @@ def _ordered(arc: np.ndarray, length: float) -> np.ndarray:
 
 
 def _spread(arc: np.ndarray, held: np.ndarray, length: float) -> np.ndarray:
-    """Arc lengths in order, evened out between those that are held, (n,); the next round goes on a ``length`` later."""
+    """Arc lengths in order, evenly spaced between the ``held`` ones, (n,); periodic with ``length``."""
     count = len(arc)
     anchors = np.flatnonzero(held)
     for begin, end in zip(anchors, [*anchors[1:], anchors[0] + count] if len(anchors) else [], strict=True):
@@ -273,7 +275,7 @@ def _spread(arc: np.ndarray, held: np.ndarray, length: float) -> np.ndarray:
         low, high = arc[begin], arc[end % count] + (length if end == count else 0.0)
         if high - low < 0.5 * (end - begin):
             raise InputError(
-                "fitted mesh: two corners of the outline are too close together for the elements; take smaller ones"
+                "fitted mesh: two corners of the outline are too close together for the elements; use smaller ones"
             )
         arc[inside] = np.clip(arc[inside], low, high)
     arc = np.maximum.accumulate(arc)
@@ -286,7 +288,7 @@ def _spread(arc: np.ndarray, held: np.ndarray, length: float) -> np.ndarray:
 
 
 def _smoothed(node: np.ndarray, quads: np.ndarray, border: Outline, on_border: np.ndarray) -> np.ndarray:
-    """Inner nodes near the outline moved into the middle of their neighbours."""
+    """Inner nodes near the outline, moved to the centre of their neighbours."""
     distance, _ = border.nearest(node)
     moved = ~on_border & (distance < SMOOTHED_DISTANCE)
     edges = np.unique(np.sort(np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]), axis=1), axis=0)
@@ -302,7 +304,7 @@ def _smoothed(node: np.ndarray, quads: np.ndarray, border: Outline, on_border: n
 
 
 def _careful(node: np.ndarray, wished: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """``wished`` places, or only a part of the distance there, or none, where an element would become poor by it."""
+    """Move nodes to their ``wished`` positions, or only part of the distance if an element would become poor."""
     before = corner_sines(node, quads)
     for share in (0.5, 0.5, 0.5, 0.0):
         after = corner_sines(wished, quads)

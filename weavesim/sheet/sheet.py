@@ -1,4 +1,4 @@
-"""A sheet: a blank of one fabric, with what holds and loads its nodes."""
+"""A sheet: a blank of one fabric, with its constraints and loads."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Sheet(Parameters):
     Attributes:
         blank: its mesh and yarn directions.
         fabric: its laws.
-        name: of its outputs, unique in a run.
-        orientation: turns the yarn directions of the blank about its normal, counter-clockwise [degrees].
+        name: used in outputs, unique in a run.
+        orientation: rotates the yarn directions of the blank about its normal, counter-clockwise [degrees].
         free: (node_count, 6) bool, False where a displacement (x, y, z) or a director's rotation about x, y, z is held;
-            None holds nothing.
+            None leaves everything free.
         initial_velocity: (node_count, 3) [m/s]; None for rest.
-        supports: nodes that are held and perhaps driven; what they hold need not be in ``free``, and a component that
-            they hold has their velocity from the start. Their names are unique in a run.
+        supports: nodes that are held and possibly driven; they need not be marked in ``free``, and components that
+            they hold have their velocity from the start. Their names are unique in a run.
         loads: forces and couples prescribed at nodes.
     """
 
@@ -72,12 +72,12 @@ class Sheet(Parameters):
         if (owner[nodes] >= 0).any():
             node = nodes[np.argmax(owner[nodes] >= 0)]
             raise ValueError(
-                f"support {support.name}: node {node} is held by {self.supports[owner[node]].name} too; a node belongs "
-                "to one support (which may have several drives)"
+                f"support {support.name}: node {node} is also held by {self.supports[owner[node]].name}; a node can "
+                "have one support (which may have several drives)"
             )
 
     def check_symmetry(self, symmetry: Symmetry) -> None:
-        """Compare the sheet with the symmetry of its world.
+        """Check the sheet against the symmetry of its world.
 
         Raises:
             InputError: a plane that no node lies on, or a node that a support drives off its plane.
@@ -94,7 +94,7 @@ class Sheet(Parameters):
 
     @cached_property
     def oriented_blank(self) -> Blank:
-        """The blank with its yarn directions turned by ``orientation``."""
+        """The blank with its yarn directions rotated by ``orientation``."""
         if self.orientation == 0.0:
             return self.blank
         cosine, sine = np.cos(np.radians(self.orientation)), np.sin(np.radians(self.orientation))
@@ -104,11 +104,11 @@ class Sheet(Parameters):
 
     @property
     def start_velocity(self) -> np.ndarray | None:
-        """``initial_velocity`` with that of the supports in the components that they hold, (node_count, 3) [m/s]."""
+        """``initial_velocity``, with that of supports in the components that they hold, (node_count, 3) [m/s]."""
         return prescribe_start(self.supports, self.initial_velocity, self.blank.node_count)
 
     def freedom(self, symmetry: Symmetry) -> np.ndarray:
-        """``free`` with what the supports and the planes of ``symmetry`` hold, (node_count, 6) bool."""
+        """``free`` minus the components held by supports and the planes of ``symmetry``, (node_count, 6) bool."""
         free = np.ones((self.blank.node_count, 6), dtype=bool) if self.free is None else self.free
         free = symmetry.hold(self.blank, free)
         for support in self.supports:

@@ -23,7 +23,7 @@ class Symmetry(Parameters):
     """Planes through the origin at which the computed part of a sheet is cut.
 
     Attributes:
-        planes: of "x" (the plane x = 0) and "y" (the plane y = 0), each at most once.
+        planes: any of "x" (the plane x = 0) and "y" (the plane y = 0), each at most once.
     """
 
     positional = ("planes",)
@@ -36,19 +36,19 @@ class Symmetry(Parameters):
         planes = tuple(value)
         for plane in planes:
             if plane not in AXES:
-                raise ValueError(f"symmetry plane {plane!r}: 'x' (the plane x = 0) and 'y' (the plane y = 0) are known")
+                raise ValueError(f"symmetry plane {plane!r}: 'x' (plane x = 0) and 'y' (plane y = 0) are allowed")
         if len(set(planes)) < len(planes):
-            raise ValueError(f"symmetry planes {planes}: each may be named once")
+            raise ValueError(f"symmetry planes {planes}: list each plane once")
         return planes
 
     @property
     def share(self) -> float:
-        """The computed part of the whole: 1, 0.5 or 0.25."""
+        """The computed share of the whole: 1, 0.5 or 0.25."""
         return 0.5 ** len(self.planes)
 
     @property
     def mirror_factors(self) -> tuple[tuple[int, int], ...]:
-        """Factors of (x, y) that turn the computed part into each copy of the whole; the first is (1, 1)."""
+        """Factors of (x, y) that map the computed part to each copy of the whole; the first is (1, 1)."""
         along_x, along_y = ((1, -1) if plane in self.planes else (1,) for plane in AXES)
         return tuple(product(along_x, along_y))
 
@@ -57,7 +57,7 @@ class Symmetry(Parameters):
         return np.concatenate([points * np.array([*factors, 1.0]) for factors in self.mirror_factors])
 
     def hold(self, blank: Blank, free: np.ndarray) -> np.ndarray:
-        """``free`` (node_count, 6) with the nodes on the planes held: they stay there, directors turn in the plane.
+        """``free`` (node_count, 6) with symmetry constraints: nodes stay on their plane, directors rotate within it.
 
         Raises:
             InputError: a plane that no node lies on.
@@ -75,7 +75,7 @@ class Symmetry(Parameters):
         """Which nodes of a blank a plane holds, (node_count,) bool.
 
         Raises:
-            InputError: none of them.
+            InputError: there are none.
         """
         coordinate = blank.node_position[:, AXES[plane]]
         held = np.abs(coordinate) < 1.0e-9 * max(1.0, np.ptp(coordinate))
@@ -84,7 +84,7 @@ class Symmetry(Parameters):
         return held
 
 
-# Of a blank that is not cut.
+# For a blank without symmetry.
 WHOLE = Symmetry()
 
 
@@ -94,10 +94,10 @@ def on_plane(blank: Blank, plane: str) -> np.ndarray:
 
 
 def shear_angle_parity(blank: Blank, plane: str) -> np.ndarray:
-    """Sign by which the shear angle of each element is multiplied in its mirror image, (element_count,).
+    """Factor of the shear angle of each element in its mirror image, (element_count,).
 
-    It is -1 where the mirror maps each yarn family onto itself, and 1 where it swaps the two (yarns at 45 degrees to
-    the plane). This is the only place that decides it; it needs no more than the directions of the yarns.
+    It is -1 if the mirror maps each yarn family onto itself, and 1 if it swaps the two (yarns at 45 degrees to the
+    plane). This is the only place that decides it, from the yarn directions alone.
     """
     mirror = np.ones(3)
     mirror[AXES[plane]] = -1.0
@@ -108,11 +108,11 @@ def shear_angle_parity(blank: Blank, plane: str) -> np.ndarray:
 
 
 def nodes_of_odd_angle(blank: Blank, free: np.ndarray) -> np.ndarray:
-    """Nodes where the mean shear angle of the elements around is zero by symmetry, (node_count,) bool.
+    """Nodes where the mean shear angle of the surrounding elements is zero by symmetry, (node_count,) bool.
 
-    They lie on a symmetry plane, and the elements around them have the opposite angle in its mirror image. ``free``
-    (node_count, 6) shows which do, whether a ``Symmetry`` held them or a user: held along x (or y) with a
-    director that turns about that axis alone. The node where two planes meet turns about none and is not among them.
+    They lie on a symmetry plane, and the elements around them have the opposite angle in the mirror image. They are
+    recognised from ``free`` (node_count, 6), whether set by a ``Symmetry`` or by the user: held along x (or y), with a
+    director that rotates only about that axis. The node where two planes meet cannot rotate and is not included.
     """
     odd = np.zeros(blank.node_count, dtype=bool)
     for plane, axis in AXES.items():

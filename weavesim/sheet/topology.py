@@ -1,4 +1,4 @@
-"""Sizes of a mesh and sums over it."""
+"""Tolerances, areas and connectivity of a mesh."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from .blank import Blank
 
-# Lengths below this share of the blank count as zero when a node is tested for lying on a line.
+# Distances below this share of the size of the blank count as zero when testing whether a node lies on a line.
 _RELATIVE_TOLERANCE = 1.0e-6
 
 
@@ -24,12 +24,12 @@ def flat_areas(blank: Blank) -> np.ndarray:
 
 
 def part_of_nodes(quads: np.ndarray, node_count: int) -> np.ndarray:
-    """Smallest node of the connected part that each node is in, (node_count,); elements connect their corners."""
+    """Lowest node number in the connected part of each node, (node_count,); elements connect their corners."""
     part = np.arange(node_count)
     while True:
         lowest = part[quads].min(axis=1)
         before = part.copy()
-        # what the corners belonged to goes over to the lowest of them, with all that follows it
+        # the parts of all corners are merged into the lowest of them
         np.minimum.at(part, before[quads].ravel(), np.repeat(lowest, 4))
         while not np.array_equal(part, part[part]):
             part = part[part]

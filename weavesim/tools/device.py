@@ -1,4 +1,4 @@
-"""Tools as the kernels take them."""
+"""Tools in the form that the kernels read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import warp as wp
 from ..errors import InputError
 from ..kernels.contact.tool_distance import tool_struct
 from ..kernels.contact.tool_shapes import part_struct, shape_kind, shape_number
-from ..kernels.stepping.tools import FORCE, STROKE, ToolDrive
+from ..kernels.stepping.tools import FORCE, STROKE, ToolDrive, ToolDrives
 from .sampling import SampledDistance, Samples
 from .shapes import Shape
 
@@ -23,24 +23,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DeviceTools:
-    """What is constant of all tools of a run, as the kernels take it; arrays on one device.
+    """Constants of all tools of a run, in the form that the kernels read; arrays on one device.
 
     Attributes:
         tool: ``kernels.contact.tool_distance.tool_struct(real)``, (tool_count,).
         part: ``kernels.contact.tool_shapes.part_struct(real)``, (part_count,), all parts of all tools.
-        drive: ``kernels.stepping.tools.ToolDrive``, (tool_count,).
-        axis: directions of motion, (tool_count,) of vec3d.
-        curve_times, curve_values: knots of all motions [s], [m] or [N], (knot_count,) of float64.
+        drives: ``kernels.stepping.tools.ToolDrives``: how all of them move.
         initial_displacement, initial_velocity: along each axis at time zero, (tool_count,) [m], [m/s].
-        samples: keeps the sampled volumes alive that ``part`` refers to.
+        samples: keeps alive the sampled volumes that ``part`` refers to.
     """
 
     tool: wp.array
     part: wp.array
-    drive: wp.array
-    axis: wp.array
-    curve_times: wp.array
-    curve_values: wp.array
+    drives: Any
     initial_displacement: np.ndarray
     initial_velocity: np.ndarray
     samples: tuple[SampledDistance, ...]
@@ -58,11 +53,11 @@ def build_device_tools(
     Args:
         tools: in the order of every array; may be empty.
         real: wp.float32 or wp.float64, of distances and frames.
-        device: Warp's name of it.
+        device: name in Warp.
         samples: of all meshes among the tools' parts, on the same device; see ``sample_meshes``.
 
     Raises:
-        InputError: a part is of no kind that the kernels know, or lacks a dimension of it.
+        InputError: a part is of an unknown kind, or lacks one of its dimensions.
     """
     parts = [part for tool in tools for part in tool.shape.parts()]
     curves = [tool.motion.curve() for tool in tools]
@@ -72,13 +67,15 @@ def build_device_tools(
     def array(data: list | np.ndarray, dtype: type) -> wp.array:
         return wp.array(data, dtype=dtype, device=device) if len(data) else wp.empty(0, dtype=dtype, device=device)
 
+    drives = ToolDrives()
+    drives.drive = array(_drives(tools, curves), ToolDrive)
+    drives.axis = array([tool.axis for tool in tools], wp.vec3d)
+    drives.curve_time = array(np.concatenate([np.empty(0), *(times for times, _ in curves)]), wp.float64)
+    drives.curve_value = array(np.concatenate([np.empty(0), *(values for _, values in curves)]), wp.float64)
     return DeviceTools(
         tool=array(_tool_data(tools, real, samples), tool_struct(real)),
         part=array([_part_data(part, real, samples) for part in parts], part_struct(real)),
-        drive=array(_drives(tools, curves), ToolDrive),
-        axis=array([tool.axis for tool in tools], wp.vec3d),
-        curve_times=array(np.concatenate([np.empty(0), *(times for times, _ in curves)]), wp.float64),
-        curve_values=array(np.concatenate([np.empty(0), *(values for _, values in curves)]), wp.float64),
+        drives=drives,
         initial_displacement=start[:, 0],
         initial_velocity=start[:, 1],
         samples=tuple(samples.values()),
@@ -95,7 +92,7 @@ def _tool_data(tools: Sequence[Tool], real: type, samples: Samples) -> list[Any]
         data.part_count = len(parts)
         data.axis = tool.axis
         data.friction = tool.friction
-        # samples are cut to their reach, and have a side of which the box's outside knows nothing
+        # sampled distances are truncated at their reach, and outside the box they are only a lower bound
         reaches = [samples[part.surface].reach for part in parts if part.surface is not None]
         data.blind_distance = max(reaches, default=0.0)
         first_part += len(parts)
@@ -112,7 +109,7 @@ def _part_data(part: Shape, real: type, samples: Samples) -> Any:
     dimensions = part.dimensions() if part.surface is None else samples[part.surface].dimensions()
     if set(dimensions) != set(known.dimensions):
         raise InputError(
-            f"{type(part).__name__} states the dimensions {', '.join(dimensions) or 'none'}, but the distance "
+            f"{type(part).__name__} has the dimensions {', '.join(dimensions) or 'none'}, but the distance "
             f"function {part.distance_function!r} takes {', '.join(known.dimensions) or 'none'}: state these in its "
             "dimensions()"
         )

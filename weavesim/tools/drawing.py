@@ -1,4 +1,4 @@
-"""Triangles to draw tools with."""
+"""Triangles for drawing tools."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 Triangles = tuple[np.ndarray, np.ndarray]
 
-# Facets of a drawn full circle; divisible by four, so that the quarter points are hit.
+# Facets of a drawn full circle; divisible by four, so that the quarter points are vertices.
 CIRCLE_COUNT = 96
 
 
 def stadium_rings(out: Sequence[float] | np.ndarray, z: Sequence[float] | np.ndarray, half_length: float) -> np.ndarray:
-    """Stadium-shaped rings, ``out`` away from the segment along x and ``z`` high; (ring_count, point_count, 3)."""
+    """Stadium-shaped rings at distance ``out`` from the segment along x and height ``z``; (rings, points, 3)."""
     right = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
     left = (right if half_length > 0.0 else right[1:-1]) + np.pi
     angle = np.concatenate([right, left])
@@ -31,7 +31,7 @@ def ring_triangles(rings: np.ndarray, capped: bool = False) -> Triangles:
     c, d = np.roll(index[1:], -1, axis=1), index[1:]
     faces = np.concatenate([np.stack([a, b, c], axis=-1).reshape(-1, 3), np.stack([a, c, d], axis=-1).reshape(-1, 3)])
     vertices = rings.reshape(-1, 3)
-    if capped:  # vertices of its own, so that shading stays sharp at the rim
+    if capped:  # separate vertices, so that shading stays sharp at the rim
         first = len(vertices)
         fan = np.arange(1, point_count - 1)
         cap = np.column_stack([np.full(len(fan), first), first + fan, first + fan + 1])

@@ -9,11 +9,11 @@ import numpy as np
 
 from ..errors import InputError
 
-# Tools are between 2 mm and 20 m across; anything else is a mistake of units.
+# Tools are between 2 mm and 20 m across; anything else is a unit error.
 LARGEST_SIZE = 20.0
 SMALLEST_SIZE = 0.002
 
-# Vertices nearer than this share of the size are one; borders nearer than the second are a seam, not a border.
+# Vertices closer than this share of the size are merged; borders closer than the second are a seam, not a border.
 WELD = 1e-6
 SEAM = 1e-4
 
@@ -30,7 +30,7 @@ def checked_triangles(name: str, vertices: Any, faces: Any) -> tuple[np.ndarray,
         )
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(
-            f"{name} has triangles that name vertex {faces.min() if faces.min() < 0 else faces.max()}; "
+            f"{name} has triangles that use vertex {faces.min() if faces.min() < 0 else faces.max()}; "
             f"vertices go from 0 to {len(vertices) - 1}."
         )
     bad = np.flatnonzero(~np.all(np.isfinite(vertices), axis=1))
@@ -58,7 +58,7 @@ def mirrored_mesh(
     low, high = vertices[:, axis].min(), vertices[:, axis].max()
     if min(abs(low), abs(high)) > tolerance:
         raise InputError(
-            f"{name}: mirror names the plane {plane} = 0, but the mesh goes from {plane} = {low:.4g} m to "
+            f"{name}: mirror contains the plane {plane} = 0, but the mesh extends from {plane} = {low:.4g} m to "
             f"{high:.4g} m; it must end at the plane."
         )
     vertices = vertices.copy()
@@ -70,7 +70,7 @@ def mirrored_mesh(
 
 
 def welded(vertices: np.ndarray, faces: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices in the same cell of a fine grid become one."""
+    """Merge vertices in the same cell of a fine grid."""
     cells = np.round(vertices / tolerance).astype(np.int64)
     _, first, index = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     return vertices[first], index.reshape(-1)[faces]
@@ -86,14 +86,14 @@ def neighbours(faces: np.ndarray) -> np.ndarray:
     key = np.sort(_directed_edges(faces), axis=1)
     order = np.lexsort((key[:, 1], key[:, 0]))
     same = np.all(key[order[1:]] == key[order[:-1]], axis=1)
-    # where more than two triangles meet, none of them is a neighbour
+    # where more than two triangles meet, none are neighbours
     twice = np.append(same[1:], False) | np.append(False, same[:-1])
     pick = np.flatnonzero(same & ~twice)
     return np.column_stack([order[pick], order[pick + 1]])
 
 
 def oriented(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Faces turned like their neighbours, and the number of each face's connected component."""
+    """Faces oriented consistently with their neighbours, and the number of each face's connected component."""
     edges = _directed_edges(faces)
     pairs = neighbours(faces)
     agree = edges[pairs[:, 0], 0] != edges[pairs[:, 1], 0]
@@ -123,7 +123,7 @@ def oriented(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def turned_outwards(faces: np.ndarray, component: np.ndarray, facing: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Sheet turned as a whole towards positive ``facing``, then each component that clearly looks the other way.
+    """Orient a sheet as a whole towards positive ``facing``, then flip each component that clearly faces the other way.
 
     Args:
         faces: (m, 3).
@@ -160,7 +160,7 @@ def open_border(vertices: np.ndarray, faces: np.ndarray, tolerance: float) -> np
 
 
 def directed_border(border: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Border edges in the direction in which their faces go round."""
+    """Border edges in the direction of their faces."""
     edges = _directed_edges(faces)
     count = int(faces.max()) + 1
     low, high = edges.min(axis=1), edges.max(axis=1)
@@ -170,7 +170,7 @@ def directed_border(border: np.ndarray, faces: np.ndarray) -> np.ndarray:
 def extruded(
     vertices: np.ndarray, faces: np.ndarray, border: np.ndarray, shift: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The body that a sheet sweeps when it is moved by ``shift``: the sheet, its turned copy, walls at the border."""
+    """The body swept by a sheet moved by ``shift``: the sheet, its reversed copy, and walls at the border."""
     count = len(vertices)
     a, b = border[:, 0], border[:, 1]
     walls = np.concatenate([np.column_stack([b, a, a + count]), np.column_stack([b, a + count, b + count])])
@@ -183,11 +183,11 @@ def check_size(name: str, vertices: np.ndarray, unit_scale: float = 1.0) -> None
     size = unit_scale * float(np.ptp(vertices, axis=0).max())
     if size > LARGEST_SIZE:
         raise InputError(
-            f"{name} is {size:.4g} m across, above {LARGEST_SIZE:g} m: it looks 1000 times too big, "
-            "as a file in millimetres does. Give unit_scale=0.001 for millimetres."
+            f"{name} is {size:.4g} m across, above {LARGEST_SIZE:g} m: it is probably in millimetres and 1000 times "
+            "too big. Give unit_scale=0.001 for millimetres."
         )
     if size < SMALLEST_SIZE:
         raise InputError(
             f"{name} is {size:.4g} m across, below {SMALLEST_SIZE:g} m: "
-            f"unit_scale, the metres per unit of the file, is {unit_scale:g} and looks too small."
+            f"unit_scale, the metres per unit of the file, is {unit_scale:g} and seems too small."
         )

@@ -1,9 +1,9 @@
-"""A tool shape from a triangle mesh: checked, and made solid where it is an open sheet.
+"""A tool shape from a triangle mesh: checked, and made solid if it is an open sheet.
 
-A forming tool from CAD is often an open sheet: it has a side that faces the fabric, not an inside. It is made solid by
-extruding it away from that side, farther than the sampled box reaches. The distance is then that of a closed body
-everywhere: behind the sheet it is negative, and beyond an open border it is positive, on either side of the sheet's
-level, because the border has become a wall. ``sampling.py`` samples it for the kernels.
+A forming tool from CAD is often an open sheet: it has a side that faces the fabric, but no interior. It is made solid
+by extruding it away from that side, beyond the sampled box. The distance is then that of a closed body everywhere:
+negative behind the sheet, and positive beyond an open border, both above and below the sheet, because the border has
+become a wall. ``sampling.py`` samples it for the kernels.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..arrays import FloatArray, IntArray
-from ..checks import FiniteVector, Parameters, Vector, positive, unit_vector
+from ..checks import Parameters
 from ..errors import InputError
+from ..quantities import FiniteVector, Vector, positive, unit_vector
 from .mesh_repair import (
     SEAM,
     WELD,
@@ -39,7 +40,7 @@ from .mesh_repair import (
 )
 from .shapes import Shape, Triangles
 
-# Edges sharper than this [rad] are edges, not the facets of a rounding.
+# Edges sharper than this [rad] are real edges, not between the facets of a fillet.
 SHARP = math.radians(50.0)
 
 
@@ -47,16 +48,16 @@ class MeshSurface:
     """A checked triangle mesh, in the mesh's own frame [m].
 
     Attributes:
-        vertices: (n, 3), faces: (m, 3), as given, cleaned, mirrored, and facing outwards or to ``side``.
+        vertices: (n, 3), faces: (m, 3): cleaned, mirrored, and oriented outwards or towards ``side``.
         closed: whether the mesh encloses a body. If not, it is a sheet that faces ``side``.
         side: unit direction from the sheet to the fabric, None for a closed mesh.
         solid_vertices, solid_faces: the closed body whose distance is sampled.
-        open_edge_count: edges of the border of a sheet.
-        cut_planes: "x", "y": planes at which the mesh ends, as a half model does.
-        removed_triangle_count: degenerate triangles that were left out.
-        smallest_radius: of the convex roundings, estimated from the facets [m]; sharp edges do not count.
+        open_edge_count: border edges of a sheet.
+        cut_planes: "x", "y": planes at which the mesh ends, like a half model.
+        removed_triangle_count: degenerate triangles that were removed.
+        smallest_radius: of the convex fillets, estimated from the facets [m]; sharp edges are ignored.
         spacing, reach: of the samples, as given [m]; None leaves the choice to ``sampling.py``.
-        first_spacing: of the samples, unless it takes too many [m].
+        first_spacing: preferred spacing of the samples, used unless it needs too many [m].
     """
 
     def __init__(
@@ -94,7 +95,7 @@ class MeshSurface:
         self._choose_samples(spacing, reach, size)
         self.solid_vertices, self.solid_faces = self.vertices, self.faces
         if self.side is not None:
-            # far enough for the lower end to stay out of the sampled box by more than any reach
+            # far enough that the lower end is outside the sampled box by more than any reach
             depth = float(np.ptp(self.vertices @ np.array(self.side))) + 3.0 * size
             self.solid_vertices, self.solid_faces = extruded(
                 self.vertices, self.faces, directed_border(border, self.faces), -depth * np.array(self.side)
@@ -105,14 +106,14 @@ class MeshSurface:
         return p, q, r
 
     def _facing_outwards(self, faces: np.ndarray) -> np.ndarray:
-        """Faces of a closed mesh, turned alike."""
+        """Faces of a closed mesh, consistently oriented outwards."""
         faces, _ = oriented(faces)
         p, q, r = self._corners(faces)
-        # the sign of the volume decides between inside and outside
+        # the sign of the volume distinguishes inside from outside
         return faces if np.einsum("ij,ij->", p, np.cross(q, r)) > 0.0 else faces[:, ::-1]
 
     def _facing_side(self, faces: np.ndarray, side: Any) -> tuple[Vector, np.ndarray]:
-        """Direction from an open sheet to the fabric, and faces turned to it."""
+        """Direction from an open sheet to the fabric, and faces oriented towards it."""
         faces, component = oriented(faces)
         p, q, r = self._corners(faces)
         normal = np.cross(q - p, r - p)
@@ -120,18 +121,18 @@ class MeshSurface:
         mean = normal.sum(axis=0)
         if side is None and np.linalg.norm(mean) < 0.02 * area.sum():
             raise InputError(
-                f"{self.name} is an open sheet ({self.open_edge_count} open edges) whose triangles face all ways. If "
-                "it should enclose a body, close its holes; if not, give the direction from the sheet to the fabric "
-                "as side, for example (0, 0, 1)."
+                f"{self.name} is an open sheet ({self.open_edge_count} open edges) whose triangles face in all "
+                "directions. If it should enclose a body, close its holes; if not, give the direction from the sheet "
+                "to the fabric as side, for example (0, 0, 1)."
             )
         direction = unit_vector(f"{self.name}: side", mean if side is None else side)
         faces = turned_outwards(faces, component, normal @ np.array(direction), area)
         p, q, r = self._corners(faces)
         if (np.cross(q - p, r - p) @ np.array(direction)).sum() < 0.02 * area.sum():
             raise InputError(
-                f"{self.name} is an open sheet ({self.open_edge_count} open edges) that is seen edge-on, or from both "
-                f"sides alike, along side = {direction}. Give another direction from the sheet to the fabric as side; "
-                "if the mesh should enclose a body, close its holes."
+                f"{self.name} is an open sheet ({self.open_edge_count} open edges) that is edge-on, or faces both "
+                f"sides equally, along side = {direction}. Give another direction from the sheet to the fabric as "
+                "side; if the mesh should enclose a body, close its holes."
             )
         return direction, faces
 
@@ -150,7 +151,7 @@ class MeshSurface:
             raise InputError(f"{name}: spacing is {spacing} m; it must be at most a tenth of the size, {size:.4g} m.")
 
     def notes(self) -> list[str]:
-        """What a log should say about the mesh."""
+        """Notes about the mesh for the log."""
         lines = [f"{self.name}: {len(self.faces)} triangles, {'closed' if self.closed else 'open sheet'}"]
         if self.removed_triangle_count:
             lines.append(f"{self.name}: {self.removed_triangle_count} degenerate triangles removed")
@@ -162,13 +163,13 @@ class MeshSurface:
 
 
 class TriangleMesh(Parameters):
-    """Triangles as they were given, and what is to be done with them; ``MeshShape.from_triangles`` explains it.
+    """Triangles as given, and options for processing them; ``MeshShape.from_triangles`` explains these.
 
     Attributes:
         vertices: (n, 3) [m].
         faces: three vertex indices each, (m, 3).
         name: for messages.
-        path: of the file that they come from, if any.
+        path: of the source file, if any.
     """
 
     vertices: FloatArray = Field(repr=False)
@@ -206,7 +207,7 @@ class MeshShape(Shape):
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str], *, unit_scale: float = 1.0, **options: Any) -> Self:
-        """Read STL, OBJ, PLY or any other format that trimesh reads.
+        """Read STL, OBJ, PLY or any other format that trimesh supports.
 
         Args:
             path: of the file.
@@ -225,7 +226,7 @@ class MeshShape(Shape):
         try:
             mesh = trimesh.load_mesh(path, process=False)
             vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
-        except Exception as error:  # every format's reader raises exceptions of its own
+        except Exception as error:  # every format's reader raises its own exceptions
             raise InputError(
                 f"tool mesh {path} cannot be read ({type(error).__name__}: {error}); "
                 "give a triangle mesh, for example in STL, OBJ or PLY."
@@ -256,11 +257,11 @@ class MeshShape(Shape):
                 its triangles' normals. A closed mesh needs none.
             mirror: "x" or "y" or both, for a mesh that was cut at x = 0 or y = 0: the other half is added. Without it
                 the cut is a wall of the tool.
-            spacing: of the samples of the distance [m]; by default a tenth of the smallest rounding, if the number of
+            spacing: of the distance samples [m]; by default a tenth of the smallest fillet radius, if the number of
                 samples allows.
-            reach: distances are sampled up to it [m], at least four and by default six times the spacing. A node that
-                gets deeper than this is no longer pushed out.
-            path: of the file that they come from, as a note.
+            reach: largest sampled distance [m], at least four and by default six times the spacing. A node that gets
+                deeper than this is no longer pushed out.
+            path: of the source file, for information.
 
         Raises:
             InputError: no triangles, vertices that are not finite, or a size that no tool has.
@@ -285,9 +286,9 @@ class MeshShape(Shape):
 
 
 def _smallest_radius(vertices: np.ndarray, faces: np.ndarray) -> float:
-    """Radius that a twentieth of the convex, rounded area undercuts [m]; infinite where nothing is rounded.
+    """Area-weighted 5th percentile of the convex fillet radii [m]; infinite if nothing is rounded.
 
-    Per face the second fundamental form that fits best the turn of the vertex normals along its three edges.
+    From the second fundamental form per face that best fits the rotation of the vertex normals along its three edges.
     """
     corners = vertices[faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -295,7 +296,7 @@ def _smallest_radius(vertices: np.ndarray, faces: np.ndarray) -> float:
     normal /= 2.0 * area[:, None]
     pairs = neighbours(faces) // 3
     sharp = np.einsum("ij,ij->i", normal[pairs[:, 0]], normal[pairs[:, 1]]) < math.cos(SHARP)
-    # a vertex at a sharp edge has no normal: its faces do not count
+    # a vertex at a sharp edge has no normal: its faces are ignored
     rounded_vertex = np.ones(len(vertices), dtype=bool)
     rounded_vertex[faces[np.unique(pairs[sharp])].ravel()] = False
     vertex_normal = np.zeros_like(vertices)

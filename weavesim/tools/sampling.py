@@ -1,4 +1,4 @@
-"""Samples of the signed distance of triangle meshes on sparse volumes, and how accurate they are."""
+"""Samples of the signed distance of triangle meshes on sparse volumes, and their accuracy."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .mesh_tool import MeshSurface
 if TYPE_CHECKING:
     from .tool import Tool
 
-# Voxels that may be sampled: chosen spacings stay below the first, given ones below the second.
+# Largest number of voxels: the first for an automatic spacing, the second for a given one.
 CHOSEN_VOXEL_COUNT = 6_000_000
 LARGEST_VOXEL_COUNT = 150_000_000
 ERROR_SAMPLE_COUNT = 20_000
@@ -32,17 +32,17 @@ ERROR_SAMPLE_COUNT = 20_000
 
 @dataclass(frozen=True, eq=False)
 class SampledDistance:
-    """Signed distance of a mesh on the voxels of a volume, with what that costs in accuracy.
+    """Signed distance of a mesh on the voxels of a volume, with the sampling error.
 
     Attributes:
         volume: sparse, float32; its background is ``reach``.
         lower, upper: box within which the volume is read, (3,) [m].
         spacing: of the voxels [m].
-        reach: distances are cut to plus and minus this [m].
+        reach: distances are truncated to plus and minus this [m].
         voxel_count: number of values.
         largest_error: largest difference to the mesh at random points within three voxels of its surface [m].
-        usual_error: that 99 % of these points stay below [m]; the largest errors sit at sharp edges.
-        mean_error: root mean square of the same [m].
+        usual_error: 99th percentile at these points [m]; the largest errors are at sharp edges.
+        mean_error: root mean square at these points [m].
     """
 
     volume: wp.Volume
@@ -56,7 +56,7 @@ class SampledDistance:
     mean_error: float
 
     def dimensions(self) -> dict[str, Any]:
-        """What the kernels read of it; see ``ShapeKind`` in ``kernels/contact/tool_shapes.py``."""
+        """Values that the kernels read; see ``ShapeKind`` in ``kernels/contact/tool_shapes.py``."""
         return {
             "volume": self.volume.id,
             "lower": tuple(self.lower),
@@ -65,7 +65,7 @@ class SampledDistance:
         }
 
     def note(self, name: str) -> str:
-        """What a log should say about it."""
+        """Note about the sampling for the log."""
         return (
             f"{name}: distance sampled every {self.spacing * 1e3:.3g} mm at {self.voxel_count} points, "
             f"error near the surface {self.mean_error * 1e3:.2g} mm rms, {self.usual_error * 1e3:.2g} mm "
@@ -75,12 +75,12 @@ class SampledDistance:
 
 Samples = Mapping[MeshSurface, SampledDistance]
 
-# The samples of each surface by device, kept as long as the surface is.
+# The samples of each surface by device, kept as long as the surface exists.
 _kept: WeakKeyDictionary[MeshSurface, dict[str, SampledDistance]] = WeakKeyDictionary()
 
 
 def mesh_parts(tools: Iterable[Tool]) -> dict[str, MeshSurface]:
-    """Meshes that are tools, or parts of them, by a name."""
+    """Triangle meshes among the tools and their parts, by name."""
     return {
         f"{tool.name} {index}": part.surface
         for tool in tools
@@ -93,12 +93,12 @@ def sample_meshes(tools: Iterable[Tool], device: str, thickness: float = 0.0) ->
     """The sampled distance of every mesh of the tools, on ``device``.
 
     Args:
-        tools: of which only the meshes count.
-        device: Warp's name of it.
+        tools: only their meshes are sampled.
+        device: name in Warp.
         thickness: of the sheet that the tools will meet [m]: samples must reach from one of its faces to the other.
 
     Raises:
-        InputError: a mesh takes too many samples, or its reach is below the thickness.
+        InputError: a mesh needs too many samples, or its reach is below the thickness.
     """
     samples = {}
     for name, surface in mesh_parts(tools).items():
@@ -112,10 +112,10 @@ def sample_meshes(tools: Iterable[Tool], device: str, thickness: float = 0.0) ->
 
 
 def sampled_distance(surface: MeshSurface, device: str = "cpu") -> SampledDistance:
-    """The sampled distance on ``device``; made at the first call.
+    """The sampled distance on ``device``; computed on the first call.
 
     Raises:
-        InputError: its spacing or its reach takes too many samples.
+        InputError: its spacing or its reach needs too many samples.
     """
     of_surface = _kept.setdefault(surface, {})
     if device not in of_surface:
@@ -124,13 +124,13 @@ def sampled_distance(surface: MeshSurface, device: str = "cpu") -> SampledDistan
 
 
 def exact_distance(surface: MeshSurface, points: np.ndarray, device: str = "cpu") -> np.ndarray:
-    """Signed distance (n,) [m] of ``points`` (n, 3) by a search through the triangles."""
+    """Exact signed distance (n,) [m] of ``points`` (n, 3), by searching the triangles."""
     return _query(_warp_mesh(surface, device), _largest(surface), points, device)
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """Where samples are taken: a box, and those of its tiles in which distances are below the reach."""
+    """Sample locations: a box, and those of its tiles in which distances are below the reach."""
 
     lower: np.ndarray  # (3,) [m]
     upper: np.ndarray
@@ -168,7 +168,7 @@ def _warp_mesh(surface: MeshSurface, device: str) -> wp.Mesh:
 
 
 def _largest(surface: MeshSurface) -> float:
-    """No distance is searched beyond this [m]."""
+    """Largest distance that is searched [m]."""
     return 10.0 * float(np.linalg.norm(np.ptp(surface.solid_vertices, axis=0)))
 
 
@@ -180,7 +180,7 @@ def _query(mesh: wp.Mesh, largest: float, points: np.ndarray, device: str) -> np
 
 
 def _chosen_grid(surface: MeshSurface, mesh: wp.Mesh, device: str) -> _Grid:
-    """The finest grid that is wanted and affordable."""
+    """The preferred grid, or the finest one within the voxel limit."""
     name, spacing = surface.name, surface.first_spacing
     while True:
         grid = _grid(surface, mesh, spacing, device)
@@ -188,23 +188,23 @@ def _chosen_grid(surface: MeshSurface, mesh: wp.Mesh, device: str) -> _Grid:
             return grid
         if surface.spacing is not None:
             raise InputError(
-                f"{name}: a spacing of {spacing} m takes {grid.voxel_count} samples, above {LARGEST_VOXEL_COUNT}; "
+                f"{name}: a spacing of {spacing} m needs {grid.voxel_count} samples, above {LARGEST_VOXEL_COUNT}; "
                 f"give at least {spacing * (grid.voxel_count / LARGEST_VOXEL_COUNT) ** 0.5:.2g} m, or a smaller reach."
             )
         spacing *= 1.02 * (grid.voxel_count / CHOSEN_VOXEL_COUNT) ** (1.0 / 3.0)
         if surface.reach is not None and spacing > 0.5 * surface.reach:
             raise InputError(
-                f"{name}: a reach of {surface.reach} m takes too many samples at a spacing that resolves it; "
+                f"{name}: a reach of {surface.reach} m needs too many samples at a spacing that resolves it; "
                 "leave reach out, or give a spacing too."
             )
 
 
 def _grid(surface: MeshSurface, mesh: wp.Mesh, spacing: float, device: str) -> _Grid:
-    """The grid of one spacing; without tiles where even their centres are too many to compute."""
+    """The grid for one spacing; without tiles if even their centres are too many to compute."""
     size = int(TILE_SIZE)
     reach = 6.0 * spacing if surface.reach is None else surface.reach
     lower, upper = surface.vertices.min(axis=0) - reach, surface.vertices.max(axis=0) + reach
-    # one voxel beyond the box on every side, so that interpolation within the box never reads the background inside
+    # one voxel beyond the box on every side, so that interpolation within the box never reads the background
     counts = np.floor((upper - lower) / spacing / size).astype(int) + 1
     tile_count = np.prod(counts.astype(float) + 1)
     if tile_count > LARGEST_VOXEL_COUNT / 16:

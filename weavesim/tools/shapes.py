@@ -1,7 +1,7 @@
 """Shapes of rigid tools: analytic signed distances and their unions, each placed by an origin and a rotation.
 
-A shape is solid where its distance is negative. ``kernels/contact/tool_shapes.py`` holds the formula of each kind; a
-shape names its kind, states its dimensions, and draws itself.
+A shape is solid where its distance is negative. ``kernels/contact/tool_shapes.py`` contains the formula of each kind; a
+shape names its kind, gives its dimensions, and provides triangles for drawing.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, field_validator, model_validator
 
-from ..checks import FiniteVector, Kinded, NotNegative, Positive, Vector, unit_vector, vector
+from ..checks import Kinded, NotNegative, Positive
 from ..errors import InputError
+from ..quantities import FiniteVector, Vector, unit_vector, vector
 from .drawing import CIRCLE_COUNT, Triangles, ring_triangles, stadium_rings, swept
 
 if TYPE_CHECKING:
@@ -27,34 +28,37 @@ IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def rotation_matrix(axis: Any, angle: float) -> Matrix:
-    """Rotation by ``angle`` [rad] about ``axis``; its columns are the turned coordinate axes."""
+    """Rotation by ``angle`` [rad] about ``axis``; its columns are the rotated coordinate axes."""
     x, y, z = unit_vector("axis of the rotation", axis)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     matrix = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
-    # sin(pi) is not quite zero: half a turn shall be one
+    # sin(pi) is not exactly zero: make half a turn exact
     return _matrix(np.where(np.abs(matrix) < 1.0e-15, 0.0, matrix))
 
 
 def _matrix(value: Any) -> Matrix:
-    rows = [vector("row of the rotation", row) for row in value]
+    try:
+        rows = [vector(f"row {k}", row) for k, row in enumerate(value)]
+    except TypeError:
+        rows = []
     array = np.array(rows)
     if array.shape != (3, 3) or np.abs(array @ array.T - np.eye(3)).max() > 1e-6 or np.linalg.det(array) < 0.0:
         raise InputError(
-            "it must be a 3 x 3 rotation matrix (orthonormal columns, right-handed), for example "
+            "a 3 x 3 rotation matrix is needed (orthonormal columns, right-handed), for example "
             "weavesim.rotation_matrix((0, 1, 0), angle)"
         )
     return (rows[0], rows[1], rows[2])
 
 
 class Shape(Kinded):
-    """A shape with its own frame: a point p of it lies at ``origin + rotation @ p`` while the tool has not moved.
+    """A shape with its own frame: its point p is at ``origin + rotation @ p`` at zero displacement of the tool.
 
     Attributes:
         origin: [m].
         rotation: 3 x 3, its columns are the shape's axes in the world.
         distance_function: its name in ``kernels/contact/tool_shapes.py``, or the full name of the module of its
             ``SHAPE``.
-        dimension_names: attributes that it takes.
+        dimension_names: attributes that are the function's dimensions.
     """
 
     distance_function: ClassVar[str] = ""
@@ -65,11 +69,11 @@ class Shape(Kinded):
 
     @property
     def smallest_radius(self) -> float:
-        """Smallest convex radius that a sheet may be bent over [m]; infinite for a plane."""
+        """Smallest convex radius over which a sheet may bend [m]; infinite for a plane."""
         raise NotImplementedError
 
     def parts(self) -> tuple[Shape, ...]:
-        """The shapes of this union, all in one frame; a single shape is its own only part."""
+        """The shapes of a union, all in one frame; a single shape is its only part."""
         return (self,)
 
     @property
@@ -78,22 +82,22 @@ class Shape(Kinded):
         return None
 
     def placed(self, origin: Any, rotation: Any = IDENTITY) -> Self:
-        """This shape, moved as a whole: turned by ``rotation`` about the world's origin, then shifted by ``origin``."""
+        """This shape moved as a whole: rotated by ``rotation`` about the world's origin, then shifted by ``origin``."""
         turn = np.array(_matrix(rotation))
         place = turn @ np.array(self.origin) + np.array(vector("origin", origin))
         return self.model_copy(update={"origin": place, "rotation": turn @ np.array(self.rotation)})
 
     def dimensions(self) -> dict[str, float]:
-        """What the distance function takes beside the frame [m]."""
+        """Dimensions for the distance function [m]."""
         return {name: getattr(self, name) for name in self.dimension_names}
 
     def display_triangles(self) -> Triangles:
-        """Triangles to draw, in the world, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
+        """Triangles for drawing, in the world, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
         vertices, faces = self.local_triangles()
         return vertices @ np.array(self.rotation).T + np.array(self.origin), faces
 
     def display_mesh(self) -> trimesh.Trimesh:
-        """``display_triangles`` as a trimesh, to measure or to export."""
+        """``display_triangles`` as a trimesh, for measuring or export."""
         import trimesh
 
         vertices, faces = self.display_triangles()
@@ -105,7 +109,7 @@ class Shape(Kinded):
 
 
 class Plane(Shape):
-    """Solid z < 0. ``display_size`` [m] is the size along x and y at which it is drawn; it acts everywhere."""
+    """Solid z < 0. ``display_size`` [m] is the drawn size along x and y; the plane itself is infinite."""
 
     distance_function = "plane"
 
@@ -142,7 +146,7 @@ class Sphere(Shape):
 
 
 class Capsule(Shape):
-    """All points within ``radius`` [m] of a segment along x that reaches ``half_length`` [m] to either side."""
+    """All points within ``radius`` [m] of a segment along x that extends ``half_length`` [m] to each side."""
 
     distance_function = "capsule"
     dimension_names = ("radius", "half_length")
@@ -186,7 +190,7 @@ class Torus(Shape):
 
 
 class _Dome(Shape):
-    """What ``DomePunch`` and ``DomeCavity`` share: balls of ``radius`` with centres 2 ``half_length`` apart along x."""
+    """Common base of ``DomePunch`` and ``DomeCavity``: two balls with centres 2 ``half_length`` apart along x."""
 
     is_kind: ClassVar[bool] = False
     dimension_names = ("radius", "half_length")
@@ -201,12 +205,12 @@ class _Dome(Shape):
 
 
 class DomePunch(_Dome):
-    """Two half-balls joined by a half-cylinder along x, facing -z, with vertical walls that go up without end.
+    """Two half-balls joined by a half-cylinder along x, facing -z, with vertical walls that extend up to infinity.
 
     Attributes:
         radius: of balls and cylinder [m].
-        half_length: half the distance of the balls' centres [m]; zero gives a hemispherical punch.
-        display_height: of the drawn walls above the centres [m]; None draws one radius.
+        half_length: half the distance between the balls' centres [m]; zero gives a hemispherical punch.
+        display_height: drawn height of the walls above the centres [m]; None draws one radius.
     """
 
     distance_function = "dome_punch"
@@ -230,8 +234,8 @@ class DomeOpening(Shape):
         radius: distance of the opening's wall from the segment [m].
         half_length: of the segment [m]; zero gives a round opening.
         edge_radius: of the rounded entry [m]; zero gives a sharp edge.
-        display_size: size of the drawn plate along x and y [m]; None leaves a border of twice the opening's radius.
-        display_depth: depth down to which the wall is drawn [m]; None draws one radius.
+        display_size: drawn size of the plate along x and y [m]; None leaves a border of twice the opening's radius.
+        display_depth: drawn depth of the wall [m]; None draws one radius.
     """
 
     distance_function = "dome_opening"
@@ -265,25 +269,26 @@ class DomeOpening(Shape):
         out = np.concatenate([[self.radius], rim - self.edge_radius * np.cos(angle)])
         z = np.concatenate([[-depth], self.edge_radius * (np.sin(angle) - 1.0)])
         rings = stadium_rings(out, z, self.half_length)
-        # the plate ends at a rectangle: rays from the middle, the nearest one moved into each corner
+        # the plate ends at a rectangle: rays from the centre, with the nearest one moved to each corner
         last = rings[-1]
         ray = np.min(half / np.maximum(np.abs(last[:, :2]), 1e-12), axis=1)
         border = np.column_stack([last[:, :2] * ray[:, None], np.zeros(len(last))])
         for corner in np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half:
             border[np.argmin(np.linalg.norm(border[:, :2] - corner, axis=1)), :2] = corner
         vertices, faces = ring_triangles(np.concatenate([rings, border[None]]))
-        return vertices, faces[:, ::-1]  # rings run upwards along the wall: seen from the opening the other way round
+        return vertices, faces[:, ::-1]  # rings run upwards along the wall: reversed to face the opening
 
 
 class DomeCavity(_Dome):
     """A block, solid z < 0, with a hollow: two quarter-balls joined by a half-cylinder along x, open to +z.
 
-    It is the closed end of a ``DomeOpening`` of the same radius, and the counterpart of a ``DomePunch``. A sheet lies
-    in the hollow and is not bent over its rim, which an opening above it hides: the smallest radius is the hollow's.
+    It closes a ``DomeOpening`` of the same radius at the bottom, and is the counterpart of a ``DomePunch``. A sheet
+    lies in the hollow and does not bend over its rim, which the opening above covers: the smallest radius is the
+    hollow's.
 
     Attributes:
         radius: of balls and cylinder [m].
-        half_length: half the distance of the balls' centres [m]; zero gives a hemispherical hollow.
+        half_length: half the distance between the balls' centres [m]; zero gives a hemispherical hollow.
     """
 
     distance_function = "dome_cavity"

@@ -1,4 +1,4 @@
-"""A rigid tool: its shape, and how it moves."""
+"""A rigid tool: its shape and motion."""
 
 from __future__ import annotations
 
@@ -7,28 +7,29 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field, SerializeAsAny, field_validator
 
-from ..checks import NotNegative, Parameters, UnitVector
+from ..checks import NotNegative, Parameters
 from ..process.strokes import Fixed, Motion
+from ..quantities import UnitVector
 from .shapes import Shape, Triangles, shape_kinds
 
 if TYPE_CHECKING:
     import trimesh
 
 
-# Of one of the three colours: 0 is black.
+# One of the three colour components: 0 is black.
 _Shade = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 class Tool(Parameters):
-    """A rigid body that moves along one axis and that the sheet may touch on either face.
+    """A rigid body that moves along one axis and may touch the sheet on either face.
 
     Attributes:
         name: "punch", "die", "blank_holder", or any other.
-        shape: where it stands at zero displacement.
+        shape: at zero displacement.
         motion: along ``axis``.
         friction: Coulomb coefficient between tool and sheet.
         axis: direction of the motion, scaled to length one.
-        colour: to draw it, red, green and blue from 0 to 1.
+        colour: for drawing: red, green and blue from 0 to 1.
     """
 
     positional = ("name", "shape", "motion", "friction", "axis", "colour")
@@ -50,15 +51,15 @@ class Tool(Parameters):
 
     @property
     def smallest_radius(self) -> float:
-        """Smallest radius that the sheet may be bent over [m]."""
+        """Smallest radius over which the sheet may bend [m]."""
         return self.shape.smallest_radius
 
     def display_triangles(self) -> Triangles:
-        """Triangles to draw, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
+        """Triangles for drawing, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
         return self.shape.display_triangles()
 
     def display_mesh(self) -> trimesh.Trimesh:
-        """``display_triangles`` as a trimesh, to measure or to export."""
+        """``display_triangles`` as a trimesh, for measuring or export."""
         return self.shape.display_mesh()
 
     def elements_per_quarter_turn(self, element_size: float) -> float:

@@ -1,4 +1,4 @@
-"""Options that every scene shares."""
+"""Options common to all scenes."""
 
 import pytest
 

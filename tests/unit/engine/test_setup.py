@@ -190,8 +190,11 @@ HELD = SHEET.model_copy(update={"supports": (Support("grip", [1]),)})
         (lambda: Setup("run", worlds=[], duration=1.0), "worlds: at least one is needed"),
         (lambda: Setup("run", sheets=[], duration=1.0), "at least one sheet is needed"),
         (lambda: Setup("run", tools=[], duration=1.0), "sheets: is required"),
-        (lambda: Setup("run", worlds=[World([SHEET])], sheets=[SHEET], duration=1.0), "sheets: belong into worlds"),
-        (lambda: Setup("run", sheets=[SHEET, SHEET], duration=1.0), "sheets: the name 'sheet' of entry 1 is .* taken"),
+        (lambda: Setup("run", worlds=[World([SHEET])], sheets=[SHEET], duration=1.0), "sheets: belong in worlds"),
+        (
+            lambda: Setup("run", sheets=[SHEET, SHEET], duration=1.0),
+            "sheets: the name 'sheet' of entry 1 is .* already",
+        ),
         (lambda: Setup("run", worlds=[World([SHEET])] * 2, duration=1.0), "worlds: the name 'world' of entry 1"),
         (
             lambda: Setup("run", sheets=[HELD, HELD.model_copy(update={"name": "upper"})], duration=1.0),
@@ -199,11 +202,15 @@ HELD = SHEET.model_copy(update={"supports": (Support("grip", [1]),)})
         ),
         (lambda: World([SHEET], [Tool("table", Plane())] * 2), "tools: the name 'table' of entry 1"),
         (lambda: World([SHEET], [Tool("", Plane())]), "tools: the name '' of entry 0 is empty"),
-        (lambda: World([SHEET], symmetry=("x", "x")), "each may be named once"),
+        (lambda: World([SHEET], symmetry=("x", "x")), "list each plane once"),
         (
             lambda: World([Sheet(Blank.rectangle((0.1, 0.0), (0.2, 0.1), 0.05), glass_polypropylene())], symmetry="x"),
             "symmetry",
         ),
+        (lambda: Setup("run", sheets=SHEET, duration=1.0), r"sheets = Sheet\(...\): give a list$"),
+        (lambda: World([SHEET], Tool("table", Plane())), r"^World: tools = Tool\(...\): give a list$"),
+        (lambda: Setup("run", World([SHEET]), duration=1.0), r"^Setup: worlds = World\(...\): give a list$"),
+        (lambda: Setup("run", sheets=[SHEET], duration=1.0, leading_tool=7), "leading_tool = 7: there are 0 tools"),
         (lambda: Rest(-1.0, 0.1), "after = -1.0"),
         (lambda: Rest(1.0, 0.0), "kinetic_share = 0.0"),
         (lambda: Solver(threads=0), "threads = 0: 1 to 256 threads"),
@@ -213,6 +220,12 @@ HELD = SHEET.model_copy(update={"supports": (Support("grip", [1]),)})
 def test_what_does_not_fit_together_is_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+@pytest.mark.parametrize("name", ["", " ", "..", "../x", "a/b", "a\\b", "a\nb", "a\0"])
+def test_a_name_that_is_no_name_of_a_file_is_refused(name):
+    with pytest.raises(InputError, match="Setup: name = .*: it becomes the name of files"):
+        Setup(name, sheets=[SHEET], duration=1.0)
 
 
 def test_a_run_ends_at_rest():

@@ -93,14 +93,14 @@ def test_kind_chooses_the_cell(tmp_path):
         (("areal_density = 0.6", "areal_density = -1"), "areal_density"),
         (("areal_density = 0.6", "arealdensity = 1"), "arealdensity"),
         (('based_on = "glass-polypropylene"', 'based_on = "cotton"'), "based_on = 'cotton'"),
-        (('kind = "YarnBending"', ""), "says no kind"),
+        (('kind = "YarnBending"', ""), "has no kind"),
         (("[shear]", "[shear"), "line"),
         (("limit = [0.5]", "limit = [-0.5]"), r"\[shear_friction\] ShearFriction: limit"),
         (("scale = 1000.0", 'scale = "x"'), r"machine_force: scale = 'x'"),
         (("frame_side = 0.25", "frame_side = 0"), r"\[shear\] MomentCurve.from_picture_frame: frame_side = 0"),
         (("frame_side = 0.25", 'frame_side = "wide"'), r"\[shear\].*frame_side = 'wide'"),
         (("frame_side = 0.25", "frame_side = 250"), "frame_side = 250: at most 5 is allowed: it is in metres"),
-        (("fabric_side = 0.2", "fabric_side = 0.3"), "fabric_side = 0.3 m: at most that of the frame"),
+        (("fabric_side = 0.2", "fabric_side = 0.3"), "fabric_side = 0.3 m: must not exceed that of the frame"),
         (("areal_density = 0.6", "areal_density = 600"), "areal_density = 600.*write 0.6 for 600"),
         (("areal_density = 0.6", "thickness = 1.2"), "thickness = 1.2.*write 0.0012 for 1.2 mm"),
         (("areal_density = 0.6", "areal_density = true"), "areal_density = True.*not true or false"),
@@ -120,9 +120,9 @@ def test_mistakes_are_told(folder, change, message):
     assert "wrong.toml" in str(raised.value)
 
 
-def test_a_number_with_a_comma_is_told_with_its_line(folder):
+def test_a_number_with_a_comma_is_reported_with_its_line(folder):
     (folder / "frame.csv").write_text('angle_deg,force_kn\n0,0\n20,"0,005"\n')
-    with pytest.raises(InputError, match="line 3.*no number"):
+    with pytest.raises(InputError, match="line 3.*not a number"):
         load_fabric(folder / "ours.toml")
 
 
@@ -144,7 +144,7 @@ def test_unknown_names_are_refused(tmp_path):
         ('kind = "MomentCurve.from_normalised_force"\nangle = [0, 0.5]\nforce_per_length = [0, 2]\n'
          'convention = "frame side"\nframe_side = 0.2\nfabric_side = 0', "fabric_side = 0"),
         ('kind = "MomentCurve.from_normalised_force"\nangle = [0, 0.5]\nforce_per_length = [0]\n'
-         'convention = "fabric area"', "2 of angle, 1 of force_per_length: as many"),
+         'convention = "fabric area"', "2 of angle, 1 of force_per_length: the same number"),
         ('kind = "MomentCurve.from_picture_frame"\nangle = [0, 0.5]\nmachine_force = [0, "2"]\nframe_side = 0.2',
          "machine_force: a list of finite numbers"),
         ('kind = "MomentCurve"\nangle = [0, 0.5]\nmoment_values = [0, -2]', "moments must not be negative"),

@@ -50,7 +50,7 @@ def test_picture_frame_conventions_agree():
         (lambda: MomentCurve.from_loading_and_unloading((0.0, 0.5), (0.0, 1.0), ("a", "b")), "unloading: a list"),
         (
             lambda: ShearFriction.from_loading_and_unloading((0.0, 0.5), (0.0, 1.0), (0.0, 1.0), stiffness=1.0),
-            "does nothing",
+            "no effect",
         ),
         (lambda: MomentCurve(angle=(0.0, math.nan), moment_values=(0.0, 1.0)), "finite"),
         (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(0.0, 1.0), locking_stiffness=-1.0), "locking_stiffness"),

@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,17 @@ def test_rows_are_known_without_warp():
     assert subprocess.run([sys.executable, "-c", code], cwd=KERNELS.parent).returncode == 0
 
 
+def own_matrices(function: ast.AST) -> set[str]:
+    """Names that a function gives to what a call returned: they are matrices of its own, not shared arrays."""
+    return {
+        target.id
+        for node in ast.walk(function)
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    }
+
+
 def literal_rows(source: str) -> list[str]:
     """Entries of arrays with a number for their row, as in ``energies[5, e]`` or ``energies[count + 5, e]``."""
 
@@ -65,14 +77,17 @@ def literal_rows(source: str) -> list[str]:
             return numbered(index.left) or numbered(index.right)
         return isinstance(index, ast.Constant)
 
-    return [
-        ast.unparse(node)
-        for node in ast.walk(ast.parse(source))
-        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Tuple) and numbered(node.slice.elts[0])
-    ]
+    def found(scope: ast.AST, own: set[str]) -> Iterator[str]:
+        for node in ast.iter_child_nodes(scope):
+            yield from found(node, own_matrices(node) if isinstance(node, ast.FunctionDef) else own)
+            entry = isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Tuple)
+            if entry and numbered(node.slice.elts[0]) and ast.unparse(node.value) not in own:
+                yield ast.unparse(node)
+
+    return list(found(ast.parse(source), set()))
 
 
-@pytest.mark.parametrize("room", ["shell", "stepping"])
+@pytest.mark.parametrize("room", ["cell", "laws", "shell", "stepping"])
 def test_no_row_is_a_literal(room):
     found = {file.name: literal_rows(file.read_text()) for file in (KERNELS / room).glob("*.py")}
     assert found and {name: literals for name, literals in found.items() if literals} == {}
@@ -80,3 +95,12 @@ def test_no_row_is_a_literal(room):
 
 def test_literal_row_is_found():
     assert literal_rows("energies[part_count + 5, e] = fields[7, e]") == ["energies[part_count + 5, e]", "fields[7, e]"]
+
+
+def test_matrix_of_a_function_is_no_shared_array():
+    lines = (
+        "c = wp.matrix(shape=(3, 3), dtype=real)",
+        "fields = report.fields",
+        "return c[0, 1] + fields[2, e] + q[1, e]",
+    )
+    assert literal_rows("def f(q, report, e):\n    " + "\n    ".join(lines)) == ["fields[2, e]", "q[1, e]"]

@@ -29,7 +29,7 @@ def test_measured_outline_is_read_in_metres(tmp_path):
         ("point,angle_deg\n1,ten\n", "line 2"),
         ("point,angle_deg\n1,2\n2\n", "line 3"),
         ("point,angle_deg\n1,nan\n", "not finite"),
-        ("point,angle_deg\n1.5,3\n", "must be whole"),
+        ("point,angle_deg\n1.5,3\n", "must be integers"),
         ("point,angle_deg\n1,3\n1,4\n", "each once"),
         ("point,angle_deg\n1,120\n", "below 90"),
     ],
@@ -49,7 +49,7 @@ def test_unreadable_measured_files(tmp_path):
     for name, message in (
         ("missing.csv", "No such file"),
         ("binary.csv", "cannot be read"),
-        ("single.csv", "one point only"),
+        ("single.csv", "only one point"),
         ("metres.csv", "give millimetres"),
         ("", "cannot be read"),
     ):

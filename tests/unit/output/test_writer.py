@@ -45,8 +45,8 @@ def test_an_unknown_writer_is_refused_and_the_known_ones_are_listed(given):
         chosen_writers(**given)
 
 
-def test_two_writers_of_one_name_are_a_mistake():
-    with pytest.raises(TypeError, match="writer film: weavesim.output.writers.film has one of this name"):
+def test_two_writers_of_one_name_are_refused():
+    with pytest.raises(TypeError, match="writer film: weavesim.output.writers.film already has one of this name"):
 
         class Other(Writer):
             name = "film"
@@ -112,3 +112,10 @@ def test_a_writer_that_fails_is_given_up_and_the_others_go_on(tmp_path, coarse_r
     assert summary["warnings"] == warnings == [record.message for record in caplog.records]
     assert all((tmp_path / name).exists() for name in ("history.csv", "report.html", "summary.json"))
     assert ("my file could not be written" in (tmp_path / "report.html").read_text()) == bool(failing)
+
+
+def test_a_text_in_place_of_a_list_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"writers = 'summary': give a list, \['summary'\]"):
+        ResultFolder(tmp_path, writers="summary")
+    with pytest.raises(InputError, match=r"without = 'film': give a list"):
+        chosen_writers(without="film")

@@ -26,11 +26,11 @@ PULL = SmoothStroke.ramped(1e-3, speed=1.0, ramp_time=1e-4)
         (lambda: Support("grip", [1, 2], (Drive(PULL, (0.0, 1.0, 0.0)),), displacements="xz"), "driven or free"),
         (lambda: Support("grip", [1], (Drive(Stroke((0.0,), (1e-3,)), (1.0, 0.0, 0.0)),)), "must start from 0"),
         (lambda: SmoothStroke((0.0, 1.0), (0.0, 1.0), (0.0,)), "2 times and 1 speeds"),
-        (lambda: SmoothStroke((0.0, 1.0), (0.0, 1.0), (0.0, np.inf)), "must be finite"),
+        (lambda: SmoothStroke((0.0, 1.0), (0.0, 1.0), (0.0, np.inf)), "entry 1 = inf: a finite number is needed"),
         (lambda: PULL.and_back(rest=-1.0), "must not be negative"),
         (lambda: small_run(supports=[Support("grip", [25])]), "counted from 0"),
         (lambda: small_run(supports=[Support("a", [1, 2]), Support("b", [2, 3])]), "node 2 is held by a too"),
-        (lambda: small_run(supports=[Support("a", [1]), Support("a", [3])]), "empty or taken"),
+        (lambda: small_run(supports=[Support("a", [1]), Support("a", [3])]), "empty or already used"),
         (lambda: small_run(supports=["grip"]), "supports.0 = 'grip': a Support is needed"),
         (
             lambda: small_run(supports=[Support("a", [0, 7], (Drive(PULL, (1.0, 1.0, 0.0)),))], symmetry=("y",)),

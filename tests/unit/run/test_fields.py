@@ -59,7 +59,7 @@ def test_angles_are_degrees_in_files_and_say_so(rows):
 @pytest.mark.parametrize(
     ("field", "message"),
     [
-        (Field("thickness", "m", "again", derive=lambda *given: None), "field thickness: one of this name is known"),
+        (Field("thickness", "m", "again", derive=lambda *given: None), "field thickness: one of this name exists"),
         (Field("colour", "1", "how red"), "field colour: derive is missing"),
     ],
 )

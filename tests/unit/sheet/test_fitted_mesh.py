@@ -118,12 +118,12 @@ def test_disc(angle):
         (STRIP[[0, 2, 1, 3]], {}, "sides .* cross"),
         (STRIP[[0, 1, 1, 2, 3]], {}, "coincide"),
         (STRIP * np.nan, {}, "finite"),
-        (STRIP, {"element_size": 0.05}, "quarter of its width|too close|take smaller"),
-        (STRIP, {"element_size": -1.0}, "positive size"),
-        (STRIP, {"distortion": 0.5}, "distortion from 0 to 0.4"),
-        (STRIP, {"mesh_angle": np.inf}, "finite angle"),
-        (np.vstack([STRIP, [[0.05, 0.05]]]), {}, r"corner at \(0.05, 0.05\) m that points into the sheet"),
-        (np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.02]]), {}, "take smaller"),
+        (STRIP, {"element_size": 0.05}, "quarter of its width|too close|use smaller"),
+        (STRIP, {"element_size": -1.0}, "element_size = -1.0: a finite number above 0 is needed"),
+        (STRIP, {"distortion": 0.5}, "distortion = 0.5: a number from 0 to 0.4 is needed"),
+        (STRIP, {"mesh_angle": np.inf}, "mesh_angle = inf: a finite number is needed"),
+        (np.vstack([STRIP, [[0.05, 0.05]]]), {}, r"re-entrant corner at \(0.05, 0.05\) m"),
+        (np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.02]]), {}, "use smaller"),
     ],
 )
 def test_what_cannot_be_filled_is_refused(outline, options, message):

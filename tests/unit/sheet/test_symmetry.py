@@ -33,7 +33,7 @@ def test_the_order_of_the_planes_does_not_order_the_copies():
     assert Symmetry(("y", "x")).mirror_factors == QUARTER.mirror_factors
 
 
-@pytest.mark.parametrize(("planes", "message"), [(("z",), "symmetry plane 'z'"), (("x", "x"), "named once")])
+@pytest.mark.parametrize(("planes", "message"), [(("z",), "symmetry plane 'z'"), (("x", "x"), "list each plane once")])
 def test_planes_that_are_refused(planes, message):
     with pytest.raises(InputError, match=message):
         Symmetry(planes)

@@ -43,11 +43,14 @@ def test_every_shape_has_a_kind_of_its_own_and_every_kind_a_shape():
 @pytest.mark.parametrize(
     ("shape", "says"),
     [
-        (Cone(), "Cone.distance_function: no distance function 'cone'; there are plane, sphere"),
+        (Cone(), "Cone.distance_function: no distance function 'cone'; choose one of plane, sphere"),
         (Shapeless(), "Shapeless.distance_function: no distance function ''"),
-        (Elsewhere(), "no distance function 'weavesim.tools.shapes'; .* and the full names of modules with a SHAPE"),
+        (
+            Elsewhere(),
+            "no distance function 'weavesim.tools.shapes'; .* the full name of a module with a SHAPE",
+        ),
         (Nowhere(), "no distance function 'no_such_package.cone'"),
-        (BallWithoutRadius(), "states the dimensions none, but the distance function 'sphere' takes radius"),
+        (BallWithoutRadius(), "has the dimensions none, but the distance function 'sphere' takes radius"),
     ],
 )
 def test_part_that_the_kernels_do_not_know_is_refused(shape, says):

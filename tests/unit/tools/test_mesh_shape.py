@@ -313,7 +313,7 @@ def _with(vertices, row, value):
         (lambda v, f: MeshSurface(v, f[:0]), "no triangles"),
         (lambda v, f: MeshSurface(_with(v, 7, math.nan), f), "not finite, the first is vertex 7"),
         (lambda v, f: MeshSurface(v[:, :2], f), "shape"),
-        (lambda v, f: MeshSurface(v, f + len(v)), "name vertex"),
+        (lambda v, f: MeshSurface(v, f + len(v)), "use vertex"),
         (lambda v, f: MeshSurface(1000.0 * v, f), "1000 times too big.*unit_scale=0.001"),
         (lambda v, f: MeshSurface(0.001 * v, f), "too small"),
         (lambda v, f: MeshSurface(0.0 * v + (0.1, 0.0, 0.0), f), "too small"),

@@ -261,9 +261,12 @@ def test_sixteen_lanes_give_what_one_lane_gives(real):
         (lambda: DomeOpening(0.1, 0.1, 0.01, display_size=(0.1, 0.1)).display_mesh(), "display_size"),
         (lambda: Sphere(0.1, origin=(0.0, math.inf, 0.0)), "origin"),
         (lambda: Sphere(0.1, rotation=2.0 * np.eye(3)), "rotation matrix"),
+        (lambda: Sphere(0.1, rotation=5), "Sphere: rotation = 5: a 3 x 3 rotation matrix is needed"),
+        (lambda: Sphere(0.1, rotation=((1, 0, 0), (0, 1, 0), 5)), "row 2 = 5: three finite numbers are needed"),
+        (lambda: Sphere(0.1).placed((0, 0, 0), 5), "3 x 3 rotation matrix"),
         (lambda: Sphere(0.1, rotation=np.diag([1.0, 1.0, -1.0])), "right-handed"),
         (lambda: rotation_matrix((0.0, 0.0, 0.0), 1.0), "axis of the rotation"),
-        (lambda: Union([]), "one or more shapes"),
+        (lambda: Union([]), "Union: shapes = .*: it takes one or more shapes"),
         (lambda: Union([Sphere(0.1), "box"]), "shapes.1 = 'box': one of Plane, Sphere"),
     ],
 )

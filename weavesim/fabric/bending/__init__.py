@@ -1,4 +1,4 @@
-"""Bending of the sheet: the laws, each a module here, and the curves of single yarn families."""
+"""Bending of the sheet: one module per law, and the curves of single yarn families."""
 
 from ..families import define_kinds
 from .curve import BendingCurve, FamilyBending

@@ -8,16 +8,17 @@ from typing import Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from ...checks import Kinded, NotNegative, positive_number
+from ...checks import Kinded, NotNegative
+from ...quantities import positive
 from ..curve import Column, check_curve, interpolate, measured_columns
 
 
 class FamilyBending(Kinded):
-    """Base of what bends one family of yarns where a constant is not enough: a moment per width, odd in the curvature.
+    """Base class for the bending of one yarn family that is not a constant stiffness: an odd moment-curvature relation.
 
-    The moment is M(kappa) + M_f, where M_f = friction_stiffness (kappa - slip) keeps within the friction limit because
-    the slip follows: bending starts with the slope of both, softens to that of M alone, and unloads along a loop whose
-    height is twice the limit. What slipping loses is booked.
+    The moment per width is M(kappa) + M_f, where M_f = friction_stiffness (kappa - slip) stays within the friction
+    limit because the slip follows: bending starts with the slope of both, softens to that of M alone, and unloads along
+    a loop whose height is twice the limit. The work lost in slip is booked.
     """
 
     friction_limit: NotNegative = Field(default=0.0, description="largest friction moment [N]")
@@ -26,7 +27,7 @@ class FamilyBending(Kinded):
     @property
     @abstractmethod
     def end(self) -> float:
-        """Curvature up to which the moment is tabulated, straight beyond [1/m]."""
+        """Curvature up to which the moment is tabulated; linear beyond [1/m]."""
 
     @abstractmethod
     def moment(self, curvature: np.ndarray) -> np.ndarray:
@@ -35,23 +36,23 @@ class FamilyBending(Kinded):
     @property
     @abstractmethod
     def is_constant(self) -> bool:
-        """True for one slope without friction: moment and curvature are proportional."""
+        """True for a single slope without friction: moment and curvature are proportional."""
 
     @property
     def initial_stiffness(self) -> float:
-        """Slope at zero, without friction [N m]."""
+        """Slope at zero curvature, without friction [N m]."""
         step = 1.0e-6 * self.end
         return float(self.moment(np.array(step)) / step)
 
     @property
     def largest_stiffness(self) -> float:
-        """Upper bound of the slope, friction included [N m]."""
+        """Upper bound of the slope, including friction [N m]."""
         x = np.linspace(0.0, self.end, 2001)
         return float(np.max(np.diff(self.moment(x)) / np.diff(x))) * 1.01 + self.friction_stiffness
 
     @property
     def typical_stiffness(self) -> float:
-        """Mean of moment over curvature along the curve, friction included [N m]."""
+        """Mean of moment over curvature along the curve, including friction [N m]."""
         x = np.linspace(0.0, self.end, 101)[1:]
         friction = np.minimum(self.friction_stiffness * x, self.friction_limit)
         return float(np.mean((self.moment(x) + friction) / x))
@@ -62,7 +63,7 @@ class BendingCurve(FamilyBending):
 
     curvature: tuple[float, ...] = Field(kw_only=True, description="increasing curvatures from 0 [1/m]")
     moment_values: tuple[float, ...] = Field(
-        kw_only=True, description="M at these, moment per width in N m/m; beyond the last, its end slope goes on [N]"
+        kw_only=True, description="M at these, moment per width in N m/m; extrapolated with its end slope [N]"
     )
 
     @model_validator(mode="after")
@@ -90,15 +91,15 @@ class BendingCurve(FamilyBending):
         *,
         friction_stiffness: float,
     ) -> BendingCurve:
-        """A measured loop: its middle is the elastic curve, half its mean height the friction limit.
+        """From a measured loop: its middle is the elastic curve, half its mean height the friction limit.
 
         Args:
             curvature: from 0 [1/m].
-            loading, unloading: moments per width at these curvatures on the way up and down [N].
-            friction_stiffness: initial slope of the test minus that of the middle [N m].
+            loading, unloading: moments per width at these curvatures with increasing and decreasing curvature [N].
+            friction_stiffness: initial slope of the test minus that of the middle curve [N m].
 
         Raises:
-            InputError: columns of unequal lengths or no numbers, or an unloading above the loading.
+            InputError: columns of unequal length or without numbers, or unloading above loading.
         """
         curvature, up, down = measured_columns(curvature=curvature, loading=loading, unloading=unloading)
         middle = 0.5 * (up + down)
@@ -110,17 +111,17 @@ class BendingCurve(FamilyBending):
 
     @classmethod
     def from_kawabata(cls, rigidity: float, hysteresis: float, *, slip_curvature: float = 10.0) -> BendingCurve:
-        """The two numbers of the Kawabata pure-bending test (KES-FB2): M = B kappa with a loop of height 2HB.
+        """From the two numbers of the Kawabata pure-bending test (KES-FB2): M = B kappa with a loop of height 2HB.
 
         Args:
             rigidity: B, the slope [N m] (moment per width over curvature).
             hysteresis: 2HB, the height of the loop [N].
-            slip_curvature: curvature after which the friction slips [1/m].
+            slip_curvature: curvature at which the friction begins to slip [1/m].
 
         Raises:
-            InputError: a slip curvature that is not above 0, or numbers that are negative.
+            InputError: a slip curvature that is not above 0, or negative numbers.
         """
-        slip_curvature = positive_number("slip_curvature", slip_curvature)
+        slip_curvature = positive("slip_curvature", slip_curvature)
         return cls(
             curvature=(0.0, 1.0), moment_values=(0.0, rigidity),
             friction_limit=0.5 * hysteresis, friction_stiffness=0.5 * hysteresis / slip_curvature,

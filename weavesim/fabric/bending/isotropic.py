@@ -1,4 +1,4 @@
-"""Bending as of an isotropic plate."""
+"""Bending like an isotropic plate."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .law import BendingLaw, YarnName
 class IsotropicBending(BendingLaw):
     """Equations (5) and (6): an isotropic plate in the current tangent plane, decoupled from the membrane."""
 
-    modulus: NotNegative = Field(description="E of the sheet in bending (not that of the yarns) [Pa]")
+    modulus: NotNegative = Field(description="E of the sheet in bending (not of the yarns) [Pa]")
     poisson_ratio: float = Field(default=0.0, gt=-1.0, lt=0.5, description="nu of the sheet in bending")
 
     def stiffness(self, thickness: float) -> float:

@@ -1,4 +1,4 @@
-"""The laws of bending: what a sheet asks of one."""
+"""The interface of bending laws."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ YarnName = Literal["warp", "weft"]
 
 
 class BendingLaw(Kinded):
-    """Base of all bending laws. The thickness is that of the undeformed sheet [m]."""
+    """Base class of all bending laws. The thickness is that of the undeformed sheet [m]."""
 
     @abstractmethod
     def device_form(self, thickness: float) -> DeviceForm:
-        """The law as the kernels take it."""
+        """The law in the form that the kernels read."""
 
     @abstractmethod
     def stiffness_scale(self, thickness: float) -> float:
@@ -24,14 +24,14 @@ class BendingLaw(Kinded):
 
     @abstractmethod
     def largest_stiffness(self, thickness: float) -> float:
-        """Bound of the bending stiffness of any curvature [N m], for the stable step."""
+        """Upper bound of the bending stiffness at any curvature [N m], for the stable step."""
 
     @abstractmethod
     def strip_stiffness(self, yarn: YarnName, thickness: float) -> float:
-        """Stiffness per width [N m] of a strip along a yarn that is free to bend across; at first, without friction."""
+        """Initial stiffness per width [N m] of a strip along a yarn, free to bend across; without friction."""
 
     def bends_linearly(self, yarn: YarnName) -> bool:
-        """True if one stiffness along a yarn says all: no bent curve, no friction."""
+        """True if bending along a yarn is fully described by one stiffness: no curve, no friction."""
         return True
 
     @property
@@ -41,5 +41,5 @@ class BendingLaw(Kinded):
 
     @property
     def friction_stiffness(self) -> tuple[float, float]:
-        """Slope that this friction adds before it slips [N m]."""
+        """Slope that this friction adds before slip [N m]."""
         return 0.0, 0.0

@@ -36,7 +36,7 @@ class YarnBending(BendingLaw):
     def _is_stable(self) -> Self:
         if isinstance(self.warp, FamilyBending) or isinstance(self.weft, FamilyBending):
             if self.coupling != 0.0:
-                raise ValueError(f"coupling = {self.coupling:.4g} N m: must be 0 where a family has a curve")
+                raise ValueError(f"coupling = {self.coupling:.4g} N m: must be 0 if a family has a curve")
         elif self.coupling**2 > self.warp * self.weft:
             raise ValueError(
                 f"coupling = {self.coupling:.4g} N m: its square may not exceed warp * weft, or bending releases energy"
@@ -45,7 +45,7 @@ class YarnBending(BendingLaw):
 
     @property
     def curved(self) -> bool:
-        """True where a family has a curve."""
+        """True if a family has a curve."""
         return isinstance(self.warp, FamilyBending) or isinstance(self.weft, FamilyBending)
 
     @property
@@ -74,7 +74,7 @@ class YarnBending(BendingLaw):
         along, across = (self.warp, self.weft) if yarn == "warp" else (self.weft, self.warp)
         if isinstance(along, FamilyBending):
             return along.initial_stiffness
-        # a curve across allows no coupling
+        # no coupling if the family across has a curve
         if isinstance(across, FamilyBending) or not self.coupling:
             return along
         return along - self.coupling**2 / across
@@ -104,7 +104,7 @@ class YarnBending(BendingLaw):
 
     @classmethod
     def from_moduli(cls, modulus: float, poisson_ratio: float, shear_modulus: float, thickness: float) -> YarnBending:
-        """Equation (6) along the yarns, with a shear modulus G of its own: sigma_12 = G eps_12, eps_12 the tensor's.
+        """Equation (6) along the yarns, with a separate shear modulus G: sigma_12 = G eps_12, eps_12 tensorial.
 
         G = E/(1 + nu) would make the sheet isotropic; ``IsotropicBending`` does that in the current tangent plane.
         """

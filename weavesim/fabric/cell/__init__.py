@@ -1,4 +1,4 @@
-"""Unit cells: the contract, and the cells themselves, each kind in a module here."""
+"""Unit cells: the contract, and the cells themselves."""
 
 from ..families import define_kinds
 from .contract import ENERGY_CELL_TOLERANCE, UNIT_CELL_TOLERANCE, EnergyCell, UnitCell

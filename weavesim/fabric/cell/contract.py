@@ -1,7 +1,7 @@
-"""Unit cells: the contract that every cell fulfils.
+"""The contract that every unit cell fulfils.
 
 A cell is a set of checked parameters and an energy per reference area, psi(warp stretch, weft stretch, shear angle; q)
-with a few internal unknowns q. ``docs/tutorial_unit_cell.md`` makes one.
+with a few internal unknowns q. ``docs/tutorial_unit_cell.md`` shows how to write one.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ ENERGY_CELL_TOLERANCE = {"float32": 1.0e-5, "float64": 1.0e-11}
 
 
 class UnitCell(Kinded):
-    """Base of all unit cells: what a sheet asks of one."""
+    """Base class of all unit cells: their interface to the sheet."""
 
     @classmethod
     def examples(cls) -> dict[str, Callable[[], UnitCell]]:
-        """One cell of the kind, or a few, by names for presets: to try, to test and to measure; {} for none."""
+        """One or a few cells of this kind by preset name, for trials, tests and benchmarks; {} for none."""
         return {}
 
     @abstractmethod
     def law(self) -> CellLaw:
-        """Functions of the cell that the kernels are made with; equal for all cells of a class."""
+        """Functions of the cell that are compiled into the kernels; the same for all cells of a class."""
 
     @abstractmethod
     def device_parameters(self, precision: Precision) -> Any:
@@ -45,25 +45,25 @@ class UnitCell(Kinded):
     @property
     @abstractmethod
     def yarn_stiffness_per_width(self) -> tuple[float, float]:
-        """Bounds C_1, C_2 [N/m] of the cell's stiffness along warp and weft, in any state.
+        """Upper bounds C_1, C_2 [N/m] of the cell's stiffness along warp and weft, in any state.
 
         Twice the energy of a small change (e_1, e_2) of the stretches is at most C_1 e_1^2 + C_2 e_2^2. Time step,
-        contact and mass scaling start from them.
+        contact and mass scaling are based on them.
         """
 
     @property
     def shear_stiffness(self) -> float:
-        """Bound of dm/dgamma of the cell itself [N/m]; 0 if its energy does not depend on the shear angle."""
+        """Upper bound of dm/dgamma of the cell itself [N/m]; 0 if its energy does not depend on the shear angle."""
         return 0.0
 
     @property
     def crossover_area(self) -> float:
-        """Reference area that carries one physical crossover [m^2], whose force is the pressure times it; 0: none."""
+        """Reference area per physical crossover [m^2]: crossover force = pressure times this area; 0 for none."""
         return 0.0
 
     @property
     def has_crossovers(self) -> bool:
-        """True if the cell reports the pressure between warp and weft, which friction in shear and compaction use."""
+        """True if the cell reports the pressure between warp and weft, which shear friction and compaction use."""
         return self.crossover_area > 0.0
 
     @property
@@ -77,25 +77,25 @@ class UnitCell(Kinded):
         return (0.0,) * self.law().unknown_count
 
     def warnings(self) -> list[str]:
-        """What a user should know before trusting this cell."""
+        """Warnings about this cell for the user."""
         return []
 
 
 class EnergyCell(UnitCell):
-    """A cell that is given by its energy alone: a Warp function of doubles.
+    """A cell defined by its energy alone: a Warp function of doubles.
 
-    A subclass declares its parameters as fields with their unit in the description, sets ``energy``, and says how
-    stiff it is at most (``yarn_stiffness_per_width``, ``shear_stiffness``). The functions get a struct with all numbers
-    among the fields (a ``parameters`` of its own can add derived ones), the two stretches, the shear angle [rad] and
-    the vector of unknowns. Unknowns are dimensionless: a change of one is large.
+    A subclass declares its parameters as fields with their unit in the description, sets ``energy``, and gives upper
+    bounds of its stiffness (``yarn_stiffness_per_width``, ``shear_stiffness``). The functions get a struct with all
+    numerical fields (override ``parameters`` to add derived values), the two stretches, the shear angle [rad] and
+    the vector of unknowns. Unknowns are dimensionless, scaled so that a change of 1 is large.
 
     Attributes:
-        law_name: in compiled code; subclasses that share their functions share it too. The name of the class if None.
-        unknown_count: internal unknowns, 0 to 4; the energy is stationary by them.
-        depends_on_shear: False spares the shear angle's part if the energy does not use it.
+        law_name: in compiled code, common to subclasses that share their functions; None uses the class name.
+        unknown_count: internal unknowns, 0 to 4; the energy is stationary with respect to them.
+        depends_on_shear: False if the energy does not use the shear angle, which saves computing that part.
         energy: per reference area [J/m^2].
-        parts: instead of ``energy``: a vector whose sum it is, for the ledger, in the order of ``part_names``.
-        gradient: derivatives by the stretches, the angle and the unknowns, one vector, if they are known by hand.
+        parts: instead of ``energy``: a vector whose sum is the energy, for the ledger, in the order of ``part_names``.
+        gradient: optional hand-written derivatives with respect to stretches, angle and unknowns, in one vector.
         crossover_pressure: force between warp and weft per reference area [N/m^2].
     """
 
@@ -119,7 +119,7 @@ class EnergyCell(UnitCell):
         return self.functions().get("crossover_pressure") is not None
 
     def parameters(self) -> dict[str, float | tuple[float, ...]]:
-        """What the functions get, by name: numbers, and tuples of numbers."""
+        """Parameters for the functions, by name: numbers and tuples of numbers."""
         values = {name: getattr(self, name) for name in type(self).model_fields}
         return {name: value for name, value in values.items() if isinstance(value, (int, float))}
 
@@ -131,7 +131,7 @@ class EnergyCell(UnitCell):
         """
         import warp as wp
 
-        from ...kernels.cell.energy_cell import energy_cell
+        from ...kernels.cell.energy_cell import CellFunctions, energy_cell
         from ...kernels.cell.law import LARGEST_UNKNOWN_COUNT
 
         name = type(self).__name__
@@ -151,9 +151,9 @@ class EnergyCell(UnitCell):
             self.law_name or name,
             tuple((name, np.size(value)) for name, value in self.parameters().items()),
             self.unknown_count,
-            part_names=self.part_names,
-            depends_on_shear=self.depends_on_shear,
-            **functions,
+            CellFunctions(**functions),
+            self.part_names,
+            self.depends_on_shear,
         )
 
     def device_parameters(self, precision: Precision) -> Any:
@@ -167,7 +167,7 @@ class EnergyCell(UnitCell):
         tolerance = ENERGY_CELL_TOLERANCE[precision.value]
         settings = {
             "tolerance": tolerance,
-            # forces below a thousandth of the stiffness are rather measured against that: rounding makes them noisy
+            # residuals are never relative to less than a thousandth of the stiffness: smaller forces are noise
             "force_floor": 1.0e-3 * max(*self.yarn_stiffness_per_width, self.shear_stiffness),
             "resolution": 32.0 * np.finfo(np.float64).eps / tolerance,
         }

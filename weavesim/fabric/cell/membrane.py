@@ -1,4 +1,4 @@
-"""A linear membrane in the place of a unit cell."""
+"""A linear membrane as a unit cell."""
 
 from __future__ import annotations
 

@@ -16,29 +16,29 @@ from .weaves import PlainWeave
 class UnidirectionalTape(EnergyCell):
     """Stiff tows along the warp direction, held together by stitches that zigzag across them.
 
-    The stitches' two diagonals carry tension only, once their slack is used up; thread may slip from one to the other
-    against a stiffness. They depend on both stretches and on the shear angle.
+    The two diagonals of the stitches carry only tension, once their slack is taken up; thread can slip from one to the
+    other against a stiffness. Their strains depend on both stretches and on the shear angle.
     """
 
     unknown_count: ClassVar[int] = 1
     part_names: ClassVar[tuple[str, ...]] = ("tow", "stitch", "tow_to_tow")
 
     tow_stiffness: Positive = Field(description="E A of the tows over their spacing [N/m]")
-    tow_compressive_stiffness: NotNegative = Field(description="the same where they are pushed together [N/m]")
+    tow_compressive_stiffness: NotNegative = Field(description="the same in compression [N/m]")
     stitch_stiffness: NotNegative = Field(
         description="k of the energy 1/2 k strain^2 per area of one diagonal in tension [N/m]"
     )
     slip_stiffness: Positive = Field(
-        description="of the energy 1/2 k slip^2 per area, where slip is the strain passed from one diagonal on [N/m]"
+        description="k of the energy 1/2 k slip^2 per area; slip is strain transferred between the diagonals [N/m]"
     )
-    stitch_pitch: Positive = Field(description="distance that a diagonal covers along the tows [m]")
-    tow_spacing: Positive = Field(description="distance that a diagonal covers across the tows [m]")
+    stitch_pitch: Positive = Field(description="extent of a diagonal along the tows [m]")
+    tow_spacing: Positive = Field(description="extent of a diagonal across the tows [m]")
     stitch_slack: NotNegative = Field(default=0.0, description="strain of a diagonal at which it begins to pull")
     transverse_stiffness: NotNegative = Field(
-        default=0.0, description="across tows pulled apart, without stitches [N/m]"
+        default=0.0, description="across the tows in tension, without stitches [N/m]"
     )
     transverse_compressive_stiffness: NotNegative = Field(
-        default=0.0, description="across tows pushed together, without stitches [N/m]"
+        default=0.0, description="across the tows in compression, without stitches [N/m]"
     )
 
     @classmethod
@@ -47,7 +47,7 @@ class UnidirectionalTape(EnergyCell):
 
     @classmethod
     def _glass_tows(cls) -> Self:
-        """Tows as stiff as the glass/polypropylene yarns; all but that is assumed."""
+        """Tows as stiff as the glass/polypropylene yarns; everything else is assumed."""
         tow = min(PlainWeave.glass_polypropylene().yarn_stiffness_per_width)
         return cls(
             tow_stiffness=tow, tow_compressive_stiffness=2.0e-4 * tow, stitch_stiffness=4.0e4, slip_stiffness=1.0e4,
@@ -64,16 +64,16 @@ class UnidirectionalTape(EnergyCell):
     def _holds_across(self) -> Self:
         if self.stitch_stiffness == 0.0 and self.transverse_stiffness == 0.0:
             raise ValueError(
-                "stitch_stiffness = 0, transverse_stiffness = 0: nothing holds the tows together, give one"
+                "stitch_stiffness = 0, transverse_stiffness = 0: nothing holds the tows together; give one of them"
             )
         return self
 
     @property
     def _stitch_bounds(self) -> tuple[float, float, float]:
-        """Of the stitches alone, for both stretches and the angle [N/m].
+        """Stiffness bounds of the stitches alone, for both stretches and the angle [N/m].
 
-        A diagonal's strain changes by at most s per warp stretch, t per weft stretch, the smaller of both per angle,
-        with s and t the shares of its two legs; (sum a_i e_i)^2 is at most (sum a_i) (sum a_i e_i^2).
+        A diagonal's strain changes by at most s per warp stretch, t per weft stretch, and the smaller of the two per
+        angle, with s and t the shares of its two legs; (sum a_i e_i)^2 is at most (sum a_i) (sum a_i e_i^2).
         """
         length = math.hypot(self.stitch_pitch, self.tow_spacing)
         s, t = self.stitch_pitch / length, self.tow_spacing / length

@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from ...kernels.cell.law import CellLaw
 
 
-# Of the glass/polypropylene weave of the double-dome benchmark (the preset of that name has the source).
-GLASS_PITCH = 5.2e-3  # distance of the yarns [m]
+# Glass/polypropylene weave of the double-dome benchmark (the preset of that name cites the source).
+GLASS_PITCH = 5.2e-3  # yarn spacing [m]
 GLASS_YARN_STIFFNESS = 31.8e3  # E A [N]
 
 
 class CrossedYarns(UnitCell):
-    """Warp and weft beam that cross at a contact element: the paper's parameters, and four of our own with defaults.
+    """Warp and weft beams that cross at a contact element: the paper's parameters, and four more with defaults.
 
-    A yarn's compressive stiffness E A_c defaults to the Euler-like 3 E I / l0^2: a yarn pushed together is a buckled
-    bundle, and a stiffer one gives the cell several equilibria (``warnings`` says so).
+    A yarn's compressive stiffness E A_c defaults to the Euler-like 3 E I / l0^2: a compressed yarn is a buckled
+    bundle, and with a higher stiffness the cell may have several equilibria (``warnings`` says so).
     """
 
     is_kind: ClassVar[bool] = False
@@ -48,7 +48,9 @@ class CrossedYarns(UnitCell):
     warp_crimp_share: Share = Field(default=0.5, description="h_1 / L_3")
     warp_compressive_stiffness: NotNegative | None = Field(default=None, description="E A_c of the warp [N]")
     weft_compressive_stiffness: NotNegative | None = Field(default=None, description="E A_c of the weft [N]")
-    contact: Literal["bilateral", "unilateral"] = Field(default="bilateral", description="may the yarns separate?")
+    contact: Literal["bilateral", "unilateral"] = Field(
+        default="bilateral", description='"unilateral" lets the yarns separate'
+    )
     contact_stiffness_value: Positive | None = Field(
         default=None, description="E_3 A_3 / L_3 [N/m] given directly; needed where L_3 = 0"
     )
@@ -61,13 +63,13 @@ class CrossedYarns(UnitCell):
 
     @classmethod
     def glass_polypropylene(cls, **changes: Any) -> Self:
-        """Yarns of the double-dome benchmark's commingled glass/polypropylene, some values changed by their names.
+        """Commingled glass/polypropylene yarns of the double-dome benchmark; ``changes`` replace values by name.
 
         Pitch and E A are published; crimp, contact stiffness and yarn bending are assumed.
         """
         cross_section = 1.0e-6  # only the products E A and E I matter
         modulus = GLASS_YARN_STIFFNESS / cross_section
-        yarn_bending = 1.5e-5  # E I [N m^2], as stiff as the sheet's bending over one pitch
+        yarn_bending = 1.5e-5  # E I [N m^2], equal to the bending stiffness of the sheet over one pitch
         values: dict[str, Any] = {
             "warp_modulus": modulus, "weft_modulus": modulus, "contact_modulus": 10.0e6,
             "warp_cross_section": cross_section, "weft_cross_section": cross_section, "contact_cross_section": 1.6e-5,
@@ -102,7 +104,7 @@ class CrossedYarns(UnitCell):
 
     @property
     def euler_stiffness(self) -> tuple[float, float]:
-        """3 E I / l0^2 of warp and weft [N], the largest compressive stiffness known to leave one equilibrium."""
+        """3 E I / l0^2 of warp and weft [N], the largest compressive stiffness known to give a single equilibrium."""
         (warp, weft), (warp_length, weft_length) = self.bending_stiffness, self.chord_length
         return 3.0 * warp / warp_length**2, 3.0 * weft / weft_length**2
 
@@ -122,7 +124,7 @@ class CrossedYarns(UnitCell):
 
     @property
     def crossover_modulus(self) -> float:
-        """Two half cells of stiffness E_3 A_3 / L_3 share the area of a crossover; they flatten by a share of L_3."""
+        """Two half cells of stiffness E_3 A_3 / L_3 share the area of a crossover; they flatten relative to L_3."""
         if self.crossover_height == 0.0:
             return math.inf
         return 2.0 * self.contact_stiffness * self.crossover_height / self.crossover_area
@@ -136,7 +138,7 @@ class CrossedYarns(UnitCell):
         )
 
     def warnings(self) -> list[str]:
-        """What a user should know before trusting this cell."""
+        """Warnings about this cell for the user."""
         return [
             f"compressive stiffness of the {name} is {given:.4g} N, above the Euler-like {euler:.4g} N: the cell may "
             "have several equilibria; the branch from stretch 1 is followed and what a snap frees is booked"
@@ -193,7 +195,7 @@ class PlainWeave(CrossedYarns):
 
         Args:
             stiffness_per_width: E A over the yarn spacing [N/m].
-            spacing: distance of the yarns [m].
+            spacing: yarn spacing [m].
             bending: E I of a yarn [N m^2].
         """
         axial = stiffness_per_width * spacing
@@ -211,8 +213,8 @@ class FloatWeave(CrossedYarns, EnergyCell):
     """A weave whose yarns float over several others: crimped beams of the plain weave, in series with straight floats.
 
     In a repeat of N crossovers every yarn changes sides twice; the beams are as long as in a plain weave, the other
-    N - 2 crossover distances are floats. N = 2 is the plain weave. Unknowns: the height changes at the crossover over
-    their scale, and the strains of the floats. The floats stay straight and level: an idealisation.
+    N - 2 crossover distances are floats. N = 2 is the plain weave. Unknowns: the scaled height changes at the crossover
+    and the strains of the floats. The floats stay straight and level, which is an idealisation.
     """
 
     law_name: ClassVar[str] = "FloatWeave"
@@ -245,7 +247,7 @@ class FloatWeave(CrossedYarns, EnergyCell):
 
     @property
     def crossover_area(self) -> float:
-        """Of a crossover at which the yarns are bent: those within floats carry nothing."""
+        """Area per crossover at which the yarns are bent: crossovers within floats carry no force."""
         return 2.0 * self.repeat * self.warp_half_spacing * self.weft_half_spacing
 
 
@@ -260,9 +262,9 @@ class TwillWeave(FloatWeave):
 
 
 class SatinWeave(FloatWeave):
-    """Satin of five or eight harnesses: over all but one."""
+    """Satin with five or eight harnesses: over all but one."""
 
-    repeat: Literal[5, 8] = Field(default=5, description="N, the harnesses")
+    repeat: Literal[5, 8] = Field(default=5, description="N, number of harnesses")
 
     @classmethod
     def examples(cls) -> dict[str, Callable[[], UnitCell]]:

@@ -1,4 +1,4 @@
-"""In-plane shear of the sheet: the elastic laws, each a module here, and the friction of the yarns beside them."""
+"""In-plane shear of the sheet: the elastic laws, one module each, and the friction between the yarns."""
 
 from ..families import define_kinds
 from .friction import CrossoverFriction, ShearFriction

@@ -1,4 +1,4 @@
-"""Friction of the yarns that turn on each other at the crossovers."""
+"""Friction of the yarns that rotate on each other at the crossovers."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from ..curve import Column, check_curve, measured_columns
 from ..device_form import DeviceForm, Tabulated
 from .law import LARGEST_SHEAR_ANGLE, check_radians
 
-# Larger ones are in a wrong unit [m].
+# A larger value is in the wrong unit [m].
 LARGEST_FRICTION_LENGTH = 0.02
 
 
 class CrossoverFriction(Kinded):
-    """Base of all friction in shear: a spring and a slider beside the elastic law; kinds differ in the slider's limit.
+    """Base class of shear friction: spring and slider parallel to the elastic law; kinds differ in the slider's limit.
 
-    The moment k (gamma - slip) keeps within the limit, because the slip follows. Unloading starts along k and makes a
-    loop whose height is twice the limit; what slipping loses is booked.
+    The moment k (gamma - slip) stays within the limit, because the slip follows. Unloading starts along k and forms a
+    loop whose height is twice the limit; the work lost in slip is booked.
     """
 
     implied_kind: ClassVar[str | None] = "ShearFriction"
@@ -32,19 +32,19 @@ class CrossoverFriction(Kinded):
 
     @abstractmethod
     def limit_under(self, angle: np.ndarray, pressure: np.ndarray) -> np.ndarray:
-        """Moment at which the yarns slip [N/m], at angles [rad] and pressures of the crossovers >= 0 [Pa]."""
+        """Moment at which the yarns slip [N/m], at angles [rad] and crossover pressures >= 0 [Pa]."""
 
     @abstractmethod
     def device_form(self) -> DeviceForm:
-        """The law as the kernels take it."""
+        """The law in the form that the kernels read."""
 
     @property
     def pressed_by(self) -> str:
-        """The value that makes the limit grow with the pressure of the crossovers, as "name = value"; "" for none."""
+        """The value that makes the limit grow with the crossover pressure, as "name = value"; "" for none."""
         return ""
 
     def moment_along(self, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0) -> np.ndarray:
-        """Friction moment [N/m] along a path of angles (n,) [rad] from rest, at pressures of the crossovers [Pa]."""
+        """Friction moment [N/m] along a path of angles (n,) [rad] from rest, at crossover pressures [Pa]."""
         angle = np.asarray(angle, dtype=float)
         pressure = np.maximum(np.broadcast_to(crossover_pressure, angle.shape), 0.0)
         free = self.limit_under(angle, pressure) / self.stiffness
@@ -56,11 +56,11 @@ class CrossoverFriction(Kinded):
 
 
 class ShearFriction(CrossoverFriction):
-    """Friction of the crossovers with a limit over the angle, which yarn tension raises.
+    """Friction at the crossovers with a limit that depends on the angle and increases with yarn tension.
 
-    The limit is limit(|gamma|) + crossover_friction_length * pressure; pressure is the crossover force that the unit
-    cell delivers, per reference area. A limit that depends on tension stores nothing, so no force along the yarns has
-    to answer it: the law dissipates and never creates energy.
+    The limit is limit(|gamma|) + crossover_friction_length * pressure; pressure is the crossover force from the unit
+    cell, per reference area. A limit that depends on tension stores no energy, so it has no counterpart in the forces
+    along the yarns: the law dissipates and never creates energy.
     """
 
     limit: tuple[NotNegative, ...] = Field(
@@ -73,7 +73,7 @@ class ShearFriction(CrossoverFriction):
     ] = Field(
         default=0.0,
         description="friction coefficient times effective radius of a crossover's contact patch, two thirds of the "
-        "radius of a round patch under even pressure; the limit grows by it times the pressure [m]",
+        "radius of a round patch under uniform pressure; times the pressure, it is added to the limit [m]",
     )
 
     @model_validator(mode="after")
@@ -81,7 +81,7 @@ class ShearFriction(CrossoverFriction):
         check_curve(self.angle, self.limit, ("angles", "limits"), from_zero=False)
         check_radians(self.angle)
         if max(self.limit) == 0.0 and self.crossover_friction_length == 0.0:
-            raise ValueError("limit = 0 and crossover_friction_length = 0: such a friction does nothing, leave it out")
+            raise ValueError("limit = 0 and crossover_friction_length = 0: this friction has no effect, leave it out")
         return self
 
     @classmethod
@@ -94,20 +94,20 @@ class ShearFriction(CrossoverFriction):
         stiffness: float,
         crossover_friction_length: float = 0.0,
     ) -> ShearFriction:
-        """The friction of a measured loop: half its height at each angle. ``MomentCurve`` has its middle.
+        """Friction from a measured loop: half its height at each angle. ``MomentCurve`` takes its middle.
 
         Args:
             angle: from 0 [rad].
-            loading, unloading: moments per reference area on the way up and down [N/m].
-            stiffness: slope at which unloading starts minus that of the middle [N/m].
+            loading, unloading: moments per reference area with increasing and decreasing angle [N/m].
+            stiffness: slope at which unloading starts minus that of the middle curve [N/m].
             crossover_friction_length: as in the class [m].
 
         Raises:
-            InputError: columns of unequal lengths or no numbers, or a loop without height.
+            InputError: columns of unequal length or without numbers, or a loop without height.
         """
         angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
         half = np.maximum(0.5 * (up - down), 0.0)
-        # at zero angle the loop is closed or not measured: the friction does not vanish there
+        # at zero angle the loop is closed or was not measured, but friction does not vanish there
         return cls(
             stiffness=stiffness, angle=tuple(angle), limit=(half[1], *half[1:]),
             crossover_friction_length=crossover_friction_length,

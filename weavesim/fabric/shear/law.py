@@ -1,7 +1,7 @@
-"""The elastic laws of in-plane shear: what a sheet asks of one.
+"""The interface of the elastic laws of in-plane shear.
 
-All laws speak of one quantity, m = dpsi/dgamma [N/m], the moment per reference area. The friction of the yarns that
-turn on each other is beside it (``friction.py``).
+All laws give one quantity, m = dpsi/dgamma [N/m], the moment per reference area. Friction of the yarns that rotate on
+each other is added to it (``friction.py``).
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ LARGEST_SHEAR_ANGLE = 0.5 * math.pi
 
 
 class ShearLaw(Kinded):
-    """Base of all elastic shear laws: a moment, odd in the angle."""
+    """Base class of all elastic shear laws: a moment, odd in the angle."""
 
     @abstractmethod
     def moment(self, angle: np.ndarray, thickness: float) -> np.ndarray:
-        """m(gamma) at unit stretch [N/m], of angles [rad] in a sheet of a thickness [m]."""
+        """m(gamma) at unit stretch [N/m], for angles [rad] in a sheet of the given thickness [m]."""
 
     @abstractmethod
     def device_form(self, thickness: float) -> DeviceForm:
-        """The law as the kernels take it, in a sheet of a thickness [m]."""
+        """The law in the form that the kernels read, for a sheet of the given thickness [m]."""
 
     @property
     def locking_slope(self) -> float:
@@ -37,12 +37,12 @@ class ShearLaw(Kinded):
         return 0.0
 
     def locking_at_most(self, slope: float) -> Self:
-        """The same law with a locking branch of at most this slope [N/m]."""
+        """The same law with the slope of its locking branch limited to ``slope`` [N/m]."""
         return self
 
 
 def check_radians(angle: Sequence[float]) -> None:
-    """ValueError if the last of these angles is beyond a right angle, as degrees would be."""
+    """Raise ValueError if the last angle exceeds a right angle, as angles in degrees would."""
     if angle[-1] > LARGEST_SHEAR_ANGLE:
         raise ValueError(
             f"the last angle is {angle[-1]:.4g} rad: angles must stay below pi/2 rad (1 degree is 0.01745 rad)"

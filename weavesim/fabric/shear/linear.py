@@ -13,7 +13,7 @@ from .law import ShearLaw
 class LinearShear(ShearLaw):
     """The paper's law, equation (4): S_12 = G_12 E_12 with the tensor component E_12 of the Green-Lagrange strain.
 
-    At small angles the stress is therefore G_12 gamma / 2: a modulus meant as tau/gamma has to be doubled here.
+    At small angles the stress is therefore G_12 gamma / 2: a modulus defined as tau/gamma has to be doubled here.
     """
 
     modulus: NotNegative = Field(description="G_12 of equation (4) [Pa]")

@@ -1,4 +1,4 @@
-"""A shear law by its measured curve, with the constructors that read the usual tests."""
+"""A shear law from a measured curve, with constructors for the usual tests."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from ...checks import NotNegative, Positive, positive_number
+from ...checks import NotNegative, Positive
 from ...errors import InputError
+from ...quantities import positive
 from ..curve import Column, check_curve, interpolate, measured_columns
 from ..device_form import DeviceForm, Tabulated
 from .law import LARGEST_SHEAR_ANGLE, ShearLaw, check_radians
 
-# Larger ones are in a wrong unit [m].
+# A larger value is in the wrong unit [m].
 LARGEST_FRAME_SIDE = 5.0
 
 
@@ -24,10 +25,9 @@ class MomentCurve(ShearLaw):
 
     angle: tuple[float, ...] = Field(description="increasing angles from 0 [rad]")
     moment_values: tuple[float, ...] = Field(
-        description="m at these angles, without locking; beyond the last angle its end slope (never negative) "
-        "goes on [N/m]"
+        description="m at these angles, without locking; extrapolated with its end slope (at least 0) [N/m]"
     )
-    locking_angle: Positive = Field(default=math.radians(60.0), description="where the locking branch begins [rad]")
+    locking_angle: Positive = Field(default=math.radians(60.0), description="start of the locking branch [rad]")
     locking_stiffness: NotNegative = Field(
         default=0.0,
         description="slope dm/dgamma that locking adds, at most a tenth of the yarn stiffness per width [N/m]",
@@ -43,7 +43,7 @@ class MomentCurve(ShearLaw):
         if min(self.moment_values) < 0.0:
             raise ValueError(
                 f"moments must not be negative (the smallest is {min(self.moment_values):.4g} N/m): shear may not "
-                "release energy; take the machine's own force and noise off a test"
+                "release energy; remove the machine's own force and noise from the test data"
             )
         return self
 
@@ -53,7 +53,7 @@ class MomentCurve(ShearLaw):
     ) -> MomentCurve:
         """m = c_1 gamma + c_2 gamma^2 + ... [N/m] for gamma > 0 in rad, ``coefficients`` from c_1 on.
 
-        Beyond ``trusted_angle`` [rad] the curve goes on along its end slope.
+        Beyond ``trusted_angle`` [rad] the curve is extrapolated with its end slope.
         """
         angle = np.linspace(0.0, trusted_angle, 221)
         return cls(
@@ -72,10 +72,10 @@ class MomentCurve(ShearLaw):
         trusted_angle: float = math.radians(55.0),
         **locking: float,
     ) -> MomentCurve:
-        """A published d tau / d gamma = c_0 + c_1 gamma + ... [Pa], gamma in rad.
+        """From a published d tau / d gamma = c_0 + c_1 gamma + ... [Pa], gamma in rad.
 
         convention "yarn frame": tau is a nominal shear stress over the yarn's current frame, m = t tau cos(gamma);
-        "moment": m = t tau. Beyond ``trusted_angle`` the curve goes on along its end slope.
+        "moment": m = t tau. Beyond ``trusted_angle`` the curve is extrapolated with its end slope.
         """
         angle = np.linspace(0.0, trusted_angle, 221)
         stress = np.polynomial.Polynomial(tangent_coefficients).integ()(angle)
@@ -94,16 +94,16 @@ class MomentCurve(ShearLaw):
         fabric_side: float | None = None,
         **locking: float,
     ) -> MomentCurve:
-        """The raw curve of a picture-frame test, by the power of the machine: F d' = A m gamma'.
+        """From the raw curve of a picture-frame test, by the power balance of the machine: F d' = A m gamma'.
 
         Args:
             angle: shear angles from 0 [rad].
-            machine_force: force along the diagonal at these angles, that of the empty frame taken off [N].
-            frame_side: distance of the hinges L [m]; the diagonal is d = 2 L cos(pi/4 - gamma/2).
-            fabric_side: side of the sheared square of fabric [m]; the frame's if None.
+            machine_force: force along the diagonal at these angles, minus that of the empty frame [N].
+            frame_side: distance L between the hinges [m]; the diagonal is d = 2 L cos(pi/4 - gamma/2).
+            fabric_side: side of the sheared square of fabric [m]; that of the frame if None.
 
         Raises:
-            InputError: columns of unequal lengths or no numbers, sides that are not possible.
+            InputError: columns of unequal length or without numbers, or impossible sides.
         """
         angle, force = measured_columns(angle=angle, machine_force=machine_force)
         frame_side, fabric_side = _checked_sides(frame_side, frame_side if fabric_side is None else fabric_side)
@@ -121,7 +121,7 @@ class MomentCurve(ShearLaw):
         fabric_side: float | None = None,
         **locking: float,
     ) -> MomentCurve:
-        """A normalised picture-frame curve [N/m]; F_s = F/(2 cos(pi/4 - gamma/2)) is the shear force along a side.
+        """From a normalised picture-frame curve [N/m]; F_s = F/(2 cos(pi/4 - gamma/2)) is the force along a side.
 
         Args:
             angle: shear angles from 0 [rad].
@@ -131,7 +131,7 @@ class MomentCurve(ShearLaw):
             frame_side, fabric_side: L_frame and L_fabric [m].
 
         Raises:
-            InputError: another convention, columns of unequal lengths or no numbers, sides that are not possible.
+            InputError: an unknown convention, columns of unequal length or without numbers, or impossible sides.
         """
         ratio = 1.0
         if convention == "frame side":
@@ -148,20 +148,20 @@ class MomentCurve(ShearLaw):
     def from_loading_and_unloading(
         cls, angle: Column, loading: Column, unloading: Column, **locking: float
     ) -> MomentCurve:
-        """The elastic curve of a measured loop: its middle. ``ShearFriction`` has the other half.
+        """Elastic curve from a measured loop: its middle. ``ShearFriction`` takes half its height.
 
         Args:
             angle: from 0 [rad].
-            loading, unloading: moments per reference area on the way up and down [N/m].
+            loading, unloading: moments per reference area with increasing and decreasing angle [N/m].
 
         Raises:
-            InputError: columns of unequal lengths or no numbers, or a middle below zero.
+            InputError: columns of unequal length or without numbers, or a middle below zero.
         """
         angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
         return cls(angle=tuple(angle), moment_values=(0.0, *(0.5 * (up + down))[1:]), **locking)
 
     def moment(self, angle: np.ndarray, thickness: float = 0.0) -> np.ndarray:
-        """m(gamma) [N/m], locking included."""
+        """m(gamma) [N/m], including locking."""
         size = np.abs(angle)
         x = np.maximum(size - self.locking_angle, 0.0)
         width = self.locking_width
@@ -181,11 +181,11 @@ class MomentCurve(ShearLaw):
 
 
 def _checked_sides(frame_side: float, fabric_side: float) -> tuple[float, float]:
-    """Sides of frame and fabric [m]; InputError if they are not possible."""
+    """Sides of frame and fabric [m]; raises InputError if they are impossible."""
     frame_side, fabric_side = (
-        positive_number(name, side, largest=LARGEST_FRAME_SIDE, hint="it is in metres, write 0.25 for 250 mm")
+        positive(name, side, largest=LARGEST_FRAME_SIDE, hint="it is in metres, write 0.25 for 250 mm")
         for name, side in (("frame_side", frame_side), ("fabric_side", fabric_side))
     )
     if fabric_side > frame_side:
-        raise InputError(f"fabric_side = {fabric_side:.4g} m: at most that of the frame, {frame_side:.4g} m")
+        raise InputError(f"fabric_side = {fabric_side:.4g} m: must not exceed that of the frame, {frame_side:.4g} m")
     return frame_side, fabric_side

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def point_angles(sheet: FormedSheet, measured_angles: tuple[np.ndarray, np.ndarray] | None = None) -> Figure:
-    """Shear angle at the material points of the sheet, which has some, and where they lie on the flat blank."""
+    """Shear angle at the material points of the sheet, at least one, and their positions on the flat blank."""
     figure = new_figure(12.0, 4.6)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.3, 1.0))
     _draw_bars(figure, grid[0, 0], sheet.point_angles_deg, measured_angles)
@@ -26,7 +26,7 @@ def point_angles(sheet: FormedSheet, measured_angles: tuple[np.ndarray, np.ndarr
 def _draw_bars(
     figure: Figure, place: Any, angles: np.ndarray, measured_angles: tuple[np.ndarray, np.ndarray] | None
 ) -> None:
-    """Computed angles as bars, measured ones beside them."""
+    """Computed angles as bars, measured ones next to them."""
     number = np.arange(1, len(angles) + 1)
     chart = new_axes(figure, place, title=f"Shear angle at the {len(angles)} points", xlabel="point")
     chart.set(ylabel="shear angle [degrees]", xticks=number)

@@ -1,4 +1,4 @@
-"""Charts of forces, energies and the numbers of a scene."""
+"""Charts of forces, energies and a scene's own numbers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def tool_forces(history: History, tools: Sequence[Tool], part: str) -> Figure:
-    """Force between sheet and each tool along the tool's axis, against the stroke; ``part`` names what is computed."""
+    """Force between sheet and each tool along the tool's axis, against the stroke; ``part`` names the computed part."""
     figure = new_figure(9.0, 4.4)
     chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {part}")
     chart.set(xlabel="stroke [mm]", ylabel="force along the tool's axis [N]")
@@ -63,7 +63,7 @@ def drive_forces(history: History) -> Figure:
 
 
 def energies(history: History) -> Figure:
-    """Where the supplied work goes, every energy on a logarithmic scale, and the ratios that judge a run."""
+    """Where the supplied work goes, every energy on a logarithmic scale, and the ratios for judging a run."""
     from ...run.ledger import SUMS, SUPPLIED
 
     figure = new_figure(15.5, 4.8)
@@ -108,7 +108,7 @@ def _every_energy(
 ) -> Axes:
     book = history.energies
     every = new_axes(figure, 1, 3, 2, title="Every stored and lost energy", ylabel="energy [J]", yscale="log")
-    for i, name in enumerate(names):  # the largest first, so none is left out between two
+    for i, name in enumerate(names):  # the largest first, so that no energy is hidden
         values = np.where(book[name] > 0.0, book[name], np.nan)
         style = ("-", "--")[i // len(LINE_COLOURS) % 2]
         every.plot(*_against(history, values), style, color=colour[name], linewidth=1.5, label=words(name))
@@ -131,13 +131,13 @@ def _ratios(figure: Figure, history: History, size: Mapping[str, float]) -> Axes
             values = 100.0 * np.abs(book[name]) / base
             chosen = LINE_COLOURS[len(ratios.lines)]
             ratios.plot(*_against(history, np.where(values > 0.0, values, np.nan)), color=chosen, label=label)
-    ratios.set_ylim(1.0e-4, 1.0e5)  # the upper decades hold the legend
+    ratios.set_ylim(1.0e-4, 1.0e5)  # the upper decades are for the legend
     add_legend(ratios, loc="upper right", bbox_to_anchor=(1.0, 1.0))
     return ratios
 
 
 def _against(history: History, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values over the stroke [mm], or over time [ms] where nothing is pressed."""
+    """Values over the stroke [mm], or over time [ms] if there is no stroke."""
     if np.ptp(history.stroke) > 0.0:
         return 1.0e3 * history.stroke, values
     return 1.0e3 * history.time, values

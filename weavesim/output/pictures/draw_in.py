@@ -39,7 +39,7 @@ def draw_in_picture(sheet: FormedSheet, measured_outline: np.ndarray | None = No
     length = 1.0e3 * np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(start, axis=0), axis=1))])
     chart = new_axes(figure, grid[0, 1], title="Draw-in along the outline")
     chart.set(xlabel="length of the flat outline [mm]", ylabel="draw-in, normal to the flat outline [mm]")
-    # At a corner the normal jumps: the curve is broken there, and the corner marked.
+    # At a corner the normal jumps: the curve is interrupted there, and the corner marked.
     values = sheet.border_draw_in_mm.copy()
     jumps = np.flatnonzero(np.einsum("ki,ki->k", border.normal[:-1], border.normal[1:]) < 0.9)
     corners = [int(i) + 1 for i in jumps if i + 1 in jumps]

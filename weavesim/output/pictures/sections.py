@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 def sections(sheet: FormedSheet, tools: Sequence[tuple[str, Tool, float]]) -> Figure:
-    """The formed sheet, in its thickness, and the tools, cut along both symmetry lines.
+    """The formed sheet, with its thickness, and the tools, cut along both symmetry lines.
 
     Args:
-        sheet: meets both lines.
+        sheet: must cross both lines.
         tools: name, tool and displacement [m] of each.
     """
     from matplotlib.collections import LineCollection
@@ -58,9 +58,9 @@ def sections(sheet: FormedSheet, tools: Sequence[tuple[str, Tool, float]]) -> Fi
 
 
 def _cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:
-    """Lines in which triangles meet the plane through the origin normal to ``axis``, (k, 2, 3) [m]."""
+    """Intersections of triangles with the plane through the origin normal to ``axis``, (k, 2, 3) [m]."""
     corner = vertices[faces]
-    place = corner[:, :, axis] - 1.0e-7  # beside vertices that lie on the plane
+    place = corner[:, :, axis] - 1.0e-7  # shifted off vertices that lie on the plane
     crossed = (place > 0.0) != np.roll(place > 0.0, -1, axis=1)
     triangle = np.flatnonzero(crossed.any(axis=1))
     side = np.argsort(~crossed[triangle], axis=1, kind="stable")[:, :2]

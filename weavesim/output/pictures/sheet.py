@@ -36,7 +36,7 @@ def formed_sheet(sheet: FormedSheet) -> Figure:
     angles = np.tile(angle, len(symmetry.mirror_factors))
 
     border = position[sheet.border.node, 2]
-    turned = float(border.mean()) > float(position[:, 2].mean())  # a bowl is clearer seen as a dome
+    turned = float(border.mean()) > float(position[:, 2].mean())  # a bowl is easier to see as a dome
     turn = np.array([1.0, -1.0, -1.0] if turned else [1.0, 1.0, 1.0])
     figure = new_figure(13.0, 5.0)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.12, 1.0))
@@ -67,10 +67,10 @@ def formed_sheet(sheet: FormedSheet) -> Figure:
 
 
 def yarn_lines(blank: Blank, symmetry: Symmetry) -> tuple[float, MaterialLine]:
-    """Distance of the lines [m], and their pieces: each two following points are one segment.
+    """Spacing of the lines [m], and their segments: pairs of consecutive points.
 
-    With one yarn direction all over the flat blank the lines run on from element to element; else (distance 0) every
-    element has one stroke per family through its centre.
+    With a uniform yarn direction on the flat blank the lines are continuous across elements; otherwise (spacing 0)
+    every element has one stroke per family through its centre.
     """
     directions = (blank.warp_direction[:, :2], blank.weft_direction[:, :2])
     corner = blank.material_coordinates[blank.quads]
@@ -129,7 +129,7 @@ def _draw_view(
     colours = np.concatenate([faces, np.zeros((len(strokes), 4))])
     widths = np.concatenate([np.full(len(corners), 0.35), np.full(len(strokes), 0.7)])
     order = np.argsort(depth, kind="stable")
-    sorted_polygons: Any = polygons[order]  # Matplotlib's types know lists only
+    sorted_polygons: Any = polygons[order]  # Matplotlib's type hints allow only lists
     axes.add_collection(
         PolyCollection(
             sorted_polygons,
@@ -159,7 +159,7 @@ def _projection(direction: tuple[float, float]) -> tuple[np.ndarray, np.ndarray,
 
 
 def _shaded(corners: np.ndarray, angles: np.ndarray, to_eye: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Colours of elements by their angles [degrees], lit from beside the eye, (element_count, 4)."""
+    """Colours of elements by angle [degrees], lit from beside the viewer, (element_count, 4)."""
     light = to_eye + 0.55 * right + np.array([0.0, 0.0, 0.35])
     light /= np.linalg.norm(light)
 

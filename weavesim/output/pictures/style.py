@@ -1,4 +1,4 @@
-"""How all pictures look, and how they are written."""
+"""The common style of all pictures, and writing them."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ _RESOLUTION = 150
 
 
 def write_picture(figure: Figure, path: str | Path) -> None:
-    """Write the figure, as the ending of ``path`` says, with 150 dots per inch."""
+    """Write the figure with 150 dots per inch, in the format given by the extension of ``path``."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    # laid out here: savefig would draw everything twice for that
+    # layout is done here: savefig would draw everything twice for it
     FigureCanvasAgg(figure)
     figure.set_dpi(_RESOLUTION)
     if (engine := figure.get_layout_engine()) is not None:

@@ -1,4 +1,4 @@
-"""One HTML file about a run, with its pictures inside: it opens anywhere, without a network."""
+"""The report: one self-contained HTML file with embedded pictures, which needs no network."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 from ...measures.units import split_unit
 from ..files import write_text
 
-# Longer lists, such as the knots of a curve, are shown by their ends.
+# Longer lists, such as the knots of a curve, are shown by their first and last values.
 _LONGEST_LIST = 12
 
 
@@ -23,8 +23,8 @@ class Report:
 
     Attributes:
         title, subtitle: heading, and one line below it.
-        headline: (label, value) of the few numbers to see first.
-        warnings: what a reader must know before believing the rest.
+        headline: (label, value) of the few most important numbers.
+        warnings: what a reader must know before trusting the rest.
         pictures: (PNG file, caption).
         tables: by heading; a name that ends in a unit (``_mm``, ``_deg``, ...) is shown with it.
     """
@@ -58,7 +58,7 @@ def _labelled(name: str, value: Any) -> tuple[str, str]:
 
 
 def shown(value: Any) -> str:
-    """A value as a person reads it: four significant digits, and a dash for what is not a number."""
+    """A value for readers: four significant digits, and a dash for what is not a number."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return "–"
     if isinstance(value, bool):

@@ -1,1 +1,1 @@
-"""One writer of results per file; see ``weavesim.output.writer``."""
+"""One writer per file; see ``weavesim.output.writer``."""

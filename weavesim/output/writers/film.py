@@ -28,7 +28,7 @@ class FilmWriter(Writer):
         self._film.frame(frame)
 
     def finish(self, outcome: Outcome) -> None:
-        """Put the film in its place."""
+        """Move the film to its final name."""
         self._film.finish(outcome)
 
     def discard(self) -> None:

@@ -18,7 +18,7 @@ class Picture(NamedTuple):
     Attributes:
         file: its name.
         caption: below it in the report.
-        draw: makes the figure.
+        draw: creates the figure.
     """
 
     file: str
@@ -27,14 +27,14 @@ class Picture(NamedTuple):
 
 
 class PicturesWriter(Writer):
-    """``pictures/*.png``: formed sheets, sections, forces, energies, and what the scene wants to be shown."""
+    """``pictures/*.png``: formed sheets, sections, forces, energies, and what the scene wants to show."""
 
     name = "pictures"
     title = "pictures"
     rank = 2
 
     def write(self, results: Results) -> None:
-        """Draw all that this run has something to show in."""
+        """Draw all pictures that apply to this run."""
         folder = self.folder / "pictures"
         if not self.attempt("pictures", lambda: folder.mkdir(exist_ok=True)):
             return

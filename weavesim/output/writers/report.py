@@ -39,8 +39,9 @@ def report_of(results: Results) -> Report:
     summary = results.whole_summary
     warnings = list(summary["warnings"])
     if (outcome := summary.get("outcome")) != Outcome.FINISHED.value:
-        warnings.insert(0, f"The run did not reach its end ({outcome}): what follows is its last good frame.")
-    title = results.info.name.replace("_", " ").capitalize()
+        warnings.insert(0, f"The run did not reach its end ({outcome}): the results are those of its last good frame.")
+    title = results.info.name.replace("_", " ")
+    title = title[:1].upper() + title[1:]
     tables = {heading: rows for heading, rows in _tables(results, summary).items() if rows}
     return Report(title, _subtitle(results, outcome), _headline(summary), warnings, results.pictures, tables)
 

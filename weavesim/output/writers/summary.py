@@ -15,5 +15,5 @@ class SummaryWriter(Writer):
     rank = 9
 
     def write(self, results: Results) -> None:
-        """Write it."""
+        """Write the file."""
         write_summary(self.folder / "summary.json", results.whole_summary)

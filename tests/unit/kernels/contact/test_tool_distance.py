@@ -87,7 +87,7 @@ def test_kernels_of_further_kinds_are_kept_apart_in_the_cache(monkeypatch):
 
 
 def test_function_for_an_unknown_kind_is_refused():
-    with pytest.raises(ValueError, match="no distance function 'cone'; there are plane, sphere"):
+    with pytest.raises(ValueError, match="no distance function 'cone'; choose one of plane, sphere"):
         part_distance_function(wp.float64, 1, ("plane", "cone"))
 
 

@@ -50,4 +50,4 @@ def test_a_checkout_is_timed_against_itself_in_turns():
 def test_simulations_of_both_versions_say_how_large_they_are():
     blank = SimpleNamespace(element_count=7)
     assert element_count(SimpleNamespace(blank=blank)) == 7
-    assert element_count(SimpleNamespace(setup=SimpleNamespace(sheet=SimpleNamespace(blank=blank)))) == 7
+    assert element_count(SimpleNamespace(setup=SimpleNamespace(sheets=[SimpleNamespace(blank=blank)]))) == 7

@@ -2,7 +2,7 @@
 
 ``Parameters`` is a frozen record that is checked on construction and names the value that is wrong. ``Kinded`` is the
 base class of families such as shapes or laws, whose members are identified by ``kind`` in JSON. Array fields use the
-types of ``arrays.py``, and values that are no fields are checked by ``quantities.py``.
+types of ``arrays.py``, and values that are not fields are checked by ``quantities.py``.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Checks of single numbers and vectors: arguments of functions, and the field types made of three or many numbers.
+"""Checks of single numbers and vectors: for function arguments, and as field types of three or more numbers.
 
-All have one wording, "name = value: what is needed"; a true, a false and a text are no numbers.
+All messages have the form "name = value: what is needed"; booleans and strings are not numbers.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def _shown(value: Any) -> str:
 
 
 def _number(value: Any) -> float:
-    """``value`` as a float, NaN where it is no number."""
+    """``value`` as a float, NaN if it is not a number."""
     if isinstance(value, bool | np.bool_ | str | bytes):
         return math.nan
     try:
@@ -95,7 +95,7 @@ def _unit_vector(value: Any) -> Vector:
     given = _vector(value)
     length = float(np.linalg.norm(given))
     if length < 1e-12:
-        raise ValueError("a direction is needed, which is not zero")
+        raise ValueError("a direction is needed, other than zero")
     # a vector that is already scaled keeps its bits
     return given if abs(length - 1.0) <= UNIT_ROUNDING else _vector(np.array(given) / length)
 
@@ -112,7 +112,7 @@ def _numbers(value: Any) -> tuple[float, ...]:
 
 # A vector that was scaled to length one differs from it by less than this.
 UNIT_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
-# Types of fields: three finite numbers; the same, scaled to length one; any finite numbers.
+# Field types: three finite numbers; the same, scaled to length one; any number of finite numbers.
 FiniteVector = Annotated[Vector, BeforeValidator(_vector)]
 UnitVector = Annotated[Vector, BeforeValidator(_unit_vector)]
 Numbers = Annotated[tuple[float, ...], BeforeValidator(_numbers)]

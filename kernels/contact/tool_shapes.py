@@ -150,7 +150,7 @@ def dome_cavity_distance(part: Any, p: Any):
     inverse_deep = safe_inverse(deep)
     hollow = fill(x, part.radius) - deep
     top_nearer = z - hollow
-    # above it: the rim, or the top beside it
+    # above it: the rim, or the top next to it
     wall = larger(fill(x, part.radius) - out, zero)
     high = square_root(wall * wall + z * z)
     inverse_high = safe_inverse(high)

@@ -44,7 +44,7 @@ def moment_resultants(moment: Any, m12: Any, inverse1: Any, inverse2: Any, inver
     return across * inverse1 * inverse1, t12, across * inverse2 * inverse2
 
 
-# --- friction between the yarns that turn on each other ---------------------------------------------------------------
+# --- friction between the yarns that rotate on each other -------------------------------------------------------------
 
 
 @cache

@@ -64,7 +64,7 @@ def set_step_kernel(real: type):
 
 
 @wp.kernel(module="unique", enable_backward=False)
-def look_at_clock(
+def check_clock(
     # In
     done: wp.int32,  # blocks since the last call
     largest_block_count: wp.int32,

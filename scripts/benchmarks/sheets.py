@@ -1,4 +1,4 @@
-"""What several sheets in one run cost beside one."""
+"""Cost of several sheets in one run compared with one."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def sheets(
     counts: Annotated[
         list[int] | None, typer.Option("--count", help="numbers of sheets [default: 1, 2, 4, 16]")
     ] = None,
-    turns: Annotated[int, typer.Option(help="turns of each number")] = 9,
+    turns: Annotated[int, typer.Option(help="turns per number of sheets")] = 9,
     seconds: Annotated[float, typer.Option(help="length of a turn")] = 0.3,
-    mesh_size: Annotated[float, typer.Option(help="of the double domes [m]")] = 0.01,
+    mesh_size: Annotated[float, typer.Option(help="mesh size of the double domes [m]")] = 0.01,
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
 ) -> None:
-    """Time per element and step of quarters of the double dome, each in a world of its own, on one thread."""
+    """Time per element and step of quarters of the double dome, each in its own world, on one thread."""
     from weavesim.run.simulation import Simulation
     from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 
@@ -38,7 +38,7 @@ def sheets(
         copies = [(setup.sheet.model_copy(update={"name": f"sheet {k}"}),) for k in range(count)]
         worlds = tuple(world.model_copy(update={"name": f"world {k}", "sheets": copy}) for k, copy in enumerate(copies))
         simulation = Simulation(setup.model_copy(update={"worlds": worlds}))
-        # as many steps for all, so that all sheets are in the same state
+        # the same number of steps for all, so that all sheets are in the same state
         simulation.stepper.advance(WARM_UP_BLOCK_COUNT)
         simulations.append(simulation)
     times = np.array([[seconds_per_step(s, seconds) / element_count(s) for s in simulations] for _ in range(turns)])

@@ -47,7 +47,7 @@ def test_what_is_no_finite_number_is_refused(value):
         (lambda: vector("axis", "123"), "axis = '123': three finite numbers are needed"),
         (lambda: vector("axis", np.ones((3, 3))), "three finite numbers are needed"),
         (lambda: unit_vector("axis", (0, 0)), r"axis = \(0, 0\): three finite numbers are needed"),
-        (lambda: unit_vector("axis", (0, 0, 0)), r"axis = \(0, 0, 0\): a direction is needed, which is not zero"),
+        (lambda: unit_vector("axis", (0, 0, 0)), r"axis = \(0, 0, 0\): a direction is needed, other than zero"),
     ],
 )
 def test_a_bad_value_is_named(check, message):

@@ -98,7 +98,7 @@ def test_punch_force_is_smooth(folder, summary):
     loading = stroke < 0.95 * stroke.max()
     change = np.diff(force[loading])
     assert force[-1] > 100.0
-    # it rises nearly all the way, without jumps of a tenth of its end value
+    # it rises nearly throughout, without jumps of a tenth of its final value
     assert np.abs(change).max() < 0.1 * force.max()
     assert (change > -0.02 * force.max()).all()
 

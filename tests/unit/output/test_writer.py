@@ -65,7 +65,7 @@ def test_only_what_is_chosen_is_written(tmp_path, coarse_run):
 
 
 class Events(Writer):
-    """Keeps what it is called with, and fails where it is told to."""
+    """Records its calls, and fails where it is configured to."""
 
     seen: list[str] = []
     failing = ""

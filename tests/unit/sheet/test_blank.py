@@ -1,4 +1,4 @@
-"""Sheet meshes: what is built, and which mistakes are told before a run."""
+"""Sheet meshes: construction, and mistakes that are reported before a run."""
 
 import numpy as np
 import pytest
@@ -240,7 +240,7 @@ def test_file_of_quadrilaterals(tmp_path):
         Blank.from_file(triangles)
 
 
-def test_missing_and_unreadable_files_are_told(tmp_path):
+def test_missing_and_unreadable_files_are_reported(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         Blank.from_file(tmp_path / "nothing.vtk")
     path = tmp_path / "broken.vtk"

@@ -1,4 +1,4 @@
-"""Meshes fitted to an outline: the outline's area, every element convex, the direction that was asked for."""
+"""Meshes fitted to an outline: the outline's area, every element convex, the requested direction."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Curves given as even tables of cubic pieces, and the spring-slider that gives a curve its hysteresis (theory, 3)."""
+"""Curves as evenly spaced tables of cubic pieces, and the spring-slider for hysteresis (theory, section 3)."""
 
 from functools import cache
 from typing import Any
@@ -11,7 +11,7 @@ from .operators import div, mul  # noqa: F401
 
 @cache
 def curve_struct(real: type):
-    """A function of a size x >= 0, as cubic pieces between even knots; the last piece goes on for ever."""
+    """A function of x >= 0, as cubic pieces between evenly spaced knots; the last piece extends to infinity."""
 
     @wp.struct
     class Curve:
@@ -25,7 +25,7 @@ def curve_struct(real: type):
 
 @wp.func
 def curve_piece(curve: Any, value: Any):
-    """Piece of the curve that holds one size, and how far into it that lies."""
+    """Piece of the curve that contains |value|, and the position in it."""
     size = wp.abs(value)
     # clamped from below too: a NaN becomes the most negative integer
     piece = wp.clamp(int(size * curve.knots_per_unit), 0, curve.coefficient.shape[0] - 1)
@@ -72,11 +72,11 @@ def curve_energy(curve: Any, x: Any):
 
 @wp.func
 def slide(strain: Any, slip: Any, spring_before: Any, stiffness: Any, limit: Any, resolution: Any):
-    """Spring and slider in series: the force k (strain - slip) keeps within its limit, because the slip follows.
+    """Spring and slider in series: the force k (strain - slip) stays within its limit, because the slip follows.
 
-    Rounding of the difference (``resolution``, relative) is no slip: the same strain twice gives the same bits.
+    Rounding of the difference (``resolution``, relative) is not slip: the same strain twice gives the same bits.
     Returns the new slip, the new spring = strain - slip, and the work lost: the mean force of the step times the slip,
-    so that stored and lost together are the work of the mean forces, whatever the limit does meanwhile.
+    so that stored plus lost energy is the work of the mean forces, even if the limit changes.
     """
     spring = strain - slip
     free = limit / fill(strain, stiffness)
@@ -90,5 +90,5 @@ def slide(strain: Any, slip: Any, spring_before: Any, stiffness: Any, limit: Any
 
 @wp.func
 def spring_energy(stiffness: Any, spring: Any):
-    """psi of the spring before a slider [J/m^2]."""
+    """psi of the spring in series with a slider [J/m^2]."""
     return (spring.dtype(0.5) * stiffness) * (spring * spring)

@@ -1,13 +1,13 @@
-"""The lane vocabulary: every formula works on W elements (or nodes) at once.
+"""The lane vocabulary: every formula operates on W elements (or nodes) at once.
 
 A kernel thread holds W scalars in a Warp vector ("lanes") and W 3-vectors in a 3 x W matrix ("lanes3").
 Clang turns the componentwise operations into SIMD instructions; on a GPU, and in most tests, W = 1 and the same
-source is plain scalar code. The functions below are generic: they never name W or the precision.
+source is plain scalar code. The functions below are generic in W and precision.
 
-Numbers: a bare literal is a single-precision constant and fits no lanes. A formula writes ``x.dtype(2.0)`` for a factor
-and ``fill(x, 1.0)`` for lanes, where x is any lanes in it; ``fill(x, laws.thickness)`` spreads a scalar of their own
-precision. On its way into ``fill`` a literal is rounded to single precision, into ``x.dtype`` it is not: a number that
-single precision does not hold is ``fill(x, x.dtype(4.4))``. Only a kernel, which knows its precision, may write
+Numbers: a bare literal is a single-precision constant and does not combine with lanes. A formula uses ``x.dtype(2.0)``
+for a factor and ``fill(x, 1.0)`` for lanes, where x is any lanes in it; ``fill(x, laws.thickness)`` broadcasts a scalar
+of the same precision. ``fill`` rounds a literal to single precision, ``x.dtype`` does not: for a number that is not
+exact in single precision write ``fill(x, x.dtype(4.4))``. Only a kernel, which knows its precision, may use
 ``real(2.0)`` and, for lanes of zeros, ``lanes()``. Componentwise products of lanes: see operators.py.
 """
 
@@ -105,7 +105,7 @@ def smaller(a: Any, b: Any):
 
 @wp.func
 def where_positive(condition: Any, if_positive: Any, otherwise: Any):
-    """``if_positive`` in the lanes where ``condition`` > 0, else ``otherwise`` (also where it is NaN)."""
+    """``if_positive`` in the lanes where ``condition`` > 0, else ``otherwise`` (also for NaN)."""
     result = type(otherwise)()
     for i in range(len(condition)):
         result[i] = wp.where(condition[i] > condition.dtype(0.0), if_positive[i], otherwise[i])
@@ -114,19 +114,19 @@ def where_positive(condition: Any, if_positive: Any, otherwise: Any):
 
 @wp.func
 def inverses(a: Any, b: Any):
-    """1/a and 1/b by one division; their product must be finite and not zero."""
+    """1/a and 1/b with one division; a b must be finite and not zero."""
     inverse = wp.cw_div(fill(a, 1.0), wp.cw_mul(a, b))
     return wp.cw_mul(b, inverse), wp.cw_mul(a, inverse)
 
 
 @wp.func
 def lane_sum(a: Any):
-    """Sum over the lanes, by halves: one after the other each addition would wait for the last."""
+    """Sum over the lanes, by halves: in sequence each addition would wait for the previous one."""
     result = a
     for k in range(4):
         other = result
         for i in range(len(a)):
-            # with fewer lanes the later halves are the whole
+            # with fewer lanes the remaining halvings do nothing
             if (8 >> k) < len(a):
                 result[i] = other[i] + other[(i + (8 >> k)) % len(a)]
     return result[0]
@@ -167,8 +167,8 @@ def cross(a: Any, b: Any):
     )
 
 
-# Warp finds an entry by its stride in bytes, with indices of twice the length, of which half as many fit into a
-# register: in C++ a gather takes half the instructions. One overload per precision and lane count.
+# Warp addresses entries by strides in bytes, with indices of twice the length, of which half as many fit into a
+# register: in C++ a gather needs half the instructions. One overload per precision and lane count.
 for _types in ALL_LANE_TYPES:
 
     @wp.func_native(f"""
@@ -179,7 +179,7 @@ for _types in ALL_LANE_TYPES:
         return result;
     """)
     def pick(source: wp.array(dtype=_types.real), index: _types.indices, first: wp.int32) -> _types.lanes:
-        """The scalars ``source[index + first]``, one per lane; ``source`` has no gaps."""
+        """The scalars ``source[index + first]``, one per lane; ``source`` is contiguous."""
 
 
 @wp.func
@@ -192,13 +192,13 @@ def gather(source: Any, index: Any, first: int, stride: int):
 
 @wp.func
 def rows3(source: Any, row: int, block: int):
-    """Three neighbouring rows of lanes as 3-vectors."""
+    """Three consecutive rows of lanes as 3-vectors."""
     return wp.matrix_from_rows(source[row, block], source[row + 1, block], source[row + 2, block])
 
 
 @wp.func
 def store_rows3(target: Any, row: int, block: int, value: Any):
-    """Write 3-vectors to three neighbouring rows of lanes."""
+    """Write 3-vectors to three consecutive rows of lanes."""
     for c in range(3):
         target[row + c, block] = value[c]
 
@@ -244,7 +244,7 @@ def _arctangent_coefficients(term_count: int) -> list[float]:
     return chebyshev.convert(kind=np.polynomial.Polynomial).coef.tolist()
 
 
-# Ten terms leave 3e-9, twenty 1e-15.
+# The error is 3e-9 with ten terms, 1e-15 with twenty.
 _SINGLE_ARCTANGENT = wp.types.vector(10, wp.float32)(*_arctangent_coefficients(10))
 _DOUBLE_ARCTANGENT = wp.types.vector(20, wp.float64)(*_arctangent_coefficients(20))
 
@@ -253,7 +253,7 @@ _DOUBLE_ARCTANGENT = wp.types.vector(20, wp.float64)(*_arctangent_coefficients(2
 def polynomial(x: Any, coefficients: Any):
     """Polynomial in ``x``; an even number of ``coefficients``, the constant first.
 
-    Even and odd powers apart: two chains of half the length, whose multiply-adds do not wait for each other.
+    Even and odd powers are separate: two chains of half the length, whose multiply-adds are independent.
     """
     square = wp.cw_mul(x, x)
     even = type(x)()

@@ -1,7 +1,7 @@
 """Componentwise ``a * b`` and ``a / b`` of two lane vectors.
 
-Warp finds the operators of a formula by the names ``mul`` and ``div`` among the globals of its module. So a module with
-such formulas imports both, and since no line of it names them, a linter has to be told:
+Warp looks up the operators of a formula by the names ``mul`` and ``div`` in the globals of its module. So a module with
+such formulas imports both, and since no line uses the names, the linter warning is silenced:
 
     from ..operators import div, mul  # noqa: F401
 """

@@ -1,8 +1,8 @@
-"""What every shared array holds, row by row: kernels and host read names, numbers, units and descriptions here.
+"""Contents of every shared array, row by row: names, numbers, units and descriptions for kernels and host.
 
 Each array has one class, whose members are its rows in order. A member is an integer, the number of its first row, so
-that kernels and host index with it: ``fields[ElementField.area_ratio, e]``. Its ``name`` is what the host calls it. To
-add a row, add a member; to lay rows out otherwise, move one: nothing else counts them. No Warp is imported here.
+that kernels and host index with it: ``fields[ElementField.area_ratio, e]``. Its ``name`` is used on the host. To add a
+row, add a member; to change the order, move one: nothing else counts rows. This module does not import Warp.
 """
 
 from enum import IntEnum
@@ -10,12 +10,12 @@ from typing import Self
 
 
 class Rows(IntEnum):
-    """Rows of one array, each declared as unit, description and, for a vector, how many rows it takes.
+    """Rows of one array, each declared as unit, description and, for a vector, number of rows.
 
     Attributes:
         unit: in SI; "1" for a pure number.
-        description: what the row holds.
-        width: rows that it takes, from its own number on.
+        description: contents of the row.
+        width: number of rows, starting from its own number.
     """
 
     unit: str
@@ -31,12 +31,12 @@ class Rows(IntEnum):
 
     @classmethod
     def names(cls) -> tuple[str, ...]:
-        """Of all members, in order."""
+        """Names of all members, in order."""
         return tuple(member.name for member in cls)
 
     @classmethod
     def row_count(cls) -> int:
-        """Rows of all members together."""
+        """Total number of rows."""
         return sum(member.width for member in cls)
 
     @property
@@ -46,12 +46,12 @@ class Rows(IntEnum):
 
     @property
     def vector(self) -> int:
-        """Number of a vector among those of its array, for arrays (vector, item, component)."""
+        """Index of a vector among those of its array, for arrays (vector, item, component)."""
         return self // 3
 
 
 class MotionRow(Rows):
-    """Of the nodes; the vectors come first."""
+    """Motion of the nodes; the vectors come first."""
 
     position = "m", "position, rounded to the precision of the run", 3
     velocity = "m/s", "velocity, half a step before the position", 3
@@ -66,7 +66,7 @@ MOTION_VECTORS = tuple(row.name for row in MotionRow if row.width == 3)
 
 
 class CornerRow(Rows):
-    """What an element writes at each of its four corners; the four blocks of rows stand one after the other."""
+    """Values that an element writes at each of its four corners, in four consecutive blocks of rows."""
 
     force = "N", "force on the node", 3
     couple = "N m", "minus the derivative of the energy by the director", 3
@@ -79,7 +79,7 @@ CORNER_ROW_COUNT = 4 * ROWS_PER_CORNER
 
 
 class CellReportRow(Rows):
-    """What the unit cell of each element reports."""
+    """Report of the unit cell of each element."""
 
     iterations = "1", "iterations of this step"
     snap_loss = "J/m^2", "energy lost in snaps so far"
@@ -87,7 +87,7 @@ class CellReportRow(Rows):
 
 
 class SlipRow(Rows):
-    """What friction inside the sheet remembers: its sliders, the springs before them, and the work lost."""
+    """History of friction inside the sheet: sliders, the springs in series with them, and the work lost."""
 
     shear_slip = "rad", "slip between the yarns that turn on each other"
     warp_bending_slip = "1/m", "slip inside the bent warp"
@@ -100,7 +100,7 @@ class SlipRow(Rows):
 
 
 class NodeReportRow(Rows):
-    """What is booked at the nodes. A run has the first three, four with loads, all where tools meet the thickness."""
+    """Values booked at the nodes. A run has the first three, four with loads, all with current-thickness contact."""
 
     friction_work = "J", "work done against friction so far, lost or held in the friction springs"
     damping_loss = "J", "energy lost in damping so far"
@@ -112,7 +112,7 @@ class NodeReportRow(Rows):
 
 
 class SheetEnergy(Rows):
-    """Energies of each element; in their array these rows stand behind those of the unit cell."""
+    """Energies of each element; in their array these rows come after those of the unit cell."""
 
     compression = "J", "of the sheet's own stiffness along yarns that are pushed together"
     shear = "J", "of in-plane shear, with the spring of its friction"
@@ -147,21 +147,21 @@ class ClockEntry(Rows):
 
 
 class ToolWorkRow(Rows):
-    """What is booked of each tool."""
+    """Values booked for each tool."""
 
     on_sheet = "J", "work of the tool on the sheet so far"
     driving = "J", "work of the driving force so far"
 
 
 class LoadRow(Rows):
-    """Prescribed loads of the nodes, at a share of one; rows of vectors."""
+    """Prescribed loads of the nodes, at a factor of one; rows of vectors."""
 
     force = "N", "force"
     couple = "N m", "couple"
 
 
 class GradientRow(Rows):
-    """Shape functions of the elements: gradient of the diagonals p = x_1 - x_3 and q = x_2 - x_4 by warp and weft."""
+    """Element shape functions: gradients of the diagonals p = x_1 - x_3 and q = x_2 - x_4 along warp and weft."""
 
     bp1 = "1/m", "b_p1, of p along the warp"
     bp2 = "1/m", "b_p2, of p along the weft"
@@ -177,7 +177,7 @@ class OffsetRow(Rows):
 
 
 class CurvatureRow(Rows):
-    """Curvatures of an element, on the convected yarn vectors."""
+    """Curvatures of an element, with respect to the convected yarn vectors."""
 
     k11 = "1/m", "along the warp"
     k12 = "1/m", "twist"
@@ -200,14 +200,14 @@ class HourglassRow(Rows):
 
 
 class InertiaRow(Rows):
-    """What the stable step knows of an element's inertia."""
+    """Inertia of an element, for the stable step."""
 
     inverse_areal_density = "m^2/kg", "with any added mass; 0 for padding"
     inverse_squared_radius = "1/m^2", "of the scaled rotary inertia"
 
 
 class StrainRow(Rows):
-    """Strains that a unit cell answers."""
+    """Strains of a unit cell."""
 
     warp = "1", "warp stretch - 1"
     weft = "1", "weft stretch - 1"
@@ -224,7 +224,7 @@ class CellForceRow(Rows):
 
 
 class TangentRow(Rows):
-    """Derivatives of a unit cell's forces n_1, n_2, m by its strains."""
+    """Derivatives of a unit cell's forces n_1, n_2, m with respect to its strains."""
 
     c11 = "N/m", "dn_1/dlambda_1"
     c12 = "N/m", "dn_1/dlambda_2"
@@ -235,7 +235,7 @@ class TangentRow(Rows):
 
 
 class ConvergenceRow(Rows):
-    """How a unit cell got to its answer."""
+    """Convergence of a unit cell's solution."""
 
     worst_residual = "1", "worst relative residual on the path"
     most_iterations = "1", "most iterations on the path"

@@ -1,7 +1,7 @@
 """Bias-extension test: a strip with its yarns at 45 degrees to the pull, clamped at both short ends.
 
-Yarns that do not stretch divide the strip into three kinds of zones: C in the middle, whose yarns all end at free
-edges, shears as a trellis; B, where one family is clamped, shears half as much; A at the clamps does not shear.
+With inextensible yarns the strip has three kinds of zones: C in the middle, where all yarns end at free edges, shears
+as a trellis; B, where one family is clamped, shears half as much; A at the clamps does not shear.
 """
 
 from __future__ import annotations
@@ -37,21 +37,21 @@ from .scene import Scene
 
 RAMP_SHARE = 0.2
 DIRECTOR_DAMPING = 1.0e4
-# Across the width: the edges of the zones take one element.
+# Across the width: the zone boundaries are one element wide.
 SMALLEST_ELEMENT_COUNT = 8
 
 
 class BiasExtensionParameters(FabricTestParameters):
-    """Everything that a bias-extension test can be told."""
+    """Parameters of a bias-extension test."""
 
     mesh_size: Positive = Field(default=0.00625, description="edge length of an element [m]")
     out: Path = Field(default=Path("out/bias_extension"), description="folder for the results")
-    length: Positive = Field(default=0.2, le=2.0, description="between the clamps [m]; at least twice the width")
+    length: Positive = Field(default=0.2, le=2.0, description="length between the clamps [m]; at least twice the width")
     width: Positive = Field(default=0.1, le=1.0, description="[m]")
     largest_angle: Positive = Field(
         default=40.0, lt=80.0, description="kinematic shear angle of the central zone [degrees]"
     )
-    speed: Positive = Field(default=0.25, description="of the moving clamp [m/s]")
+    speed: Positive = Field(default=0.25, description="speed of the moving clamp [m/s]")
     damping: NotNegative = Field(default=50.0, description="mass-proportional damping rate [1/s]")
 
     @model_validator(mode="after")
@@ -64,7 +64,7 @@ class BiasExtensionParameters(FabricTestParameters):
         if round(self.width / self.mesh_size) < SMALLEST_ELEMENT_COUNT:
             raise ValueError(
                 f"mesh_size = {self.mesh_size} m: at least {SMALLEST_ELEMENT_COUNT} elements across the width of "
-                f"{self.width} m are needed to tell the zones apart; at most "
+                f"{self.width} m are needed to distinguish the zones; at most "
                 f"{self.width / SMALLEST_ELEMENT_COUNT:.4g} m is allowed"
             )
         return self
@@ -97,9 +97,9 @@ def kinematic_angle(parameters: BiasExtensionParameters, displacement: float) ->
 
 
 def closed_form_force(parameters: BiasExtensionParameters, fabric: Fabric, displacement: float) -> float:
-    """Force on the clamp [N] from F d' = A_C m(gamma) gamma' + A_B m(gamma/2) gamma'/2, yarns that do not stretch.
+    """Force on the clamp [N] from F d' = A_C m(gamma) gamma' + A_B m(gamma/2) gamma'/2, for inextensible yarns.
 
-    It knows no tension of the yarns: of a friction that tension raises it has the part without tension only.
+    It does not include yarn tension: of a friction that increases with tension it has only the part without tension.
     """
     angle, rate = kinematic_angle(parameters, displacement)
     _, half_zone, central_zone = zone_areas(parameters)
@@ -115,8 +115,8 @@ def bias_extension(
 
     Args:
         parameters: of the test.
-        fabric: takes the place of the preset and of the shear law named.
-        blank: takes the place of the mesh with edges along the strip; the strip along x, its centre at the origin.
+        fabric: replaces the preset and shear law in the parameters.
+        blank: replaces the mesh with edges along the strip; the strip along x, its centre at the origin.
     """
     fabric = fabric or chosen_fabric(parameters)
     half_length, half_width = 0.5 * parameters.length, 0.5 * parameters.width
@@ -146,9 +146,9 @@ def clamp_stroke(parameters: BiasExtensionParameters) -> SmoothStroke:
 
 
 def record(parameters: BiasExtensionParameters, fabric: Fabric, blank: Blank) -> Curves:
-    """Angles of the zones and the force of every frame beside what kinematics and shear law say.
+    """Zone angles and force of every frame, with the predictions of kinematics and shear law.
 
-    A zone's angle is the mean of the elements that lie in it with all corners.
+    A zone's angle is the mean of the elements with all corners inside it.
     """
     zone = zones(parameters, 0.999 * blank.material_coordinates[blank.quads])
     inside = [np.all(zone == index, axis=1) for index in range(3)]
@@ -174,14 +174,14 @@ def record(parameters: BiasExtensionParameters, fabric: Fabric, blank: Blank) ->
     return Curves("bias_extension", measure, [
         Chart(
             "force", "Force of the clamps",
-            "Force against the displacement, beside that of the shear law in three zones by the balance of power.",
+            "Force against displacement, with that of the shear law in three zones from the power balance.",
             ("displacement_mm", "displacement [mm]"), "force [N]",
             {"force_n": "moving clamp", "fixed_clamp_force_n": "fixed clamp"},
             {"closed_form_force_n": "shear law, three zones"},
         ),
         Chart(
             "zones", "Shear angle of the zones",
-            "Mean of the elements that lie wholly in a zone: A at the clamps, B beside them, C in the middle.",
+            "Mean of the elements entirely within a zone: A at the clamps, B next to them, C in the middle.",
             ("displacement_mm", "displacement [mm]"), "shear angle [degrees]",
             {"zone_c_angle_deg": "zone C", "zone_b_angle_deg": "zone B", "zone_a_angle_deg": "zone A"},
             {"kinematic_angle_deg": "kinematics, zone C", "kinematic_half_angle_deg": "kinematics, zone B"},
@@ -190,7 +190,7 @@ def record(parameters: BiasExtensionParameters, fabric: Fabric, blank: Blank) ->
 
 
 def findings(curves: Curves) -> dict[str, Any]:
-    """Entries of the summary, at the last frame; the force as the mean of both clamps."""
+    """Summary entries at the last frame; the force is the mean of both clamps."""
     c = {name: float(values[-1]) for name, values in curves.columns.items()}
     force = 0.5 * (c["force_n"] + c["fixed_clamp_force_n"])
     return {
@@ -203,7 +203,7 @@ def findings(curves: Curves) -> dict[str, Any]:
 
 
 def wanted(parameters: BiasExtensionParameters, setup: Setup) -> Wanted:
-    """Curves of the zones and of the force; the border moves with the clamps."""
+    """Curves of the zones and the force; no draw-in, since the border moves with the clamps."""
     return Wanted(curves=record(parameters, setup.sheet.fabric, setup.sheet.blank), draw_in=False)
 
 

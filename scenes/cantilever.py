@@ -1,8 +1,8 @@
-"""Cantilever test (Peirce): a strip held flat at one end hangs over under its own weight.
+"""Cantilever test (Peirce): a strip clamped flat at one end hangs over under its own weight.
 
-The chord from the clamp to the tip makes an angle with the horizontal; the bending stiffness follows from it and the
-length of the overhang, by Peirce's formula or from the heavy elastica. Of a strip that is twice as long as
-(D / weight per area)^(1/3) the elastica's chord hangs by 41.5 degrees; Peirce's formula gives 1.057 D there.
+The bending stiffness follows from the angle between the horizontal and the chord from clamp to tip, and the length of
+the overhang, by Peirce's formula or from the heavy elastica. For a strip twice as long as (D / weight per area)^(1/3)
+the chord of the elastica is at 41.5 degrees; there Peirce's formula gives 1.057 D.
 """
 
 from __future__ import annotations
@@ -40,29 +40,29 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 GRAVITY = 9.81
-# The weight stretches yarns of this stiffness per width, over that of the whole strip, by less than 0.02 %. Stiffer
-# ones change nothing but the time step, so stiffer ones are softened.
+# With yarns of this stiffness per width, relative to the weight of the whole strip, the weight stretches the strip by
+# less than 0.02 %. Stiffer yarns only reduce the time step, so they are softened.
 LARGEST_STRETCH_STIFFNESS = 1.0e4
-# Of the straight yarns that take their place [m].
+# Spacing of the straight yarns that replace them [m].
 YARN_SPACING = 0.005
-# At rest: kinetic over internal energy, once a swing of the first mode has died out. Single precision keeps some 1e-7.
+# At rest: kinetic over internal energy, once the first mode has decayed. Single precision keeps about 1e-7.
 REST = 1.0e-6
-# Times of 1/omega of the first mode: not before, and not after.
+# Earliest and latest end, in units of 1/omega of the first mode.
 SHORTEST_TIME, LONGEST_TIME = 10.0, 30.0
 
 
 class CantileverParameters(FabricTestParameters):
-    """Everything that a cantilever test can be told."""
+    """Parameters of a cantilever test."""
 
     mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
     out: Path = Field(default=Path("out/cantilever"), description="folder for the results")
-    # the clamp bears some hundredths of a newton, of which rounding in single precision is nearly a per cent
+    # the clamp carries a few hundredths of a newton; rounding in single precision is nearly one per cent of that
     precision: Precision = Field(default=Precision.DOUBLE, description="scalar type of state and kernels")
     yarn: YarnName = Field(default="warp", description="yarn family along the strip")
     length: Positive | None = Field(
-        default=None, description="of the overhang [m]; the default is where the tip reaches about 41.5 degrees"
+        default=None, description="length of the overhang [m]; by default the chord reaches about 41.5 degrees"
     )
-    width: Positive = Field(default=0.025, le=1.0, description="of the strip [m]")
+    width: Positive = Field(default=0.025, le=1.0, description="width of the strip [m]")
     damping: NotNegative | None = Field(
         default=None, description="mass-proportional damping rate [1/s]; the default is critical for the first mode"
     )
@@ -71,13 +71,13 @@ class CantileverParameters(FabricTestParameters):
 def strip_stiffness(fabric: Fabric, yarn: YarnName) -> float:
     """Bending stiffness D per width [N m] of a strip along ``yarn`` that is free to bend across.
 
-    Of a moment-curvature curve it is the initial slope, without friction.
+    For a moment-curvature curve it is the initial slope, without friction.
     """
     return fabric.bending.strip_stiffness(yarn, fabric.thickness)
 
 
 def bends_linearly(fabric: Fabric, yarn: YarnName) -> bool:
-    """True if one bending stiffness along ``yarn`` says all: no bent curve, no friction."""
+    """True if bending along ``yarn`` is fully described by one stiffness: no curve, no friction."""
     return fabric.bending.bends_linearly(yarn)
 
 
@@ -103,10 +103,10 @@ def peirce_stiffness(angle: float, length: float, weight: float) -> float:
 
 
 def heavy_elastica(tip_slope: float, step_count: int = 2000) -> tuple[float, float]:
-    """Load w L^3 / D and chord angle [rad] of a clamped, inextensible strip whose tip slopes by ``tip_slope`` [rad].
+    """Load w L^3 / D and chord angle [rad] of a clamped, inextensible strip whose tip slope is ``tip_slope`` [rad].
 
-    From the free end, with lengths over (D/w)^(1/3): slope'' = -s cos(slope), slope(0) = tip_slope, slope'(0) = 0, up
-    to the clamp, where the slope is zero. Runge-Kutta of fourth order, and a last step that ends at the clamp.
+    From the free end, with lengths scaled by (D/w)^(1/3): slope'' = -s cos(slope), slope(0) = tip_slope, slope'(0) = 0,
+    up to the clamp, where the slope is zero. Fourth-order Runge-Kutta, with a last step that ends at the clamp.
     """
 
     def rate(s: float, y: np.ndarray) -> np.ndarray:
@@ -119,7 +119,7 @@ def heavy_elastica(tip_slope: float, step_count: int = 2000) -> tuple[float, flo
         k4 = rate(s + h, y + h * k3)
         return y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
-    # a straight strip of the same tip slope is this long; a steep one is longer, and the loop goes on
+    # a nearly straight strip of the same tip slope has this length; for a steep one the loop continues
     h = (6.0 * tip_slope) ** (1.0 / 3.0) / step_count
     s, y = 0.0, np.array([tip_slope, 0.0, 0.0, 0.0])
     while True:
@@ -145,21 +145,21 @@ def elastica_stiffness(angle: float, length: float, weight: float) -> float:
 
 
 def softened(fabric: Fabric, stiffness: float) -> Fabric:
-    """The fabric with straight yarns of at most ``stiffness`` per width [N/m] in the place of its unit cell."""
+    """The fabric with straight yarns of at most ``stiffness`` per width [N/m] instead of its unit cell."""
     stiffness = min(stiffness, *fabric.unit_cell.yarn_stiffness_per_width)
-    # in compression as stiff as in tension, which E I = E A l0^2 / 3 leaves with one equilibrium
+    # as stiff in compression as in tension; with E I = E A l0^2 / 3 there is still a single equilibrium
     bending = stiffness * YARN_SPACING * (0.5 * YARN_SPACING) ** 2 / 3.0
     cell = PlainWeave.straight(stiffness_per_width=stiffness, spacing=YARN_SPACING, bending=1.001 * bending)
-    # one stiffness either way: a jump where a yarn goes slack would feed the vibrations (theory, section 7)
+    # the same stiffness in both directions: a jump where a yarn goes slack would excite vibrations (theory, section 7)
     changes: dict[str, Any] = {"unit_cell": cell, "compressive_stiffness": 0.0, "shear_friction": None}
     changes["compaction"] = Compaction()
-    # a locking branch may be a tenth as stiff as the yarns; the strip does not shear
+    # locking stiffness is limited to a tenth of that of the yarns; the strip does not shear
     changes["shear"] = fabric.shear.locking_at_most(LARGEST_LOCKING_SHARE * stiffness)
     return fabric.model_copy(update=changes)
 
 
 def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -> Setup:
-    """The test; ``fabric`` takes the place of the preset and of the shear law named."""
+    """The test; ``fabric`` replaces the preset and shear law in the parameters."""
     fabric = fabric or chosen_fabric(parameters)
     length, stiffness = overhang(parameters, fabric), strip_stiffness(fabric, parameters.yarn)
     half = 0.5 * parameters.width
@@ -167,7 +167,7 @@ def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -
         (0.0, -half), (length, half), parameters.mesh_size, yarn_angle=0.0 if parameters.yarn == "warp" else 90.0
     )
     clamp = Support("clamp", np.flatnonzero(blank.node_position[:, 0] < 1.0e-9))
-    # the first mode of a straight cantilever; a hanging one is slower to swing than a pendulum of its length at most
+    # the first mode of a straight cantilever; a hanging strip is at least as fast as a pendulum of its length
     frequency = 3.516 * math.sqrt(stiffness / (fabric.areal_density * length**4))
     damping = 2.0 * frequency if parameters.damping is None else parameters.damping
     weight = fabric.areal_density * GRAVITY * length
@@ -188,7 +188,7 @@ def chord_angle(blank: Blank, position: np.ndarray) -> float:
 
 
 def record(blank: Blank) -> Curves:
-    """How the tip comes to rest."""
+    """Curve of the tip as it comes to rest."""
 
     def measure(state: Frame) -> dict[str, float]:
         tip = state.position[blank.node_position[:, 0] > blank.node_position[:, 0].max() - 1.0e-9].mean(axis=0)
@@ -209,10 +209,10 @@ def record(blank: Blank) -> Curves:
 
 
 def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simulation) -> dict[str, Any]:
-    """Entries of the summary: angle of the chord, and the bending stiffness recovered from it.
+    """Summary entries: angle of the chord, and the bending stiffness derived from it.
 
-    Ratios to the stiffness of the input are None where the moment is a curve or has friction: the strip then has
-    another stiffness at every curvature, and no single one to compare with.
+    Ratios to the input stiffness are None if the moment is a curve or has friction: the stiffness then varies with
+    curvature, and there is no single value to compare with.
     """
     length, weight = overhang(parameters, fabric), fabric.areal_density * GRAVITY
     angle = chord_angle(simulation.setup.sheet.blank, simulation.frame.position)
@@ -237,7 +237,7 @@ def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simul
 
 
 def wanted(parameters: CantileverParameters, setup: Setup) -> Wanted:
-    """Curves of the tip; the border says nothing."""
+    """Curve of the tip; no draw-in, which is meaningless here."""
     return Wanted(curves=record(setup.sheet.blank), draw_in=False)
 
 

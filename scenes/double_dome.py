@@ -1,7 +1,7 @@
 """The double dome: a punch of two half-balls and a half-cylinder forms a woven blank through a flat blank holder.
 
-The paper takes its tool from a benchmark whose drawing it does not print. This tool is a parametric, representative
-double dome; a user's own tool meshes can take its place.
+The paper uses the tool of a benchmark and does not print its drawing. This tool is a parametric, representative double
+dome; it can be replaced by tool meshes of your own.
 """
 
 from __future__ import annotations
@@ -43,18 +43,19 @@ PUNCH_RADIUS = 0.060
 DOME_DISTANCE = 0.170
 DIE_ENTRY_RADIUS = 0.010
 CLEARANCE = 0.0012
-# Of the whole holder; a quarter of the blank carries a quarter.
+# For the whole holder; a quarter of the blank carries a quarter.
 BLANK_HOLDER_MASS = 2.0
 BLANK_HOLDER_PRESSURE = 20.0e3
 BLANK_HOLDER_RAMP = 2.0e-3
 PUNCH_RAMP = 6.0e-3
 REST = 2.0e-3
-# Directors ring at about 1e5 rad/s; this quiets them within tenths of a millisecond and is nothing to the sheet [1/s].
+# Directors vibrate at about 1e5 rad/s; this damps them within tenths of a millisecond and hardly affects the sheet
+# [1/s].
 DIRECTOR_DAMPING = 1.0e4
 
 
 class DoubleDomeParameters(RunOptions):
-    """Everything that a double-dome run can be told."""
+    """Parameters of a double-dome run."""
 
     out: Path = Field(default=Path("out/double_dome"), description="folder for the results")
     part: Literal["quarter", "half", "full"] = Field(default="quarter", description="share of the blank, by symmetry")
@@ -68,34 +69,34 @@ class DoubleDomeParameters(RunOptions):
     shear_modulus: Positive = Field(default=0.25e6, description="G_12 of the linear law [Pa]")
     friction: NotNegative = Field(default=0.2, description="Coulomb coefficient between sheet and tools")
     blank_holder_force: NotNegative | None = Field(
-        default=None, description="of the whole holder [N]; the default is 20 kPa on the flange at the start"
+        default=None, description="force of the whole holder [N]; the default is 20 kPa on the initial flange area"
     )
     blank_holder_gap: NotNegative | None = Field(
-        default=None, description="the holder keeps this distance beyond the thickness [m], instead of a force"
+        default=None, description="fixed gap of the holder in addition to the thickness [m], instead of a force"
     )
     contact_thickness: Literal["initial", "current"] = Field(
-        default="initial", description="thickness of the sheet that the tools meet"
+        default="initial", description="sheet thickness used for contact with the tools"
     )
     punch_speed: Positive = Field(default=0.5, description="[m/s]")
     stroke: Positive = Field(
         default=0.0612,
         le=0.3,
-        description="way of the punch from first touch [m]: depth 60 mm below the die face, plus the thickness",
+        description="travel of the punch from first contact [m]; by default 60 mm below the die face, plus thickness",
     )
     damping: NotNegative = Field(default=100.0, description="mass-proportional damping rate [1/s]")
     frame_count: int = Field(default=80, ge=1, description="frames after the first")
-    punch: Path | None = Field(default=None, description="triangle mesh of an own punch, its lowest point at z = 0")
-    die: Path | None = Field(default=None, description="triangle mesh of an own die, its flange at z = 0")
+    punch: Path | None = Field(default=None, description="triangle mesh for the punch, its lowest point at z = 0")
+    die: Path | None = Field(default=None, description="triangle mesh for the die, its flange at z = 0")
     blank_holder: Path | None = Field(
-        default=None, description="triangle mesh of an own blank holder, its flange at z = 0"
+        default=None, description="triangle mesh for the blank holder, its flange at z = 0"
     )
     unit_scale: Positive = Field(default=1.0, description="metres per unit of the tool meshes: 0.001 for millimetres")
     tools_are_cut: bool = Field(default=False, description="the tool meshes end at the symmetry planes of the part")
     measured_angles: Path | None = Field(
-        default=None, description="CSV of measured angles (point, angle_deg) to draw beside the result"
+        default=None, description="CSV of measured angles (point, angle_deg) to draw with the result"
     )
     measured_outline: Path | None = Field(
-        default=None, description="CSV of a measured outline (x_mm, y_mm) to draw beside the result"
+        default=None, description="CSV of a measured outline (x_mm, y_mm) to draw with the result"
     )
 
 
@@ -106,7 +107,7 @@ def blank_holder_area() -> float:
 
 
 def tool_shapes(parameters: DoubleDomeParameters, symmetry: tuple[str, ...]) -> tuple[Shape, Shape, Shape]:
-    """Punch, die and blank holder closed on a sheet without thickness at z = 0: the own meshes, or the default ones."""
+    """Punch, die and blank holder closed on a sheet of zero thickness at z = 0: the user's meshes, or the defaults."""
     half_length = 0.5 * DOME_DISTANCE
     opening = DomeOpening(
         radius=PUNCH_RADIUS + CLEARANCE,
@@ -130,7 +131,7 @@ def tool_shapes(parameters: DoubleDomeParameters, symmetry: tuple[str, ...]) -> 
 
 
 def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple[str, ...]) -> tuple[Tool, ...]:
-    """Punch, die and blank holder around a sheet whose mid-surface lies at z = 0."""
+    """Punch, die and blank holder around a sheet whose mid-surface is at z = 0."""
     half = 0.5 * fabric.thickness
     down = (0.0, 0.0, -1.0)
     share = 0.5 ** len(symmetry)
@@ -165,13 +166,13 @@ def raised(shape: Shape, height: float) -> Shape:
 
 
 def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) -> Setup:
-    """The double dome; ``fabric`` takes the place of the preset and of the shear law named.
+    """The double dome; ``fabric`` replaces the preset and shear law in the parameters.
 
     Raises:
         InputError: parameters that contradict each other or the mesh.
     """
     if parameters.blank_holder_force is not None and parameters.blank_holder_gap is not None:
-        raise InputError("blank holder: a force and a gap are given; it keeps one or the other")
+        raise InputError("blank holder: both a force and a gap are given; choose one")
     if fabric is None:
         fabric = resolve_fabric(parameters.fabric)
         if parameters.shear_law == "linear":
@@ -180,7 +181,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     if parameters.part != "full" and parameters.yarn_angle % 90.0 != 0.0:
         raise InputError(
             f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "
-            "use the full one"
+            "use part = full"
         )
     lower = (0.0 if "x" in symmetry else -0.5 * BLANK_LENGTH, 0.0 if "y" in symmetry else -0.5 * BLANK_WIDTH)
     blank = Blank.rectangle(
@@ -199,7 +200,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
 
 
 def wanted(parameters: DoubleDomeParameters, setup: Setup) -> Wanted:
-    """The ten points of the paper, and what was measured.
+    """The ten points of the paper, and the measured data.
 
     Raises:
         InputError: a file that cannot be read.
@@ -212,10 +213,10 @@ def wanted(parameters: DoubleDomeParameters, setup: Setup) -> Wanted:
 
 
 def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -> dict[str, Any]:
-    """Draw-in of the taut path on both symmetry lines [mm], for the default tool at the depth that it reached.
+    """Draw-in of the taut path on both symmetry lines [mm], for the default tool at the depth reached.
 
-    There is none where the path is not defined: with own tools, with yarns across the symmetry lines, or deeper than
-    the punch is round.
+    Empty where the path is not defined: with the user's tools, with yarns oblique to the symmetry lines, or beyond the
+    rounded depth of the punch.
     """
     own_tools = (parameters.punch, parameters.die, parameters.blank_holder)
     if any(own_tools) or parameters.yarn_angle % 90.0 != 0.0:

@@ -1,4 +1,4 @@
-"""What the fabric tests (picture frame, bias extension, cantilever) share: the choice of the fabric, and kinematics."""
+"""Common parts of the fabric tests (picture frame, bias extension, cantilever): choice of the fabric, kinematics."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from weavesim.checks import Positive
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
 
-# Nothing but the fabric damps a test. A yarn that rattles between slack and taut gains energy near the largest stable
-# step, because its stiffness jumps there; at this share of it the little damping that a test has is enough.
+# Only the fabric damps a test. Near the largest stable step, a yarn that rattles between slack and taut gains energy,
+# because its stiffness jumps there; at this share of that step the small damping of a test is sufficient.
 STEP_SAFETY = 0.6
 
 
 class FabricTestParameters(RunOptions):
-    """Options of every fabric test."""
+    """Options common to all fabric tests."""
 
     fabric: str = Field(default="glass-polypropylene", description=FABRIC_HELP)
     shear_law: Literal["curve", "linear"] = Field(
@@ -30,7 +30,7 @@ class FabricTestParameters(RunOptions):
 
 
 def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
-    """The preset or file that is named, with the shear law that is named.
+    """The fabric of the preset or file in the parameters, with the shear law in the parameters.
 
     Raises:
         InputError: no such fabric.
@@ -53,12 +53,12 @@ def trellis_angle_rate(diagonal: np.ndarray | float, side: float) -> np.ndarray:
 def moment_along(
     fabric: Fabric, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0, *, stretch: float = 1.0
 ) -> np.ndarray:
-    """Shear moment [N/m] along a path of angles (n,) [rad] from rest: shear law, unit cell, and friction.
+    """Shear moment [N/m] along a path of angles (n,) [rad] from rest, from shear law, unit cell and friction.
 
     Args:
-        fabric: whose unit cell counts where its energy depends on the shear angle.
+        fabric: its unit cell contributes if its energy depends on the shear angle.
         angle: the path.
-        crossover_pressure: of the crossovers along the path [N/m^2].
+        crossover_pressure: along the path [N/m^2].
         stretch: of both yarn families, for the unit cell.
     """
     angle = np.asarray(angle, dtype=float)

@@ -1,8 +1,8 @@
-"""A square cloth falls under gravity on a ball and wrinkles, after Figure 5 of the paper.
+"""A square cloth falls onto a ball under gravity and wrinkles, after Figure 5 of the paper.
 
-Two cases, as there: low bending with high shear stiffness, which can hardly shear and therefore folds, and high bending
+The same two cases: low bending with high shear stiffness, which can hardly shear and therefore folds, and high bending
 with low shear stiffness, which shears over the ball and hangs in few, large folds. The paper gives no numbers: size,
-fabric and ball are this scene's own, and assumed.
+fabric and ball are assumed here.
 """
 
 from __future__ import annotations
@@ -36,38 +36,38 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.81
 CASES = ("low-bending", "high-bending")
-# Sheet bending stiffness [N m] and shear moment per angle [N/m] of each case.
+# Sheet bending stiffness [N m] and shear moment per angle [N/m] for each case.
 BENDING_STIFFNESS = {"low-bending": 1.0e-5, "high-bending": 1.0e-4}
 SHEAR_STIFFNESS = {"low-bending": 50.0, "high-bending": 0.2}
-# Directors ring a thousand times faster than the cloth falls [1/s].
+# Directors vibrate a thousand times faster than the cloth falls [1/s].
 DIRECTOR_DAMPING = 1.0e3
-# No cloth lies perfectly even: a random initial velocity, smooth so that every mesh sees the same one, lets it choose
-# its folds; damping stops it within some 3 mm. Without it the square's symmetry may hold the cloth at four folds [m/s].
+# No real cloth is perfectly even: a random initial velocity, smooth so that it is the same on every mesh, triggers the
+# folds; damping stops it within about 3 mm. Without it the square's symmetry may keep the cloth at four folds [m/s].
 UNEVENNESS = 0.05
 UNEVENNESS_WAVES = range(2, 17)
 
 
 class HemisphereParameters(RunOptions):
-    """Everything that a hemisphere drape can be told."""
+    """Parameters of a hemisphere drape."""
 
     mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
-    out: Path = Field(default=Path("out/hemisphere"), description="folder for the results, one below it for each case")
+    out: Path = Field(default=Path("out/hemisphere"), description="folder for the results, a subfolder for each case")
     case: Literal["low-bending", "high-bending", "both"] = Field(
-        default="both", description="low bending with high shear stiffness, high bending with low, or both"
+        default="both", description="low bending with high shear stiffness, the reverse, or both"
     )
     side: Positive = Field(default=0.4, description="side of the square cloth [m]")
-    radius: Positive = Field(default=0.1, description="of the ball [m]")
+    radius: Positive = Field(default=0.1, description="radius of the ball [m]")
     friction: NotNegative = Field(default=0.3, description="Coulomb coefficient between cloth and ball")
-    damping: NotNegative = Field(default=15.0, description="mass-proportional damping rate, of the air [1/s]")
+    damping: NotNegative = Field(default=15.0, description="mass-proportional damping rate, from air drag [1/s]")
     duration: Positive = Field(default=2.0, description="time to fall and come to rest [s]")
-    seed: int = Field(default=0, ge=0, description="of the unevenness that lets the cloth choose its folds")
+    seed: int = Field(default=0, ge=0, description="random seed of the unevenness that triggers the folds")
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
 
 
 def cloth(case: str) -> Fabric:
     """A light cloth of one of the two cases; all values are assumed.
 
-    The yarns are as soft as the time step allows: under its own weight the cloth stretches by some 0.1 %.
+    For a larger time step the yarns are soft: the cloth stretches by about 0.1 % under its own weight.
     """
     thickness, spacing, cross_section = 1.0e-3, 1.0e-3, 1.0e-8
     axial_stiffness = 5.0  # E A of a yarn [N]
@@ -101,7 +101,7 @@ def cloth(case: str) -> Fabric:
         bending=IsotropicBending(modulus=sheet_modulus),
         transverse_shear_modulus=0.5 * sheet_modulus,
         in_plane_bending_stiffness=1.0e-5,
-        # Exact shares: with less a fold that falls shut creases along one row of elements, and stays so.
+        # Full shares: with less, a fold that collapses creases along one row of elements and stays so.
         stabilisation=Stabilisation(warping=1.0, director=1.0),
         source="none",
         assumed=("everything",),
@@ -109,7 +109,7 @@ def cloth(case: str) -> Fabric:
 
 
 def hemisphere(parameters: HemisphereParameters, case: str) -> Setup:
-    """One case: the cloth lies on the ball's top and is let go."""
+    """One case: the cloth is released on top of the ball."""
     fabric = cloth(case)
     half = 0.5 * parameters.side
     blank = Blank.rectangle(
@@ -127,7 +127,7 @@ def hemisphere(parameters: HemisphereParameters, case: str) -> Setup:
 
 
 def unevenness(blank: Blank, seed: int) -> np.ndarray:
-    """Vertical initial velocity, (node_count, 3) [m/s]: waves around the pole, of random phases, growing to the rim."""
+    """Vertical initial velocity, (node_count, 3) [m/s]: waves around the pole of random phase, growing to the rim."""
     x, y = blank.material_coordinates.T
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
     phases = np.random.default_rng(seed).uniform(0.0, 2.0 * math.pi, len(UNEVENNESS_WAVES))
@@ -138,17 +138,17 @@ def unevenness(blank: Blank, seed: int) -> np.ndarray:
 
 
 def smooth_radius(blank: Blank, radius: float) -> np.ndarray:
-    """Distance from the axis of a cloth that lies on the ball without a fold, (node_count,) [m].
+    """Distance from the axis in a cloth that lies on the ball without a fold, (node_count,) [m].
 
-    Each point keeps its way from the top: along the ball down to its equator, then straight down. Over the equator this
-    needs all the circumference to be swallowed by shear; what a real cloth cannot swallow stands out from it in folds.
+    Each point keeps its distance from the top: along the ball down to its equator, then straight down. For that shear
+    has to absorb all excess circumference; what a real cloth cannot absorb stands out in folds.
     """
-    way = np.linalg.norm(blank.material_coordinates, axis=1)
-    return radius * np.sin(np.minimum(way / radius, 0.5 * math.pi))
+    distance = np.linalg.norm(blank.material_coordinates, axis=1)
+    return radius * np.sin(np.minimum(distance / radius, 0.5 * math.pi))
 
 
 def wrinkles(parameters: HemisphereParameters, simulation: Simulation) -> dict[str, Any]:
-    """Folds along the rim, their height over a cloth without folds, and parts that come too close to each other."""
+    """Folds along the rim, their height relative to a cloth without folds, and parts too close to each other."""
     blank, position = simulation.setup.sheet.blank, simulation.frame.position
     half = 0.5 * simulation.setup.sheet.fabric.thickness
     folds = rim_folds(blank, position, smooth_radius=smooth_radius(blank, parameters.radius + half))

@@ -1,7 +1,7 @@
 """Picture-frame test: a hinged square frame shears a fabric whose yarns lie along its sides.
 
 The frame is four clamps that move as a rhombus; its bars have no mass. With the yarns along the sides the fabric
-shears evenly, so the angle is known from the crosshead's displacement and the force from the shear law.
+shears uniformly, so the angle is known from the crosshead displacement and the force from the shear law.
 """
 
 from __future__ import annotations
@@ -36,42 +36,43 @@ from .fabric_test import (
 )
 from .scene import Scene
 
-# Time to reach the yarn tension, and of each start and stop of the crosshead, as a share of its stroke's time.
+# Time to apply the yarn tension, and to start and to stop the crosshead, as a share of the time of its stroke.
 TENSION_TIME = 10.0e-3
 RAMP_SHARE = 0.2
-# Directors are held at the frame and have nothing to do in a plane sheet [1/s].
+# Directors are held at the frame and should not move in a plane sheet [1/s].
 DIRECTOR_DAMPING = 1.0e4
 LARGEST_TENSION_STRETCH = 1.05
 
 
 class PictureFrameParameters(FabricTestParameters):
-    """Everything that a picture-frame test can be told."""
+    """Parameters of a picture-frame test."""
 
     mesh_size: Positive = Field(default=0.01, description="edge length of an element [m]")
     damping: NotNegative = Field(default=10.0, description="mass-proportional damping rate [1/s]")
     out: Path = Field(default=Path("out/picture_frame"), description="folder for the results")
-    side: Positive = Field(default=0.2, le=2.0, description="of the square inner area [m]")
+    side: Positive = Field(default=0.2, le=2.0, description="side of the square inner area [m]")
     arm_length: NotNegative = Field(
-        default=0.0, description="of arms beyond each side, clamped at their ends; the corners between are cut out [m]"
+        default=0.0,
+        description="length of arms beyond each side, clamped at their ends, with the corners between cut out [m]",
     )
-    largest_angle: Positive = Field(default=40.0, lt=80.0, description="shear angle of the frame [degrees]")
-    misalignment: float = Field(default=0.0, ge=-45.0, le=45.0, description="of the yarns to the sides [degrees]")
+    largest_angle: Positive = Field(default=40.0, lt=80.0, description="largest shear angle of the frame [degrees]")
+    misalignment: float = Field(default=0.0, ge=-45.0, le=45.0, description="angle between yarns and sides [degrees]")
     yarn_tension: NotNegative = Field(
         default=100.0,
-        description="of both yarn families before the shear, by stretching the frame [N/m]; without any, the yarns "
-        "rattle between slack and taut",
+        description="tension of both yarn families before shear, applied by stretching the frame [N/m]; without it "
+        "the yarns rattle between slack and taut",
     )
-    cycle: bool = Field(default=False, description="go back to the start: loading and unloading")
-    speed: Positive = Field(default=0.5, description="of the crosshead [m/s]")
+    cycle: bool = Field(default=False, description="return to the start: loading and unloading")
+    speed: Positive = Field(default=0.5, description="speed of the crosshead [m/s]")
 
 
 class PictureFrame:
     """Geometry and motion of the frame.
 
     Attributes:
-        side: from hinge to hinge when the shear begins [m].
-        stretch: of the yarns by the tension.
-        shear: displacement of the crosshead against the lower hinge, from when the shear begins.
+        side: from hinge to hinge when shear begins [m].
+        stretch: of the yarns due to the tension.
+        shear: displacement of the crosshead relative to the lower hinge, from the start of shear.
     """
 
     def __init__(self, parameters: PictureFrameParameters, fabric: Fabric) -> None:
@@ -89,11 +90,11 @@ class PictureFrame:
         self.flat_diagonal = math.sqrt(2.0) * flat_side
 
     def half_angle(self, displacement: np.ndarray | float) -> np.ndarray:
-        """Half the angle at the pulled hinges [rad], of a displacement of the crosshead [m]."""
+        """Half the angle at the pulled hinges [rad], from the displacement of the crosshead [m]."""
         return np.arccos(math.sqrt(0.5) + np.asarray(displacement) / (2.0 * self.side))
 
     def support(self, blank: Blank, nodes: np.ndarray) -> Support:
-        """The clamped nodes, driven as the frame goes: the vertical diagonal, then the horizontal one, then both."""
+        """The clamped nodes, driven like the frame: the vertical diagonal, then the horizontal one, then both."""
         place = blank.node_position[nodes] / self.flat_diagonal
         vertical, horizontal = place * (0.0, 1.0, 0.0), place * (1.0, 0.0, 0.0)
         narrowing = self.shear.mapped(
@@ -107,7 +108,7 @@ class PictureFrame:
         return Support("frame", nodes, tuple(drives))
 
     def force(self, frame: Frame) -> float:
-        """Of the crosshead [N]: the work of both diagonals per displacement of the pulled one."""
+        """Crosshead force [N]: work of both diagonals per displacement of the pulled one."""
         return float(frame.drive_force[0] - frame.drive_force[1] / np.tan(self.half_angle(frame.stroke)))
 
 
@@ -115,7 +116,7 @@ def tension_stretch(fabric: Fabric, tension: float) -> float:
     """Equal stretch of both yarn families at which their mean force is ``tension`` [N/m], by bisection.
 
     Raises:
-        InputError: more than any stretch up to 5 % gives.
+        InputError: stretches up to 5 % do not give this tension.
     """
     if tension == 0.0:
         return 1.0
@@ -127,7 +128,7 @@ def tension_stretch(fabric: Fabric, tension: float) -> float:
         return float(respond(fabric.unit_cell, [[stretch, stretch]]).force_per_width.mean())
 
     if force(high) < tension:
-        raise InputError(f"yarn tension {tension} N/m: a stretch of 5 % gives only {force(high):.4g} N/m; ask for less")
+        raise InputError(f"yarn tension {tension} N/m: a stretch of 5 % gives only {force(high):.4g} N/m; reduce it")
     while high - low > 1.0e-12:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if force(middle) < tension else (low, middle)
@@ -135,7 +136,7 @@ def tension_stretch(fabric: Fabric, tension: float) -> float:
 
 
 def specimen(parameters: PictureFrameParameters) -> tuple[Blank, np.ndarray]:
-    """The specimen, a corner up, and its clamped nodes."""
+    """The specimen, with a corner at the top, and its clamped nodes."""
     half = 0.5 * parameters.side + parameters.arm_length
     count = max(2, round(parameters.side / parameters.mesh_size))
     arm_count = math.ceil(parameters.arm_length / (parameters.side / count) - 1.0e-9)
@@ -156,7 +157,7 @@ def specimen(parameters: PictureFrameParameters) -> tuple[Blank, np.ndarray]:
 
 
 def picture_frame(parameters: PictureFrameParameters, fabric: Fabric | None = None) -> Setup:
-    """The test; ``fabric`` takes the place of the preset and of the shear law named."""
+    """The test; ``fabric`` replaces the preset and shear law in the parameters."""
     fabric = fabric or chosen_fabric(parameters)
     blank, clamped = specimen(parameters)
     frame = PictureFrame(parameters, fabric)
@@ -169,16 +170,16 @@ def picture_frame(parameters: PictureFrameParameters, fabric: Fabric | None = No
 
 
 def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
-    """Angle and force of every frame beside what kinematics and shear law say.
+    """Angle and force of every frame, with the predictions of kinematics and shear law.
 
-    The power balance F d' = A m(gamma) gamma' gives F; A is the area of all the fabric, arms included. The normalised
-    shear force is that along a side, F / (2 cos(theta)), times side over area: the moment m over cos(gamma).
+    The power balance F d' = A m(gamma) gamma' gives F; A is the area of the whole fabric, including the arms. The
+    normalised shear force is that along a side, F / (2 cos(theta)), times side over area: the moment m over cos(gamma).
     """
     frame = PictureFrame(parameters, fabric)
     blank, _ = specimen(parameters)
     inner = np.abs(blank.element_centres()[:, :2]).sum(axis=1) < math.sqrt(0.5) * parameters.side
     area = parameters.side**2 + 4.0 * parameters.side * parameters.arm_length
-    path: list[tuple[float, float]] = []  # angles and crossover pressures so far, for a law that remembers them
+    path: list[tuple[float, float]] = []  # angles and crossover pressures so far, for history-dependent laws
 
     def measure(state: Frame) -> dict[str, float]:
         diagonal = math.sqrt(2.0) * frame.side + state.stroke
@@ -209,9 +210,9 @@ def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
     return Curves("picture_frame", measure, [
         Chart(
             "force", "Force of the crosshead",
-            "Force against the frame's angle, beside that of the shear law by the balance of power.",
+            "Force against the angle of the frame, with that of the shear law from the power balance.",
             ("frame_angle_deg", "angle of the frame [degrees]"), "force [N]",
-            {"force_n": "computed"}, {"closed_form_force_n": "shear law, even shear"},
+            {"force_n": "computed"}, {"closed_form_force_n": "shear law, uniform shear"},
         ),
         Chart(
             "angle", "Shear angle of the fabric",
@@ -229,11 +230,11 @@ def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
 
 
 def findings(curves: Curves) -> dict[str, Any]:
-    """Entries of the summary: the largest deviations, of the force over its largest value."""
+    """Summary entries: the largest deviations; that of the force is relative to its largest value."""
     c = curves.columns
-    # a locking yarn family or a tension adds forces that no shear law has
+    # locking yarns or tension add forces that are not in the shear law
     force_error = np.abs(c["force_n"] - c["closed_form_force_n"]).max() / np.abs(c["closed_form_force_n"]).max()
-    way = 1.0e-3 * np.diff(c["displacement_mm"])
+    travel = 1.0e-3 * np.diff(c["displacement_mm"])
     peak = int(np.argmax(np.abs(c["frame_angle_deg"])))
     return {
         "frame_angle_deg": c["frame_angle_deg"][peak],
@@ -242,12 +243,12 @@ def findings(curves: Curves) -> dict[str, Any]:
         "peak_force_n": c["force_n"][peak],
         "closed_form_peak_force_n": c["closed_form_force_n"][peak],
         "largest_force_error_ratio": force_error,
-        "work_of_a_cycle_j": 0.5 * float((c["force_n"][1:] + c["force_n"][:-1]) @ way),
+        "work_of_a_cycle_j": 0.5 * float((c["force_n"][1:] + c["force_n"][:-1]) @ travel),
     }
 
 
 def wanted(parameters: PictureFrameParameters, setup: Setup) -> Wanted:
-    """Curves of angle and force; the border moves with the frame."""
+    """Curves of angle and force; no draw-in, since the border moves with the frame."""
     return Wanted(curves=record(parameters, setup.sheet.fabric), draw_in=False)
 
 

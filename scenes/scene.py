@@ -1,6 +1,6 @@
-"""Scenes: problems ready to run, one to a file. Every file of this folder that defines ``SCENE`` is one.
+"""Scenes: problems ready to run, one per file. Every file in this folder that defines ``SCENE`` is a scene.
 
-Names and help are read off the files, so that ``weavesim --help`` imports none of them.
+Names and help texts are read from the source, so that ``weavesim --help`` imports no scene.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """A problem: parameters to set-ups, and what their results must show.
+    """A problem: how parameters become set-ups, and what their results show.
 
     Attributes:
-        name: of its command; a literal, as ``help`` is.
-        help: in a line.
+        name: of its command; must be a literal, like ``help``.
+        help: one line.
         parameters: class of its options.
-        make: of parameters, and a case where there are some: the set-up.
-        cases: of parameters: names of the runs, each of which gets a folder of its own; None for a single run.
-        wanted: of parameters and set-up: what to show besides what every run shows; None for nothing.
-        findings: of parameters, finished run and ``wanted``: the scene's own entries of the summary; None for none.
+        make: (parameters), or (parameters, case) if there are cases -> the set-up.
+        cases: (parameters) -> names of the runs, each with its own folder; None for a single run.
+        wanted: (parameters, set-up) -> what to show in addition to the standard results; None for nothing.
+        findings: (parameters, finished run, ``wanted``) -> the scene's own summary entries; None for none.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Scene:
     findings: Callable[[Any, Simulation, Wanted], Mapping[str, Any]] | None = None
 
     def setups(self, parameters: RunOptions) -> dict[str, Setup]:
-        """What is run, by case; the case of a single run is ``""``.
+        """Set-ups by case; the case of a single run is ``""``.
 
         Raises:
             InputError: parameters that contradict each other.
@@ -53,14 +53,14 @@ class Scene:
         return {case: self.make(parameters, case) for case in self.cases(parameters)}
 
     def run(self, parameters: RunOptions) -> dict[str, Any]:
-        """Run all cases, one after the other, and leave their results in ``parameters.out``.
+        """Run all cases in sequence and write their results to ``parameters.out``.
 
         Returns:
-            The summary; of a scene with cases the summaries by case, and the outcome of the last.
+            The summary; for a scene with cases, the summaries by case and the outcome of the last one.
 
         Raises:
-            InputError: bad input, before anything is run.
-            RunError: a run had to stop; its results up to the last good frame are written first.
+            InputError: bad input, before anything runs.
+            RunError: a run had to stop; results up to its last good frame are written first.
         """
         from weavesim.output import ResultFolder
         from weavesim.output.results import Wanted
@@ -92,7 +92,7 @@ class Scene:
 
 
 class SceneFile(NamedTuple):
-    """A scene that is not imported yet."""
+    """A scene that has not been imported yet."""
 
     module: str
     help: str
@@ -114,7 +114,7 @@ def known_scenes() -> dict[str, SceneFile]:
 
 
 def _scene_literals(source: str) -> dict[str, str]:
-    """``name`` and ``help`` of the scene that a module defines; {} if it defines none."""
+    """``name`` and ``help`` of the scene defined in a module; {} if it defines none."""
     if "\nSCENE = Scene(" not in source:
         return {}
     for node in ast.parse(source).body:

@@ -1,9 +1,9 @@
-"""Draw docs/images/architecture.png: the rooms with their imports, and a step and a result on their way through them.
+"""Draw docs/images/architecture.png: the rooms with their imports, and the paths of a step and of a result.
 
     python scripts/architecture.py [--out docs/images/architecture.png]
 
-Rooms, modules and imports are counted in this checkout; what each room holds and the two walks are written here. A test
-fails when a room is missing, when an import points up, or when a walk names what does not exist.
+Rooms, modules and imports are counted in this checkout; the contents of each room and the two walks are written here. A
+test fails when a room is missing, when an import points up, or when a walk names something that does not exist.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 INK, GREY, PALE = "#23262d", "#6b7280", "#b4bac4"
 FEW_IMPORTS = 2
-EVERYWHERE = "base"  # imported by all above it, so that its arrows would say nothing
+EVERYWHERE = "base"  # imported by all above it, so its arrows are not informative
 RESOLUTION = 130
 WIDTH, HEIGHT = 12.0, 11.0  # [inches], which are the coordinates of the drawing
 FONT = 12.0
@@ -50,17 +50,17 @@ ROOMS = {
     "scenes": ("problems as values", "#5b3fb5"),
     "scripts": ("what a person runs", "#5b3fb5"),
 }
-# The rooms of kernels, row by row from the top; "" are the modules beside its folders.
+# The rooms of kernels, row by row from the top; "" stands for the modules outside its folders.
 KERNEL_ROWS = (("stepping", "shell"), ("contact", "laws", "cell"), ("",))
 
 
 @dataclass(frozen=True)
 class Stop:
-    """Where a walk comes by.
+    """One stop of a walk.
 
     Attributes:
-        room: colours it.
-        name: module, with a point and a name of its own behind it, or a module alone.
+        room: determines its colour.
+        name: module, optionally followed by a dot and a name in it.
         text: what happens there.
     """
 
@@ -79,7 +79,7 @@ A_STEP = (
     Stop("kernels", "kernels.stepping.tools", "tools move, the clock advances"),
     Stop("kernels", "kernels.shell.frequency", "after 20 steps: the stable step"),
 )
-# These are done in every step, the one below them after some.
+# These run in every step, the one below them after some steps.
 IN_EVERY_STEP = ("kernels.shell.force", "kernels.stepping.tools")
 A_RESULT = (
     Stop("engine", "engine.state.State", "everything that a step writes"),
@@ -92,12 +92,12 @@ A_RESULT = (
 
 @dataclass(frozen=True)
 class House:
-    """What is drawn of the rooms.
+    """Data for drawing the rooms.
 
     Attributes:
         modules: of each room, from bottom to top; an __init__.py does not count.
         arrows: imports of modules of one room by those of another, by (importer, imported).
-        kernel_modules, kernel_arrows: the same of the folders of kernels, "" for its modules beside them.
+        kernel_modules, kernel_arrows: the same for the folders of kernels, "" for the modules outside them.
     """
 
     modules: dict[str, int]
@@ -107,7 +107,7 @@ class House:
 
     @classmethod
     def of(cls, sources: Sources) -> House:
-        """That of a checkout."""
+        """Count the rooms of a checkout."""
         room = {module: room_of(module) or "" for module in sources.file_of}
         inner = {module: _kernel_room(sources, module) for module in room if room[module] == "kernels"}
         counted = [module for module in room if not sources.is_package(module)]
@@ -179,7 +179,7 @@ def _draw_kernels(axes: Axes, house: House) -> None:
     for (importer, imported), count in house.kernel_arrows.items():
         (x, y, width), (x_below, y_below, width_below) = place[importer], place[imported]
         if not 0.0 < y - y_below < 1.5 * (height + gap):
-            continue  # the bottom row is what all of them stand on
+            continue  # all rows depend on the bottom row
         middle = 0.5 * (max(x, x_below) + min(x + width, x_below + width_below))
         _arrow(axes, [(middle, y), (middle, y_below + height)], count, colour)
     for name, (x, y, width) in place.items():
@@ -206,7 +206,7 @@ def _arrow(axes: Axes, points: Sequence[tuple[float, float]], count: int, colour
 
 
 def _draw_imports(axes: Axes, arrows: dict[tuple[str, str], int]) -> None:
-    """Arcs to the right of the boxes: those that leave a box start in its lower half, those that come end above."""
+    """Arcs to the right of the boxes: outgoing ones start in the lower half of a box, incoming ones end above."""
     right = LEFT + BOX_WIDTH
     port: dict[tuple[str, tuple[str, str]], float] = {}
     for room in ROOMS:
@@ -231,7 +231,7 @@ WALK_LEFT, WALK_WIDTH, STOP_HEIGHT, STOP_PITCH = 7.72, 3.85, 0.58, 0.735
 
 
 def _draw_walk(axes: Axes, title: str, stops: Sequence[Stop], top: float) -> float:
-    """A walk from ``top`` down; where its last stop ends."""
+    """Draw a walk from ``top`` down; returns where its last stop ends."""
     axes.text(WALK_LEFT, top, title, weight="bold", color=INK, va="center", size=FONT + 2)
     y = top - 0.22
     place: dict[str, float] = {}
@@ -276,7 +276,7 @@ def draw(house: House, path: Path) -> None:
     canvas.draw()
     about = PngInfo()
     about.add_text("Description", " ".join(house.modules))
-    # few colours: a third of the size
+    # few colours: a third of the file size
     Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").quantize(128).save(
         path, pnginfo=about, optimize=True
     )
@@ -285,7 +285,7 @@ def draw(house: House, path: Path) -> None:
 def main(
     out: Annotated[Path, typer.Option(help="the picture")] = ROOT / "docs" / "images" / "architecture.png",
 ) -> None:
-    """Draw the rooms of this checkout, their imports, and a step and a result on their way through them."""
+    """Draw the rooms of this checkout with their imports, and the paths of a step and of a result."""
     draw(House.of(Sources(ROOT)), out)
 
 

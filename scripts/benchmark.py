@@ -1,13 +1,14 @@
-"""How fast weavesim is, on what problem, and how far from what the machine can do.
+"""How fast weavesim is, on which problem, and how close to the limits of the machine.
 
     python scripts/benchmark.py rates [--case double_dome_5mm] [--json now.json] [--compare before.json]
-    python scripts/benchmark.py laws        what each law and unit cell costs, beside the default ones
-    python scripts/benchmark.py bounds      memory bandwidth and multiply-adds of this machine
-    python scripts/benchmark.py against ../weavesim-before     this checkout beside another one
+    python scripts/benchmark.py laws        cost of each law and unit cell, relative to the default ones
+    python scripts/benchmark.py sheets      cost of several sheets in one run, relative to one
+    python scripts/benchmark.py bounds      memory bandwidth and multiply-add rate of this machine
+    python scripts/benchmark.py against ../weavesim-before     this checkout compared with another one
     python scripts/benchmark.py peers       Newton's cloth solvers on the same drape (scripts/peers)
 
-Contestants take short turns one after the other, so that a machine whose speed drifts treats all alike: compare rows of
-one run, not runs. Rates are of the best turn, ratios are medians of paired turns.
+Contestants run in short alternating turns, so that drift in machine speed affects all of them equally: compare rows of
+one run, not different runs. Rates are those of the best turn, ratios are medians of paired turns.
 """
 
 import sys
@@ -21,11 +22,12 @@ from scripts.benchmarks.against import against  # noqa: E402
 from scripts.benchmarks.bounds import bounds  # noqa: E402
 from scripts.benchmarks.laws import laws  # noqa: E402
 from scripts.benchmarks.rates import rates, worker  # noqa: E402
+from scripts.benchmarks.sheets import sheets  # noqa: E402
 from scripts.peers.command import peers  # noqa: E402
 
 app = typer.Typer(add_completion=False, help=__doc__, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command(hidden=True)(worker)
-for command in (rates, laws, against, peers, bounds):
+for command in (rates, laws, sheets, against, peers, bounds):
     app.command()(command)
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Check the types of weavesim and of the scenes with mypy: make lint.
 
-In a checkout scenes/ lies beside weavesim/ and is a package inside it, which mypy cannot know. So it gets a folder of
-links in which everything lies where it is imported from. Kernels stay out: mypy cannot follow Warp's dialect.
+In a checkout, scenes/ is next to weavesim/ but is imported as a package inside it, which mypy cannot know. So mypy gets
+a folder of links with the layout of the imports. Kernels are excluded: mypy cannot follow Warp's dialect.
 """
 
 import subprocess
@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def main() -> int:
-    """The exit code of mypy."""
+    """Run mypy and return its exit code."""
     with tempfile.TemporaryDirectory() as folder:
         package = Path(folder) / "weavesim"
         package.mkdir()

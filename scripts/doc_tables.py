@@ -1,6 +1,6 @@
-"""The tables of docs/ that are made from the code: those of fabrics.md and results.md.
+"""Generate the tables of docs/fabrics.md and docs/results.md from the code.
 
-python scripts/doc_tables.py            # writes them
+python scripts/doc_tables.py            # writes the tables
 python scripts/doc_tables.py --check    # exits with code 1 where a page differs
 """
 
@@ -20,12 +20,12 @@ PAGES: dict[str, Callable[[], str]] = {"fabrics.md": fabric_tables.tables, "resu
 
 
 def text_of(page: str) -> str:
-    """A page as it is."""
+    """Current text of a page."""
     return (ROOT / "docs" / page).read_text(encoding="utf-8")
 
 
 def text_with_tables(page: str) -> str:
-    """A page with its tables made again.
+    """Text of a page with its tables regenerated.
 
     Raises:
         ValueError: a page without the two marks.

@@ -1,16 +1,16 @@
-"""Whether this checkout computes the same bits as another commit: proof that a change of the code changes no result.
+"""Check that this checkout computes the same bits as another commit: proof that a code change changes no result.
 
     python scripts/same_results.py --commit 4add259                      both versions, all cases
-    python scripts/same_results.py --reference ../reference [--quick]    results of the commit are kept there, and used
-    python scripts/same_results.py --reference ../reference --record     only run what is missing there
+    python scripts/same_results.py --reference ../reference [--quick]    keeps results of the commit there, reuses them
+    python scripts/same_results.py --reference ../reference --record     only runs what is missing there
     python scripts/same_results.py --reference ../reference --case cantilever --extra=--damping=101
 
-Every case is one call of the command line, in a process of its own. Compared are, bit for bit: every number of every
-frame (ledger, stroke, tools, supports, steps, time) and hashes of its positions, directors and fields; these arrays of
-the last frame; all CSV tables; the final state for ParaView; and the summary but for what depends on the clock. Bytes
-of film, ParaView series and pictures are reported in a column of their own and change nothing in the verdict. Ends with
-exit code 1 if anything differs or a run fails. Bits belong to a processor and a version of Warp: keep no reference
-from another machine.
+Every case is one call of the command line, in a separate process. Compared bit for bit: every number of every frame
+(ledger, stroke, tools, supports, steps, time) and hashes of its positions, directors and fields; these arrays of the
+last frame; all CSV tables; the final state for ParaView; and the summary except for timings. Bytes of film, ParaView
+series and pictures are reported in a separate column and do not affect the verdict. The exit code is 1 if anything
+differs or a run fails. Bits depend on the processor and the version of Warp: do not use a reference from another
+machine.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from scripts.comparison.verdict import Verdict, compare, verdict_table  # noqa: 
 
 
 def say(text: str) -> None:
-    """Progress, beside the results."""
+    """Print progress to standard error, separate from the results."""
     typer.echo(text, err=True)
 
 
@@ -51,7 +51,7 @@ class Comparison:
         threads: of every run.
         extra: arguments for this checkout only.
         hashed: whether to keep hashes of every entry.
-        kept: whether results of the reference, and of this checkout, are kept.
+        kept: whether to keep the results of the reference, and of this checkout.
         digests: hashes of all entries, by case and version.
     """
 
@@ -64,7 +64,7 @@ class Comparison:
     digests: dict[str, dict[str, dict[str, str]]] = field(default_factory=dict)
 
     def verdict(self, name: str) -> Verdict:
-        """Of a case, which is run here, and in the reference if that lacks it."""
+        """Verdict on a case: it is run here, and in the reference if that lacks it."""
         here = self.here / name
         try:
             there = self.reference.result(name, say)
@@ -86,7 +86,7 @@ class Comparison:
 
 
 def record_all(reference: Reference, names: Sequence[str]) -> None:
-    """Run what a reference lacks; ends the program."""
+    """Run the cases that a reference lacks, then exit."""
     failed = 0
     for name in names:
         try:
@@ -99,14 +99,17 @@ def record_all(reference: Reference, names: Sequence[str]) -> None:
 
 
 def report(verdicts: Sequence[Verdict], commit: str, every: bool) -> str:
-    """What is said in the end."""
-    lines = [f"this checkout beside {commit[:7]}; {', '.join(bits_depend_on().values())}\n", verdict_table(verdicts)]
+    """The final report."""
+    lines = [
+        f"this checkout compared with {commit[:7]}; {', '.join(bits_depend_on().values())}\n",
+        verdict_table(verdicts),
+    ]
     if every:
         lines += [f"{verdict.case}: {one}" for verdict in verdicts for one in verdict.found]
     same = [verdict for verdict in verdicts if verdict.same]
     lines.append(f"\n{len(same)} of {len(verdicts)} cases are the same to the last bit")
     if changed := [verdict.case for verdict in verdicts if not verdict.same and not verdict.wrong]:
-        lines.append(f"{len(changed)} were changed on purpose: {', '.join(changed)}")
+        lines.append(f"{len(changed)} were changed deliberately: {', '.join(changed)}")
     return "\n".join(lines)
 
 
@@ -115,25 +118,26 @@ def main(
     case: Annotated[list[str] | None, typer.Option(help="one of --list; may be repeated [default: all]")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="only a few cases, less than a minute each version")] = False,
     reference: Annotated[
-        Path | None, typer.Option(help="results of the commit: taken from here, or run once and kept here")
+        Path | None, typer.Option(help="folder for results of the commit: reused, or run once and kept")
     ] = None,
-    record: Annotated[bool, typer.Option("--record", help="only run what --reference lacks")] = False,
-    keep: Annotated[Path | None, typer.Option(help="keep the results of this checkout here")] = None,
-    hashes: Annotated[Path | None, typer.Option(help="write a JSON of the SHA-256 of every entry here")] = None,
+    record: Annotated[bool, typer.Option("--record", help="only run what is missing in --reference")] = False,
+    keep: Annotated[Path | None, typer.Option(help="folder in which to keep the results of this checkout")] = None,
+    hashes: Annotated[Path | None, typer.Option(help="JSON file for the SHA-256 of every entry")] = None,
     extra: Annotated[
-        list[str] | None, typer.Option(help="argument for this checkout's runs only, to see a difference found")
+        list[str] | None,
+        typer.Option(help="argument for this checkout's runs only, to test that a difference is found"),
     ] = None,
-    threads: Annotated[int, typer.Option(min=1, help="CPU threads; the bits do not depend on them")] = 2,
+    threads: Annotated[int, typer.Option(min=1, help="CPU threads; results are bit-identical for any number")] = 2,
     every: Annotated[bool, typer.Option("--all-differences", help="list every entry that differs")] = False,
-    listing: Annotated[bool, typer.Option("--list", help="list the cases and do nothing")] = False,
+    listing: Annotated[bool, typer.Option("--list", help="list the cases and exit")] = False,
 ) -> None:
-    """Compare every bit that this checkout computes with another commit."""
+    """Compare every bit of this checkout's results with another commit."""
     if listing:
         for name, one in CASES.items():
             typer.echo(f"{name}{' (quick)' if one.quick else ''}: weavesim {one.words}")
         return
     if record and reference is None:
-        raise typer.BadParameter("say where with --reference", param_hint="--record")
+        raise typer.BadParameter("specify the folder with --reference", param_hint="--record")
     names = case or [name for name, one in CASES.items() if one.quick or not quick]
     if unknown := [name for name in names if name not in CASES]:
         raise typer.BadParameter(f"{', '.join(unknown)}: choose from {', '.join(CASES)}", param_hint="--case")

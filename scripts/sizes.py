@@ -1,11 +1,11 @@
-"""Sizes of modules, functions, kernels and folders, and their imports, in this checkout and in another commit.
+"""Sizes of modules, functions, kernels and folders, and their imports, in this checkout and another commit.
 
     python scripts/sizes.py                      this checkout
-    python scripts/sizes.py --commit 4add259     that commit beside it
+    python scripts/sizes.py --commit 4add259     compared with that commit
 
-Counted are kernels/, weavesim/, scenes/ and scripts/, by reading them: nothing is imported. A function's lines go from
-its def to its end, those within it included; self and cls are no arguments. An arrow is an import of one module by
-another, at the top or inside a function; between folders, all that go the same way count once.
+The sources of kernels/, weavesim/, scenes/ and scripts/ are parsed: nothing is imported. A function's lines are counted
+from its def to its end, including nested functions; self and cls do not count as arguments. An arrow is an import of
+one module by another, at the top or inside a function; between folders, all in the same direction count once.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class Function:
     Attributes:
         name: with its module.
         lines: from ``def`` to the end.
-        arguments: without self and cls.
-        on_device: a kernel or a function of kernels.
+        arguments: number, without self and cls.
+        on_device: True for a kernel or device function.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Function:
 
 @dataclass(frozen=True)
 class Sizes:
-    """What is counted of one checkout, each by name."""
+    """Counts of one checkout, each by name."""
 
     module_lines: dict[str, int]
     public_names: dict[str, int]
@@ -63,7 +63,7 @@ class Sizes:
 
     @classmethod
     def of(cls, root: Path) -> Sizes:
-        """Those of the checkout in ``root``."""
+        """Count the checkout in ``root``."""
         sources = Sources(root)
         arrows = {module: found - {module} for module, found in sources.imports().items()}
         folder_of = {module: str(file.parent.relative_to(root)) for module, file in sources.file_of.items()}
@@ -81,11 +81,11 @@ class Sizes:
         )
 
     def lines(self, on_device: bool) -> dict[str, int]:
-        """Lines of the functions of the host, or of the device."""
+        """Lines of functions on the host, or on the device."""
         return {function.name: function.lines for function in self.functions if function.on_device == on_device}
 
     def arguments(self, on_device: bool) -> dict[str, int]:
-        """Their arguments."""
+        """Arguments of functions on the host, or on the device."""
         return {function.name: function.arguments for function in self.functions if function.on_device == on_device}
 
 
@@ -137,7 +137,7 @@ def _functions(tree: ast.AST, place: str) -> Iterator[Function]:
 
 
 def _levels(arrows: dict[str, set[str]]) -> int:
-    """Modules on the longest way down; those that import each other count as one."""
+    """Number of modules on the longest import chain; modules that import each other count as one."""
     one_of = {module: module for module in arrows}
     for circle in circles(arrows):
         one_of |= dict.fromkeys(circle, circle[0])
@@ -155,7 +155,7 @@ def _levels(arrows: dict[str, set[str]]) -> int:
 
 
 def summary(checkouts: dict[str, Sizes]) -> str:
-    """Medians, 90th percentiles and maxima, and the counts, of each checkout."""
+    """Medians, 90th percentiles, maxima and counts of each checkout."""
     rows: list[list[object]] = []
     for name, measure in MEASURES.items():
         row: list[object] = [name]
@@ -169,7 +169,7 @@ def summary(checkouts: dict[str, Sizes]) -> str:
 
 
 def largest(checkouts: dict[str, Sizes]) -> str:
-    """The ten largest of each checkout, measure by measure."""
+    """The ten largest of each checkout, for each measure."""
     parts = []
     for name, measure in MEASURES.items():
         lists = []
@@ -182,7 +182,7 @@ def largest(checkouts: dict[str, Sizes]) -> str:
     return "\n\n".join(parts)
 
 
-def main(commit: Annotated[str | None, typer.Option(help="to count as well, and to show first")] = None) -> None:
+def main(commit: Annotated[str | None, typer.Option(help="another commit, to be shown first")] = None) -> None:
     """Sizes of modules, functions, kernels and folders, and their imports, as Markdown."""
     checkouts: dict[str, Sizes] = {}
     if commit:

@@ -1,9 +1,9 @@
-"""Run the scenes in the variants that their defaults have to stand up to, and write what they show.
+"""Run the scenes with variations of their defaults, and write the validation pages.
 
     python scripts/validation.py               both scenes, about ten minutes on two cores
     python scripts/validation.py hemisphere    one of them: double-dome or hemisphere
 
-Every number in docs/validation.md and docs/validation_hemisphere.md comes from here.
+Every number in docs/validation.md and docs/validation_hemisphere.md is from this script.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ POINTS = ten_points(0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH)
 
 @dataclass(frozen=True)
 class Variant:
-    """One run: parameters of the scene that differ from the default, and what is done to the fabric."""
+    """One run: parameters that differ from the scene's defaults, and changes to the fabric."""
 
     title: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
@@ -92,7 +92,7 @@ SENSITIVITY = {
 
 
 def measure(simulation: Simulation, parameters: DoubleDomeParameters) -> dict[str, Any]:
-    """What the page compares."""
+    """Values compared on the page."""
     frame, blank = simulation.frame, simulation.setup.sheet.blank
     angle = frame.fields["shear_angle"]
     zigzag = checkerboard(blank, angle)
@@ -131,7 +131,7 @@ def angle_change(a: dict[str, Any], b: dict[str, Any]) -> tuple[float, float]:
 
 
 def requirements(runs: dict[str, dict[str, Any]]) -> list[tuple[str, str, str, bool]]:
-    """(what is required, value, bound, holds) of every gate."""
+    """(requirement, value, bound, whether it holds) of every gate."""
     base, fine = runs["default"], runs["fine"]
     rows: list[tuple[str, str, str, bool]] = []
 
@@ -249,7 +249,7 @@ HEMISPHERE_VARIANTS = {
 
 
 def hemisphere_page() -> tuple[str, list[str]]:
-    """The page of the hemisphere, and the requirements that do not hold."""
+    """The page of the hemisphere, and the requirements that are not met."""
     rows, results = [], {}
     for case in CASES:
         for title, values in HEMISPHERE_VARIANTS.items():
@@ -297,7 +297,7 @@ def hemisphere_page() -> tuple[str, list[str]]:
 
 
 def double_dome_page() -> tuple[str, list[str]]:
-    """The page of the double dome, and the requirements that do not hold."""
+    """The page of the double dome, and the requirements that are not met."""
     runs = {name: run(variant) for name, variant in {**CHECKS, **SENSITIVITY}.items()}
     return page(runs), [text for text, _, _, holds in requirements(runs) if not holds]
 

@@ -1,4 +1,4 @@
-"""Run the verification studies and rebuild docs/verification.md from what they record: make verify."""
+"""Run the verification studies and rebuild docs/verification.md from their records: make verify."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Written by `make verify` (`scripts/verification.py`) on {date}; {case_count} cas
 
 
 def run_studies(records: Path, workers: int) -> int:
-    """Run every test that may record; the exit code of pytest."""
+    """Run every test that may record, and return the exit code of pytest."""
     command = [sys.executable, "-m", "pytest", "tests/verification", "-m", "verification or not verification", "-q"]
     command += ["--manual", str(records)]
     if workers > 1:
@@ -44,7 +44,7 @@ def table(columns: list[str], rows: list[list[str]]) -> str:
 
 
 def write_page(records: Path) -> int:
-    """docs/verification.md and its pictures from the records; the number of cases."""
+    """Write docs/verification.md and its pictures from the records; returns the number of cases."""
     from tests.support.manual import CHAPTERS
 
     cases = [json.loads(path.read_text()) for path in sorted(records.glob("*.json"))]
@@ -75,12 +75,12 @@ def write_page(records: Path) -> int:
 
 
 def main(
-    workers: Annotated[int, typer.Option(min=1, help="processes that share the studies")] = 1,
+    workers: Annotated[int, typer.Option(min=1, help="number of parallel processes")] = 1,
     records: Annotated[
-        Path | None, typer.Option(help="write the page from these records, without running anything")
+        Path | None, typer.Option(help="write the page from these records without running anything")
     ] = None,
 ) -> None:
-    """Run the verification studies and rebuild docs/verification.md; a failure keeps the page as it was."""
+    """Run the verification studies and rebuild docs/verification.md; after a failure the page is not changed."""
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) if records is None else records
         if records is None and (code := run_studies(source, workers)):

@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from .version import __version__
 
 # In a checkout, kernels/ and scenes/ are next to this package; when installed, they are inside it. Searching both lets
 # the checkout work even when it hides an installed copy, as it does for a script started in its root.
@@ -15,26 +15,47 @@ _checkout = Path(__file__).resolve().parent.parent
 if (_checkout / "pyproject.toml").is_file():
     __path__.append(str(_checkout))
 
+# ruff: noqa: F401, the imports are for type checkers
 if TYPE_CHECKING:
-    from .checks import NotNegative, Positive, json_schema  # noqa: F401
-    from .device import Precision  # noqa: F401
-    from .engine.setup import Rest, Setup, Solver, World  # noqa: F401
-    from .errors import InputError, RunError  # noqa: F401
-    from .fabric.fabric import Fabric  # noqa: F401
-    from .fabric.file import load_fabric  # noqa: F401
-    from .fabric.presets import assumed_fabric, glass_polypropylene  # noqa: F401
-    from .fabric.response import respond  # noqa: F401
-    from .process.dynamics import Dynamics  # noqa: F401
-    from .process.loads import NodalLoads  # noqa: F401
-    from .process.strokes import Fixed, ForceDriven, SmoothStroke, Stroke  # noqa: F401
-    from .process.supports import Drive, Support  # noqa: F401
-    from .run.frame import Frame, Observer, Outcome  # noqa: F401
-    from .run.simulation import Simulation  # noqa: F401
-    from .sheet.blank import Blank  # noqa: F401
-    from .sheet.sheet import Sheet  # noqa: F401
-    from .sheet.symmetry import Symmetry  # noqa: F401
-    from .tools.mesh_tool import MeshShape  # noqa: F401
-    from .tools.shapes import (  # noqa: F401
+    from .checks import NotNegative, Positive, json_schema
+    from .device import Precision
+    from .engine.model import Model
+    from .engine.setup import Rest, Setup, Solver, World
+    from .engine.state import State
+    from .engine.stepper import Stepper
+    from .errors import InputError, RunError
+    from .fabric.bending.curve import BendingCurve, FamilyBending
+    from .fabric.bending.isotropic import IsotropicBending
+    from .fabric.bending.law import BendingLaw
+    from .fabric.bending.yarns import YarnBending
+    from .fabric.cell.contract import EnergyCell, UnitCell
+    from .fabric.cell.membrane import LinearMembrane
+    from .fabric.cell.tape import UnidirectionalTape
+    from .fabric.cell.weaves import FloatWeave, PlainWeave, SatinWeave, TwillWeave
+    from .fabric.compaction import Compaction
+    from .fabric.device_form import DeviceForm, Tabulated
+    from .fabric.fabric import Fabric, Stabilisation
+    from .fabric.file import load_fabric, resolve_fabric
+    from .fabric.presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
+    from .fabric.response import respond
+    from .fabric.shear.friction import CrossoverFriction, ShearFriction
+    from .fabric.shear.law import ShearLaw
+    from .fabric.shear.linear import LinearShear
+    from .fabric.shear.moment_curve import MomentCurve
+    from .output.folder import ResultFolder
+    from .output.writer import Writer
+    from .process.dynamics import Dynamics
+    from .process.loads import NodalLoads
+    from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
+    from .process.supports import Drive, Support
+    from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
+    from .run.relaxation import relax
+    from .run.simulation import Simulation
+    from .sheet.blank import Blank
+    from .sheet.sheet import Sheet
+    from .sheet.symmetry import Symmetry
+    from .tools.mesh_tool import MeshShape
+    from .tools.shapes import (
         Capsule,
         DomeCavity,
         DomeOpening,
@@ -46,23 +67,43 @@ if TYPE_CHECKING:
         Union,
         rotation_matrix,
     )
-    from .tools.tool import Tool  # noqa: F401
+    from .tools.tool import Tool
 
 # The modules of the public names; the imports above are the same list for type checkers.
 _names_in = {
     "checks": ("NotNegative", "Positive", "json_schema"),
     "device": ("Precision",),
+    "engine.model": ("Model",),
     "engine.setup": ("Rest", "Setup", "Solver", "World"),
+    "engine.state": ("State",),
+    "engine.stepper": ("Stepper",),
     "errors": ("InputError", "RunError"),
-    "fabric.fabric": ("Fabric",),
-    "fabric.file": ("load_fabric",),
-    "fabric.presets": ("assumed_fabric", "glass_polypropylene"),
+    "fabric.bending.curve": ("BendingCurve", "FamilyBending"),
+    "fabric.bending.isotropic": ("IsotropicBending",),
+    "fabric.bending.law": ("BendingLaw",),
+    "fabric.bending.yarns": ("YarnBending",),
+    "fabric.cell.contract": ("EnergyCell", "UnitCell"),
+    "fabric.cell.membrane": ("LinearMembrane",),
+    "fabric.cell.tape": ("UnidirectionalTape",),
+    "fabric.cell.weaves": ("FloatWeave", "PlainWeave", "SatinWeave", "TwillWeave"),
+    "fabric.compaction": ("Compaction",),
+    "fabric.device_form": ("DeviceForm", "Tabulated"),
+    "fabric.fabric": ("Fabric", "Stabilisation"),
+    "fabric.file": ("load_fabric", "resolve_fabric"),
+    "fabric.presets": ("PRESETS", "UNIT_CELLS", "assumed_fabric", "glass_polypropylene"),
     "fabric.response": ("respond",),
+    "fabric.shear.friction": ("CrossoverFriction", "ShearFriction"),
+    "fabric.shear.law": ("ShearLaw",),
+    "fabric.shear.linear": ("LinearShear",),
+    "fabric.shear.moment_curve": ("MomentCurve",),
+    "output.folder": ("ResultFolder",),
+    "output.writer": ("Writer",),
     "process.dynamics": ("Dynamics",),
     "process.loads": ("NodalLoads",),
-    "process.strokes": ("Fixed", "ForceDriven", "SmoothStroke", "Stroke"),
+    "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),
     "process.supports": ("Drive", "Support"),
-    "run.frame": ("Frame", "Observer", "Outcome"),
+    "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),
+    "run.relaxation": ("relax",),
     "run.simulation": ("Simulation",),
     "sheet.blank": ("Blank",),
     "sheet.sheet": ("Sheet",),

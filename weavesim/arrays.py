@@ -14,6 +14,11 @@ from pydantic_core import CoreSchema, core_schema
 LONGEST_LIST = 32
 
 
+def frozen(array: np.ndarray) -> np.ndarray:
+    """A copy of ``array`` on immutable bytes: unlike a flag, they cannot be made writable again."""
+    return np.ndarray(array.shape, array.dtype, buffer=array.tobytes())
+
+
 class _ArrayType:
     """Annotation of a NumPy array as a field: converted to one data type, copied, read-only."""
 
@@ -53,8 +58,7 @@ class _ArrayType:
             array = np.array(given, dtype=self.dtype, order="C")
             if self.dtype.kind == "i" and not np.array_equal(array, given):
                 raise ValueError(f"numbers out of range of {self.dtype.name}")
-        array.setflags(write=False)
-        return array
+        return frozen(array)
 
     def _unpacked(self, value: Mapping[str, Any]) -> np.ndarray:
         try:

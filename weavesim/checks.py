@@ -2,25 +2,23 @@
 
 ``Parameters`` is a frozen record that is checked on construction and names the value that is wrong. ``Kinded`` is the
 base class of families such as shapes or laws, whose members are identified by ``kind`` in JSON. Array fields use the
-types of ``arrays.py``.
+types of ``arrays.py``, and values that are not fields are checked by ``quantities.py``.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import math
 import reprlib
 from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
@@ -36,6 +34,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema
 
+from .arrays import frozen
 from .errors import InputError
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -53,25 +52,6 @@ def at_most(largest: float, hint: str) -> AfterValidator:
         return value
 
     return AfterValidator(check)
-
-
-def positive_number(name: str, value: Any, *, largest: float = float("inf"), hint: str = "") -> float:
-    """``value`` as a number above zero, for values that are not fields of a class.
-
-    Raises:
-        InputError: not a number, not above zero, or above ``largest``; the ``hint`` explains that limit.
-    """
-    if isinstance(value, bool | str | bytes):
-        raise InputError(f"{name} = {value!r}: a number above 0 is needed")
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {value!r}: a number above 0 is needed") from None
-    if not 0.0 < number < float("inf"):
-        raise InputError(f"{name} = {number:.6g}: a finite number above 0 is needed")
-    if number > largest:
-        raise InputError(f"{name} = {number:.6g}: at most {largest:.4g} is allowed: {hint}")
-    return number
 
 
 if TYPE_CHECKING:
@@ -99,7 +79,7 @@ else:
 class Parameters(_Model):
     """Immutable, checked values; a bad one raises an InputError that names it.
 
-    Equality and hash are by content, including arrays. ``positional`` lists the fields that may be given by
+    Equality and hash are by content, including arrays, bit by bit. ``positional`` lists the fields that may be given by
     position, in order.
     """
 
@@ -121,6 +101,15 @@ class Parameters(_Model):
             types = set(_types(cls.model_fields[info.field_name].annotation))
             if types & {int, float} and bool not in types:
                 raise ValueError("a number is needed, not true or false")
+        return value
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _one_is_no_list(cls, value: Any, info: ValidationInfo) -> Any:
+        # Pydantic would take the fields of a lone value as the entries of the list
+        field = cls.model_fields[info.field_name or ""]
+        if isinstance(value, Parameters) and get_origin(field.annotation) is tuple:
+            raise ValueError(_PLAIN["tuple_type"])
         return value
 
     def __init__(self, *arguments: Any, **values: Any) -> None:
@@ -187,17 +176,27 @@ class Parameters(_Model):
 
     def __setstate__(self, state: dict[Any, Any]) -> None:
         super().__setstate__(state)
-        for value in self.__dict__.values():
-            if isinstance(value, np.ndarray):  # pickle does not keep the read-only flag
-                value.setflags(write=False)
+        for name, value in self.__dict__.items():
+            if isinstance(value, np.ndarray):  # those of a pickle are writable
+                self.__dict__[name] = frozen(value)
+
+    def __copy__(self) -> Self:
+        return self  # it never changes
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        return self
 
 
 def _same(a: Any, b: Any) -> bool:
+    """Whether two values have the same bits, as their hashes see them: 0.0 and -0.0 differ."""
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.dtype == b.dtype and np.array_equal(a, b)
+        alike = isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.dtype == b.dtype and a.shape == b.shape
+        return alike and a.tobytes() == b.tobytes()
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(_same, a, b))
-    return bool(a == b)
+    if isinstance(a, float) and isinstance(b, float):
+        return a.hex() == b.hex()
+    return type(a) is type(b) and bool(a == b)
 
 
 # These replace Pydantic's own messages.
@@ -205,6 +204,8 @@ _PLAIN = {
     "greater_than": "a number above {gt:g} is needed", "greater_than_equal": "at least {ge:g} is needed",
     "less_than": "a number below {lt:g} is needed", "less_than_equal": "at most {le:g} is allowed",
     "float_type": "a number is needed", "float_parsing": "a number is needed",
+    "finite_number": "a finite number is needed", "int_from_float": "a whole number is needed",
+    "string_type": "a text is needed", "tuple_type": "give a list", "literal_error": "one of {expected} is needed",
     "model_type": "a {class_name} is needed", "extra_forbidden": "unknown name",
 }  # fmt: skip
 
@@ -222,8 +223,12 @@ def _problems(error: ValidationError) -> str:
         elif isinstance(problem["input"], dict | np.ndarray):  # too long to show
             lines.setdefault(name, f"{name}: {message}" if name else message)
         else:
-            lines.setdefault(name, f"{name} = {reprlib.repr(problem['input'])}: {message}" if name else message)
+            lines.setdefault(name, f"{name} = {_shown(problem['input'])}: {message}" if name else message)
     return "; ".join(lines.values())
+
+
+def _shown(value: Any) -> str:
+    return f"{type(value).__name__}(...)" if isinstance(value, Parameters) else reprlib.repr(value)
 
 
 def _types(annotation: Any) -> Iterator[Any]:
@@ -267,7 +272,7 @@ class Kinded(Parameters):
             raise ValueError(f"one of {', '.join(cls.kinds())} is needed")
         implied = cls.implied_kind if Kinded in cls.__bases__ else None
         name = value.get("kind", implied or cls.__name__)
-        if name not in cls.kinds():
+        if not isinstance(name, str) or name not in cls.kinds():
             raise ValueError(
                 f"kind = {name!r}: one of {', '.join(cls.kinds())} is needed; import the module that defines your own "
                 "kind before reading it"
@@ -323,78 +328,3 @@ def json_schema(cls: type[Parameters]) -> dict[str, Any]:
 
     schema = described(cls)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "$defs": definitions}
-
-
-# --- single values ----------------------------------------------------------------------------------------------------
-
-Vector = tuple[float, float, float]
-
-
-def positive(what: str, value: Any) -> float:
-    """``value`` as a float; InputError unless it is finite and above zero."""
-    number = finite(what, value)
-    if number <= 0.0:
-        raise InputError(f"{what} is {value}; it must be above zero.")
-    return number
-
-
-def finite(what: str, value: Any) -> float:
-    """``value`` as a float; InputError unless it is a finite number."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{what} is {value!r}; it must be a number.") from None
-    if not math.isfinite(number):
-        raise InputError(f"{what} is {value}; it must be finite.")
-    return number
-
-
-def vector(what: str, value: Any) -> Vector:
-    """``value`` as three finite floats; InputError otherwise."""
-    try:
-        return _vector(value)
-    except ValueError as error:
-        raise InputError(f"{what} is {value!r}; {error}.") from None
-
-
-def unit_vector(what: str, value: Any) -> Vector:
-    """``value`` scaled to length one; InputError if it has no direction."""
-    try:
-        return _unit_vector(value)
-    except ValueError as error:
-        raise InputError(f"{what} is {value!r}; {error}.") from None
-
-
-def _vector(value: Any) -> Vector:
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.empty(0)
-    if array.shape != (3,) or not np.all(np.isfinite(array)):
-        raise ValueError("it must be three finite numbers")
-    return (float(array[0]), float(array[1]), float(array[2]))
-
-
-def _unit_vector(value: Any) -> Vector:
-    given = _vector(value)
-    length = float(np.linalg.norm(given))
-    if length < 1e-12:
-        raise ValueError("it is a direction and must not be zero")
-    # a vector that is already scaled keeps its bits
-    return given if abs(length - 1.0) <= UNIT_ROUNDING else _vector(np.array(given) / length)
-
-
-def _numbers(value: Any) -> tuple[float, ...]:
-    try:
-        items = tuple(value)
-    except TypeError:
-        raise ValueError("it must be a list of numbers") from None
-    return tuple(finite(f"entry {k}", item) for k, item in enumerate(items))
-
-
-# A vector that was scaled to length one differs from it by less than this.
-UNIT_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
-# Types of fields: three finite numbers; the same, scaled to length one; any finite numbers.
-FiniteVector = Annotated[Vector, BeforeValidator(_vector)]
-UnitVector = Annotated[Vector, BeforeValidator(_unit_vector)]
-Numbers = Annotated[tuple[float, ...], BeforeValidator(_numbers)]

@@ -1,7 +1,7 @@
-"""Energies of the built-in unit cells beside the plain weave, per reference area (docs/theory.md, section 2).
+"""Energies of the built-in unit cells other than the plain weave, per reference area (docs/theory.md, section 2).
 
-Each is a function of its parameters, the stretches, the shear angle and the unknowns, in double precision: what a user
-writes for a cell of his own.
+Each is a function of its parameters, the stretches, the shear angle and the unknowns, in double precision, like the
+energy of a user-defined cell.
 """
 
 from typing import Any
@@ -14,7 +14,7 @@ from warp import float64 as real
 
 @wp.func
 def bar_energy(elongation: real, tensile: real, compressive: real):
-    """1/2 k elongation^2 with the stiffness [N/m] of its sign."""
+    """1/2 k elongation^2 with the stiffness [N/m] for its sign."""
     return real(0.5) * wp.where(elongation > real(0.0), tensile, compressive) * elongation * elongation
 
 
@@ -24,7 +24,7 @@ def yarn_energies(p: Any, k: int, stretch: real, w: real, float_strain: real):
     length = p.chord_length[k]
     spacing = p.half_spacing[k]
     height = p.crimp_height[k]
-    # what the float does not take of the elongation is left for the crimped beam
+    # the crimped beam takes the part of the elongation that the float does not
     u = (stretch - real(1.0)) * (spacing + p.float_length[k]) - float_strain * p.float_length[k]
     x = spacing + u
     h = height + w
@@ -40,14 +40,14 @@ def yarn_energies(p: Any, k: int, stretch: real, w: real, float_strain: real):
 
 @wp.func
 def floats_closing(p: Any, q: Any):
-    """How far warp and weft are pressed into each other, where the contact acts [m]."""
+    """Penetration of warp and weft at the contact, where it is active [m]."""
     closing = -p.height_scale * (q[0] + q[1])
     return wp.where(p.unilateral > real(0.0), wp.max(closing, real(0.0)), closing)
 
 
 @wp.func
 def floats_energies(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
-    """Axial warp, axial weft, bending of the yarns, contact; q: height changes over a scale, strains of the floats."""
+    """Axial warp, axial weft, bending of the yarns, contact; q: scaled height changes, strains of the floats."""
     warp = yarn_energies(p, 0, warp_stretch, p.height_scale * q[0], q[2])
     weft = yarn_energies(p, 1, weft_stretch, p.height_scale * q[1], q[3])
     closing = floats_closing(p, q)
@@ -66,9 +66,9 @@ def floats_crossover_pressure(p: Any, warp_stretch: real, weft_stretch: real, sh
 
 @wp.func
 def stitch_leg_strain(p: Any, warp_stretch: real, weft_stretch: real, sine: real):
-    """Strain of a diagonal that goes ``stitch_pitch`` along the tows and ``tow_spacing`` across.
+    """Strain of a diagonal that extends ``stitch_pitch`` along the tows and ``tow_spacing`` across.
 
-    ``sine`` is that of the shear angle, with the other sign for the other diagonal.
+    ``sine`` is that of the shear angle, with opposite sign for the other diagonal.
     """
     along = p.stitch_pitch * warp_stretch
     across = p.tow_spacing * weft_stretch
@@ -79,7 +79,7 @@ def stitch_leg_strain(p: Any, warp_stretch: real, weft_stretch: real, sine: real
 
 @wp.func
 def tape_energies(p: Any, warp_stretch: real, weft_stretch: real, shear_angle: real, q: Any):
-    """Tows, stitches, and tows against each other; q: thread that slips from one leg to the other, as a strain."""
+    """Tows, stitches, and interaction of tows; q: thread that slips from one leg to the other, as a strain."""
     sine = wp.sin(shear_angle)
     tow = bar_energy(warp_stretch - real(1.0), p.tow_stiffness, p.tow_compressive_stiffness)
     first = wp.max(stitch_leg_strain(p, warp_stretch, weft_stretch, sine) - p.stitch_slack - q[0], real(0.0))

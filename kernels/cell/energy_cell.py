@@ -1,13 +1,13 @@
-"""How any energy becomes a unit cell (docs/theory.md, section 2).
+"""Unit cells from arbitrary energies (docs/theory.md, section 2).
 
-A cell answers the strains of an element, warp stretch - 1, weft stretch - 1 and shear angle, with what follows from its
-energy psi per reference area: n_1 = dpsi/dlambda_1, n_2 = dpsi/dlambda_2, m = dpsi/dgamma. What else it needs are
-internal unknowns q with dpsi/dq = 0. The kernels are made for one cell: its functions are compiled into them.
+For the strains of an element, warp stretch - 1, weft stretch - 1 and shear angle, a cell returns the derivatives of its
+energy psi per reference area: n_1 = dpsi/dlambda_1, n_2 = dpsi/dlambda_2, m = dpsi/dgamma. It may have internal
+unknowns q with dpsi/dq = 0. Kernels are generated for one cell, with its functions compiled into them.
 
-``energy_cell`` makes a cell of one scalar function. Its derivatives come from ``wp.grad`` unless given, second ones
-from differences of the first. It works in double precision whatever the precision of the run, lane by lane: the
-differences, and energies that are compared, then have digits to spare, and single precision only rounds what goes in
-and out.
+``energy_cell`` makes a cell from one scalar function. Its derivatives are from ``wp.grad`` unless given, second
+derivatives from differences of the first. It works in double precision whatever the precision of the run, lane by
+lane: differences, and energies that are compared, then have sufficient digits, and single precision only rounds input
+and output.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from warp import float64 as real
 from .law import CellLaw
 from .newton import CellEnergy, condensed_tangent_function, emitted_late, equilibrium_function
 
-# A change of an unknown in one time step beyond this may be a snap.
+# A larger change of an unknown in one time step may be a snap.
 SNAP_CHANGE = wp.constant(real(0.05))
 # Tangents are also taken in tension: with slack yarns stretched by this much.
 PULL = wp.constant(real(1.0e-3))
@@ -28,7 +28,7 @@ PULL = wp.constant(real(1.0e-3))
 
 @cache
 def parameter_struct(name: str, fields: tuple[tuple[str, int], ...]):
-    """A struct with one double, or a vector of ``length`` doubles, per field, and the settings of the iteration."""
+    """A struct with a double, or a vector of ``length`` doubles, per field, and the settings of the iteration."""
 
     def kind(length: int):
         return wp.float64 if length == 1 else wp.types.vector(length, wp.float64)
@@ -42,14 +42,14 @@ def parameter_struct(name: str, fields: tuple[tuple[str, int], ...]):
 class CellFunctions:
     """Warp functions of (parameters, warp stretch, weft stretch, shear angle, q), all per reference area.
 
-    All arguments are doubles, q is a vector of doubles, one at least. The unknowns are dimensionless, so that a change
-    of one is large.
+    All arguments are doubles, q is a vector of at least one double. The unknowns are dimensionless, scaled so that a
+    change of 1 is large.
 
     Attributes:
-        energy: psi [J/m^2]; may be left out if ``parts`` is given.
+        energy: psi [J/m^2]; optional if ``parts`` is given.
         parts: a vector with the parts of the energy, for the ledger.
-        gradient: a vector with the derivatives by warp stretch, weft stretch, shear angle and the unknowns, if they are
-            known by hand.
+        gradient: optional: a vector with the hand-written derivatives with respect to warp stretch, weft stretch, shear
+            angle and the unknowns.
         crossover_pressure: force between warp and weft [N/m^2].
     """
 
@@ -72,9 +72,9 @@ def energy_cell(
 
     Args:
         name: for messages.
-        fields: names of the parameters in the struct that the functions get, and the length of each.
+        fields: names and lengths of the parameters in the struct that the functions get.
         unknown_count: length of q; 0 if there are no unknowns.
-        functions: energy and what else is known of it.
+        functions: the energy and optional functions.
         part_names: of the energy.
         depends_on_shear: False if the shear angle is not used.
     """
@@ -135,7 +135,7 @@ def unknowns_function(n: int) -> wp.Function:
 
 
 def cell_energy(Parameters: Any, n: int, energy: wp.Function, gradient: wp.Function | None) -> CellEnergy:
-    """The energy as a function of one vector; its gradient by hand, or by ``wp.grad``."""
+    """The energy as a function of one vector; its gradient hand-written, or from ``wp.grad``."""
     vector, unknowns_of = wp.types.vector(3 + n, real), unknowns_function(n)
 
     @wp.func
@@ -159,7 +159,7 @@ def cell_energy(Parameters: Any, n: int, energy: wp.Function, gradient: wp.Funct
 
 
 def parts_function(cell: CellEnergy, parts: wp.Function | None, part_count: int) -> wp.Function:
-    """Warp function (p, x) -> vector of the energy's parts; without any, the energy is the only one."""
+    """Warp function (p, x) -> vector of the energy's parts; without parts, the energy is the only one."""
     Parameters, vector, energy_of = cell.parameters, cell.vector, cell.energy
     unknowns_of = unknowns_function(cell.unknown_count)
     part_vector, has_parts = wp.types.vector(part_count, real), parts is not None
@@ -177,7 +177,7 @@ def parts_function(cell: CellEnergy, parts: wp.Function | None, part_count: int)
 
 
 def crossover_function(cell: CellEnergy, pressure_of: wp.Function | None) -> wp.Function:
-    """Warp function (p, x) -> force between warp and weft per reference area; zero if the cell knows none."""
+    """Warp function (p, x) -> force between warp and weft per reference area; zero if the cell has none."""
     Parameters, vector, unknowns_of = cell.parameters, cell.vector, unknowns_function(cell.unknown_count)
     has_crossover = pressure_of is not None
 
@@ -192,7 +192,7 @@ def crossover_function(cell: CellEnergy, pressure_of: wp.Function | None) -> wp.
 
 
 # --- the contract of kernels/cell/law.py, lane by lane ----------------------------------------------------------------
-# Loops over lanes run at run time: unrolled, sixteen lanes of Newton's method would be sixteen copies of it.
+# Loops over lanes are not unrolled: sixteen lanes of Newton's method would be sixteen copies of it.
 
 
 def lane_state_function(cell: CellEnergy) -> wp.Function:
@@ -244,7 +244,7 @@ def solution_functions(
 
     @wp.func
     def stable_tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int, t: Any):
-        """State 0: as it is; 1: the same with its yarns, if slack, just pulled taut."""
+        """State 0: the current one; 1: the same, with slack yarns just pulled taut."""
         _late = wp.grad(emitted_late)(real(0.0))
         c11 = type(strain1)()
         c12 = type(strain1)()
@@ -334,8 +334,8 @@ def snap_loss_function(cell: CellEnergy, lane_state: wp.Function) -> wp.Function
                 jump = wp.max(jump, wp.abs(after[3 + k] - before[3 + k]))
             if jump > SNAP_CHANGE:
                 freed = energy_of(p, before) - energy_of(p, after)
-                # on the way down a convex energy frees less than its slope at the start promises: that is a fast but
-                # steady change, whose work the forces have done
+                # descending, a convex energy releases less than its initial slope predicts: that is a fast but steady
+                # change, whose work was done by the forces
                 g = gradient_of(p, before)
                 promised = real(0.0)
                 for k in range(n):

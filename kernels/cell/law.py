@@ -1,4 +1,4 @@
-"""The contract of a unit cell: what it answers to the strains of an element (docs/theory.md, section 2)."""
+"""The contract of a unit cell: its response to the strains of an element (docs/theory.md, section 2)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ import warp as wp
 from ..lanes import lane_types
 
 LARGEST_UNKNOWN_COUNT = 4
-# Newton iterations of a cell in one step; what is left after them is reported as its residual.
+# Largest number of Newton iterations of a cell in one step; the remainder is reported as its residual.
 MAXIMUM_ITERATIONS = 40
 
 
 @cache
 def cell_answer_struct(real: type, lane_count: int, row_count: int):
-    """What a unit cell answers; ``row_count`` is that of its ``CellLaw``."""
+    """Response of a unit cell; ``row_count`` is that of its ``CellLaw``."""
     lanes = lane_types(real, lane_count).lanes
 
     @wp.struct
@@ -34,7 +34,7 @@ def cell_answer_struct(real: type, lane_count: int, row_count: int):
 
 @cache
 def tangent_struct(real: type, lane_count: int):
-    """First and second derivatives of an energy by (stretch 1, stretch 2, shear angle) [N/m]."""
+    """First and second derivatives of an energy with respect to (stretch 1, stretch 2, shear angle) [N/m]."""
     lanes = lane_types(real, lane_count).lanes
 
     @wp.struct
@@ -66,15 +66,15 @@ class CellLaw:
         parameters: ``parameters(real)`` is the struct of the cell's constants in one precision.
         unknown_count: number n of unknowns, 0 to 4.
         energy_names: the parts of the energy, entries of the ledger.
-        depends_on_shear: False spares all that would be zero.
-        lane_by_lane: True if its functions take one lane after the other, so that wide kernels gain nothing.
-        stable_state_count: states whose tangents ``stable_tangent`` gives.
+        depends_on_shear: False skips all terms that would be zero.
+        lane_by_lane: True if its functions process one lane after the other, so that wide kernels gain nothing.
+        stable_state_count: number of states for ``stable_tangent``.
         solve: (..., start q, an empty ``CellAnswer``) -> ``CellAnswer``.
         energies: (..., q, area) -> one row per part [J]; like ``tangent`` for kernels of one lane.
         tangent: (..., q, an empty ``Tangent``) -> ``Tangent`` at equilibrium, without n_1, n_2, m and the pressure.
-        stable_tangent: (..., q, state, an empty ``Tangent``) -> ``Tangent`` with the yarns in tension: what becomes of
-            the cell as soon as it is pulled. Where one state is not enough, there are several.
-        snap_loss: (..., start q, q) -> energy that a jump to another equilibrium freed [J/m^2], 0 where none happened.
+        stable_tangent: (..., q, state, an empty ``Tangent``) -> ``Tangent`` with the yarns in tension, as soon as the
+            cell is pulled. There are several states where one is not enough.
+        snap_loss: (..., start q, q) -> energy released by a jump to another equilibrium [J/m^2], 0 without a jump.
     """
 
     name: str
@@ -92,5 +92,5 @@ class CellLaw:
 
     @property
     def row_count(self) -> int:
-        """Rows of the array of unknowns; a cell without unknowns has one that nobody reads."""
+        """Rows of the array of unknowns; a cell without unknowns has one unused row."""
         return max(self.unknown_count, 1)

@@ -1,6 +1,6 @@
-"""Equilibrium of an energy's unknowns by a safeguarded Newton method, and the tangent that they leave to the strains.
+"""Equilibrium of an energy's unknowns by a safeguarded Newton method, and the condensed tangent.
 
-In double precision, one cell at a time. Derivatives beyond the gradient come from its differences.
+In double precision, one cell at a time. Second derivatives are finite differences of the gradient.
 """
 
 from dataclasses import dataclass
@@ -12,11 +12,11 @@ from warp import float64 as real
 
 from .law import MAXIMUM_ITERATIONS
 
-# A step of differences: unknowns, stretches and angles are all of order one.
+# Step of finite differences: unknowns, stretches and angles are all of order one.
 LARGEST_FORWARD_STEP = wp.constant(real(1.0e-7))
 SMALLEST_FORWARD_STEP = wp.constant(real(1.0e-10))
 CENTRAL_STEP = wp.constant(real(1.0e-8))
-# Largest change of an unknown in one Newton step, and what is small enough to be taken unchecked.
+# Largest change of an unknown in one Newton step, and largest change that is accepted without a check.
 STEP_LIMIT = wp.constant(real(0.25))
 SMALL_STEP = wp.constant(real(1.0e-3))
 # Least stiffness of an unknown over the floor of the forces.
@@ -25,10 +25,9 @@ LEAST_STIFFNESS = wp.constant(real(1.0e-12))
 
 @wp.func
 def emitted_late(x: wp.float64):
-    """Differentiated, without a use, by every function that needs a gradient, also through another one.
+    """Differentiated, without being used, by every function that needs a gradient, directly or indirectly.
 
-    Warp 1.19 writes functions that call wp.grad after all others, and does not move their callers along: so these
-    call it too.
+    Warp 1.19 emits functions that call wp.grad after all others, but not their callers; so the callers call it too.
     """
     return x
 
@@ -53,7 +52,7 @@ class CellEnergy:
 
     @property
     def unknowns(self) -> Any:
-        """Type of the vector of unknowns, which has one entry at least."""
+        """Type of the vector of unknowns, which has at least one entry."""
         return wp.types.vector(max(self.unknown_count, 1), real)
 
     @property
@@ -95,7 +94,7 @@ def cholesky_functions(n: int, square: Any, unknowns: Any):
     def cholesky(h: square, least: real):
         """Lower triangle of H + tau diag |H|, tau the first of 0, 1e-3, 2e-3, ... that makes it positive definite.
 
-        An unknown that nothing holds, such as the stretch of a float of no length, gets a stiffness of its own.
+        An unknown without stiffness, such as the strain of a float of zero length, gets an artificial one.
         """
         largest = least
         for k in range(n):
@@ -139,7 +138,7 @@ def equilibrium_function(cell: CellEnergy) -> wp.Function:
 
     @wp.func
     def relative_residual(p: Parameters, g: vector, stiffest: real):
-        """Largest |dpsi/dq| over the forces, a floor, and what rounding leaves of the stiffest unknown's."""
+        """Largest |dpsi/dq| over the size of the forces, a floor, and the rounding error of the stiffest unknown."""
         worst = real(0.0)
         for k in range(n):
             worst = wp.max(worst, wp.abs(g[3 + k]))
@@ -149,11 +148,11 @@ def equilibrium_function(cell: CellEnergy) -> wp.Function:
 
     @wp.func
     def hessian(p: Parameters, x: vector, g: vector, reach: real, stiffest: real):
-        """Second derivatives by the unknowns from steps of ``reach``, and the largest stiffness met so far."""
+        """Second derivatives with respect to the unknowns, by steps of ``reach``, and the largest stiffness so far."""
         _late = wp.grad(emitted_late)(real(0.0))
         h = square()
         for k in range(n):
-            # towards the minimum: a member that becomes taut before it is then met with its stiffness
+            # towards the minimum: this includes the stiffness of a member that becomes taut before it
             change = wp.where(g[3 + k] > real(0.0), -reach, reach)
             y = x
             y[3 + k] = y[3 + k] + change
@@ -186,7 +185,7 @@ def equilibrium_function(cell: CellEnergy) -> wp.Function:
         iterations = real(0.0)
         residual = relative_residual(p, g, stiffest)
         for _iteration in range(MAXIMUM_ITERATIONS):
-            # a NaN ends it too
+            # a NaN ends the loop too
             if not residual > p.tolerance:
                 break
             h, stiffest = hessian(p, x, g, reach, stiffest)
@@ -195,7 +194,7 @@ def equilibrium_function(cell: CellEnergy) -> wp.Function:
                 by_q[k] = g[3 + k]
             step, longest = newton_step(p, h, by_q)
             x, g, share = descend(p, x, step, longest, wp.dot(by_q, step))
-            # near a kink that is closer than the reach of the differences they would mix both sides
+            # near a kink, differences with a larger reach would mix both sides
             reach = wp.clamp(real(0.01) * share * longest, SMALLEST_FORWARD_STEP, LARGEST_FORWARD_STEP)
             residual = relative_residual(p, g, stiffest)
             iterations = iterations + real(1.0)
@@ -211,10 +210,10 @@ def descent_function(cell: CellEnergy) -> wp.Function:
 
     @wp.func
     def descend(p: Parameters, x: vector, step: unknowns, longest: real, slope: real):
-        """A step is taken back in part while it overshoots or, unless it is small, the energy grows.
+        """Take the step, shortened while it overshoots or, unless it is small, the energy grows.
 
-        It overshoots where the slope along it has changed sign and keeps more than half its size; after either, the
-        search goes on until the slope has lost half its size.
+        It overshoots if the slope along it has changed sign and kept more than half its size; in both cases the search
+        continues until the slope has lost half its size.
         """
         _late = wp.grad(emitted_late)(real(0.0))
         before = real(0.0)
@@ -237,7 +236,7 @@ def descent_function(cell: CellEnergy) -> wp.Function:
             grown = real(0.0)
             if share * longest > SMALL_STEP:
                 grown = energy_of(p, y) - before - real(1.0e-15) * (wp.abs(before) + p.force_floor)
-            # between two known points by turns of the secant and the middle: at a kink the secant alone creeps
+            # between two known points, alternate secant and bisection: at a kink the secant alone converges slowly
             part = real(0.5)
             if rise > real(0.5) * slope or grown > real(0.0):
                 high = share

@@ -5,8 +5,8 @@ Energy of the half cell, per yarn k (1 = warp, 2 = weft), with chord X_k = L_k +
     Pi = sum_k [ 1/2 (EA_k/l0_k) (l_k - l0_k)^2 + 1/2 (3 EI_k/l0_k) phi_k^2 ] + 1/2 k_c (w_1 + w_2)^2
 
 u_k is prescribed by the shell (yarn stretch), w_k is found by a safeguarded Newton iteration on dPi/dw = 0, whose
-matrix is the Hessian of Pi, that is K = K_E + K_G, equation (2) of the paper after the prescribed rows of equation (3)
-are taken out. In compression the yarn is a buckled bundle: its axial stiffness is ``compressive_stiffness``.
+matrix is the Hessian of Pi, that is K = K_E + K_G, equation (2) of the paper without the prescribed rows of
+equation (3). In compression the yarn is a buckled bundle: its axial stiffness is ``compressive_stiffness``.
 """
 
 from functools import cache
@@ -19,7 +19,7 @@ from ..operators import div, mul  # noqa: F401
 from .law import MAXIMUM_ITERATIONS, CellLaw
 from .yarn import yarn_axial_stiffness, yarn_expansion, yarn_forces, yarn_hessian, yarn_remainder, yarn_strain
 
-# A height change in one step beyond this share of the crimp heights is a snap: the energy that it frees is booked.
+# A height change in one step beyond this share of the crimp heights is a snap: the energy released is booked.
 SNAP_SHARE = wp.constant(0.05)
 ENERGY_NAMES = ("warp_axial", "weft_axial", "yarn_bending", "crossover_contact")
 
@@ -38,17 +38,17 @@ def unit_cell_struct(real: type):
         rotation_stiffness: wp.types.vector(2, real)  # 3 EI / l0 [N m]
         contact_stiffness: real  # E_3 A_3 / L_3 of the half cell [N/m]
         unilateral: wp.int32  # 1: the yarns may separate
-        tolerance: real  # residual relative to the forces that it balances
-        resolution: real  # share of the cancelling parts of the elongation that counts as size of the residual
+        tolerance: real  # residual relative to the forces in balance
+        resolution: real  # share of the cancelling parts of the elongation that counts as rounding of the residual
         stiffness_floor: real  # of a slack yarn, in the Newton matrix only [N/m]
-        force_floor: real  # smallest force that the residual is compared with [N]
+        force_floor: real  # smallest reference force of the residual [N]
 
     return PlainWeave
 
 
 @wp.func
 def contact_active(cell: Any, closing: Any):
-    """1 where the contact element carries force: everywhere if bilateral, where yarns are pressed if unilateral."""
+    """1 where the contact element carries force: everywhere if bilateral, in compression only if unilateral."""
     active = fill(closing, 1.0)
     if cell.unilateral == 1:
         active = where_positive(closing, active, fill(closing, 0.0))
@@ -76,17 +76,17 @@ def yarn_pair(cell: Any, u1: Any, u2: Any, w: Any):
 
 @wp.func
 def residual_size(sizes: Any, crossover: Any, least: Any):
-    """What the residual is compared with [N]."""
+    """Reference force of the residual [N]."""
     return larger(sizes[0], sizes[1]) + magnitude(crossover) + least
 
 
 @wp.func
 def regular_parts(cell: Any, hessian: Any, elastic: Any, stiffness: Any):
-    """Parts of the yarns in a positive definite matrix; positive where nothing had to be left out for that."""
-    # (h1 + k)(h2 + k) - k^2, written so that a stiff contact does not cancel it
+    """Yarn terms of a positive definite matrix; positive where no term had to be dropped for that."""
+    # (h1 + k)(h2 + k) - k^2, written to avoid cancellation with a stiff contact
     determinant = hessian[0] * hessian[1] + stiffness * (hessian[0] + hessian[1])
     definite = smaller(determinant, hessian[0] + stiffness)
-    # a slack yarn without bending stiffness has none: the least that keeps the matrix regular
+    # a slack yarn without bending stiffness has none: use the least that keeps the matrix regular
     floor = fill(stiffness, cell.stiffness_floor)
     own1 = where_positive(definite, hessian[0], elastic[0] + floor)
     own2 = where_positive(definite, hessian[1], elastic[1] + floor)
@@ -95,7 +95,7 @@ def regular_parts(cell: Any, hessian: Any, elastic: Any, stiffness: Any):
 
 @wp.func
 def against(diagonal: Any, stiffness: Any, inverse: Any, force: Any):
-    """-H^-1 force, for H with this diagonal, ``stiffness`` beside it, and 1/det H = ``inverse``."""
+    """-H^-1 force, for H with this diagonal, off-diagonal ``stiffness``, and 1/det H = ``inverse``."""
     return wp.matrix_from_rows(
         (stiffness * force[1] - diagonal[1] * force[0]) * inverse,
         (stiffness * force[0] - diagonal[0] * force[1]) * inverse,
@@ -112,7 +112,7 @@ def pair_expansion(cell: Any, state1: Any, state2: Any):
 
 @wp.func
 def third_order_step(cell: Any, state1: Any, state2: Any, diagonal: Any, stiffness: Any, inverse: Any, gradient: Any):
-    """Newton's step, what the third derivatives add to it, and the derivatives uw, uww."""
+    """Newton's step, its correction from the third derivatives, and the derivatives uw, uww."""
     half = inverse.dtype(0.5)
     newton = against(diagonal, stiffness, inverse, gradient)
     uw, uww, www = pair_expansion(cell, state1, state2)
@@ -129,7 +129,7 @@ def step_ratio(newton: Any, extra: Any):
 
 @wp.func
 def pair_remainder(cell: Any, state1: Any, state2: Any, w: Any, step: Any):
-    """``yarn_remainder`` of both: what a step adds to dPi/dw beyond the third derivatives, and to the sizes."""
+    """``yarn_remainder`` of both: change of dPi/dw in a step beyond the third derivatives, and change of the sizes."""
     beyond1, change1 = yarn_remainder(cell, 0, state1, step[0])
     beyond2, change2 = yarn_remainder(cell, 1, state2, step[1])
     beyond = beyond1 + beyond2
@@ -157,7 +157,7 @@ def last_step(w: Any, step: Any, better: Any, by_u: Any, uw: Any, uww: Any):
 def safeguarded(cell: Any, gradient: Any, diagonal: Any, stiffness: Any, newton: Any, step: Any, slope: Any):
     """(change of w, its direction, slope along that) from Newton's step, the previous step and the slope at its start.
 
-    A step is at most a quarter of the chord; a previous one that overshot is taken back in part instead.
+    A step is at most a quarter of the chord; if the previous one overshot, it is partly undone instead.
     """
     one = fill(slope, 1.0)
     limit1 = fill(slope, slope.dtype(0.25) * cell.chord_length[0])
@@ -173,7 +173,7 @@ def safeguarded(cell: Any, gradient: Any, diagonal: Any, stiffness: Any, newton:
     newton2 = shrink * newton[1]
     step1 = step[0]
     step2 = step[1]
-    # overshoot of the previous step: a Newton step back along it, with the stiffness met here
+    # overshoot of the previous step: a Newton step back along it, with the current stiffness
     rise = gradient[0] * step1 + gradient[1] * step2
     overshoot = rise + slope.dtype(0.5) * slope
     curvature = diagonal[0] * step1 * step1 + diagonal[1] * step2 * step2 + slope.dtype(2.0) * stiffness * step1 * step2
@@ -190,13 +190,13 @@ def safeguarded(cell: Any, gradient: Any, diagonal: Any, stiffness: Any, newton:
 def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
     """Height changes w that make Pi stationary, by Newton's method from ``start``.
 
-    The last step is one of third order (Chebyshev's: Newton's step d, minus H^-1 Pi_www d d/2), and no evaluation
-    follows it: the forces are taken along to second order. It is the last as soon as the estimate of what it leaves is
-    within the tolerance; from one time step to the next that mostly is the first.
+    The last step is of third order (Chebyshev's: Newton's step d, minus H^-1 Pi_www d d/2), without an evaluation
+    after it: the forces are extrapolated to second order. A step is the last as soon as the estimated residual after it
+    is within the tolerance; from one time step to the next that is usually the first.
 
-    Safeguards, all per lane: where the Hessian is not positive definite its geometric part is left out; a step is at
+    Safeguards, all per lane: where the Hessian is not positive definite its geometric part is dropped; a step is at
     most a quarter of the chord; a step that overshoots (the directional derivative changes sign and keeps more than
-    half its size) is taken back in part, by a Newton step along it, so that the point stays between two known slopes.
+    half its size) is partly undone, by a Newton step along it, so that the point stays between two known slopes.
 
     Returns w, dPi/du, crossover force of the half cell, relative residual, iterations.
     """
@@ -221,14 +221,14 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         residual = larger(magnitude(gradient[0]), magnitude(gradient[1])) * inverse_size
         newton, extra, uw, uww = third_order_step(cell, state1, state2, diagonal, stiffness, inverse, gradient)
         last = newton + extra
-        # what both leave: the ratio of the two parts once more, and what no third derivative knows
+        # residual after both: the ratio of the two parts once more, and terms beyond the third derivatives
         ratio = step_ratio(newton, extra)
         beyond, changes = pair_remainder(cell, state1, state2, w, last)
         size_after = residual_size(sizes + changes, crossover - stiffness * (last[0] + last[1]), least)
         remainder = (u1.dtype(2.0) * residual * size * ratio * ratio + beyond) / smaller(size, size_after)
         better = where_positive(definite, residual - remainder, zero)
         remainder = where_positive(better, remainder, residual)
-        # a NaN compares false, and is caught by the caller; it must not stall the other lanes
+        # a NaN compares false and is caught by the caller; it must not stall the other lanes
         unfinished = where_positive(remainder - fill(u1, cell.tolerance), fill(u1, 1.0), zero)
         if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
             w, force = last_step(w, last, better, by_u, uw, uww)
@@ -267,15 +267,15 @@ def unit_cell_descent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, change1: An
 
 @wp.func
 def condensed_tangent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, in_tension: bool):
-    """(K11, K12, K22) [N/m]: derivative of (F1, F2) by (u1, u2) with w in equilibrium, H_uu - H_uw H_ww^-1 H_wu.
+    """(K11, K12, K22) [N/m]: d(F1, F2)/d(u1, u2) with w in equilibrium, H_uu - H_uw H_ww^-1 H_wu.
 
-    ``in_tension`` gives what the cell becomes as soon as its yarns are pulled, for stable steps.
+    ``in_tension`` gives the stiffness of the cell as soon as its yarns are pulled, for the stable step.
     """
     uu1, uw1, ww1 = yarn_hessian(cell, 0, u1, w1, in_tension)
     uu2, uw2, ww2 = yarn_hessian(cell, 1, u2, w2, in_tension)
     stiffness = cell.contact_stiffness * contact_active(cell, -(w1 + w2))
     determinant = ww1 * ww2 + stiffness * (ww1 + ww2)
-    # straight yarns without bending stiffness: nothing holds w, and nothing couples it to u
+    # straight yarns without bending stiffness: w has no stiffness and is not coupled to u
     determinant = where_positive(magnitude(determinant), determinant, fill(determinant, 1.0))
     k11 = uu1 - uw1 * uw1 * (ww2 + stiffness) / determinant
     k22 = uu2 - uw2 * uw2 * (ww1 + stiffness) / determinant
@@ -367,8 +367,8 @@ def snap_loss(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: 
             + (contact_before - contact_after)
         )
         snapped = jump - fill(jump, least)
-        # a fast but steady change frees 1/2 dw.H dw, half of what the gradient at its start promises, and the
-        # work of the forces contains that; a snap starts near an equilibrium and frees far more
+        # a fast but steady change releases 1/2 dw.H dw, half of what its initial gradient predicts, and the work of
+        # the forces includes that; a snap starts near an equilibrium and releases far more
         promised = unit_cell_descent(cell, u1, u2, start[0], start[1], change1, change2)
         snapped = where_positive(snapped, freed - promised, snapped)
         density = freed / fill(freed, freed.dtype(2.0) * cell.half_spacing[0] * cell.half_spacing[1])

@@ -1,4 +1,4 @@
-"""The unit cell alone, on arrays of stretches and shear angles: for tests, plots and calibration."""
+"""The unit cell by itself, on arrays of stretches and shear angles: for tests, plots and calibration."""
 
 from functools import cache
 from typing import Any
@@ -45,7 +45,7 @@ def response_struct(real: type):
 
 @cache
 def unit_cell_response_kernel(real: type, cell: CellLaw):
-    """Every item has a cell and its strains; the branch from rest is followed in equal increments."""
+    """Every item has its cell and strains; the branch from rest is followed in equal increments."""
     lanes = lane_types(real, 1).lanes
     Response, UnitCell = response_struct(real), cell.parameters(real)
     CellAnswer, Tangent = cell_answer_struct(real, 1, cell.row_count), tangent_struct(real, 1)

@@ -7,8 +7,8 @@ import warp as wp
 from ..lanes import angle_of, fill, inverses, larger, magnitude, square_root, where_positive
 from ..operators import div, mul  # noqa: F401
 
-# Rows of a yarn's state, of which its higher derivatives are made: l - l0, axial stiffness [N/m], moment [N m], cosine
-# and sine of the chord, 1/l.
+# Rows of a yarn's state, from which its higher derivatives are computed: l - l0, axial stiffness [N/m], moment [N m],
+# cosine and sine of the chord, 1/l.
 ELONGATION = wp.constant(0)
 STIFFNESS = wp.constant(1)
 MOMENT = wp.constant(2)
@@ -19,9 +19,9 @@ INVERSE_LENGTH = wp.constant(5)
 
 @wp.func
 def yarn_strain(cell: Any, k: int, u: Any, w: Any):
-    """Elongation l - l0 and rotation phi of yarn k's chord, the chord (X, H, 1/l), and the size of what cancels.
+    """Elongation l - l0 and rotation phi of yarn k's chord, the chord (X, H, 1/l), and the size of cancelling terms.
 
-    Both are written so that nothing cancels: l - l0 = (l^2 - l0^2)/(l + l0), and sin(phi) l l0 = L w - h u.
+    Both are written without cancellation: l - l0 = (l^2 - l0^2)/(l + l0), and sin(phi) l l0 = L w - h u.
     """
     half_spacing = cell.half_spacing[k]
     crimp_height = cell.crimp_height[k]
@@ -61,7 +61,7 @@ def yarn_forces(cell: Any, k: int, u: Any, w: Any):
     turning = cosine * inverse_length
     elastic = stiffness * sine * sine + cell.rotation_stiffness[k] * turning * turning
     geometric = (axial * cosine - u.dtype(2.0) * shear * sine) * turning
-    # what the residual is compared with: the terms themselves, and what rounding leaves of the elongation
+    # reference size of the residual: the terms themselves, and the rounding error of the elongation
     size = magnitude(axial * sine) + magnitude(shear * cosine) + cell.resolution * stiffness * parts * magnitude(sine)
     state = wp.matrix_from_rows(elongation, stiffness, moment, cosine, sine, inverse_length)
     return by_u, by_w, elastic + geometric, elastic, size, state
@@ -94,9 +94,9 @@ def yarn_expansion(cell: Any, k: int, state: Any):
 
 @wp.func
 def yarn_remainder(cell: Any, k: int, state: Any, step: Any):
-    """What a step in w adds to dPi/dw of yarn k beyond the third derivative, and how the size of its terms changes.
+    """Change of dPi/dw of yarn k in a step of w beyond the third derivative, and change of the size of its terms.
 
-    Beyond it are d4Pi/dw4, and another stiffness where the yarn goes from tension to compression or back.
+    This includes d4Pi/dw4, and the change of stiffness when the yarn switches between tension and compression.
     """
     elongation = state[ELONGATION]
     stiffness = state[STIFFNESS]
@@ -119,7 +119,7 @@ def yarn_remainder(cell: Any, k: int, state: Any, step: Any):
 
 @wp.func
 def yarn_hessian(cell: Any, k: int, u: Any, w: Any, in_tension: bool):
-    """Second derivatives (uu, uw, ww) of yarn k's energy; ``in_tension``: with its stiffness in tension in any case."""
+    """Second derivatives (uu, uw, ww) of yarn k's energy; ``in_tension``: always with its stiffness in tension."""
     elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
     stiffness = yarn_axial_stiffness(cell, k, elongation)
     axial = stiffness * elongation * inverse_length

@@ -13,10 +13,10 @@ FACE_INTERIOR = wp.constant(1.0e-3)
 
 @wp.func
 def mesh_signed_distance(mesh: wp.uint64, point: wp.vec3, largest: float):
-    """Distance to the nearest triangle of a closed, outward mesh; ``largest`` if it is farther, which is outside.
+    """Distance to the nearest triangle of a closed mesh facing outwards; ``largest`` beyond that, which is outside.
 
-    The side of a face gives the sign. Where an edge or a corner is nearest it may mislead, as at a sharp edge or at the
-    crack between two patches: there the winding number, which costs some twenty times more, decides.
+    The side of the nearest face gives the sign. Where an edge or a corner is nearest this may be wrong, as at a sharp
+    edge or a gap between two patches: there the winding number decides, which costs about twenty times more.
     """
     query = wp.mesh_query_point_no_sign(mesh, point, largest)
     distance = largest
@@ -65,7 +65,7 @@ def fill_tiles_kernel(
     centre_distance: wp.array(dtype=float),  # signed distance at the middle of each tile [m]
     lower: wp.vec3,  # position of voxel (0, 0, 0) [m]
     spacing: float,
-    reach: float,  # values are cut to +-reach [m]
+    reach: float,  # values are clamped to +-reach [m]
     # Out
     volume: wp.uint64,
 ):
@@ -89,7 +89,7 @@ def fill_tiles_kernel(
 
 @wp.func
 def volume_distance(part: Any, p: Any):
-    """Distance and normal of a part that is a volume, for lanes of points; beyond its box the distance is at least so.
+    """Distance and normal of a part that is a volume, for lanes of points; outside its box a lower bound.
 
     One of the kinds of ``tool_shapes.py``.
     """

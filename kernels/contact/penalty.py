@@ -11,13 +11,13 @@ from ..operators import div, mul  # noqa: F401
 
 @cache
 def touch_struct(real: type, lane_count: int):
-    """What the nodes keep of the tools from step to step, and what they do to them; all is written."""
+    """Contact data that nodes keep from step to step, and their forces on the tools; all of it is written."""
     types = lane_types(real, lane_count)
 
     @wp.struct
     class Touch:
         friction: wp.array2d(dtype=types.lanes)  # tangential spring of each tool [m], three rows each
-        gap: wp.array2d(dtype=real)  # [tool, block]: distance to go before any node can touch [m]; unknown if not > 0
+        gap: wp.array2d(dtype=real)  # [tool, block]: distance before any node can touch [m]; unknown if not > 0
         reaction: wp.array2d(dtype=types.vec3)  # [tool, block]: force of the sheet on the tool [N]
 
     return Touch
@@ -34,7 +34,7 @@ def normal_force(penetration: Any, approach: Any, stiffness: Any, damping_time: 
 
 @wp.func
 def friction_spring(trial: Any, stiffness: Any, limit: Any):
-    """Coulomb return mapping: the tangential spring, shortened until its force is within the limit."""
+    """Coulomb return mapping: the tangential spring, shortened so that its force is within the limit."""
     force = stiffness * square_root(dot(trial, trial))
     # padding nodes have neither force nor limit, and no spring
     slid = limit / larger(force, fill(force, 1.0e-30))

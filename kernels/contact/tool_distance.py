@@ -8,7 +8,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import lane_types, where_positive
-from .tool_shapes import SHAPE_KINDS, part_struct
+from .tool_shapes import SHAPE_KINDS, part_struct, shape_kind, shape_number
 
 
 @cache
@@ -22,14 +22,14 @@ def tool_struct(real: type):
         part_count: wp.int32
         axis: vec3  # unit direction of the motion
         friction: real  # Coulomb coefficient
-        blind_distance: real  # up to it the distance may jump as points move; beyond, it changes no more than they move
+        blind_distance: real  # below it the distance may jump as points move; above, it changes by at most their travel
 
     return Tool
 
 
 @cache
 def tool_set_struct(real: type):
-    """All tools and where they are now."""
+    """All tools and their current positions."""
     Tool, ToolPart = tool_struct(real), part_struct(real)
 
     @wp.struct
@@ -46,11 +46,14 @@ def tool_set_struct(real: type):
 def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...]):
     """wp.func (part, points in its frame) -> (signed distance, outward normal), for parts of ``shape_kinds``.
 
-    A part of any other kind is a mistake of the host: its distance is no number, which stops a run.
+    A part of any other kind is a host error: its distance is NaN, which stops the run.
+
+    Raises:
+        ValueError: there is no kind of such a name, or two have the same number.
     """
-    unknown = [name for name in shape_kinds if name not in SHAPE_KINDS]
-    if unknown:
-        raise ValueError(f"no distance function of {', '.join(unknown)}; there are {', '.join(SHAPE_KINDS)}")
+    numbers = {shape_number(name): name for name in shape_kinds}
+    if len(numbers) < len(set(shape_kinds)):
+        raise ValueError(f"two of {', '.join(shape_kinds)} have the same number; rename the module of one")
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     ToolPart = part_struct(real)
@@ -60,8 +63,8 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
         return lanes(real(wp.nan)), lanes3()
 
     def with_kind(number: int, distance_of: wp.Function, others: wp.Function) -> wp.Function:
-        # One function per kind, each with the next: a loop over wp.static(kinds[k]) would be shorter, but Warp 1.19
-        # leaves such an expression out of the hash, and would take the compiled kernel of another tuple of kinds.
+        # One function per kind, each calling the next: a loop over wp.static(kinds[k]) would be shorter, but Warp 1.19
+        # omits such an expression from the hash, and would use the compiled kernel of another tuple of kinds.
         @wp.func
         def part_distance(part: ToolPart, p: lanes3):
             distance, normal = others(part, p)
@@ -73,7 +76,7 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
 
     result = part_of_no_kind
     for name in shape_kinds:
-        result = with_kind(SHAPE_KINDS[name].number, SHAPE_KINDS[name].distance, result)
+        result = with_kind(shape_number(name), shape_kind(name).distance, result)
     return result
 
 
@@ -81,7 +84,7 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
 def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...], rotated: bool):
     """wp.func (parts, tool, displacement, x) -> (signed distance, outward normal), for lanes of points.
 
-    It knows no other kinds of parts than ``shape_kinds``, and rotated ones only if ``rotated``.
+    It supports only parts of ``shape_kinds``, and rotated ones only if ``rotated``.
     """
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
@@ -115,12 +118,15 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
 
 
 @cache
-def sample_distance_kernel(real: type, lane_count: int):
-    """Kernel that evaluates one tool at points given one per entry; the last block of lanes repeats the last point."""
+def sample_distance_kernel(real: type, lane_count: int, further_kinds: tuple[str, ...]):
+    """Kernel that evaluates one tool at points, one per entry; the last block of lanes repeats the last point.
+
+    It knows all ``SHAPE_KINDS``, so that most tools share one kernel, and ``further_kinds``.
+    """
     types = lane_types(real, lane_count)
     lanes3, vec3 = types.lanes3, types.vec3
     Tool, ToolPart = tool_struct(real), part_struct(real)
-    tool_distance = tool_distance_function(real, lane_count, tuple(SHAPE_KINDS), True)
+    tool_distance = tool_distance_function(real, lane_count, (*SHAPE_KINDS, *further_kinds), True)
 
     @wp.kernel(module="unique", enable_backward=False)
     def sample_distance(

@@ -1,4 +1,4 @@
-"""Bending per yarn family by curves of the moment (docs/theory.md, section 4): as ``yarn_bending``, with D_nu = 0.
+"""Bending per yarn family by moment curves (docs/theory.md, section 4): like ``yarn_bending``, with D_nu = 0.
 
 psi_k is the integral of the family's moment over k_kk/m_kk.
 """

@@ -1,4 +1,4 @@
-"""Bending as of an isotropic plate, equation (6) of the paper (docs/theory.md, section 4)."""
+"""Bending like an isotropic plate, equation (6) of the paper (docs/theory.md, section 4)."""
 
 from functools import cache
 from typing import Any
@@ -25,7 +25,7 @@ def parameters(real: type):
 def isotropic_resultants(laws: Any, m: Any, b: Any, r: Any):
     """M = J D [(1-nu) k + nu a tr k] in the current metric, equation (6) of the paper, k raised by the inverse metric.
 
-    T = a (psi + 2 J D (1-nu) det k) - 2 J D tr(k) k is the derivative by the metric.
+    T = a (psi + 2 J D (1-nu) det k) - 2 J D tr(k) k is the derivative with respect to the metric.
     """
     inverse_ratio = m.inverse_ratio
     two = inverse_ratio.dtype(2.0)
@@ -52,7 +52,7 @@ def isotropic_resultants(laws: Any, m: Any, b: Any, r: Any):
 
 @wp.func
 def area_widening(m: Any, sine: Any):
-    """The law holds J."""
+    """The law contains J."""
     return m.area_ratio
 
 

@@ -1,4 +1,4 @@
-"""Friction at the crossovers with a limit over the angle, which their pressure raises (docs/theory.md, section 3)."""
+"""Friction at the crossovers; its limit depends on the angle and grows with pressure (docs/theory.md, section 3)."""
 
 from functools import cache
 from typing import Any
@@ -17,16 +17,16 @@ def parameters(real: type):
 
     @wp.struct
     class ShearFriction:
-        stiffness: real  # of the spring before the slider [N/m]
-        limit: curve_struct(real)  # moment that makes it slip, over the angle [N/m]
-        crossover_friction_length: real  # times the pressure of the crossovers, is added to that limit [m]
+        stiffness: real  # of the spring in series with the slider [N/m]
+        limit: curve_struct(real)  # moment at which it slips, as a function of the angle [N/m]
+        crossover_friction_length: real  # times the crossover pressure, is added to that limit [m]
 
     return ShearFriction
 
 
 @wp.func
 def friction_limit(laws: Any, angle: Any, crossover_pressure: Any):
-    """Moment at which the yarns turn on each other [N/m]; it grows with the pressure of the crossovers [Pa]."""
+    """Moment at which the yarns slip on each other [N/m]; it grows with the crossover pressure [Pa]."""
     pressed = where_positive(crossover_pressure, crossover_pressure, fill(angle, 0.0))
     return curve_size(laws.shear_friction.limit, angle) + laws.shear_friction.crossover_friction_length * pressed
 

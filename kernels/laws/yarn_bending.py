@@ -29,7 +29,7 @@ def parameters(real: type):
 
 @wp.func
 def family_resultants(laws: Any, m: Any, b: Any, moment11: Any, moment22: Any, r: Any):
-    """Of given moments of the families and the twist between them."""
+    """Resultants from given moments of the families, plus coupling and twist."""
     two = moment11.dtype(2.0)
     moment12 = two * laws.bending.twist_stiffness * b.k12 / (m.m11 * m.m22)
     r.t11 = -(two * (moment11 * b.k11 + moment12 * b.k12) / m.m11)

@@ -1,4 +1,4 @@
-"""Bending beside its law (docs/theory.md, section 4): resultants, friction in the bent yarns, and transverse shear.
+"""Bending without its law (docs/theory.md, section 4): resultants, friction in the bent yarns, and transverse shear.
 
 m is a ``Membrane``, b a ``Bend``, r the ``Resultants`` that the functions fill or add to.
 """
@@ -24,8 +24,8 @@ def bending_friction_struct(real: type):
 
     @wp.struct
     class BendingFriction:
-        stiffness: wp.types.vector(2, real)  # WARP, WEFT: of the springs before the sliders [N m], not zero
-        limit: wp.types.vector(2, real)  # moment that makes them slip [N]
+        stiffness: wp.types.vector(2, real)  # WARP, WEFT: of the springs in series with the sliders [N m], not zero
+        limit: wp.types.vector(2, real)  # moment at which they slip [N]
 
     return BendingFriction
 

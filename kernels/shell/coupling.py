@@ -1,6 +1,6 @@
-"""What couples positions and directors in the bound of an element's frequency (docs/theory.md, section 7).
+"""Terms that couple positions and directors in the bound of an element's frequency (docs/theory.md, section 7).
 
-Norms come in threes: what a term of the energy adds to positions, to their coupling with directors, and to directors.
+Norms come in threes: contributions of an energy term to positions, to their coupling with directors, and to directors.
 """
 
 from functools import cache
@@ -17,12 +17,12 @@ from .hourglass import hourglass_stiffnesses, twist_weights
 from .kinematics import skew_weights
 from .laws import SheetTraits
 
-# Transverse shear by the tilt, as shares of the leading terms: of positions, linear and squared; of positions and
-# directors. Rounded up from what is proven (docs/theory.md, section 7, *Coupled terms*). Bending has those of its law.
+# Effects of the tilt in transverse shear, relative to the leading terms: on positions, linear and squared; on positions
+# and directors. Rounded up from proven values (docs/theory.md, section 7, *Coupled terms*). For bending see its law.
 TILT_STIFFENING = 4.4  # proven: 1 + sqrt 2 = 2.42
 TILT_SQUARE_STIFFENING = 8.5  # proven: 1 + 2 sqrt 2 + (1 + sqrt 2)/2 = 5.04
 TILT_COUPLING = 5.4  # proven: sqrt 5 = 2.24
-# The warping takes a quarter of x_h.d, and the mean d of four corners is at most half of their norm.
+# Warping contains a quarter of x_h.d, and the mean d of four corners is at most half of their norm.
 MEAN_WARPING = 0.125
 
 
@@ -87,11 +87,11 @@ def sizes_function(real: type, lane_count: int, flat: bool):
 
 @cache
 def slope_function(skewed: bool):
-    """Function for what transverse shear adds to positions, their coupling with directors, and directors."""
+    """Function for the contributions of transverse shear to positions, coupling with directors, and directors."""
 
     @wp.func
     def slope_norms(shape: Any, slope: Any, size: Any):
-        """Transverse shear couples slopes and mean directors, by the directors' full length in a flat element too."""
+        """Transverse shear couples slopes and mean directors, in a flat element too, with the full director length."""
         one = fill(slope, 1.0)
         half = slope.dtype(0.5)
         positions = slope * size.gradient
@@ -112,7 +112,7 @@ def slope_function(skewed: bool):
 
 @cache
 def bending_function(law: BendingDevice):
-    """Function for what bending adds to positions, to their coupling with director gradients, and to directors."""
+    """Function for the contributions of bending to positions, coupling with director gradients, and directors."""
     stiffening, coupled = law.curvature_stiffening, law.curvature_coupling
 
     @wp.func
@@ -126,7 +126,7 @@ def bending_function(law: BendingDevice):
 
 @wp.func
 def warping_norms(shape: Any, squares: Any, length: Any, size: Any):
-    """Warping by positions and directors, and their coupling: a quarter of x_h, and the twist of the curvature.
+    """Warping due to positions and directors, and their coupling: a quarter of x_h, and the twist of the curvature.
 
     x_h has the norm ``length``.
     """
@@ -154,7 +154,7 @@ def largest_of_blocks(positions: Any, coupling: Any, directors: Any):
 
 @cache
 def coupled_function(traits: SheetTraits):
-    """Function for the bound of a block's eigenvalues by all motions, from that within and across its plane."""
+    """Function for the bound of a block's eigenvalues for all motions, from those within and across its plane."""
     slope_norms = slope_function(traits.skewed)
     bending_norms = bending_function(device_law(traits.bending))
 
@@ -178,7 +178,7 @@ def coupled_function(traits: SheetTraits):
         odd_positions = square_root(squares) * size.d_odd
         odd_directors = size.inverse_radius * (length * square_root(size.largest_metric))
 
-        # in a flat element slopes with mean directors, and warping with director gradients, move by themselves
+        # in a flat element, slopes with mean directors and warping with director gradients are decoupled
         positions = larger(
             larger(in_plane, across) + tilting,
             larger(in_plane_odd, warping_stiffness * warp_positions * warp_positions),

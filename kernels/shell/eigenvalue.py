@@ -99,10 +99,10 @@ def squared(a: Any):
 
 @wp.func
 def in_tangent_plane(t: Any, m: Any, sine: Any, cosine: Any, h: Any):
-    """Second derivative h by (da_1, da_2) within the tangent plane, in the frame (e_1, across e_1), of ``Tangent`` t.
+    """Second derivative h with respect to (da_1, da_2) in the tangent plane, frame (e_1, across e_1), of ``Tangent`` t.
 
-    Its C acts on the strains, the forces n_1, n_2 and the moment m on their curvature; e_2 = (sin, cos), and the angle
-    falls along (-cos, sin).
+    C acts on the strains, the forces n_1, n_2 and the moment m on their second derivatives; e_2 = (sin, cos), and the
+    angle decreases along (-cos, sin).
     """
     one = fill(sine, 1.0)
     two = sine.dtype(2.0)
@@ -157,11 +157,11 @@ def congruent(h: Any, b: Any):
 def largest_in_plane(h: Any, b: Any):
     """Bound of the largest |eigenvalue| of H (B x I), 4 x 4 and 2 x 2, at most 4.5 % above it: a norm of H^16."""
     a = congruent(h, b)
-    # over its norm no eigenvalue is above one, and the largest not below a half: its powers fit any precision
+    # divided by its norm, no eigenvalue is above one, and the largest not below a half: powers fit any precision
     size = square_root(norm_squared(a))
     one = fill(size, 1.0)
     a = scaled(a, where_positive(size, one / size, one))
-    squaring_count = int(SQUARING_COUNT)  # a constant would be unrolled and take long to compile
+    squaring_count = int(SQUARING_COUNT)  # a constant would be unrolled, which is slow to compile
     for _squaring in range(squaring_count):
         a = squared(a)
     # the 16th root of |A^16|

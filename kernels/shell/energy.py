@@ -29,7 +29,7 @@ from .thickness import compressive_force
 
 @cache
 def cell_energies_function(real: type, cell: CellLaw):
-    """Function for the ``CellAnswer`` of an element's unit cell; changes no state, books the energy."""
+    """Function for the ``CellAnswer`` of an element's unit cell; books the energy, changes no state."""
     part_count, solve, cell_energies = len(cell.energy_names), cell.solve, cell.energies
     CellAnswer = cell_answer_struct(real, 1, cell.row_count)
     read_unknowns, late = unknowns_function(real, 1, cell), cell.lane_by_lane
@@ -59,7 +59,7 @@ def compressive_energy(laws: Any, m: Any):
 
 @cache
 def shear_energies_function(part_count: int, traits: SheetTraits):
-    """Function that books the energy of shear with its friction, and gives the moment [N/m]."""
+    """Function that books the energy of shear with its friction, and returns the moment [N/m]."""
     law, shear_slides = device_law(traits.shear), traits.shear_friction != ""
     shear_energy, shear_moment = law.energy, law.moment
 
@@ -123,7 +123,7 @@ def hourglass_energy_function(flat: bool):
 
 @cache
 def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
-    """Energies [J] and fields of every element; changes nothing of the state."""
+    """Energies [J] and fields of every element; does not change the state."""
     lanes, layout, part_count = lane_types(real, 1).lanes, (real, 1), len(cell.energy_names)
     Sheet, Shape = sheet_struct(*layout, cell, traits), shape_struct(*layout)
     positions, vectors = vectors_functions(*layout)
@@ -137,7 +137,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         # In
         sheet: Sheet,
         motion: wp.array(dtype=real),
-        mean_angles: wp.array(dtype=real),  # the motion array that has those of the nodes
+        mean_angles: wp.array(dtype=real),  # the motion array that contains those of the nodes
         cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),  # rows: see CellReportRow
         slip: wp.array2d(dtype=lanes),  # rows: see SlipRow

@@ -34,7 +34,7 @@ def resist_bending_function(traits: SheetTraits):
 
     @wp.func
     def resist_bending(laws: Any, block: int, shape: Any, m: Any, b: Any, slip: Any, r: Any):
-        # the membrane's
+        # those of the membrane
         t11 = r.t11
         t12 = r.t12
         t22 = r.t22
@@ -105,7 +105,7 @@ def assemble_forces(corner_force: Any, block: int, shape: Any, area: Any, x: Any
     quarter_warping = area.dtype(0.25) * h.warping_force
     by_hourglass = scale(h.in_plane, x.hourglass - scale(h.height, h.unit_normal))
     by_hourglass = by_hourglass + scale(quarter_warping, d.mean)
-    # the mean of the positions moves nothing
+    # the energy does not depend on the mean of the positions
     mean = type(by_hourglass)()
     store_corners(corner_force, CornerRow.force, block, shape, by_a1, by_a2, scale(area, by_hourglass), mean)
 
@@ -125,14 +125,14 @@ def assemble_couples(corner_force: Any, block: int, shape: Any, area: Any, x: An
 
 @wp.func
 def store_everywhere(corner_force: Any, row: int, block: int, value: Any):
-    """The same scalar at all corners."""
+    """Store the same scalar at all corners."""
     for corner in range(4):
         corner_force[row + ROWS_PER_CORNER * corner, block] = value
 
 
 @cache
 def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
-    """Kernel of one launch per step: nodal forces and director gradients of every element."""
+    """Kernel, launched once per step: nodal forces and director gradients of every element."""
     lanes, layout = lane_types(real, lane_count).lanes, (real, lane_count)
     Sheet, Shape, Resultants = sheet_struct(*layout, cell, traits), shape_struct(*layout), resultants_struct(*layout)
     positions, vectors = vectors_functions(*layout)
@@ -162,7 +162,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         m = stretch_membrane(x.by1, x.by2)
 
         answer = answer_cell(sheet.cell, block, m, cell_unknowns, cell_report)
-        # once more: to read them is cheaper than to keep them while the cell iterates
+        # once more: reading them again is cheaper than keeping them while the cell iterates
         shape = shape_functions(elements, block, Shape())
         area = elements.area[block]
         moment, shear12 = shear_moment(elements, laws, block, shape, m, answer, motion, slip)

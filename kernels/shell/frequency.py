@@ -27,7 +27,7 @@ from .shear import sticking_function
 
 @cache
 def step_bounds_struct(real: type):
-    """What bounds a stable step beside the state, as a Warp struct."""
+    """Limits of the stable step that do not depend on the state, as a Warp struct."""
 
     @wp.struct
     class StepBounds:
@@ -36,24 +36,24 @@ def step_bounds_struct(real: type):
         shear: real
         bending: real  # largest bending stiffness of any curvature [N m]
         contact_frequency: real  # squared, of the contact springs [1/s^2]
-        steps_ahead: wp.int32  # steps until the next look
+        steps_ahead: wp.int32  # steps until the next update
 
     return StepBounds
 
 
 def frequency_lane_count(lane_count: int, cell: CellLaw) -> int:
-    """Lanes of ``element_frequency_kernel`` in a run with ``lane_count``: a cell that takes lane by lane gains none."""
+    """Lanes of ``element_frequency_kernel`` in a run with ``lane_count``: one for a cell that works lane by lane."""
     return 1 if cell.lane_by_lane else lane_count
 
 
 @cache
 def ahead_function(cell: CellLaw):
-    """Function for the strains that the cells may have before the next look."""
+    """Function for the strains that the cells may reach before the next update."""
     cell_shears = cell.depends_on_shear
 
     @wp.func
     def strains_ahead(x: Any, v: Any, m: Any, horizon: Any):
-        """Where the present rate takes yarns and angle within ``horizon`` [s]; x are positions, v velocities."""
+        """Extrapolation of yarn strains and angle over ``horizon`` [s]; x are positions, v velocities."""
         zero = fill(m.angle, 0.0)
         strain1 = m.strain1 + horizon * (larger(dot(x.by1, v.by1), zero) / m.stretch1)
         strain2 = m.strain2 + horizon * (larger(dot(x.by2, v.by2), zero) / m.stretch2)
@@ -72,8 +72,8 @@ def ahead_function(cell: CellLaw):
 def cell_tangent_function(real: type, lane_count: int, cell: CellLaw):
     """Function for the ``Tangent`` of one stable state of a block's unit cells.
 
-    A tangent that no state of the cell can have comes from differences across a kink, where a yarn goes slack: it is
-    replaced by the largest.
+    A tangent above that of any state of the cell comes from differences across a kink, where a yarn goes slack; it is
+    replaced by the largest one.
     """
     Tangent = tangent_struct(real, lane_count)
     stable_tangent, cell_shears, late = cell.stable_tangent, cell.depends_on_shear, cell.lane_by_lane
@@ -116,7 +116,7 @@ def sheet_tangent_function(cell: CellLaw, traits: SheetTraits):
 
     @wp.func
     def sheet_tangent(laws: Any, m: Any, sine: Any, cosine: Any, c: Any):
-        """c: the cell's; what it takes up of the yarns' tension counts, what it pushes does not."""
+        """c: the cell's tangent; yarn tension is included, compression is not."""
         zero = fill(sine, 0.0)
         t = shear_tangent(laws, m, sine, cosine, type(c)())
         if wp.static(shear_slides):
@@ -170,9 +170,9 @@ def largest_across(t: Any, m: Any, slope: Any, raised: Any, b: Any):
 def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Square of each element's highest frequency, bounded from above [1/s^2].
 
-    The bound is the largest eigenvalue of a 2 x 2 matrix of norms: of the second derivatives by the positions, by the
-    directors, and of those that couple both, each over the lumped masses. In a flat element the first falls apart into
-    motions in the plane, across it, and hourglass modes, of which the largest counts.
+    The bound is the largest eigenvalue of a 2 x 2 matrix of norms: of the second derivatives with respect to positions,
+    to directors, and to both, each over the lumped masses. In a flat element the first splits into motions in the
+    plane, across it, and hourglass modes, of which the largest counts.
     """
     lanes, layout, state_count = lane_types(real, lane_count).lanes, (real, lane_count), cell.stable_state_count
     Sheet, StepBounds, Shape = sheet_struct(*layout, cell, traits), step_bounds_struct(real), shape_struct(*layout)
@@ -213,7 +213,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         bundling = bundling_stiffness(laws, shape)
         difference, square = corner_angles(elements, block, motion, m.angle)
 
-        # twice as far as the next look, for safety
+        # twice as far as the next update, for safety
         horizon = real(2.0) * real(clock[ClockEntry.step]) * real(bounds.steps_ahead)
         strain1, strain2, angle = strains_ahead(x, v, m, horizon)
         start = read_unknowns(cell_unknowns, block)

@@ -14,7 +14,7 @@ from ..rows import HourglassRow
 def hourglass_stiffnesses(laws: Any, shape: Any):
     """Coefficients per reference area: in-plane [N/m^3], warping [N/m^3], directors [N/m^3 * m^2].
 
-    Each is a share of the exact stiffness of the mode on a square; the sum of squared gradients carries the size.
+    Each is a share of the exact stiffness of the mode on a square; the sum of squared gradients gives the size.
     """
     bp1 = shape.bp1
     bp2 = shape.bp2
@@ -28,7 +28,7 @@ def hourglass_stiffnesses(laws: Any, shape: Any):
 def twist_weights(shape: Any):
     """Weights of k11, k12, k22 in the natural twist [(1 - c_p^2) k(p, p) - (1 - c_q^2) k(q, q)]/16, p, q the diagonals.
 
-    On a parallelogram that is k(xi, eta); in general it is what a constant curvature takes out of x_h/4.
+    On a parallelogram that is k(xi, eta); in general it is the effect of a constant curvature on x_h/4.
     """
     bp1 = shape.bp1
     bp2 = shape.bp2
@@ -56,7 +56,7 @@ def hourglass_function(flat: bool):
     def hourglass_strains(elements: Any, block: int, shape: Any, x: Any, d: Any, b: Any):
         """Warping freed of twist [m], and the director hourglass along a1 and a2, minus their initial values.
 
-        x_h/4 . d + k(xi, eta) is the part of the transverse shear that varies over the element: zero in a pure twist.
+        x_h/4 . d + k(xi, eta) is the part of the transverse shear that varies over the element; zero in pure twist.
         """
         weight11, weight12, weight22 = twist_weights(shape)
         warping = weight11.dtype(0.25) * dot(x.hourglass, d.mean)

@@ -1,11 +1,11 @@
 """The 4-node Mindlin shell with one quadrature point: its kinematics (docs/theory.md, 1 and 5).
 
 With the diagonals p = x_1 - x_3 and q = x_2 - x_4 every linear field of a quadrilateral has the gradient
-N_,alpha = b_p,alpha p + b_q,alpha q, so four numbers per element are all of its shape functions. The hourglass vector
-is gamma.x = (x_1 - x_2 + x_3 - x_4) - c_p p - c_q q. The same two formulas serve positions and directors.
+N_,alpha = b_p,alpha p + b_q,alpha q, so four numbers per element define its shape functions. The hourglass vector is
+gamma.x = (x_1 - x_2 + x_3 - x_4) - c_p p - c_q q. The same two formulas apply to positions and directors.
 
-What the kernels share about a block of elements is kept in structs of lanes: ``Shape``, its shape functions;
-``Vectors`` x of the positions and d of the directors; ``Membrane`` m; ``Bend`` b, its curvatures and transverse shears.
+Common data of a block of elements are in structs of lanes: ``Shape``, its shape functions; ``Vectors`` x of the
+positions and d of the directors; ``Membrane`` m; ``Bend`` b, its curvatures and transverse shears.
 """
 
 from functools import cache
@@ -30,7 +30,7 @@ def element_struct(real: type, lane_count: int):
         shape_gradient: wp.array2d(dtype=types.lanes)  # rows: see GradientRow
         hourglass_offset: wp.array2d(dtype=types.lanes)  # rows: see OffsetRow
         area: wp.array(dtype=types.lanes)  # reference area [m^2]; 0 for padding
-        initial_curvature: wp.array2d(dtype=types.lanes)  # rows: see CurvatureRow; of a flat sheet none is read
+        initial_curvature: wp.array2d(dtype=types.lanes)  # rows: see CurvatureRow; not read for a flat sheet
         initial_transverse_shear: wp.array2d(dtype=types.lanes)  # rows: see TransverseShearRow
         initial_hourglass: wp.array2d(dtype=types.lanes)  # rows: see HourglassRow
 
@@ -158,12 +158,12 @@ def element_vectors(elements: Any, block: int, shape: Any, motion: Any, row: int
 
 @wp.func
 def element_positions(elements: Any, block: int, shape: Any, motion: Any):
-    """``corner_vectors`` of the positions relative to the first corner, with the part that rounding cut off.
+    """``corner_vectors`` of the positions relative to the first corner, including their rounding errors.
 
     In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an element
-    of 5 mm: the remainder that the time integration keeps makes differences exact to their own rounding.
+    of 5 mm: with the remainder from the time integration, differences are exact to their own rounding.
 
-    Written out: from a function per corner the compiler makes other, slower gathers.
+    Written out: with a function per corner the compiler generates slower gathers.
     """
     x1 = corner_vector(elements, block, 0, motion, MotionRow.position)
     r1 = corner_vector(elements, block, 0, motion, MotionRow.remainder)
@@ -232,9 +232,9 @@ def membrane_function(real: type, lane_count: int):
 def skew_weights(shape: Any):
     """Weights of k11, k12, k22 in the corrections of g1 and of g2, six in all [m].
 
-    1/4 [b_p (c_p k(p, p) + c_q k(p, q)) - b_q (c_p k(p, q) + c_q k(q, q))], p, q the flat diagonals. A constant
-    curvature with its own normals would have just minus this a.d in the middle of a quadrilateral that is no
-    parallelogram: both are means over the corners, but not at the same place.
+    1/4 [b_p (c_p k(p, p) + c_q k(p, q)) - b_q (c_p k(p, q) + c_q k(q, q))], p, q the flat diagonals. A surface of
+    constant curvature with its own normals would have minus this a.d at the centre of a quadrilateral that is not a
+    parallelogram: both are means over the corners, but at different points.
     """
     bp1 = shape.bp1
     bp2 = shape.bp2

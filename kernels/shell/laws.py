@@ -1,4 +1,4 @@
-"""What a sheet is made of: its traits, which choose the laws that a kernel holds, and its constants."""
+"""Traits of a sheet, which select the laws compiled into a kernel, and its constants."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -15,17 +15,17 @@ from .kinematics import element_struct
 
 @dataclass(frozen=True)
 class SheetTraits:
-    """What a sheet has and what not: kernels are made for it and hold no branch, and no code, of the rest.
+    """Features of a sheet: kernels are generated for them, without branches or code for other features.
 
-    A branch costs more than its test: the lanes of all that lives on behind it are taken apart and put together again.
+    A branch costs more than its test: the lanes of all values that are live after it are split and reassembled.
 
     Attributes:
         shear, bending: modules of the laws, see kernels/laws/contract.py.
-        shear_friction: module of the friction between the yarns that turn on each other; "" without.
-        bending_friction: inside the bent yarns of one family at least.
-        follows_thickness: tools meet the current thickness.
+        shear_friction: module of the friction between yarns that rotate on each other; "" without.
+        bending_friction: whether the bent yarns of at least one family have internal friction.
+        follows_thickness: contact with tools uses the current thickness.
         flat: all initial strains are zero.
-        skewed: some element is no parallelogram.
+        skewed: some element is not a parallelogram.
     """
 
     shear: str = moment_curve.__name__
@@ -39,7 +39,7 @@ class SheetTraits:
 
 @cache
 def no_law_struct():
-    """Stands for the constants of a law that a sheet does not have."""
+    """Placeholder for the constants of a law that a sheet does not have."""
 
     @wp.struct
     class NoLaw:
@@ -66,7 +66,7 @@ def _sheet_laws_struct(real: type, ShearLaw: Any, FrictionLaw: Any, BendingLaw: 
         bending_friction: bending_friction_struct(real)
         transverse_shear_stiffness: real  # 5/6 G t [N/m]
         in_plane_bending_stiffness: real  # beta: resists a varying shear angle, psi = 1/2 beta |grad gamma|^2 [N m]
-        compressive_stiffness: real  # of the sheet itself along a yarn that is pushed together [N/m]
+        compressive_stiffness: real  # of the sheet itself along a yarn in compression [N/m]
         hourglass_in_plane: real  # factors of the sum of squared shape gradients: [N/m]
         hourglass_warping: real
         hourglass_director: real  # [N m]

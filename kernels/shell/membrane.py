@@ -35,10 +35,10 @@ def unknowns_function(real: type, lane_count: int, cell: CellLaw):
 
 @cache
 def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
-    """Function for what a block's unit cells answer; it keeps their unknowns, and reports.
+    """Function for the response of a block's unit cells; it stores their unknowns and reports.
 
-    Warp emits functions that use gradients behind all others, and an ``energy_cell``, which takes lane by lane, is made
-    of such: what calls it has to look like them. So have its callers in energy.py and frequency.py.
+    Warp emits functions that use gradients after all others, and a lane-by-lane ``energy_cell`` consists of such
+    functions: its callers must look like them, also those in energy.py and frequency.py.
     """
     CellAnswer = cell_answer_struct(real, lane_count, cell.row_count)
     read_unknowns = unknowns_function(real, lane_count, cell)
@@ -68,9 +68,9 @@ def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
 
 @wp.func
 def bundling_stiffness(laws: Any, shape: Any):
-    """beta/area of the in-plane bending of the yarns [N/m], which resists a shear angle that varies.
+    """beta/area of the in-plane bending of the yarns [N/m], which resists variation of the shear angle.
 
-    b_p x b_q is 1/(2 area); the area itself is zero in padding elements.
+    b_p x b_q is 1/(2 area); the stored area is zero in padding elements.
     """
     bp1 = shape.bp1
     return (bp1.dtype(2.0) * laws.in_plane_bending_stiffness) * (bp1 * shape.bq2 - shape.bp2 * shape.bq1)
@@ -78,7 +78,7 @@ def bundling_stiffness(laws: Any, shape: Any):
 
 @cache
 def shear_moment_function(cell: CellLaw, traits: SheetTraits):
-    """Function for the moment of all shear [N/m], and for T12 beside what follows from the moment; writes the slip."""
+    """Function for the total shear moment [N/m], and for T12 in addition to that of the moment; writes the slip."""
     shear_resultants, cell_shears = device_law(traits.shear).resultants, cell.depends_on_shear
     shear_slides = traits.shear_friction != ""
     shear_friction = shear_friction_function(traits) if shear_slides else None

@@ -1,4 +1,4 @@
-"""In-plane shear beside its law (docs/theory.md, section 3): from moments to forces, and the slider of the friction."""
+"""In-plane shear without its law (docs/theory.md, section 3): forces from moments, and the friction slider."""
 
 from functools import cache
 from typing import Any
@@ -17,19 +17,19 @@ from .laws import SheetTraits
 def moment_resultants(moment: Any, m12: Any, inverse1: Any, inverse2: Any, inverse_ratio: Any):
     """T11, T12, T22 of a moment m = dpsi/dgamma: dgamma/da_1 = (a_2 - a_1 m12/m11)/J, likewise for a_2.
 
-    Given are the reciprocals of the stretches, whose squares are m11 and m22, and of J.
+    Arguments are the reciprocals of the stretches, whose squares are m11 and m22, and of J.
     """
     t12 = moment * inverse_ratio
     across = -(t12 * m12)
     return across * inverse1 * inverse1, t12, across * inverse2 * inverse2
 
 
-# --- friction between the yarns that turn on each other ---------------------------------------------------------------
+# --- friction between the yarns that rotate on each other -------------------------------------------------------------
 
 
 @cache
 def shear_friction_function(traits: SheetTraits):
-    """Function for the moment of the friction [N/m]; it writes slip, spring and the work lost."""
+    """Function for the friction moment [N/m]; it writes slip, spring and the work lost."""
     friction_limit = device_law(traits.shear_friction).limit
 
     @wp.func
@@ -53,7 +53,7 @@ def shear_friction_function(traits: SheetTraits):
 
 @cache
 def sticking_function(traits: SheetTraits):
-    """Function that adds friction to a ``Tangent`` of shear: it sticks, with all the moment that it can bear."""
+    """Function that adds friction to a ``Tangent`` of shear: sticking, with the largest possible moment."""
     friction_limit = device_law(traits.shear_friction).limit
 
     @wp.func

@@ -10,14 +10,14 @@ from ..operators import div, mul  # noqa: F401
 
 @wp.func
 def compressive_force(laws: Any, stretch: Any):
-    """Resistance of the sheet itself to a yarn that is pushed together [N/m]; psi = 1/2 k min(stretch - 1, 0)^2."""
+    """Force of the sheet itself along a yarn in compression [N/m]; psi = 1/2 k min(stretch - 1, 0)^2."""
     shortening = stretch - fill(stretch, 1.0)
     return laws.compressive_stiffness * where_positive(shortening, fill(stretch, 0.0), shortening)
 
 
 @wp.func
 def current_thickness(laws: Any, area_ratio: Any, crossover_pressure: Any):
-    """t = t_0 J^-n / (1 + p/E_c) [m], with the pressure p of the crossovers."""
+    """t = t_0 J^-n / (1 + p/E_c) [m], with the crossover pressure p."""
     pressed = where_positive(crossover_pressure, crossover_pressure, fill(area_ratio, 0.0))
     flattened = fill(area_ratio, 1.0) + laws.inverse_crossover_modulus * pressed
     return laws.thickness * power(area_ratio, -laws.thickening) / flattened

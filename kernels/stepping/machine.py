@@ -1,11 +1,11 @@
-"""What the processor is asked for: a barrier between threads, and the treatment of subnormal numbers."""
+"""Processor control: a barrier between threads, and the treatment of subnormal numbers."""
 
 import warp as wp
 
 
-# Spinning answers within a microsecond while every thread has a core. Where threads share cores, the one that waits
-# gives its core away after a while (a pause is up to 140 cycles): soon enough to be cheap, not so often that the
-# scheduler gives whole slices to others (docs/decisions/0017).
+# Spinning responds within a microsecond while every thread has a core. If threads share cores, a waiting thread yields
+# its core after a while (a pause is up to 140 cycles): soon enough to be cheap, but not so often that the scheduler
+# gives whole time slices to others (docs/decisions/0017).
 @wp.func_native("""
     int *p = &wp::index(counter, 0);
     const int arrived = __atomic_add_fetch(p, 1, __ATOMIC_ACQ_REL);
@@ -27,7 +27,7 @@ def wait_for_all(counter: wp.array(dtype=wp.int32), thread_count: wp.int32): ...
 
 @wp.kernel(module="unique", enable_backward=False)
 def barrier(counter: wp.array(dtype=wp.int32), thread_count: wp.int32):
-    """Launched once by each of ``thread_count`` threads; the counter starts at 0 and is reset between replays."""
+    """Barrier, launched once by each of ``thread_count`` threads; the counter is reset to 0 between replays."""
     wait_for_all(counter, thread_count)
 
 
@@ -45,7 +45,7 @@ def barrier(counter: wp.array(dtype=wp.int32), thread_count: wp.int32):
 #endif
 """)
 def switch_flushing(wanted: wp.int32) -> wp.int32:
-    """Set how this thread treats subnormal numbers; how it did before."""
+    """Set how this thread treats subnormal numbers; returns the previous setting."""
 
 
 FLUSH = wp.constant(0x8040)
@@ -53,11 +53,11 @@ FLUSH = wp.constant(0x8040)
 
 @wp.kernel(module="unique", enable_backward=False)
 def flush_subnormals(before: wp.array(dtype=wp.int32)):
-    """From here on this thread rounds subnormal numbers to zero; a single thread."""
+    """From now on, this thread rounds subnormal numbers to zero; launched with a single thread."""
     before[0] = switch_flushing(FLUSH)
 
 
 @wp.kernel(module="unique", enable_backward=False)
 def restore_subnormals(before: wp.array(dtype=wp.int32)):
-    """As it was before ``flush_subnormals``."""
+    """Restore the setting from before ``flush_subnormals``."""
     previous = switch_flushing(before[0])  # noqa: F841

@@ -1,4 +1,4 @@
-"""Nodes: gather the forces of the elements, meet the tools, advance in time (docs/theory.md, 6 and 7)."""
+"""Nodes: gather the forces of the elements, contact with tools, time integration (docs/theory.md, 6 and 7)."""
 
 from functools import cache
 from typing import Any
@@ -33,7 +33,7 @@ def book(report: Any, row: int, block: int, entry: Any):
 
 @cache
 def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
-    """Kernel of one launch per step: forces, contact, new velocities, positions and directors."""
+    """Kernel, launched once per step: forces, contact, new velocities, positions and directors."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     Nodes, NodeLaws = node_struct(real, lane_count), node_laws_struct(real)

@@ -1,4 +1,4 @@
-"""One block of nodes advances by a step: translation, supports, directors (docs/theory.md, section 7)."""
+"""Advance one block of nodes by a step: translation, supports, directors (docs/theory.md, section 7)."""
 
 from functools import cache
 from typing import Any
@@ -24,7 +24,7 @@ def freedom_mask(freedom: Any, first_bit: int, like: Any):
 
 @cache
 def translate_function(real: type, lane_count: int):
-    """wp.func -> (acceleration, which components are free, new velocity), without supports."""
+    """wp.func -> (acceleration, mask of free components, new velocity), without supports."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     Nodes, Present, NodeLaws = node_struct(real, lane_count), present_struct(real, lane_count), node_laws_struct(real)
@@ -56,7 +56,7 @@ def follow_supports_function(real: type, lane_count: int):
         driven = lanes3()
         for k in range(supports.increment.shape[0]):
             driven = driven + supports.increment[k] * load(supports.direction[k], present.block * lane_count, lanes3())
-        # the travel itself is prescribed, so that no rounding of a velocity adds up
+        # the travel itself is prescribed, so that rounding of velocities does not accumulate
         return (
             travel + wp.cw_mul(follows, driven - travel),
             velocity + wp.cw_mul(follows, driven / present.step - velocity),
@@ -67,13 +67,13 @@ def follow_supports_function(real: type, lane_count: int):
 
 @cache
 def support_work_function(real: type, lane_count: int, supported: bool):
-    """wp.func -> work of what holds the nodes [J]; the forces of the supports are written."""
+    """wp.func -> work of the constraints on the nodes [J]; writes the forces of the supports."""
     lanes3 = lane_types(real, lane_count).lanes3
     Present, Supports = present_struct(real, lane_count), support_struct(real, lane_count)
 
     @wp.func
     def support_work(present: Present, acceleration: lanes3, gained: lanes3, held: lanes3, supports: Supports):
-        # what holds a node takes up all the force on it, and accelerates its mass
+        # a support balances the whole force on its node, and accelerates the nodal mass
         work = -present.mean_step * present.mass * dot(acceleration, held)
         if wp.static(supported):
             work = work + present.mass * dot(gained, held)
@@ -87,7 +87,7 @@ def support_work_function(real: type, lane_count: int, supported: bool):
 
 @cache
 def place_function(real: type, lane_count: int, has_tools: bool):
-    """wp.func that moves the nodes by ``travel``, and brings all tools nearer by as much."""
+    """wp.func that moves the nodes by ``travel``, and reduces the gaps to all tools by the same distance."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     Present, Touch = present_struct(real, lane_count), touch_struct(real, lane_count)
@@ -103,12 +103,12 @@ def place_function(real: type, lane_count: int, has_tools: bool):
     ):
         block = present.block
         if wp.static(has_tools):
-            # a share for the rounding of this sum
+            # a margin for the rounding of this sum
             moved = wp.sqrt(lane_maximum(dot(travel, travel)))
             for k in range(tool_count):
                 touch.gap[k, block] = real(0.999999) * touch.gap[k, block] - moved
         store_rows3(motion, MotionRow.velocity, block, velocity)
-        # compensated sum: nothing of a small step is lost beside a large coordinate
+        # compensated sum: small increments are not lost in large coordinates
         whole = travel + rows3(motion, MotionRow.remainder, block)
         position = present.position + whole
         store_rows3(motion, MotionRow.remainder, block, whole - (position - present.position))

@@ -1,4 +1,4 @@
-"""What the kernel of the nodes works on: traits of a run, constants, and what a step knows of one block of nodes."""
+"""Data of the node kernel: traits of a run, constants, and the current values of one block of nodes."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -11,14 +11,14 @@ from ..lanes import lane_types
 
 @dataclass(frozen=True)
 class NodeTraits:
-    """What acts on the nodes of a run: their kernel is made for it, as those of the sheet are for ``SheetTraits``.
+    """What acts on the nodes of a run: their kernel is generated for it, as those of the sheet for ``SheetTraits``.
 
     Attributes:
-        follows_thickness: tools meet the current thickness.
+        follows_thickness: contact with tools uses the current thickness.
         loaded: forces or couples are prescribed.
         supported: nodes are held by supports.
-        shape_kinds: of the parts of all tools, see kernels/contact/tool_shapes.py; none without tools.
-        rotated: some part is.
+        shape_kinds: of the parts of all tools, see kernels/contact/tool_shapes.py; empty without tools.
+        rotated: whether any part is rotated.
     """
 
     follows_thickness: bool = False
@@ -40,8 +40,8 @@ def node_struct(real: type, lane_count: int):
         mass: wp.array(dtype=types.lanes)  # [kg]; 0 for padding
         inverse_mass: wp.array(dtype=types.lanes)
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]
-        angle_weight: wp.array(dtype=types.lanes)  # of each adjacent element in the node's mean shear angle
-        thickness_weight: wp.array(dtype=types.lanes)  # of each in its mean thickness, if tools meet that
+        angle_weight: wp.array(dtype=types.lanes)  # weight of each adjacent element in the node's mean shear angle
+        thickness_weight: wp.array(dtype=types.lanes)  # weight of each in its mean thickness, if contact uses that
         load: wp.array2d(dtype=types.vec3)  # rows: see LoadRow
         load_time: wp.array(dtype=wp.float64)  # knots of the loads' share [s]
         load_share: wp.array(dtype=wp.float64)
@@ -52,7 +52,7 @@ def node_struct(real: type, lane_count: int):
 
 @cache
 def support_struct(real: type, lane_count: int):
-    """Nodes that are held and perhaps driven; what does not change but ``increment`` and ``holding``."""
+    """Nodes that are held and possibly driven; constant except ``increment`` and ``holding``."""
     types = lane_types(real, lane_count)
 
     @wp.struct
@@ -92,7 +92,7 @@ def node_laws_struct(real: type):
         contact_damping_time: real  # normal dashpot = contact stiffness times this [s]
         tangential_ratio: real  # friction spring over normal spring
         in_plane_bending_stiffness: real  # of the sheet [N m]
-        spare_distance: real  # kept of the distance before a contact, for the rounding of positions and distances [m]
+        spare_distance: real  # margin of the distance before contact, for the rounding of positions and distances [m]
         tool_count: wp.int32
 
     return NodeLaws
@@ -106,13 +106,13 @@ def present_struct(real: type, lane_count: int):
     @wp.struct
     class Present:
         block: wp.int32
-        step: real  # to come [s]
-        mean_step: real  # of it and the last one, between whose middles forces act [s]
+        step: real  # the next step [s]
+        mean_step: real  # mean of the next step and the last one, over which forces act [s]
         position: types.lanes3  # [m]
         velocity: types.lanes3  # half a step ago [m/s]
         director: types.lanes3
         mass: types.lanes  # [kg]
-        half_thickness: types.lanes  # of the sheet that the tools meet [m]
+        half_thickness: types.lanes  # of the sheet, for contact with tools [m]
         growth: types.lanes  # of the half thickness in this step [m]
         thickened: real  # largest growth of the half thickness in the last step, not below zero [m]
 

@@ -1,4 +1,4 @@
-"""What the elements and the prescribed loads do to one block of nodes."""
+"""Forces of the elements and the prescribed loads on one block of nodes."""
 
 from functools import cache
 from typing import Any
@@ -25,7 +25,7 @@ def add_scalar(corners: Any, offset: Any, first_row: int, total: Any):
 
 @wp.func
 def load_share(knot_time: wp.array(dtype=wp.float64), knot_share: wp.array(dtype=wp.float64), time: wp.float64):
-    """Share of the nodal loads, piecewise linear in time and constant beyond its ends."""
+    """Load factor, piecewise linear in time and constant beyond its ends."""
     result = knot_share[0]
     for k in range(1, knot_time.shape[0]):
         if time > knot_time[k - 1]:
@@ -36,7 +36,7 @@ def load_share(knot_time: wp.array(dtype=wp.float64), knot_share: wp.array(dtype
 
 @cache
 def gather_corners_function(real: type, lane_count: int, follows_thickness: bool):
-    """wp.func -> (force, couple, sum of the adjacent shear angles, and of the thicknesses if tools meet them)."""
+    """wp.func -> (force, couple, sum of adjacent shear angles, and of thicknesses if contact uses them)."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     Nodes = node_struct(real, lane_count)
@@ -61,13 +61,13 @@ def gather_corners_function(real: type, lane_count: int, follows_thickness: bool
 
 @cache
 def follow_angle_function(real: type, lane_count: int):
-    """wp.func -> energy that the new mean shear angle takes from the motion [J]; the angle is written."""
+    """wp.func -> energy that the new mean shear angle removes from the motion [J]; the angle is written."""
     lanes = lane_types(real, lane_count).lanes
     Nodes, NodeLaws = node_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
     def follow_angle(block: wp.int32, nodes: Nodes, laws: NodeLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
-        # the elements met the mean of one step before: that resists its change, which is booked as damping
+        # the elements used the mean from one step before: that resists its change, which is booked as damping
         mean_angle = nodes.angle_weight[block] * angle
         late = mean_angle - motion[MotionRow.mean_angle, block]
         weight = nodes.angle_weight[block]
@@ -79,7 +79,7 @@ def follow_angle_function(real: type, lane_count: int):
 
 @cache
 def follow_thickness_function(real: type, lane_count: int):
-    """wp.func -> the present with the sheet's current thickness, from the sum of its elements'; both are written."""
+    """wp.func -> ``present`` with the sheet's current thickness, from the sum over its elements; both are written."""
     lanes = lane_types(real, lane_count).lanes
     Nodes, Present = node_struct(real, lane_count), present_struct(real, lane_count)
 
@@ -87,7 +87,7 @@ def follow_thickness_function(real: type, lane_count: int):
     def follow_thickness(present: Present, nodes: Nodes, thickness: lanes, report: wp.array2d(dtype=lanes)):
         block = present.block
         present.half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
-        # work of the present springs from half a step ago to half a step ahead, whose part is extrapolated
+        # work of the current springs from half a step ago to half a step ahead; the latter half is extrapolated
         last = present.half_thickness - report[NodeReportRow.half_thickness, block]
         present.growth = real(1.5) * last - real(0.5) * report[NodeReportRow.half_thickness_growth, block]
         present.thickened = wp.max(lane_maximum(last), real(0.0))
@@ -100,7 +100,7 @@ def follow_thickness_function(real: type, lane_count: int):
 
 @cache
 def apply_loads_function(real: type, lane_count: int):
-    """wp.func -> (force, couple, of these the prescribed ones) at this time."""
+    """wp.func -> (force, couple, prescribed force, prescribed couple) at this time."""
     lanes3 = lane_types(real, lane_count).lanes3
     Nodes, Present = node_struct(real, lane_count), present_struct(real, lane_count)
 
@@ -110,7 +110,7 @@ def apply_loads_function(real: type, lane_count: int):
         share = real(load_share(nodes.load_time, nodes.load_share, clock[ClockEntry.time]))
         applied_force = share * load(nodes.load[LoadRow.force], first, lanes3())
         applied_couple = share * load(nodes.load[LoadRow.couple], first, lanes3())
-        # a moment M turns the director as the conjugate M x d does, without its part along d
+        # a moment M acts on the director as the conjugate M x d, without its component along d
         return force + applied_force, couple + cross(applied_couple, present.director), applied_force, applied_couple
 
     return apply_loads

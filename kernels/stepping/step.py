@@ -9,14 +9,14 @@ from ..rows import ClockEntry
 
 # A step that shrinks goes to this share of the limit, so that it need not shrink again at once.
 STEP_MARGIN = wp.constant(0.98)
-# A step grows by one factor per refresh as soon as the limit is the other one above it.
+# A step grows by STEP_GROWTH per refresh once the limit exceeds it by STEP_SLACK.
 STEP_GROWTH = wp.constant(1.02)
 STEP_SLACK = wp.constant(1.05)
 
 
 @cache
 def partial_maximum_kernel(real: type):
-    """Largest entry of each group; a NaN becomes infinity, so that the step shrinks to nothing and the run stops."""
+    """Largest entry of each group; a NaN becomes infinity, so that the step shrinks to zero and the run stops."""
     lanes = lane_types(real, 1).lanes
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -25,7 +25,7 @@ def partial_maximum_kernel(real: type):
         largest = real(0.0)
         for i in range(group * group_size, wp.min((group + 1) * group_size, values.shape[0])):
             value = values[i][0]
-            # written so that a NaN, and infinity after it, stays
+            # written so that a NaN becomes infinity and persists
             largest = wp.where(value <= largest, largest, wp.where(value == value, value, real(wp.inf)))
         maxima[group] = largest
 
@@ -34,10 +34,10 @@ def partial_maximum_kernel(real: type):
 
 @cache
 def set_step_kernel(real: type):
-    """The next time step: kept as long as it is stable and not far below what is, for every change costs energy.
+    """The next time step: kept as long as it is stable and not far below the limit, since every change costs energy.
 
-    Central differences with a constant step keep an energy of their own; each change of the step breaks it, and since
-    the stable step follows the state, the breaks add up.
+    Central differences with a constant step conserve an energy of their own; each change of the step violates that, and
+    since the stable step follows the state, the errors accumulate.
     """
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -64,7 +64,7 @@ def set_step_kernel(real: type):
 
 
 @wp.kernel(module="unique", enable_backward=False)
-def look_at_clock(
+def check_clock(
     # In
     done: wp.int32,  # blocks since the last call
     largest_block_count: wp.int32,
@@ -74,7 +74,7 @@ def look_at_clock(
     block_count: wp.array(dtype=wp.int32),
     running: wp.array(dtype=wp.int32),
 ):
-    """A single thread; the first end of a block at or beyond the target ends the interval, and so does a lost state."""
+    """Single thread; the interval ends with the first block that reaches the target, or if the state is not finite."""
     block_count[0] = block_count[0] + done
     step = clock[ClockEntry.step]
     # comparisons with NaN are false

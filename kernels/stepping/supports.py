@@ -1,4 +1,4 @@
-"""Prescribed motion of supports: how far each drive goes in the step to come."""
+"""Prescribed motion of supports: the increment of each drive in the next step."""
 
 from functools import cache
 
@@ -29,8 +29,8 @@ def piecewise_cubic(
 def support_motion_kernel(real: type):
     """Kernel of a single thread per step, before the nodes move.
 
-    An increment is rounded to the precision of the run, and the rounded one is what the drive has moved: the next one
-    makes up for what was lost, so that the sum does not drift from the curve.
+    An increment is rounded to the precision of the run, and the drive's displacement is the sum of rounded increments:
+    the next one corrects the rounding error, so that the sum does not drift from the curve.
     """
 
     @wp.kernel(module="unique", enable_backward=False)

@@ -1,4 +1,4 @@
-"""One block of nodes meets the tools (docs/theory.md, section 6)."""
+"""Contact of one block of nodes with the tools (docs/theory.md, section 6)."""
 
 from functools import cache
 
@@ -14,7 +14,7 @@ from .node_data import NodeTraits, node_laws_struct, present_struct
 
 @cache
 def contact_function(real: type, lane_count: int):
-    """wp.func -> (normal spring, force of it and its dashpot, of the dashpot, of friction, friction's spring)."""
+    """wp.func -> (normal spring's force, force of spring and dashpot, of the dashpot, of friction, friction spring)."""
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
@@ -48,11 +48,11 @@ def contact_function(real: type, lane_count: int):
 
 @cache
 def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
-    """wp.func -> (force with the contacts', friction, its power, dashpots, their power); touch and work are written.
+    """wp.func -> (force with contact, friction, its power, dashpots, their power); touch and work are written.
 
-    The powers are those that the moving tools take from what does not come from an energy. The five are no struct: Warp
-    passes structs by value, and in this loop the compiler would copy them through memory: 44 instead of 31 ns per node
-    (16 lanes, float32).
+    The powers are those of the moving tools on forces that do not derive from an energy. The five are not a struct:
+    Warp passes structs by value, and in this loop the compiler would copy them through memory: 44 instead of 31 ns per
+    node (16 lanes, float32).
     """
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
@@ -85,7 +85,7 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
         for k in range(laws.tool_count):
             tool = tools.tool[k]
             speed = real(tools.velocity[k])
-            # the tool has moved for the last step, which is at most twice the mean one
+            # the tool moved over the last step, which is at most twice the mean step
             distance_left = touch.gap[k, block] - real(2.0) * present.mean_step * wp.abs(speed) - present.thickened
             if not distance_left > real(0.0):
                 distance, normal = tool_distance(tools.part, tool, real(tools.displacement[k]), present.position)

@@ -1,4 +1,4 @@
-"""Rigid tools: sum the reactions in a fixed order, move by a stroke curve or by a force, advance the clock."""
+"""Rigid tools: sum the reactions in a fixed order, move along a stroke curve or by a force, advance the clock."""
 
 from functools import cache
 from typing import Any
@@ -13,7 +13,7 @@ FORCE = wp.constant(1)
 
 @wp.struct
 class ToolDrive:
-    """Motion law of one tool; its curve is a run of knots in the common arrays."""
+    """Motion law of one tool; its curve is a range of knots in the common arrays."""
 
     kind: wp.int32
     first_knot: wp.int32
@@ -55,7 +55,7 @@ def curve_value(
 
 @cache
 def partial_sum_kernel(real: type):
-    """Sum ``group_size`` neighbouring reactions, so that the last sum stays short on many nodes."""
+    """Sum ``group_size`` neighbouring reactions, so that the final sum stays short with many nodes."""
     vec3 = wp.types.vector(3, real)
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -115,7 +115,7 @@ def tool_motion_kernel(real: type):
             else:
                 velocity[k] = (new - old) / step
             displacement[k] = new
-            # forces are those of the present, between two half steps: like a node, the tool travels the mean of both
+            # forces are at the current instant, between two half steps: as for a node, the travel is the mean of both
             travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
             work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * travel
             work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * travel

@@ -1,1 +1,1 @@
-"""How fast weavesim is: cases, what is measured of them, and the tables that say so."""
+"""How fast weavesim is: cases, measurements and tables."""

@@ -18,7 +18,7 @@ CONTESTANT = Path(__file__).with_name("contestant.py").resolve()
 
 
 class Contestant:
-    """A case that steps in a process of its own, in one checkout."""
+    """A case that steps in a separate process, in one checkout."""
 
     def __init__(self, checkout: Path, case: str, precision: str, threads: int) -> None:
         self._process = subprocess.Popen(
@@ -31,7 +31,7 @@ class Contestant:
     def _answer(self) -> str:
         line = self._process.stdout.readline()
         if not line:
-            raise SystemExit("a contestant broke off; its message is above")
+            raise SystemExit("a contestant failed; its message is above")
         return line
 
     def turn(self, block_count: int) -> float:
@@ -49,12 +49,12 @@ class Contestant:
 def against(
     checkout: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="folder of another version")],
     case: Annotated[str, typer.Option(help=f"one of {', '.join(CASES)}")] = "double_dome_10mm",
-    turns: Annotated[int, typer.Option(help="turns of each")] = 20,
-    blocks: Annotated[int, typer.Option(help="blocks of 20 steps in a turn")] = 50,
+    turns: Annotated[int, typer.Option(help="turns per checkout")] = 20,
+    blocks: Annotated[int, typer.Option(help="blocks of 20 steps per turn")] = 50,
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
-    threads: Annotated[int, typer.Option(help="CPU threads; processor time is measured on one, else wall time")] = 1,
+    threads: Annotated[int, typer.Option(help="CPU threads; with one, processor time is measured, else wall time")] = 1,
 ) -> None:
-    """A case in another checkout (git worktree add) and in this one, in alternating turns."""
+    """Time a case in another checkout (git worktree add) and in this one, in alternating turns."""
     if case not in CASES:
         raise typer.BadParameter(f"{case}: choose from {', '.join(CASES)}", param_hint="--case")
     contestants = [Contestant(folder.resolve(), case, precision, threads) for folder in (checkout, ROOT)]

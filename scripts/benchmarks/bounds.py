@@ -1,4 +1,4 @@
-"""What the machine can do on one core."""
+"""Limits of the machine on one core."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from ..shared.report import line_about, table
 
 
 def bounds(
-    megabytes: Annotated[int, typer.Option(help="size of the arrays that are copied")] = 256,
-    turns: Annotated[int, typer.Option(help="of each measurement; the best counts")] = 5,
+    megabytes: Annotated[int, typer.Option(help="size of the copied arrays [MB]")] = 256,
+    turns: Annotated[int, typer.Option(help="turns per measurement; the best counts")] = 5,
 ) -> None:
-    """What the machine can do on one core: bytes copied, and multiply-adds in lanes as the kernels use them."""
+    """Limits of the machine on one core: copy bandwidth, and multiply-adds in lanes as the kernels use them."""
     rows = []
     for size in (64 * 2**10, 2**20, megabytes * 2**20):
         source = np.ones(size // 8)

@@ -1,6 +1,6 @@
-"""What is timed: scenes on meshes of several sizes, and free patches of any size.
+"""Cases to time: scenes on meshes of several sizes, and free patches of any size.
 
-Both versions of ``benchmark.py against`` make their cases here: what differs between them is asked of weavesim.
+Both versions of ``benchmark.py against`` create their cases here; differences between versions are detected.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ def _hemisphere(**options: Any):
 
 
 def _ready(made: Any) -> Any:
-    """A scene's set-up as a simulation. The scenes of 0.1 return simulations: ``against`` measures those too."""
+    """A scene's set-up as a simulation. Scenes of 0.1 return simulations; ``against`` measures those too."""
     from weavesim import Simulation
 
     return made if isinstance(made, Simulation) else Simulation(made)
 
 
 def _patch(side: int) -> Callable[..., Any]:
-    """A free square of ``side`` x ``side`` elements of 5 mm, stretched, sheared and thrown, that meets no tool."""
+    """A free square of ``side`` x ``side`` elements of 5 mm, stretched, sheared and thrown, without tools."""
 
     def build(**options: Any):
         from weavesim import Blank, Simulation
@@ -68,16 +68,17 @@ CASES: dict[str, Callable[..., Any]] = {
     "patch_100k": _patch(316),
     "patch_1m": _patch(1000),
 }
-# The longest takes 3 GB and several minutes: by name only.
+# The largest case needs 3 GB and several minutes: it runs only by name.
 DEFAULT_CASES = tuple(name for name in CASES if name != "patch_1m")
 
 
 def element_count(simulation: Any) -> int:
-    """Of its sheet. Simulations of 0.1 have no set-up."""
+    """Number of elements of all its sheets. Simulations of 0.1 have one sheet and no set-up."""
     setup = getattr(simulation, "setup", None)
-    return simulation.blank.element_count if setup is None else setup.sheet.blank.element_count
+    blanks = [simulation.blank] if setup is None else [sheet.blank for sheet in setup.sheets]
+    return sum(blank.element_count for blank in blanks)
 
 
 def warm_up(simulation: Any) -> None:
-    """Steps before the clock starts, up to 4,000: the sheet is in motion, and that of a double dome meets its tools."""
+    """Up to 4,000 steps before timing: the sheet is then in motion, in a double dome also in contact with its tools."""
     simulation.stepper.advance(int(np.clip(2_000_000 // element_count(simulation), 5, 200)))

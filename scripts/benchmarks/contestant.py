@@ -1,9 +1,9 @@
-"""A case that steps on demand, in a process of its own and in the version of weavesim that PYTHONPATH names.
+"""A case that steps on demand, in a separate process and with the version of weavesim on PYTHONPATH.
 
     PYTHONPATH=CHECKOUT python scripts/benchmarks/contestant.py CASE PRECISION THREADS
 
-First writes the number of elements; then reads numbers of blocks, and answers each with nanoseconds per element and
-step. On one thread they are of the processor's time, which leaves out what other programs take.
+First writes the number of elements; then reads numbers of blocks, and replies to each with nanoseconds per element and
+step. On one thread this is processor time, which excludes other programs.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def main(case: str, precision: str, threads: str) -> None:
-    """Answer the standard input, line by line, until it ends."""
-    import weavesim  # before this checkout is looked in, which has one of its own
+    """Reply to standard input, line by line, until it ends."""
+    import weavesim  # before this checkout, which has its own, is searched
 
     checkout = Path(os.environ["PYTHONPATH"]).resolve()
     if not Path(weavesim.__file__).resolve().is_relative_to(checkout):

@@ -1,4 +1,4 @@
-"""What every law and unit cell costs beside the default ones."""
+"""Cost of every law and unit cell relative to the default ones."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ def law_variants() -> dict[str, Any]:
 
 
 def laws(
-    turns: Annotated[int, typer.Option(help="turns of each law")] = 7,
+    turns: Annotated[int, typer.Option(help="turns per law")] = 7,
     seconds: Annotated[float, typer.Option(help="length of a turn")] = 0.3,
-    mesh_size: Annotated[float, typer.Option(help="of the double dome [m]")] = 0.01,
+    mesh_size: Annotated[float, typer.Option(help="mesh size of the double dome [m]")] = 0.01,
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
 ) -> None:
     """Time per element and step of every law and unit cell in the double dome, on one thread."""

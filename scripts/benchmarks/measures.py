@@ -1,4 +1,4 @@
-"""What is measured of one simulation."""
+"""Measurements of one simulation."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ def _synchronise() -> None:
 
 
 def phases(simulation: Any, seconds: float) -> dict[str, float]:
-    """Seconds of each phase of a step, and of an output frame, of a run on one thread; its state stays as it is."""
+    """Time [s] of each phase of a step, and of an output frame, on one thread; the state does not change."""
     repeats = 10
     result = {name: _repeat(phase, seconds) / repeats for name, phase in simulation.stepper.phases(repeats).items()}
-    # these contain what goes before them
+    # these include the phases before them
     result["nodes and contact"] -= result["elements"]
     result["elements"] -= result.pop("copy")
-    # the best of a few, as for the others: writing to disk stalls now and then
+    # the best of a few, as for the others: writing to disk stalls occasionally
     result["output frame"] = min(output_frame(simulation, 0.5 * seconds) for _ in range(3))
     return result
 
 
 def output_frame(simulation: Any, seconds: float) -> float:
-    """Mean time of an output frame as a run into a result folder makes it: ledger, film, series (not every time), log.
+    """Mean time of an output frame of a run into a result folder: ledger, film, series (not for every frame), log.
 
-    At most as many as a run has, four at least, over about ``seconds``.
+    Measured over about ``seconds``, at least four frames, at most as many as a run has.
     """
     from weavesim.app.progress import RunLog
     from weavesim.output import ResultFolder
@@ -56,7 +56,7 @@ def output_frame(simulation: Any, seconds: float) -> float:
         for observer in observers:
             observer.start(simulation.info)
         for index in range(simulation.setup.frame_count + 1):
-            if index == 1:  # what the first one prepares is not counted
+            if index == 1:  # preparations for the first frame are not counted
                 started = time.perf_counter()
             time_now = simulation.setup.duration * index / simulation.setup.frame_count
             frame = replace(simulation.ledger.frame(index), time=time_now)
@@ -72,7 +72,7 @@ def output_frame(simulation: Any, seconds: float) -> float:
 
 
 def _repeat(work: Callable[[], object], seconds: float) -> float:
-    """Best time of one call, over about ``seconds``, twice at least."""
+    """Best time of one call, over about ``seconds``, at least two calls."""
     times, started = [], time.perf_counter()
     while time.perf_counter() - started < seconds or len(times) < 2:
         before = time.perf_counter()
@@ -83,12 +83,12 @@ def _repeat(work: Callable[[], object], seconds: float) -> float:
 
 
 def state_bytes(simulation: Any) -> float:
-    """Allocated bytes per element of all arrays that constants and state of a run live in."""
+    """Allocated bytes per element of all arrays with constants and state of a run."""
     return sum(array.capacity for array in simulation.stepper.arrays()) / element_count(simulation)
 
 
 def moved_bytes(simulation: Any) -> float:
-    """Bytes that a step reads and writes per element if every array is touched once by each kernel (performance.md)."""
+    """Bytes per element that a step reads and writes if each kernel touches every array once (performance.md)."""
     from weavesim.kernels.rows import CellReportRow, MotionRow
 
     model = simulation.stepper.model.sheet

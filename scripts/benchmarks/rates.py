@@ -1,4 +1,4 @@
-"""Element-steps per second of whole steps, and what a step is made of."""
+"""Element-steps per second of whole steps, and the phases of a step."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SCRIPT = Path(__file__).resolve().parents[1] / "benchmark.py"
 
 
 def worker(case: str, precisions: str, threads: str, device: str, seconds: float, turns: int, avx512: bool) -> None:
-    """One case in a process of its own: a line of JSON per precision and number of threads."""
+    """One case in a separate process: a line of JSON per precision and number of threads."""
     import resource
 
     import weavesim.device as settings
@@ -66,16 +66,16 @@ def worker(case: str, precisions: str, threads: str, device: str, seconds: float
 
 def rates(
     case: Annotated[list[str] | None, typer.Option(help=f"one of {', '.join(CASES)}; may be repeated")] = None,
-    precision: Annotated[str, typer.Option(help="float32, float64, or both with a comma")] = "float32,float64",
-    threads: Annotated[str | None, typer.Option(help="numbers of CPU threads, with commas [default: 1, all]")] = None,
+    precision: Annotated[str, typer.Option(help="float32, float64, or both, comma-separated")] = "float32,float64",
+    threads: Annotated[str | None, typer.Option(help="CPU thread counts, comma-separated [default: 1, all]")] = None,
     device: Annotated[str, typer.Option(help='"cpu", "cuda:0", ...')] = "cpu",
     seconds: Annotated[float, typer.Option(help="length of a turn")] = 1.0,
-    turns: Annotated[int, typer.Option(help="turns of every variant")] = 3,
+    turns: Annotated[int, typer.Option(help="turns per variant")] = 3,
     avx512: Annotated[bool, typer.Option(help="compile for AVX-512 where the processor has it")] = True,
-    json_file: Annotated[Path | None, typer.Option("--json", help="write all numbers here")] = None,
-    compare: Annotated[Path | None, typer.Option(help="an earlier file of --json to set beside")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="write all numbers to this file")] = None,
+    compare: Annotated[Path | None, typer.Option(help="an earlier --json file to compare with")] = None,
 ) -> None:
-    """Element-steps per second of whole steps: cell, laws, gather, contact, update; output not included."""
+    """Element-steps per second of whole steps: cell, laws, gather, contact, update; without output."""
     from weavesim.device import available_threads
 
     names = case or list(DEFAULT_CASES)
@@ -91,7 +91,7 @@ def rates(
         command += [str(seconds), str(turns), str(avx512)]
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
         if done.returncode:
-            raise SystemExit(f"{name}: ended with {done.returncode}; its message is above")
+            raise SystemExit(f"{name}: failed with exit code {done.returncode}; its message is above")
         rows += [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
         typer.echo(f"{name}: done", err=True)
     result = {"machine": about, "rows": rows}
@@ -101,7 +101,7 @@ def rates(
 
 
 def report(result: dict[str, Any], old: dict[str, Any] | None = None) -> str:
-    """Markdown tables of ``rates``, beside an earlier result if given."""
+    """Markdown tables of ``rates``, compared with an earlier result if given."""
     about, rows = result["machine"], result["rows"]
     before = {_key(row): row["rate"] for row in old["rows"]} if old else {}
     lines = [line_about(about), ""]

@@ -1,4 +1,4 @@
-"""Contestants that took turns, as a table of ratios."""
+"""Table of ratios of contestants that ran in turns."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..shared.report import table
 
 
 def ratio_table(names: list[str], times: np.ndarray) -> str:
-    """Medians, and ratios to the first of paired turns with their quartiles; times (turns, contestants) [ns]."""
+    """Medians, and ratios to the first contestant in paired turns with quartiles; times (turns, contestants) [ns]."""
     head = ["", "ns per element and step", "minimum", f"ratio to {names[0].split(':')[0]}", "quartiles"]
     rows = []
     for name, column in zip(names, times.T, strict=True):

@@ -1,1 +1,1 @@
-"""Two versions of weavesim compared bit by bit: what is run, how, what is read of it, and what differs."""
+"""Bit-by-bit comparison of two versions of weavesim: cases, running, reading, differences."""

@@ -1,4 +1,4 @@
-"""What is run in both versions: calls of the command line."""
+"""Cases that run in both versions: calls of the command line."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ class Case:
     """One call of the command line.
 
     Attributes:
-        words: ``{inputs}`` in them is the folder of ``write_inputs``.
-        quick: whether it is one of the few that ``--quick`` runs.
-        changed: what was changed on purpose; differences are then shown and not counted.
+        words: arguments; ``{inputs}`` stands for the folder of ``write_inputs``.
+        quick: whether ``--quick`` runs it.
+        changed: what was changed deliberately; differences are then shown but not counted.
     """
 
     words: str
@@ -29,7 +29,7 @@ class Case:
 COARSE_DOME = "double-dome --mesh-size 0.01 "
 RUBBING_DOME = COARSE_DOME + "--fabric {inputs}/rubbing.toml "
 RUBBING_FRAME = "picture-frame --mesh-size 0.025 --cycle --fabric {inputs}/rubbing.toml --precision float64 "
-# With a step of their own choice runs show that no more than the choice was changed.
+# With a fixed step, runs show that only the choice of the step was changed.
 FIXED_STEP = "--time-step 2e-6"
 YARN_STEP = "the stable step of bending per yarn family (docs/decisions/0021-bounds-of-coupled-terms.md)"
 MESH_TOOLS = "--punch {inputs}/punch.stl --die {inputs}/die.stl --binder {inputs}/binder.stl --unit-scale 0.001"

@@ -1,4 +1,4 @@
-"""How entries differ, in kind, shape or any bit."""
+"""How entries differ, in type, shape or any bit."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class Difference:
 
     Attributes:
         name: of the entry.
-        text: what happened to it.
-        frame: the first at which it differs, None if it is not of frames.
-        size: largest difference over the largest magnitude; None if it is not of numbers.
+        text: description of the difference.
+        frame: first frame that differs; None if the entry is not per frame.
+        size: largest difference over the largest magnitude; None if it is not numerical.
     """
 
     name: str
@@ -30,12 +30,12 @@ class Difference:
 
 
 def difference(name: str, before: np.ndarray, after: np.ndarray) -> Difference | None:
-    """How ``after`` differs from ``before`` in kind, shape or any bit; None if it does not."""
+    """How ``after`` differs from ``before`` in type, shape or any bit; None if it does not."""
     if _kind(before) != _kind(after):
         return Difference(name, f"{_kind(before)} became {_kind(after)}")
     of_frames = name.startswith("frames/") and before.ndim > 0
     if of_frames and before.shape[1:] == after.shape[1:] and len(before) != len(after):
-        # a run that ends earlier or later: where it parts ways says more than its length
+        # a run that ends earlier or later: the first difference is more informative than the length
         count = min(len(before), len(after))
         text = f"{len(before)} frames became {len(after)}"
         if one := difference(name, before[:count], after[:count]):
@@ -62,12 +62,12 @@ def _kind(values: np.ndarray) -> str:
 
 
 def _bits(values: np.ndarray) -> np.ndarray:
-    """Values as whole numbers: 0.0 is not -0.0, and a NaN is itself."""
+    """Bits of the values as integers: 0.0 differs from -0.0, and a NaN equals itself."""
     return np.ascontiguousarray(values).reshape(values.shape).view(f"u{values.dtype.itemsize}")
 
 
 def relative_size(before: np.ndarray, after: np.ndarray) -> float | None:
-    """Largest difference over the largest magnitude; None if these are no numbers."""
+    """Largest difference over the largest magnitude; None if these are not numbers."""
     if before.dtype.kind == "S":
         return None
     try:
@@ -84,7 +84,7 @@ def relative_size(before: np.ndarray, after: np.ndarray) -> float | None:
 
 
 def differences(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> list[Difference]:
-    """All entries that differ: those of the earliest frame first, there the largest, then the others in their order."""
+    """All entries that differ: the earliest frame first, within it the largest, then the others in their order."""
     found = [Difference(name, "is missing") for name in before if name not in after]
     found += [Difference(name, "is new") for name in after if name not in before]
     for name in before:

@@ -33,9 +33,9 @@ friction_stiffness = 0.0008
 
 
 def write_inputs(folder: Path) -> None:
-    """What the cases read: a fabric, and the tools of a double dome as open meshes in millimetres.
+    """Input files of the cases: a fabric, and the tools of a double dome as open meshes in millimetres.
 
-    Files that are there stay, so that both versions read the same.
+    Existing files are kept, so that both versions read the same.
     """
     turn = np.linspace(0.0, 0.5 * np.pi, 25)
     punch = np.column_stack([60.0 * np.sin(turn), 60.0 * (1.0 - np.cos(turn))])
@@ -52,7 +52,7 @@ def write_inputs(folder: Path) -> None:
     for name, content in files.items():
         path = folder / name
         if path.exists() and path.read_bytes() != content:
-            raise SystemExit(f"{path} is not what the cases are made with now: record the reference again")
+            raise SystemExit(f"{path} differs from the current input of the cases: record the reference again")
         path.write_bytes(content)
 
 

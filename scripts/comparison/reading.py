@@ -1,4 +1,4 @@
-"""Every entry of a run's results by its name."""
+"""Every entry of a run's results by name."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-# Names of entries that were changed on purpose, old to new.
+# Names of entries that were changed deliberately, old to new.
 RENAMED: dict[str, str] = {}
 
 
-# Entries of the summary that differ from run to run.
+# Summary entries that differ from run to run.
 OF_THE_CLOCK = {
     "wall_time_s", "stepping_time_s", "output_time_s", "element_steps_per_second", "threads", "weavesim_version",
 }  # fmt: skip
@@ -26,7 +26,7 @@ BYTES_ONLY = (".usdc", ".png", ".vtu", ".pvd")
 
 
 def read_results(folder: Path) -> dict[str, np.ndarray]:
-    """Every entry of a run by its name, numbers with all their bits and tables as they are written."""
+    """Every entry of a run by name, numbers with all bits and tables as text."""
     entries: dict[str, np.ndarray] = {}
     with np.load(folder / "frames.npz") as record:
         entries |= {name: record[name] for name in record.files}
@@ -36,14 +36,14 @@ def read_results(folder: Path) -> dict[str, np.ndarray]:
     for path in sorted(out.rglob("final_state.vtu")):
         entries |= {f"{path.name}/{name}": values for name, values in read_final_state(path)}
     for path in sorted(out.rglob("summary.json")):
-        # notes name the tool meshes with their folder
+        # notes contain the paths of the tool meshes
         summary = json.loads(re.sub(r"[^\s\"]*/inputs/", "inputs/", path.read_text(encoding="utf-8")))
         entries |= {f"{path.name}/{name}": values for name, values in leaves(summary) if name not in OF_THE_CLOCK}
     return {RENAMED.get(name, name): values for name, values in entries.items()}
 
 
 def read_table(path: Path) -> dict[str, np.ndarray]:
-    """Columns of a CSV as text, by their header."""
+    """Columns of a CSV as text, by header."""
     with path.open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     return {name: np.array([row[k] for row in rows], dtype=str) for k, name in enumerate(header)}
@@ -61,7 +61,7 @@ def read_final_state(path: Path) -> Iterator[tuple[str, np.ndarray]]:
 
 
 def leaves(value: Any, name: str = "") -> Iterator[tuple[str, np.ndarray]]:
-    """Entries of nested JSON; a list is one entry if it is of numbers or of texts."""
+    """Entries of nested JSON; a list of numbers or of texts is one entry."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             yield from leaves(item, f"{name}.{key}" if name else key)
@@ -73,7 +73,7 @@ def leaves(value: Any, name: str = "") -> Iterator[tuple[str, np.ndarray]]:
 
 
 def other_files(folder: Path) -> dict[str, str]:
-    """SHA-256 of what is compared as bytes, by path."""
+    """SHA-256 of the files that are compared as bytes, by path."""
     out = folder / "out"
     return {
         str(path.relative_to(out)): hashlib.sha256(path.read_bytes()).hexdigest()
@@ -83,6 +83,6 @@ def other_files(folder: Path) -> dict[str, str]:
 
 
 def sha256(values: np.ndarray) -> str:
-    """Of kind, shape and bits."""
+    """SHA-256 of type, shape and bits."""
     head = f"{values.dtype.str} {values.shape} ".encode()
     return hashlib.sha256(head + np.ascontiguousarray(values).tobytes()).hexdigest()

@@ -1,11 +1,11 @@
-"""The command line of weavesim, with all bits of all frames kept: scripts/same_results.py starts it.
+"""The command line of weavesim, recording all bits of all frames; scripts/same_results.py starts it.
 
     PYTHONPATH=CHECKOUT python -P scripts/comparison/recorded_run.py RECORD.npz double-dome --out FOLDER
 
-Tables have nine digits and films are in single precision, so a frame is read where it is made. RECORD.npz has
+Tables have nine digits and films are in single precision, so frames are recorded when created. RECORD.npz contains
 
 - ``frames/NAME``: every number of every frame, (frame_count, ...), named as in ``Frame``: ``energies.kinetic``;
-- ``frames/sha256 of NAME``: of the arrays over nodes and elements, one for each frame;
+- ``frames/sha256 of NAME``: hashes of the arrays over nodes and elements, one per frame;
 - ``last/NAME``: these arrays of the last frame.
 """
 
@@ -23,28 +23,28 @@ from typing import Any
 
 import numpy as np
 
-# Where ``Frame`` is, newest version first: of the first place that has it, the one that all others take it from.
+# Modules that define ``Frame``, newest version first.
 FRAME_PLACES = ("weavesim", "weavesim.recording")
-# Larger arrays are kept as hashes.
+# Larger arrays are stored as hashes.
 LARGEST_NUMBER_COUNT = 32
 
 
 def frame_class() -> type:
-    """The class of the frames in the weavesim that is imported."""
+    """The ``Frame`` class of the imported weavesim."""
     for place in FRAME_PLACES:
         try:
             return import_module(place).Frame
         except (ImportError, AttributeError):
             continue
-    raise SystemExit(f"this weavesim has no Frame in {', '.join(FRAME_PLACES)}: add where it is to {__file__}")
+    raise SystemExit(f"this weavesim has no Frame in {', '.join(FRAME_PLACES)}: add its module to {__file__}")
 
 
 def numbers(value: Any, name: str = "") -> Iterator[tuple[str, np.ndarray]]:
-    """Everything in a frame by its name, with points between the names of what is inside what."""
+    """Everything in a frame by name, with dots between nested names."""
     if dataclasses.is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
         for sheet in value.pop("sheets", ()):
-            # frames of one sheet used to have these themselves
+            # in older versions frames had these themselves
             value |= {part: getattr(sheet, part) for part in ("position", "director", "fields")}
     if isinstance(value, Mapping):
         for key, item in value.items():
@@ -54,7 +54,7 @@ def numbers(value: Any, name: str = "") -> Iterator[tuple[str, np.ndarray]]:
 
 
 class Record:
-    """Keeps frames by their index: one that is made twice counts once, as it was last."""
+    """Stores frames by index; a frame that is created twice is stored once, in its last form."""
 
     def __init__(self) -> None:
         self._rows: dict[int, dict[str, np.ndarray]] = {}

@@ -21,16 +21,16 @@ from .inputs import write_inputs
 
 RECORDER = Path(__file__).with_name("recorded_run.py").resolve()
 
-# Other spellings of an option of the cases, in versions before or after this one: the first that a version knows is
-# taken. {"--binder": ("--binder", "--holder")}
+# Other names of an option of the cases, in versions before or after this one: the first that a version knows is used.
+# {"--binder": ("--binder", "--holder")}
 SPELLINGS: dict[str, tuple[str, ...]] = {"--binder": ("--blank-holder", "--binder")}
 
 
 def run_case(case: Case, checkout: Path, inputs: Path, folder: Path, threads: int, extra: Sequence[str] = ()) -> float:
-    """Run a case in ``checkout`` and leave its results in ``folder``; returns the seconds that it took.
+    """Run a case in ``checkout``, write its results to ``folder``, and return the time taken [s].
 
     Raises:
-        RuntimeError: the run did not finish; what it said last.
+        RuntimeError: the run did not finish; with its last message.
     """
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -49,7 +49,7 @@ def run_case(case: Case, checkout: Path, inputs: Path, folder: Path, threads: in
 
 
 def spelled(arguments: list[str], checkout: Path) -> list[str]:
-    """``arguments`` with the names that the options have in ``checkout``."""
+    """``arguments`` with the option names of ``checkout``."""
     if not set(arguments) & set(SPELLINGS):
         return arguments
     command = [sys.executable, "-m", "weavesim", arguments[0], "--help"]
@@ -59,12 +59,12 @@ def spelled(arguments: list[str], checkout: Path) -> list[str]:
 
 
 def bits_depend_on() -> dict[str, str]:
-    """What bits depend on besides the code."""
+    """What the bits depend on in addition to the code."""
     return {"processor": processor_name(), "warp": version("warp-lang"), "numpy": np.__version__}
 
 
 class Reference:
-    """Results of a commit in a folder; what is missing there, or was made otherwise, is run and added."""
+    """Results of a commit in a folder; missing ones, and those with other settings, are run and added."""
 
     def __init__(self, folder: Path, commit: str, threads: int, stack: ExitStack) -> None:
         self.folder, self.commit, self._threads, self._stack = folder, full_name(commit), threads, stack
@@ -81,10 +81,10 @@ class Reference:
             if {key: known.get(key) for key in about} == about:
                 made_with, present = known["machine"], bits_depend_on()
                 if made_with != present:
-                    say(f"{name}: the reference was made with {made_with}, this is {present}: bits may differ")
+                    say(f"{name}: the reference is from {made_with}, this is {present}: bits may differ")
                 return folder
             if known.get("commit") != self.commit:
-                raise SystemExit(f"{folder} has results of {known.get('commit')}, not of {self.commit}")
+                raise SystemExit(f"{folder} contains results of {known.get('commit')}, not of {self.commit}")
         if self._checkout is None:
             self._checkout = self._stack.enter_context(checked_out(self.commit))
         seconds = run_case(CASES[name], self._checkout, self.inputs, folder, self._threads)

@@ -1,4 +1,4 @@
-"""What is said of a case."""
+"""The verdict on a case."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .reading import other_files, read_results
 
 @dataclass
 class Verdict:
-    """What is said of a case."""
+    """Result of the comparison of a case."""
 
     case: str
     entry_count: int = 0
@@ -31,12 +31,12 @@ class Verdict:
 
     @property
     def wrong(self) -> bool:
-        """Whether something differs that was not changed on purpose."""
+        """Whether something differs that was not changed deliberately."""
         return self.failure is not None or bool(self.found and not self.changed)
 
     @property
     def changed(self) -> str:
-        """What was changed on purpose; nothing for a case that is not in ``CASES``."""
+        """What was changed deliberately; empty for a case that is not in ``CASES``."""
         return CASES[self.case].changed if self.case in CASES else ""
 
     def row(self) -> list[str]:
@@ -54,7 +54,7 @@ class Verdict:
 
 
 def compare(case: str, reference: Path, here: Path) -> Verdict:
-    """The results in two folders."""
+    """Compare the results in two folders."""
     before, after = read_results(reference), read_results(here)
     files, files_after = other_files(reference), other_files(here)
     changed = [name for name in files | files_after if files.get(name) != files_after.get(name)]

@@ -1,23 +1,24 @@
-"""weavesim beside Newton's cloth solvers on one drape: a square of fabric falls on a ball.
+"""weavesim compared with Newton's cloth solvers on one drape: a square of fabric falls onto a ball.
 
     python scripts/benchmark.py peers --newton-python newton-environment/bin/python
 
-Each contestant runs alone in a process of its own on one CPU thread, or on the device that is asked for. All get the
-same nodes, masses, initial velocity, gravity, drag of the air, ball and simulated time. A quadrilateral of weavesim is
-two triangles in Newton. Self-contact is off, since weavesim has none; XPBD, which cannot do without, has contact among
-beads on the nodes, as thick as the fabric.
+Each contestant runs alone in a separate process on one CPU thread, or on the given device. All get the same nodes,
+masses, initial velocity, gravity, air drag, ball and simulated time. A quadrilateral of weavesim is two triangles in
+Newton. Self-contact is off, since weavesim has none; XPBD, which requires it, has contact between beads on the nodes,
+as thick as the fabric.
 
-What Newton's solvers are given follows its example ``cloth_hanging``, which runs VBD, XPBD and SemiImplicit, and for
-Style3D ``cloth_style3d``, whose garment has the mass of a real one: iterations, time step (ten steps per sixtieth of a
-second), collision detection in every step (``cloth_style3d`` looks once in ten), steps recorded as a graph wherever the
-example does so. Where that does not carry over:
+Settings of Newton's solvers follow its example ``cloth_hanging``, which runs VBD, XPBD and SemiImplicit, and for
+Style3D ``cloth_style3d``, whose garment has a realistic mass: iterations, time step (ten steps per sixtieth of a
+second), collision detection in every step (``cloth_style3d``: every tenth), steps recorded as a graph wherever the
+example does so. Exceptions:
 
-- Explicit SemiImplicit takes 0.9 of its stable step, as weavesim does, instead of the example's fixed 1/1920 s.
-- XPBD diverges with the example's step, as nodes weigh less than a thousandth of the example's. It runs once more with
-  the explicit step and the solver's default of two iterations. VBD runs once more with five times the iterations.
+- Explicit SemiImplicit uses 0.9 of its stable step, as weavesim does, instead of the example's fixed 1/1920 s.
+- XPBD diverges with the example's step, as nodes weigh less than a thousandth of the example's. It runs a second time
+  with the explicit step and the solver's default of two iterations. VBD runs a second time with five times the
+  iterations.
 - Contact stiffness is Newton's default, 1 kN/m. Damping and friction slope of SemiImplicit's contact follow from it,
   the nodal mass and the step, as the defaults are made for heavier particles.
-- No internal damping, as in weavesim; what a solver's time integration loses, it loses.
+- No internal damping, as in weavesim; numerical dissipation of a solver's time integration remains.
 
 Materials: Style3D and XPBD (springs along the yarns and both diagonals) take the fabric's stiffness along the yarns and
 in shear. The triangles of VBD and SemiImplicit are isotropic: they get the yarns' stiffness with a Poisson ratio of 0,

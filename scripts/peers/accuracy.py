@@ -1,4 +1,4 @@
-"""What a final state says about accuracy, from its nodes alone."""
+"""Accuracy measures of a final state, from its nodes alone."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .problem import Problem
 
 
 def measures(problem: Problem, position: np.ndarray, velocity: np.ndarray) -> dict[str, Any]:
-    """What a final state says about accuracy, from its nodes alone.
+    """Accuracy measures of a final state, from its nodes alone.
 
     Args:
         position, velocity: (node_count, 3) [m], [m/s].
@@ -26,7 +26,7 @@ def measures(problem: Problem, position: np.ndarray, velocity: np.ndarray) -> di
         return {"finite": False}
     side = math.isqrt(len(problem.quads)) + 1
     now, rest = (nodes.astype(np.float64).reshape(side, side, 3) for nodes in (position, problem.position))
-    # rows of edges: (edge, yarn) of one family beside the other
+    # rows of edges: (edge, yarn) of one family, then the other
     length, rest_length = (
         np.hstack([np.linalg.norm(np.diff(nodes, axis=0), axis=2), np.linalg.norm(np.diff(nodes, axis=1), axis=2).T])
         for nodes in (now, rest)

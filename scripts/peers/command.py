@@ -21,12 +21,12 @@ def peers(
     fabric: Annotated[list[str] | None, typer.Option(help="cloth, glass, glass-straight; may be repeated")] = None,
     quads: Annotated[int, typer.Option(min=2, help="elements along a side of weavesim's sheet")] = 50,
     seconds_simulated: Annotated[float, typer.Option(min=1e-3, help="length of the drape [s]")] = 0.3,
-    limit: Annotated[float, typer.Option(min=0.0, help="seconds of stepping after which a contestant stops")] = 60.0,
+    limit: Annotated[float, typer.Option(min=0.0, help="time limit for the steps of a contestant [s]")] = 60.0,
     device: Annotated[str, typer.Option(help='"cpu", "cuda:0", ...')] = "cpu",
     newton_python: Annotated[
-        str, typer.Option(help="interpreter of an environment with newton [default: this one]")
+        str, typer.Option(help="Python interpreter of an environment with newton [default: this one]")
     ] = sys.executable,
-    json_file: Annotated[Path | None, typer.Option("--json", help="write all numbers here")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="write all numbers to this file")] = None,
 ) -> None:
     """Newton's cloth solvers and weavesim on the same drape: stiffness, rate and accuracy."""
     names, fabrics = contestant or list(CONTESTANTS), fabric or list(FABRICS)
@@ -39,7 +39,7 @@ def peers(
         if versions is None:
             raise typer.BadParameter(
                 f"{newton_python} has no Newton: install it with '{newton_python} -m pip install \"newton>=1.8\"', "
-                "or give the interpreter of an environment that has it",
+                "or specify the interpreter of an environment that has it",
                 param_hint="--newton-python",
             )
         about = versions

@@ -1,4 +1,4 @@
-"""All contestants, one after the other, each in a process of its own."""
+"""All contestants in sequence, each in a separate process."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def newton_versions(python: str) -> dict[str, str] | None:
 def compete(
     problem: Problem, contestants: Sequence[str], device: str, limit: float, newton_python: str
 ) -> Iterator[dict[str, Any]]:
-    """Every contestant in a process of its own: what it took and its ``measures``, or the error that stopped it."""
+    """Every contestant in a separate process: its cost and ``measures``, or the error that stopped it."""
     with tempfile.TemporaryDirectory() as folder:
         problem_file, result_file = Path(folder) / "problem.npz", Path(folder) / "result.npz"
         problem.save(problem_file)

@@ -1,4 +1,4 @@
-"""Who takes part."""
+"""The contestants."""
 
 from __future__ import annotations
 
@@ -27,5 +27,5 @@ CONTESTANTS = (*OURS, *PEERS)
 
 
 def isotropic(contestant: str) -> bool:
-    """Whether its triangles know no yarns."""
+    """Whether its triangles are isotropic, without yarn directions."""
     return contestant in PEERS and PEERS[contestant].solver in ("SolverVBD", "SolverSemiImplicit")

@@ -15,7 +15,7 @@ FRAME = 1.0 / 60.0  # of Newton's examples [s]
 # Explicit step over that of a wave along an edge: 0.9 (as in weavesim) of 0.694, where a grid of right-angled triangles
 # with lumped masses, isotropic with a Poisson ratio of 0, loses its stability (largest eigenvalue, found numerically).
 EXPLICIT_STEP = 0.9 * 0.694
-BLOCK = 10  # steps between two looks at the clock; even, as recorded steps swap two states
+BLOCK = 10  # steps between two checks of the clock; even, as recorded steps swap two states
 
 
 class NewtonRun:
@@ -51,7 +51,7 @@ class NewtonRun:
         self._contacts = self._pipeline.contacts()
         self._drag = drag_kernel(wp)
         self._drag_rate = problem.damping
-        # Style3D asks the host in every step: its examples record it on a GPU only
+        # Style3D needs the host in every step: its examples record it on a GPU only
         self._may_record = peer.solver != "SolverStyle3D" or self.model.device.is_cuda
         self._graph = None
 
@@ -73,7 +73,7 @@ class NewtonRun:
                 **common,
             )
         else:
-            # Lame's constants; VBD adds the first one to the second one itself
+            # Lame's constants; VBD itself adds the first to the second
             second = 0.0 if solver == "SolverVBD" else 0.5 * membrane
             builder.add_cloth_mesh(tri_ke=0.5 * membrane, tri_ka=second, tri_kd=0.0, edge_ke=1.0, edge_kd=0.0, **common)
         if solver == "SolverXPBD":
@@ -90,7 +90,7 @@ class NewtonRun:
         model.soft_contact_ke, model.soft_contact_kd = CONTACT_STIFFNESS, contact_damping
         model.soft_contact_kf, model.soft_contact_mu = friction_slope, problem.friction
         if solver == "SolverSemiImplicit":
-            model.particle_grid = None  # no contact among particles; XPBD insists on it
+            model.particle_grid = None  # no contact between particles; XPBD requires it
         if solver != "SolverStyle3D":
             # Energy k L angle^2 / 2 of a hinge of length L. XPBD and SemiImplicit take the angle's derivative without
             # the height of the triangles, SemiImplicit with a factor L.
@@ -136,11 +136,11 @@ class NewtonRun:
 
     @property
     def time(self) -> float:
-        """Simulated [s]."""
+        """Simulated time [s]."""
         return self.step_count * self._step
 
     def advance(self) -> None:
-        """A block of steps; the first one compiles, the second one is recorded where that is possible."""
+        """Do a block of steps; the first compiles, the second is recorded where possible."""
         wp = self._warp
         if self._graph is not None:
             wp.capture_launch(self._graph)
@@ -159,7 +159,7 @@ class NewtonRun:
 
 
 def drag_kernel(wp: Any) -> Any:
-    """The air of weavesim's scene: a force against each node's velocity."""
+    """Air drag of weavesim's scene: a force against each node's velocity."""
 
     def drag(velocity, mass, rate, force):
         i = wp.tid()

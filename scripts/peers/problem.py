@@ -54,12 +54,12 @@ class Problem:
 
     @property
     def triangles(self) -> np.ndarray:
-        """Two for each quadrilateral, (2 quad_count, 3)."""
+        """Two triangles per quadrilateral, (2 quad_count, 3)."""
         return self.quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 
     @property
     def cell_area(self) -> float:
-        """Of a quadrilateral [m^2]; all are alike."""
+        """Area of a quadrilateral [m^2]; all are equal."""
         first, second, _, last = self.position[self.quads[0]]
         return float(np.linalg.norm(np.cross(second - first, last - first)))
 
@@ -95,7 +95,7 @@ def make_problem(fabric_name: str, quads_per_side: int, duration: float) -> Prob
         quads=blank.quads,
         areal_density=fabric.areal_density,
         thickness=fabric.thickness,
-        # one yarn is pulled and the other one is free
+        # one yarn family is pulled and the other is free
         membrane=float(stiffness[0, 0] - stiffness[0, 1] * stiffness[1, 0] / stiffness[1, 1]),
         shear=fabric.shear.moment_values[1] / fabric.shear.angle[1],
         bending=fabric.bending.stiffness(fabric.thickness),

@@ -23,10 +23,10 @@ from scripts.peers.weavesim_run import WeavesimRun
 def race(problem: Problem, contestant: str, device: str, limit: float) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
     """Run one contestant to the end, to ``limit`` seconds of stepping, or until it is no longer finite.
 
-    On the CPU the clock is that of the process, which leaves out what other programs take: all run on one thread.
+    On the CPU, processor time is measured, which excludes other programs: all contestants run on one thread.
 
     Returns:
-        what was measured, and the last positions and velocities. The first block of steps compiles: it is not timed.
+        Measurements, and the last positions and velocities. The first block of steps compiles and is not timed.
     """
     clock = time.process_time if device == "cpu" else time.perf_counter
     started = clock()
@@ -69,7 +69,7 @@ def race(problem: Problem, contestant: str, device: str, limit: float) -> tuple[
 
 
 def main(contestant: str, problem_file: str, result_file: str, device: str, limit: str) -> None:
-    """Worker: reads a problem, leaves final positions and velocities in a file, and prints a line of JSON."""
+    """Worker: reads a problem, writes final positions and velocities to a file, and prints a line of JSON."""
     row, position, velocity = race(Problem.load(Path(problem_file)), contestant, device, float(limit))
     np.savez(result_file, position=position, velocity=velocity)
     print(json.dumps(row), flush=True)

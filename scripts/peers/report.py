@@ -29,7 +29,7 @@ def _accuracy(row: dict[str, Any]) -> list[str]:
 
 
 def report(rows: list[dict[str, Any]]) -> str:
-    """Two Markdown tables, what each contestant was given and took, and how accurate it was; then the errors."""
+    """Two Markdown tables, settings and cost of each contestant, and its accuracy; then the errors."""
     done = [row for row in rows if "error" not in row]
     cost = ["contestant", "fabric", "along the yarns [N/m]", "shear [N/m]", "bending [N m]", "step [us]", "iterations"]
     cost += ["elements", "M element-steps/s", "s per simulated s"]

@@ -38,7 +38,7 @@ class WeavesimRun:
 
     @property
     def time(self) -> float:
-        """Simulated [s]."""
+        """Simulated time [s]."""
         return float(self._simulation.state.time)
 
     @property
@@ -47,7 +47,7 @@ class WeavesimRun:
         return self._simulation.stepper.step_count
 
     def advance(self) -> None:
-        """Some blocks of steps, more of them each time, and none beyond the end but the last."""
+        """Do some blocks of steps, more each time; only the last may pass the end."""
         from weavesim.engine.stepper import REFRESH_INTERVAL
 
         stepper, remaining = self._simulation.stepper, self._duration - self.time

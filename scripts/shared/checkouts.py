@@ -1,4 +1,4 @@
-"""Other versions of weavesim beside this one: a commit in a folder of its own, and what a process needs to run it."""
+"""Other versions of weavesim: a commit in a separate folder, and the environment of a process that runs it."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def environment(checkout: Path) -> dict[str, str]:
-    """Variables of a process that imports the weavesim of ``checkout``, whichever is installed."""
+    """Environment variables of a process that imports weavesim from ``checkout``, whichever version is installed."""
     return os.environ | {"PYTHONPATH": str(checkout)}
 
 
 def full_name(commit: str) -> str:
-    """All 40 digits of a commit of this repository, however it is named."""
+    """Full 40-digit hash of a commit of this repository, given by any name."""
     answer = _git("rev-parse", "--verify", f"{commit}^{{commit}}")
     return answer.decode().strip()
 
 
 @contextmanager
 def checked_out(commit: str) -> Iterator[Path]:
-    """A temporary folder with the files of a commit."""
+    """Yield a temporary folder with the files of a commit."""
     with TemporaryDirectory(prefix="weavesim-") as folder:
         with tarfile.open(fileobj=BytesIO(_git("archive", "--format=tar", commit))) as archive:
             archive.extractall(folder, filter="data")

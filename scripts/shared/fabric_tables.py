@@ -1,6 +1,6 @@
-"""The tables of docs/fabrics.md, made from the registry of laws: kinds, fields, units, defaults, constructors, presets.
+"""Tables of docs/fabrics.md from the registry of laws: kinds, fields, units, defaults, constructors, presets.
 
-Only kinds that weavesim brings are listed.
+Only built-in kinds are listed.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def _family(owner: type[Parameters], field: str, kinds: dict[str, type[Parameter
     shown: dict[str, type[Parameters]] = {}
     for name, kind in kinds.items():
         yield from ("", f"**`{name}`**: {_summary(kind)}")
-        # a kind with all the fields of one before it shows what is its own
+        # a kind with all the fields of an earlier one lists only its own fields
         like = next((other for other, base in shown.items() if _contains(kind, base)), None)
         fields = dict(kind.model_fields)
         if like:

@@ -1,4 +1,4 @@
-"""What numbers and bits of a run depend on besides the code."""
+"""What the numbers and bits of a run depend on in addition to the code."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def processor_name() -> str:
-    """Of this machine, as exactly as the system says."""
+    """Processor of this machine, as precisely as the system reports it."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
@@ -21,7 +21,7 @@ def processor_name() -> str:
 
 
 def machine() -> dict[str, Any]:
-    """What the numbers were measured on."""
+    """Description of the machine."""
     import warp as wp
 
     from weavesim import __version__

@@ -9,7 +9,7 @@ from typing import Any
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], *, right: bool = False) -> str:
-    """A Markdown table; rows that are shorter than its head end in empty cells.
+    """A Markdown table; short rows are padded with empty cells.
 
     Args:
         head: names of the columns.
@@ -24,12 +24,12 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], *, right: bool 
 
 
 def line_about(machine: Mapping[str, Any]) -> str:
-    """What numbers were measured on, in a line."""
+    """One line about the machine on which the numbers were measured."""
     return ", ".join(f"{name} {value}" for name, value in machine.items())
 
 
 def write_json(path: Path, result: Mapping[str, Any]) -> None:
-    """Write a whole file or none."""
+    """Write a file atomically."""
     partial = path.with_suffix(".partial")
     partial.write_text(json.dumps(result, indent=1))
     partial.replace(path)

@@ -1,4 +1,4 @@
-"""The tables of docs/results.md, made from the lists of writers, findings and fields."""
+"""Tables of docs/results.md, generated from the lists of writers, findings and fields."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Continue saved states in a process of its own: python -m tests.support.continue_runs FOLDER BLOCK_COUNT.
+"""Continue saved states in a separate process: python -m tests.support.continue_runs FOLDER BLOCK_COUNT.
 
 FOLDER has a pickled ``Setup`` and a saved state for every run; prints a digest of each final state as JSON.
 """

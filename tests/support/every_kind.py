@@ -111,7 +111,7 @@ def pulled(solver: Solver) -> Setup:
 
 
 def two_worlds(solver: Solver) -> Setup:
-    """Two sheets of other fabrics under tools of their own, and two under the same ones."""
+    """Two sheets of different fabrics under separate tools, and two under the same ones."""
     first, second = pressed(solver, [Sphere(0.02, origin=(0.0, 0.0, -0.0206))]), pulled(solver)
     sheet = first.sheet
     lower = sheet.blank.node_position - (0.0, 0.0, 0.002)

@@ -3,7 +3,7 @@
 import ast
 from pathlib import Path
 
-# Folders beside weavesim/ in a checkout that are installed inside it.
+# Folders next to weavesim/ in a checkout that are installed inside it.
 INSIDE = ("kernels", "scenes")
 
 

@@ -114,7 +114,7 @@ def made_run(element_size: float = 0.005, frame_count: int = 12, quarter: bool =
 
 
 def made_stack(frame_count: int = 4):
-    """A run of two sheets that do not touch: "upper", a quarter, and "lower", whole, each under tools of its own."""
+    """A run of two sheets that do not touch: "upper", a quarter, and "lower", whole, each under its own tools."""
     upper, lower = (made_run(size, frame_count, quarter) for size, quarter in ((0.015, True), (0.02, False)))
     tools = upper[0].tools + lower[0].tools
     places = tuple(range(len(tools)))

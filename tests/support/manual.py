@@ -109,7 +109,7 @@ class Case:
         return orders
 
     def figure(self, figure: Figure) -> None:
-        """A picture, beside the record."""
+        """A picture, next to the record."""
         if self._directory is None:
             return
         count = sum(part["kind"] == "figure" for part in self._record["parts"])

@@ -1,4 +1,4 @@
-"""All unit cells, each beside its energy in NumPy: add a cell here and ``test_unit_cells.py`` tests it."""
+"""All unit cells, each with its energy in NumPy: add a cell here and ``test_unit_cells.py`` tests it."""
 
 import math
 from collections.abc import Callable

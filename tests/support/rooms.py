@@ -2,7 +2,7 @@
 
 import weavesim
 
-# From bottom to top. "base" are the modules beside the folders: errors, checks, the device, ...
+# From bottom to top. "base" stands for the modules outside the folders: errors, checks, the device, ...
 ORDER = (
     "kernels", "base", "fabric", "process", "sheet", "tools", "measures", "engine", "run", "output", "app", "scenes",
     "scripts",

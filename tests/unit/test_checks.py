@@ -1,8 +1,9 @@
 """Checked values: by position and by name, equal by content, the same through pickle and JSON, kinds told apart."""
 
+import copy
 import json
 import pickle
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from pydantic import SerializeAsAny
 from weavesim.arrays import BoolArray, FloatArray, IndexArray
 from weavesim.checks import Kinded, Parameters, Positive, json_schema
 from weavesim.errors import InputError
+from weavesim.tools.shapes import Sphere
 
 
 class Body(Kinded):
@@ -36,6 +38,12 @@ class Box(Parameters):
     values: FloatArray
     nodes: IndexArray = ()
     held: BoolArray | None = None
+
+
+class Plain(Parameters):
+    count: int = 1
+    name: str = "plain"
+    side: Literal["top", "bottom"] = "top"
 
 
 def box() -> Box:
@@ -63,6 +71,29 @@ def test_hash_sees_every_number():
     assert box().model_copy(update={"values": other}).content_hash != box().content_hash
 
 
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda b: pickle.loads(pickle.dumps(b)), lambda b: b])
+def test_arrays_cannot_be_thawed(copied):
+    there = copied(box())
+    for array in (there.values, there.nodes, Box(Ball(1.0), np.empty((0, 3))).values):
+        with pytest.raises(ValueError, match="cannot set WRITEABLE flag"):
+            array.setflags(write=True)
+    assert there == box()
+
+
+def test_equal_values_have_equal_hashes_down_to_the_sign_of_zero():
+    made = [
+        lambda zero: Ball(1.0, height=zero),
+        lambda zero: Pile(bodies=(Ball(1.0, height=zero),)),
+        lambda zero: Box(Ball(1.0), [zero, 1.0]),
+        lambda zero: Box(Ball(1.0), np.full((5, 20), zero)),
+        lambda zero: Sphere(0.1, origin=(0.0, 0.0, zero)),
+    ]
+    for make in made:
+        assert make(-0.0) == make(-0.0) and hash(make(-0.0)) == hash(make(-0.0))
+        assert make(0.0) != make(-0.0) and make(0.0).content_hash != make(-0.0).content_hash
+        assert type(make(0.0)).from_json(make(-0.0).to_json()) == make(-0.0)
+
+
 @given(arrays.arrays(np.float64, arrays.array_shapes(min_dims=1, max_dims=3, min_side=0)))
 def test_any_array_survives_json(values):
     there = Box.from_json(Box(Ball(1.0), values).to_json()).values
@@ -80,11 +111,20 @@ def test_flags_survive_json(flags):
     [
         (lambda: Ball(-1.0), "radius = -1.0"),
         (lambda: Ball(), "radius: is required"),
-        (lambda: Ball(1.0, 2.0), "2 values are given by position"),
+        (lambda: Ball(1.0, 2.0), "Ball: 2 values are given by position; allowed are radius"),
+        (lambda: Pile(1.0), "Pile: 1 values are given by position; allowed are none"),
         (lambda: Ball(1.0, radius=2.0), "radius is given twice"),
         (lambda: Ball(True), "a number is needed, not true"),
         (lambda: Body(), "kind = 'Body': one of Ball, Pile"),
         (lambda: Box({"kind": "Cube"}, [1.0]), "kind = 'Cube': one of Ball, Pile"),
+        (lambda: Box({"kind": ["Ball"]}, [1.0]), r"kind = \['Ball'\]: one of Ball, Pile"),
+        (lambda: Box({"kind": {}}, [1.0]), "one of Ball, Pile"),
+        (lambda: Pile(bodies=Ball(1.0)), r"bodies = Ball\(...\): give a list"),
+        (lambda: Ball(float("inf")), "radius = inf: a finite number is needed"),
+        (lambda: Ball(float("nan")), "radius = nan: a finite number is needed"),
+        (lambda: Plain(count=1.5), "Plain: count = 1.5: a whole number is needed"),
+        (lambda: Plain(name=7), "Plain: name = 7: a text is needed"),
+        (lambda: Plain(side="left"), "Plain: side = 'left': one of 'top' or 'bottom' is needed"),
         (lambda: Box(Ball(1.0), ["x"]), "an array of float64"),
         (lambda: Box(Ball(1.0), [1.0], nodes=[0.5]), "an array of int32"),
         (lambda: Box(Ball(1.0), [1.0], nodes=[2**40]), "out of range of int32"),

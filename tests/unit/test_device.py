@@ -84,7 +84,7 @@ def test_initialise_twice_is_once():
 
 
 def initialise_elsewhere(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Start Warp in a process of its own."""
+    """Start Warp in a separate process."""
     return subprocess.run(
         [sys.executable, "-c", code], env={**os.environ, **environment}, capture_output=True, text=True
     )

@@ -13,7 +13,7 @@ LEAST_LENGTH = 60
 SHELL = "verification/element/test_energies.py"
 # Modules whose test has another name, with the file that tests them.
 TESTED_ELSEWHERE = {
-    # A part of a kernel has no answer of its own: forces against energies, patches and modes find its mistakes.
+    # A part of a kernel has no result of its own: forces against energies, patches and modes find its mistakes.
     "kernels/shell/bending.py": SHELL,
     "kernels/shell/energy.py": SHELL,
     "kernels/shell/force.py": SHELL,
@@ -88,7 +88,7 @@ def own_test(module: str) -> Path | None:
 
 
 def modules() -> list[str]:
-    """All modules that need a test of their own."""
+    """All modules that need their own test."""
     sources = Sources(ROOT)
     result = []
     for module, file in sources.file_of.items():

@@ -13,7 +13,7 @@ from tests.support.paths import ROOT
 ROOMS = ("kernels", "weavesim", "scenes", "scripts", "tests", "docs")
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 PAGES = [*DOCUMENTS, ROOT / "CHANGELOG.md", *sorted((ROOT / "docs" / "decisions").glob("*.md"))]
-# What a run writes or a user keeps has names of its own.
+# Files that a run writes or a user keeps may have any name.
 RESULTS = (".csv", ".html", ".json", ".log", ".md", ".usdc")
 
 

@@ -98,7 +98,7 @@ def test_punch_force_is_smooth(folder, summary):
     loading = stroke < 0.95 * stroke.max()
     change = np.diff(force[loading])
     assert force[-1] > 100.0
-    # it rises nearly all the way, without jumps of a tenth of its end value
+    # it rises nearly throughout, without jumps of a tenth of its final value
     assert np.abs(change).max() < 0.1 * force.max()
     assert (change > -0.02 * force.max()).all()
 
@@ -133,7 +133,7 @@ def test_film_ends_with_the_final_state(folder):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"blank_holder_force": 100.0, "blank_holder_gap": 0.001}, "one or the other"),
+        ({"blank_holder_force": 100.0, "blank_holder_gap": 0.001}, "choose one"),
         ({"fabric": "silk"}, "glass-polypropylene"),
         ({"yarn_angle": 30.0}, "full"),
         ({"punch": "missing.stl"}, "does not exist"),

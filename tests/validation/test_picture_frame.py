@@ -57,7 +57,7 @@ def test_picture_frame_leaves_its_files(frame_test):
 
 
 def test_picture_frame_shows_a_friction_loop_that_yarn_tension_widens():
-    """Friction of the crossovers beside the elastic law: the loop is what the ledger books as lost."""
+    """Crossover friction in addition to the elastic law: the area of the loop is what the ledger books as lost."""
     friction = ShearFriction(stiffness=500.0, limit=(5.0,), crossover_friction_length=2.0e-4)
     fabric = glass_polypropylene().model_copy(update={"shear_friction": friction})
     works = []
@@ -78,7 +78,7 @@ def test_picture_frame_shows_a_friction_loop_that_yarn_tension_widens():
 
 
 def test_closed_form_counts_a_cell_that_resists_shear_and_has_no_crossovers():
-    """Stitches of a tape resist shear by themselves, with nearly nothing from the sheet's own law beside them."""
+    """Stitches of a tape resist shear by themselves, with almost no contribution from the sheet's own law."""
     fabric = assumed_fabric("stitched-tape").with_linear_shear(100.0)
     parameters = PictureFrameParameters(mesh_size=0.1, speed=0.5, frame_count=30, threads=1, largest_angle=20.0)
     curves = picture_frame.record(parameters, fabric)

@@ -1,4 +1,4 @@
-"""The code of the tutorial on unit cells, block after block, as it stands there."""
+"""The code of the tutorial on unit cells, block by block, verbatim."""
 
 import re
 import runpy

@@ -20,6 +20,7 @@ from ..device import Precision, available_threads, initialise, is_compiled, load
 from ..fabric.cell import UnitCell
 from ..kernels.contact.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
 from ..kernels.contact.tool_distance import sample_distance_kernel
+from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.force import element_force_kernel
@@ -28,7 +29,7 @@ from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
-from ..kernels.stepping.step import look_at_clock, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.step import check_clock, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
@@ -119,19 +120,20 @@ class KernelSet:
         is_cpu = resolve_device(self.device).is_cpu
         real, law, lane_count = self.precision.real, self.unit_cell.law(), self.lane_count
         frequency_lanes = frequency_lane_count(lane_count, law)
+        further = dict.fromkeys(further_kinds(node.shape_kinds) for node in self.nodes)
         return [
             *(element_force_kernel(real, lane_count, law, sheet) for sheet in self.sheets),
             *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
             *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
             *(element_ledger_kernel(real, law, sheet) for sheet in self.sheets),
-            *([sample_distance_kernel(real, 1)] if self.tools else []),
+            *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
             tool_motion_kernel(real),
             *([support_motion_kernel(real)] if self.driven else []),
             partial_sum_kernel(real),
             partial_maximum_kernel(real),
             set_step_kernel(real),
-            *([flush_subnormals, restore_subnormals] if is_cpu else [look_at_clock]),
+            *([flush_subnormals, restore_subnormals] if is_cpu else [check_clock]),
             *([barrier] if is_cpu and self.threaded else []),
         ]
 

@@ -13,7 +13,7 @@ from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import support_struct, surroundings_struct
-from ..kernels.stepping.step import look_at_clock, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.step import check_clock, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
@@ -252,7 +252,7 @@ class IntervalEnd:
         largest_block_count: maximum number of blocks in one interval.
     """
 
-    kernel = look_at_clock
+    kernel = check_clock
 
     def __init__(self, device: wp.Device, clock: wp.array, largest_block_count: int) -> None:
         self._device, self._clock, self._largest = device, clock, largest_block_count
@@ -268,7 +268,7 @@ class IntervalEnd:
     def check(self, done: int) -> None:
         """Launch the check after ``done`` more blocks; it sets ``running``."""
         wp.launch(
-            look_at_clock,
+            check_clock,
             dim=1,
             inputs=[done, self._largest, self._target, self._clock],
             outputs=[self._block_count, self.running],

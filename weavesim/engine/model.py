@@ -80,11 +80,13 @@ class Model:
         }
 
     def arrays(self) -> Iterator[wp.array]:
-        """Constants of elements and nodes."""
+        """Every array of constants."""
         for sheet in self.sheets:
-            yield from _arrays_in(sheet.elements)
-            yield from _arrays_in(sheet.nodes)
-            yield sheet.step_inertia
+            for struct in (sheet.elements, sheet.nodes, sheet.laws, sheet.cell):
+                yield from _arrays_in(struct)
+            yield from (sheet.step_inertia, sheet.held, sheet.drive_direction)
+        for values in (self.tools, self.drives):
+            yield from (array for array in vars(values).values() if isinstance(array, wp.array))
 
 
 def _placed(setup: Setup, block_count: Callable[[Sheet], int]) -> Iterator[tuple[Sheet, World, Places]]:

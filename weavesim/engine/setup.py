@@ -5,7 +5,6 @@ A set-up is checked on construction, which does not load Warp, compile or step.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any, Self
 
@@ -46,8 +45,8 @@ class Solver(Parameters):
     precision: Precision = Precision.SINGLE
     threads: int | None = None
     lane_count: int | None = None
-    time_step: float | None = None
-    target_step: float | None = None
+    time_step: Positive | None = None
+    target_step: Positive | None = None
     step_safety: float = STEP_SAFETY
 
     @field_validator("precision", mode="before")
@@ -68,11 +67,6 @@ class Solver(Parameters):
         if value not in (None, *LANE_COUNTS):
             raise ValueError(f"{LANE_COUNTS[0]} or {LANE_COUNTS[1]} lanes are allowed")
         return value
-
-    @field_validator("time_step", "target_step")
-    @classmethod
-    def _is_a_time(cls, value: float | None) -> float | None:
-        return None if value is None else _seconds(value)
 
     @field_validator("step_safety")
     @classmethod
@@ -141,7 +135,7 @@ class Setup(Parameters):
     ``worlds``.
 
     Attributes:
-        name: used for the result files.
+        name: used for the names of the result files, so no path.
         worlds: sheets and their tools; the names of all sheets must differ, and those of all supports.
         duration: time at which the run ends [s].
         frame_count: frames after the first, evenly spaced in time.
@@ -157,7 +151,7 @@ class Setup(Parameters):
 
     name: str
     worlds: tuple[World, ...]
-    duration: float
+    duration: Positive
     frame_count: int = 60
     leading_tool: int = 0
     rest: Rest | None = None
@@ -177,10 +171,12 @@ class Setup(Parameters):
             raise ValueError("sheets: is required")
         return {**{name: value for name, value in values.items() if name not in own}, "worlds": (World(**own),)}
 
-    @field_validator("duration")
+    @field_validator("name")
     @classmethod
-    def _is_a_time(cls, value: float) -> float:
-        return _seconds(value)
+    def _names_files(cls, value: str) -> str:
+        if not value.strip(" .") or not value.isprintable() or set(value) & set("/\\"):
+            raise ValueError("it becomes the name of files: give letters, without / and \\ and control characters")
+        return value
 
     @field_validator("frame_count")
     @classmethod
@@ -193,7 +189,7 @@ class Setup(Parameters):
     def _fits_together(self) -> Self:
         if not self.worlds:
             raise ValueError("worlds: at least one is needed")
-        if self.tools and not 0 <= self.leading_tool < len(self.tools):
+        if not 0 <= self.leading_tool < max(1, len(self.tools)):  # without tools it stays 0
             raise ValueError(f"leading_tool = {self.leading_tool}: there are {len(self.tools)} tools, counted from 0")
         _check_names("worlds", [world.name for world in self.worlds])
         _check_names("sheets", [sheet.name for sheet in self.sheets])
@@ -225,12 +221,6 @@ class Setup(Parameters):
     def supports(self) -> tuple[Support, ...]:
         """Of all sheets, in order."""
         return tuple(support for sheet in self.sheets for support in sheet.supports)
-
-
-def _seconds(value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError("a positive, finite number of seconds is needed")
-    return value
 
 
 def _check_names(what: str, names: list[str]) -> None:

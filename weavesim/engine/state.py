@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
-from zipfile import BadZipFile
 
 import numpy as np
 import warp as wp
@@ -21,22 +20,22 @@ if TYPE_CHECKING:
     from .model import Model
 from .sheet_model import SheetModel
 
-# Version of the files that ``State.save`` writes; only the same version reads them.
+# Of the files that ``State.save`` writes; one is read by the same version only.
 FILE_VERSION = 1
 
 
 @dataclass(frozen=True)
 class SheetState:
-    """What the kernels write for one sheet. Scalars are [row, element or node], padded; see ``kernels/rows.py``."""
+    """What the kernels write of one sheet. Scalars are [row, element or node], padded; see ``kernels/rows.py``."""
 
     motion: wp.array  # flat, ``SheetModel.motion_layout``: rows MotionRow
     cell_unknowns: wp.array  # (unknowns of the unit cell, at least one; elements)
     cell_report: wp.array  # (rows, elements), CellReportRow
-    slip: wp.array  # (rows, elements), SlipRow; (rows, BLOCK) for a fabric without internal friction
+    slip: wp.array  # (rows, elements), SlipRow; (rows, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # flat, ``SheetModel.corners``, rows CornerRow
     node_report: wp.array  # (rows, nodes), ``SheetModel.node_report_rows``
     friction: wp.array  # flat, ``SheetModel.friction_layout`` [m]
-    gap: wp.array  # (tools, node blocks), distance that each may move before contact is possible [m]
+    gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
 
     @classmethod
@@ -68,7 +67,7 @@ class SheetState:
 
 @dataclass
 class State:
-    """Everything that changes in a run: continuing from it gives bit-identical results to a run without interruption.
+    """All that changes in a run: a run that goes on from it gets the bits of one that never stopped.
 
     Attributes:
         sheets: in the order of ``Setup.sheets``.
@@ -76,8 +75,8 @@ class State:
         tool_force: of the sheets on each tool, (tool_count,) vec3d [N].
         tool_work: rows ToolWorkRow, (rows, tool_count) float64 [J].
         reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N].
-        drive_displacement, drive_increment: of every drive of every support, at the end of the last step and during
-            it, (drive_count,) [m].
+        drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
+            (drive_count,) [m].
         clock: rows ClockEntry, float64 [s].
         step_count: steps done.
     """
@@ -117,18 +116,18 @@ class State:
 
     @property
     def sheet(self) -> SheetState:
-        """The only sheet of a run.
+        """The sheet of a run that has one.
 
         Raises:
             InputError: the run has several.
         """
         if len(self.sheets) != 1:
-            raise InputError(f"this run has {len(self.sheets)} sheets: use one of state.sheets")
+            raise InputError(f"this run has {len(self.sheets)} sheets: take one of state.sheets")
         return self.sheets[0]
 
     @property
     def time(self) -> float:
-        """Current time [s]; waits for the device."""
+        """[s]; waits for the device."""
         return float(self.clock.numpy()[ClockEntry.time])
 
     @property
@@ -137,7 +136,7 @@ class State:
         return float(self.clock.numpy()[ClockEntry.step])
 
     def arrays(self) -> Iterator[tuple[str, wp.array]]:
-        """Names and arrays, such as ``clock`` and ``sheets/0/motion``."""
+        """Every array with a name, such as ``clock`` and ``sheets/0/motion``."""
         for field in fields(self):
             value = getattr(self, field.name)
             if isinstance(value, wp.array):
@@ -147,20 +146,20 @@ class State:
                 yield f"sheets/{index}/{field.name}", getattr(sheet, field.name)
 
     def clone(self) -> State:
-        """A deep copy."""
+        """A copy with arrays of its own."""
         sheets = tuple(SheetState(**_copies(sheet)) for sheet in self.sheets)
         return State(**(_copies(self) | {"sheets": sheets}))
 
     def copy_from(self, other: State) -> None:
-        """Copy from a state of the same run what the next step reads; may be recorded."""
+        """Take what the next step reads of a state of the same run; may be recorded."""
         self.step_count = other.step_count
         for (name, target), (_, source) in zip(self.arrays(), other.arrays(), strict=True):
-            # a step writes all corner forces before reading any
+            # every step writes all corner forces before it reads any
             if target.size and not name.endswith("corner_force"):
                 wp.copy(target, source)
 
     def save(self, path: str | Path, model: Model) -> None:
-        """Write everything to one file for ``load``; the file is complete or absent, never partial.
+        """Write everything to one file, which ``load`` reads; the file appears whole or not at all.
 
         Raises:
             OSError: it cannot be written.
@@ -178,28 +177,31 @@ class State:
 
     @classmethod
     def load(cls, path: str | Path, model: Model) -> Self:
-        """Read a state that ``save`` wrote in a run with the same set-up, precision and lane count.
+        """The state that ``save`` wrote of a run of the same set-up, precision and lane count.
 
         Raises:
-            InputError: the file is missing, damaged, or from another version or another run.
+            InputError: a file that is missing, damaged, of another version or of another run.
         """
         try:
             with np.load(path, allow_pickle=False) as file:
                 content = {name: file[name] for name in file.files}
-            about = json.loads(str(content.pop("about")))
-        except (OSError, KeyError, ValueError, BadZipFile) as error:
-            raise InputError(f"state {path}: cannot be read ({error})") from None
+            about = dict(json.loads(str(content.pop("about"))))
+            step_count = int(about["step_count"])
+        except Exception as error:  # a damaged file may fail anywhere in zipfile, NumPy or JSON
+            raise InputError(f"state {path}: cannot be read ({error}); the file is missing or damaged") from None
         for name, wanted in {"version": FILE_VERSION, **model.identity}.items():
             if about.get(name) != wanted:
+                found = "another one" if name == "setup" else f"{about.get(name)}, but this run has {wanted}"
                 raise InputError(
-                    f"state {path}: its {name.replace('_', ' ')} is {about.get(name)}, but this run has {wanted}; a "
-                    "state can only continue the run that wrote it"
+                    f"state {path}: its {name.replace('_', ' ')} is {found}; a state continues the run that wrote it: "
+                    "take the set-up and the solver settings of that run"
                 )
         state = cls.initial(model)
-        state.step_count = int(about["step_count"])
+        state.step_count = step_count
         for name, array in state.arrays():
-            if name not in content or content[name].shape != array.numpy().shape:
-                raise InputError(f"state {path}: {name} is missing or has the wrong shape; the file is damaged")
+            here = array.numpy()
+            if name not in content or (content[name].shape, content[name].dtype) != (here.shape, here.dtype):
+                raise InputError(f"state {path}: {name} is missing or of another shape or type; the file is damaged")
             if array.size:
                 array.assign(content[name])
         return state

@@ -101,6 +101,9 @@ def chosen_writers(names: Iterable[str] | None = None, without: Iterable[str] = 
     Raises:
         InputError: an unknown name.
     """
+    for argument, given in (("writers", names), ("without", without)):
+        if isinstance(given, str):
+            raise InputError(f"{argument} = {given!r}: give a list, [{given!r}]")
     known = known_writers()
     left_out, wanted = set(without), set(known if names is None else names)
     if unknown := sorted((left_out | wanted) - set(known)):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ..checks import FiniteVector, NotNegative, Parameters
+from ..checks import NotNegative, Parameters
+from ..quantities import FiniteVector
 
 
 class Dynamics(Parameters):

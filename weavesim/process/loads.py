@@ -8,9 +8,10 @@ import numpy as np
 from pydantic import model_validator
 
 from ..arrays import FloatArray
-from ..checks import Numbers, Parameters
+from ..checks import Parameters
 from ..errors import InputError
 from ..kernels.rows import LoadRow
+from ..quantities import Numbers
 
 
 class NodalLoads(Parameters):

@@ -11,10 +11,15 @@ from pydantic import model_validator
 from ..arrays import FloatArray, IndexArray
 from ..checks import Parameters
 from ..errors import InputError
+from ..quantities import finite, positive
 from .topology import part_of_nodes
 
 # In a convex quadrilateral the areas of all four corner triangles have the same sign.
 _LARGEST_EXTENT_M = 20.0
+# Allowed deviation from length one, and from the plane of the element; smallest sine of the angle between the yarns.
+_UNIT_TOLERANCE = 1.0e-6
+_PLANE_TOLERANCE = 1.0e-3
+_LEAST_YARN_SINE = 1.0e-3
 
 
 class Blank(Parameters):
@@ -26,6 +31,10 @@ class Blank(Parameters):
         quads: corner nodes of each element, counter-clockwise seen from above, (element_count, 4).
         warp_direction, weft_direction: unit yarn directions at the element centres, (element_count, 3).
         initial_director: unit normals at the nodes, (node_count, 3).
+
+    Raises:
+        InputError: a bad mesh (see ``from_mesh``), numbers that are not finite, directions that do not have length 1,
+            yarns that are parallel or not in the plane of their element.
     """
 
     positional = (
@@ -49,6 +58,9 @@ class Blank(Parameters):
         ):  # fmt: skip
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name}: shape {getattr(self, name).shape}, but {shape} is needed")
+        _check_rows("material_coordinates", self.material_coordinates, np.isfinite(self.material_coordinates).all(1),
+                    "finite numbers are needed")  # fmt: skip
+        _check_directions(self)
         return self
 
     @property
@@ -101,9 +113,11 @@ class Blank(Parameters):
         Raises:
             InputError: sizes that are not positive, or not finite.
         """
-        size = np.broadcast_to(np.asarray(element_size, dtype=float), 2)
+        lower, upper = _pair("lower", lower), _pair("upper", upper)
+        size = np.array(_pair("element_size", element_size if np.ndim(element_size) else (element_size, element_size)))
+        height, distortion = finite("height", height), finite("distortion", distortion)
         extent = np.subtract(upper, lower)
-        if not np.all(np.isfinite([*lower, *upper, *size])) or np.any(extent <= 0.0) or np.any(size <= 0.0):
+        if np.any(extent <= 0.0) or np.any(size <= 0.0):
             raise InputError(
                 f"blank from {lower} to {upper} m with elements of {element_size} m: sides and element size must be "
                 "finite and positive"
@@ -150,13 +164,14 @@ class Blank(Parameters):
         """
         from .fitted_mesh import fitted_mesh
 
+        height = finite("height", height)
         plan, quads = fitted_mesh(outline, element_size, mesh_angle=mesh_angle, distortion=distortion, seed=seed)
         return cls.from_mesh(np.column_stack([plan, np.full(len(plan), height)]), quads, yarn_angle=yarn_angle)
 
     @classmethod
     def disc(cls, radius: float, element_size: float, **options: Any) -> Blank:
         """A flat disc around the origin [m], as a polygon with 720 sides; ``options`` are those of ``fitted``."""
-        angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+        radius, angle = positive("radius", radius), np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
         return cls.fitted(radius * np.column_stack([np.cos(angle), np.sin(angle)]), element_size, **options)
 
     @classmethod
@@ -177,8 +192,8 @@ class Blank(Parameters):
         Raises:
             InputError: NaN, degenerate or flipped elements, or a mesh that appears to be in millimetres.
         """
-        position = np.asarray(node_position, dtype=np.float64)
-        quads = np.asarray(quads, dtype=np.int32)
+        position = _number_array("blank mesh: nodes", node_position)
+        quads = _whole_numbers(quads)
         _check_mesh(position, quads)
         normal = np.cross(position[quads[:, 2]] - position[quads[:, 0]], position[quads[:, 3]] - position[quads[:, 1]])
         director = np.zeros_like(position)
@@ -188,12 +203,17 @@ class Blank(Parameters):
         director /= np.linalg.norm(director, axis=1, keepdims=True)
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         if warp_direction is None:
-            angle = np.deg2rad(yarn_angle)
+            angle = np.deg2rad(finite("yarn_angle", yarn_angle))
             warp_direction = np.array([np.cos(angle), np.sin(angle), 0.0])
-        wished = np.broadcast_to(np.asarray(warp_direction, dtype=float), normal.shape)
+        wished = _number_array("warp_direction", warp_direction)
+        if wished.shape not in ((3,), normal.shape):
+            raise InputError(f"warp_direction: shape {wished.shape}, but (3,) or {normal.shape} is needed")
+        wished = np.broadcast_to(wished, normal.shape)
+        if not np.isfinite(wished).all():
+            raise InputError("warp_direction: finite numbers are needed")
         warp = wished - np.einsum("ij,ij->i", wished, normal)[:, None] * normal
         length = np.linalg.norm(warp, axis=1, keepdims=True)
-        if np.any(length < 1.0e-6):
+        if not np.all(length >= 1.0e-6):
             raise InputError(
                 f"warp direction of element {int(np.argmin(length))} is normal to the sheet: give another direction"
             )
@@ -223,10 +243,60 @@ class Blank(Parameters):
         quads = mesh.cells_dict.get("quad")
         if quads is None:
             raise InputError(f"blank mesh {path}: contains {sorted(mesh.cells_dict)}, but quadrilaterals are needed")
-        points = np.asarray(mesh.points, dtype=float) * unit_scale
+        points = np.asarray(mesh.points, dtype=float) * positive("unit_scale", unit_scale)
         points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
         used, quads = np.unique(quads, return_inverse=True)
         return cls.from_mesh(points[used], quads.reshape(-1, 4), yarn_angle=yarn_angle)
+
+
+def _pair(name: str, value: Any) -> tuple[float, float]:
+    try:
+        x, y = value
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {value!r}: two numbers are needed") from None
+    return finite(name, x), finite(name, y)
+
+
+def _number_array(name: str, value: Any) -> np.ndarray:
+    try:
+        given = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        given = np.empty(0, dtype=object)
+    if given.dtype.kind not in "iuf":
+        raise InputError(f"{name}: an array of numbers is needed, not of {given.dtype}")
+    return given.astype(np.float64, copy=False)
+
+
+def _whole_numbers(quads: Any) -> np.ndarray:
+    given = _number_array("blank mesh: elements", quads)
+    wrong = ~((np.abs(given) < 2.0**31) & (given == np.rint(given)))
+    if wrong.any():
+        raise InputError(f"blank mesh: elements name node {given[wrong][0]:g}; whole numbers are needed")
+    return given.astype(np.int32)
+
+
+def _check_rows(name: str, rows: np.ndarray, good: np.ndarray, needed: str) -> None:
+    if not good.all():
+        row = int(np.argmin(good))
+        raise InputError(f"{name}: entry {row} is {rows[row].tolist()}; {needed}")
+
+
+def _check_directions(blank: Blank) -> None:
+    """Yarn directions span the planes of their elements, and all directions have length one."""
+    for name in ("warp_direction", "weft_direction", "initial_director"):
+        rows = getattr(blank, name)
+        # not <= rather than >: NaN is refused too
+        good = np.abs(np.linalg.norm(rows, axis=1) - 1.0) <= _UNIT_TOLERANCE
+        _check_rows(name, rows, good, "a direction of length 1 is needed")
+    corner = blank.node_position[blank.quads]
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    warp, weft = blank.warp_direction, blank.weft_direction
+    for name, yarn in (("warp_direction", warp), ("weft_direction", weft)):
+        good = np.abs(np.einsum("ij,ij->i", yarn, normal)) <= _PLANE_TOLERANCE
+        _check_rows(name, yarn, good, "a direction in the plane of the element is needed")
+    good = np.linalg.norm(np.cross(warp, weft), axis=1) >= _LEAST_YARN_SINE
+    _check_rows("weft_direction", weft, good, "a direction that is not parallel to the warp is needed")
 
 
 def _check_mesh(position: np.ndarray, quads: np.ndarray) -> None:

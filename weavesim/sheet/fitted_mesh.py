@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InputError
+from ..quantities import finite, positive
 
 # A vertex where the outline turns by more than this becomes a node; others are treated as parts of a curve [rad].
 CORNER_TURN = np.deg2rad(15.0)
@@ -43,11 +44,9 @@ def fitted_mesh(
             fill well.
     """
     outline = _checked_outline(outline)
-    if not (np.isfinite(element_size) and element_size > 0.0 and np.isfinite(mesh_angle) and 0.0 <= distortion < 0.4):
-        raise InputError(
-            f"fitted mesh: element size {element_size} m, mesh angle {mesh_angle} degrees, distortion {distortion}; "
-            "a positive size, a finite angle and a distortion from 0 to 0.4 are needed"
-        )
+    element_size, mesh_angle = positive("element_size", element_size), finite("mesh_angle", mesh_angle)
+    if not 0.0 <= finite("distortion", distortion) < 0.4:
+        raise InputError(f"distortion = {distortion}: a number from 0 to 0.4 is needed")
     cosine, sine = np.cos(np.deg2rad(mesh_angle)), np.sin(np.deg2rad(mesh_angle))
     turn = np.array([[cosine, -sine], [sine, cosine]])
     centre = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
@@ -90,7 +89,10 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def _checked_outline(outline: np.ndarray) -> np.ndarray:
     """The corners counter-clockwise, (k, 2)."""
-    outline = np.asarray(outline, dtype=np.float64)
+    try:
+        outline = np.asarray(outline, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError("fitted mesh: the outline is no array of numbers; (k, 2) coordinates are needed") from None
     if outline.ndim != 2 or outline.shape[1:] != (2,) or len(outline) < 3 or not np.isfinite(outline).all():
         raise InputError(f"fitted mesh: outline of shape {outline.shape}; (k, 2) finite coordinates, k > 2, are needed")
     side = np.roll(outline, -1, axis=0) - outline

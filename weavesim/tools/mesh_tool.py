@@ -19,8 +19,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..arrays import FloatArray, IntArray
-from ..checks import FiniteVector, Parameters, Vector, positive, unit_vector
+from ..checks import Parameters
 from ..errors import InputError
+from ..quantities import FiniteVector, Vector, positive, unit_vector
 from .mesh_repair import (
     SEAM,
     WELD,
@@ -277,7 +278,7 @@ class MeshShape(Shape):
     def smallest_radius(self) -> float:
         return self.surface.smallest_radius
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
         return self.surface.vertices, self.surface.faces
 
 

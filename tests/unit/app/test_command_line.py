@@ -154,13 +154,13 @@ def test_report_is_pointed_at(weavesim_command, tmp_path):
         (["--colour", "red"], "--colour"),
     ],
 )
-def test_bad_option_is_told_before_the_run(weavesim_command, arguments, message):
+def test_bad_option_is_reported_before_the_run(weavesim_command, arguments, message):
     started = []
     code, _, err = weavesim_command("double-dome", *arguments, run=started.append)
     assert code == 2 and message in err and started == []
 
 
-def test_unknown_device_is_told(weavesim_command):
+def test_unknown_device_is_reported(weavesim_command):
     code, _, err = weavesim_command("double-dome", "--device", "cuda:99", run=lambda p: resolve_device(p.device))
     assert code == 2 and "choose one of cpu" in err and "Traceback" not in err
 

@@ -117,7 +117,7 @@ def test_nothing_is_said_or_compiled_if_all_is_cached(monkeypatch, caplog):
     assert said == [] and caplog.messages == []
 
 
-def test_a_program_is_told_but_starts_no_processes(monkeypatch, caplog, tmp_path):
+def test_a_program_is_informed_but_starts_no_processes(monkeypatch, caplog, tmp_path):
     monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path))
     monkeypatch.setattr(compilation, "ProcessPoolExecutor", None)
     caplog.set_level(logging.INFO, "weavesim")
@@ -140,7 +140,7 @@ def test_the_command_line_compiles_side_by_side_what_is_missing(monkeypatch, tmp
     assert [driven.kernels()[index] for index in missing(driven)] == [support_motion_kernel(wp.float32)]
 
 
-def test_runs_look_for_their_kernels_before_they_load_them(monkeypatch):
+def test_runs_check_the_cache_before_they_load_kernels(monkeypatch):
     asked = []
     monkeypatch.setattr("weavesim.engine.stepper.compile_missing", asked.append)
     monkeypatch.setattr("weavesim.engine.model.compile_missing", asked.append)

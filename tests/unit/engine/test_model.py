@@ -7,7 +7,8 @@ from tests.support.runs import one_sheet_setup
 from weavesim.engine.model import Model
 from weavesim.engine.setup import Setup, Solver, World
 from weavesim.errors import InputError
-from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.fabric import Fabric
+from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import ForceDriven, Stroke
 from weavesim.run.simulation import Simulation
@@ -20,9 +21,9 @@ FABRIC = glass_polypropylene()
 STEP = 2.0e-6
 
 
-def world(name: str, yarn_angle: float, radius: float) -> World:
+def world(name: str, yarn_angle: float, radius: float, fabric: Fabric = FABRIC, size: float = 0.01) -> World:
     """A square that a ball lifts into a plane which a force presses down."""
-    blank = Blank.rectangle((-0.03, -0.03), (0.03, 0.03), 0.01, yarn_angle=yarn_angle)
+    blank = Blank.rectangle((-0.03, -0.03), (0.03, 0.03), size, yarn_angle=yarn_angle)
     ball = Sphere(radius, origin=(0.0, 0.0, -radius - 0.5 * FABRIC.thickness))
     lid = Plane(origin=(0.0, 0.0, 0.0011), rotation=rotation_matrix((1.0, 0.0, 0.0), np.pi))
     tools = (
@@ -30,7 +31,7 @@ def world(name: str, yarn_angle: float, radius: float) -> World:
         Tool("weight", lid, ForceDriven.constant(2.0, 0.05), axis=(0.0, 0.0, -1.0)),
     )
     dynamics = Dynamics(gravity=(0.0, 0.0, -9.81), damping=50.0)
-    return World((Sheet(blank, FABRIC, name=name),), tools, dynamics=dynamics, name=name)
+    return World((Sheet(blank, fabric, name=name),), tools, dynamics=dynamics, name=name)
 
 
 def run(*worlds: World, lane_count: int = 1, threads: int = 1) -> Simulation:
@@ -42,7 +43,7 @@ def run(*worlds: World, lane_count: int = 1, threads: int = 1) -> Simulation:
 
 @pytest.mark.parametrize(("lane_count", "threads"), [(1, 1), (16, 2)])
 def test_two_sheets_under_two_sets_of_tools_get_the_bits_that_each_gets_alone(lane_count, threads):
-    worlds = world("first", 45.0, 0.02), world("second", 0.0, 0.03)
+    worlds = world("first", 45.0, 0.02), world("second", 0.0, 0.03, assumed_fabric("twill"), 0.012)
     both = run(*worlds, lane_count=lane_count, threads=threads)
     assert np.abs(both.frame.tool_reaction[:, 2]).min() > 0.1  # every tool is touched
     for k, own in enumerate(worlds):

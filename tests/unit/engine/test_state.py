@@ -1,6 +1,7 @@
 """A state is complete: whatever goes on from it, here or elsewhere, gets the bits of a run that never stopped."""
 
 import hashlib
+import io
 import json
 import pickle
 import subprocess
@@ -107,7 +108,7 @@ def test_the_state_moves():
     [
         ({"precision": "float32"}, "its precision is float64, but this run has float32"),
         ({"lane_count": 16}, "its lane count is 1, but this run has 16"),
-        ({"step_safety": 0.5}, "its setup is"),
+        ({"step_safety": 0.5}, "its setup is another one"),
     ],
 )
 def test_a_state_of_another_run_is_refused(tmp_path, change, message):
@@ -127,18 +128,67 @@ def test_threads_and_frames_do_not_matter_to_a_state(tmp_path):
     assert digests(State.load(tmp_path / "state", Model(other))) == digests(State.initial(model))
 
 
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory) -> tuple[Model, bytes]:
+    """A model, and the file of its state at time zero."""
+    path, model = tmp_path_factory.mktemp("saved") / "state", Model(pulled(CASES["worlds"].solver))
+    State.initial(model).save(path, model)
+    return model, path.read_bytes()
+
+
 @pytest.mark.parametrize("damage", ["missing", "text", "cut short"])
-def test_a_damaged_file_is_refused(tmp_path, damage):
-    setup = pulled(CASES["worlds"].solver)
-    model = Model(setup)
+def test_a_damaged_file_is_refused(tmp_path, saved, damage):
+    model, content = saved
     path = tmp_path / "state"
-    if damage == "text":
-        path.write_text("no state")
-    elif damage == "cut short":
-        State.initial(model).save(path, model)
-        path.write_bytes(path.read_bytes()[:-200])
+    if damage != "missing":
+        path.write_bytes(b"no state" if damage == "text" else content[:-200])
     with pytest.raises(InputError, match="cannot be read"):
         State.load(path, model)
+
+
+def test_a_flipped_byte_is_refused_or_changes_nothing(tmp_path, saved):
+    """Checksums are those of the archive; what they do not cover, such as times of its files, is not read."""
+    model, content = saved
+    path, whole = tmp_path / "state", digests(State.initial(model))
+    rng = np.random.default_rng(0)
+    refused = 0
+    for place in rng.integers(len(content), size=150):
+        damaged = bytearray(content)
+        damaged[place] ^= 1 << int(rng.integers(8))
+        path.write_bytes(damaged)
+        try:
+            assert digests(State.load(path, model)) == whole
+        except InputError:
+            refused += 1
+    assert refused > 100
+
+
+def rewritten(content: bytes, **changes: np.ndarray | None) -> bytes:
+    """The file with other arrays; None leaves one out."""
+    with np.load(io.BytesIO(content)) as file:
+        arrays = {name: file[name] for name in file.files} | changes
+    result = io.BytesIO()
+    np.savez(result, **{name: array for name, array in arrays.items() if array is not None})
+    return result.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"clock": None}, "clock is missing or of another shape or type"),
+        ({"clock": np.zeros(2)}, "clock is missing or of another shape or type"),
+        ({"clock": np.zeros(3, dtype=np.float32)}, "clock is missing or of another shape or type"),
+        ({"about": np.array("[1]")}, "cannot be read"),
+        ({"about": np.array("null")}, "cannot be read"),
+        ({"about": np.array('{"version": 0, "step_count": 0}')}, "its version is 0, but this run has 1"),
+        ({"about": np.array('{"version": 1}')}, "cannot be read"),
+    ],
+)
+def test_what_is_missing_or_otherwise_in_a_file_is_named(tmp_path, saved, changes, message):
+    model, content = saved
+    (tmp_path / "state").write_bytes(rewritten(content, **changes))
+    with pytest.raises(InputError, match=message):
+        State.load(tmp_path / "state", model)
 
 
 def test_a_file_appears_whole_or_not_at_all(tmp_path, monkeypatch):

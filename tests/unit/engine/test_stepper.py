@@ -13,7 +13,7 @@ from weavesim.engine.stepper import REFRESH_INTERVAL
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.rows import MOTION_VECTORS, ClockEntry, MotionRow
 from weavesim.kernels.stepping.machine import flush_subnormals, restore_subnormals
-from weavesim.kernels.stepping.step import look_at_clock
+from weavesim.kernels.stepping.step import check_clock
 from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.diagnosis import find_failure
@@ -105,7 +105,7 @@ def test_an_interval_of_one_launch_ends_there_too(monkeypatch, block_by_block, l
     target, device, expected = block_by_block
     monkeypatch.setattr(stepper_module, "LARGEST_INTERVAL", largest)
     simulation = thrown_sheet(monkeypatch, device=device)
-    load_kernel(look_at_clock, simulation.model.device)
+    load_kernel(check_clock, simulation.model.device)
     launched, launch = [], wp.capture_launch
     monkeypatch.setattr(wp, "capture_launch", lambda graph: [launched.append(graph), launch(graph)])
     simulation.stepper.launches_intervals = True
@@ -140,7 +140,7 @@ def test_a_gpu_launches_whole_intervals(monkeypatch):
 def test_a_lost_state_ends_the_interval(monkeypatch, lane_count, row, value, launches_intervals):
     """Looking at the step is enough, for it is lost too."""
     simulation = thrown_sheet(monkeypatch, lane_count=lane_count)
-    load_kernel(look_at_clock, simulation.model.device)
+    load_kernel(check_clock, simulation.model.device)
     simulation.stepper.launches_intervals = launches_intervals
     motion = simulation.model.sheet.read_motion(simulation.state.sheet.motion)
     motion[MOTION_VECTORS.index(row), 60, 1] = value
@@ -151,7 +151,7 @@ def test_a_lost_state_ends_the_interval(monkeypatch, lane_count, row, value, lau
     assert find_failure(simulation.model, simulation.state, simulation.frame)
 
 
-def test_an_interval_ends_when_it_is_told_to(monkeypatch):
+def test_an_interval_ends_when_asked_to(monkeypatch):
     simulation = thrown_sheet(monkeypatch)
     answers = iter([False, False, True])
     simulation.stepper.advance_to(1.0, lambda: next(answers))

@@ -30,7 +30,7 @@ def test_kinds_are_those_of_all_parts_of_all_tools():
     assert of_nodes().shape_kinds == ()
 
 
-def test_what_acts_on_the_nodes_is_told():
+def test_traits_state_what_acts_on_the_nodes():
     assert not of_nodes().loaded and not of_nodes().supported and not of_nodes().follows_thickness
     assert of_nodes(loads=NodalLoads(force=np.zeros((9, 3)))).loaded
     assert of_nodes(supports=(Support("edge", [0]),)).supported
@@ -38,7 +38,7 @@ def test_what_acts_on_the_nodes_is_told():
 
 
 @pytest.mark.parametrize(("distortion", "skewed"), [(0.0, False), (0.2, True)])
-def test_shape_of_the_mesh_is_told(distortion, skewed):
+def test_traits_state_the_shape_of_the_mesh(distortion, skewed):
     flat = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005, distortion=distortion)
     bent = Blank.from_mesh(flat.node_position + np.outer(flat.node_position[:, 0] ** 2, (0.0, 0.0, 3.0)), flat.quads)
     for blank, is_flat in ((flat, True), (bent, False)):

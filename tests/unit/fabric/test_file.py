@@ -1,4 +1,4 @@
-"""Fabrics from files: what is written comes out, and mistakes are told."""
+"""Fabrics from files: values are read back, and mistakes are reported."""
 
 import json
 
@@ -110,7 +110,7 @@ def test_kind_chooses_the_cell(tmp_path):
         (("stiffness = 40.0\n", ""), "ShearFriction: stiffness: is required"),
     ],
 )
-def test_mistakes_are_told(folder, change, message):
+def test_mistakes_are_reported(folder, change, message):
     text = TOML.replace(*change)
     assert text != TOML
     path = folder / "wrong.toml"
@@ -150,7 +150,7 @@ def test_unknown_names_are_refused(tmp_path):
         ('kind = "MomentCurve"\nangle = [0, 0.5]\nmoment_values = [0, -2]', "moments must not be negative"),
     ],
 )  # fmt: skip
-def test_mistakes_in_a_shear_test_are_told(tmp_path, table, message):
+def test_mistakes_in_a_shear_test_are_reported(tmp_path, table, message):
     path = tmp_path / "wrong.toml"
     path.write_text(f'based_on = "glass-polypropylene"\n[shear]\n{table}\n')
     with pytest.raises(InputError, match=message):

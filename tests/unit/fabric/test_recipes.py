@@ -1,4 +1,4 @@
-"""The recipes of CONTRIBUTING for a unit cell and a law, as they stand there: each adds one and runs it."""
+"""The recipes of CONTRIBUTING for a unit cell and a law, verbatim: each adds one and runs it."""
 
 import numpy as np
 import pytest

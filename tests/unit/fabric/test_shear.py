@@ -10,7 +10,7 @@ from weavesim.fabric.shear import LinearShear, MomentCurve, ShearFriction
 
 
 def test_picture_frame_conventions_agree():
-    """One test, three ways to write it down: raw force, force per side of the frame, force per area of the fabric."""
+    """One test in three normalisations: raw force, force per side of the frame, force per area of the fabric."""
     law = MomentCurve(
         angle=tuple(np.linspace(0.0, 0.8, 30)), moment_values=tuple(np.linspace(0.0, 0.8, 30) ** 2 * 50.0)
     )

@@ -40,7 +40,7 @@ def test_symmetry_line_runs_by_rising_coordinate_and_interpolates():
     assert flat[[0, -1], 0] == pytest.approx([-HALF_LENGTH, HALF_LENGTH])
 
 
-def test_a_blank_beside_the_origin_has_no_symmetry_line():
+def test_a_blank_away_from_the_origin_has_no_symmetry_line():
     with pytest.raises(InputError, match="does not cross the line along x"):
         measures.symmetry_line(Blank.rectangle((0.1, 0.1), (0.2, 0.2), 0.02), "x")
 

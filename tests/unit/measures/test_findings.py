@@ -48,7 +48,7 @@ def test_what_means_nothing_is_left_out():
     assert "shear_angle_points_deg" not in numbers and "max_fibre_volume_fraction" not in numbers
 
 
-def test_a_blank_beside_the_axes_has_no_draw_in():
+def test_a_blank_away_from_the_axes_has_no_draw_in():
     blank = Blank.rectangle((0.1, 0.1), (0.2, 0.2), 0.02)
     fields = {name: np.ones(blank.element_count) for name in ("shear_angle", "warp_stretch", "weft_stretch")}
     sheet = FormedSheet(blank, blank.node_position, fields, 1.0e-3)

@@ -9,7 +9,7 @@ from weavesim.sheet.blank import Blank
 
 
 def rim_position(blank, radius):
-    """Nodes at a distance from the axis that depends on the way along the sides of the square, from 0 to 2 pi."""
+    """Nodes at a distance from the axis that depends on the position along the sides of the square, from 0 to 2 pi."""
     x, y = blank.material_coordinates.T
     polar = np.arctan2(y, x)
     side = np.round(polar / (np.pi / 2))

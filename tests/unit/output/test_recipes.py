@@ -1,4 +1,4 @@
-"""The recipes of CONTRIBUTING for a writer and an output field, as they stand there: each adds one and uses it."""
+"""The recipes of CONTRIBUTING for a writer and an output field, verbatim: each adds one and uses it."""
 
 import sys
 

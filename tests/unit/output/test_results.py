@@ -30,7 +30,7 @@ def test_endings_of_files(stack, coarse_run):
     assert file_endings(stack[0]) == ("_upper", "_lower")
 
 
-def test_points_beside_the_blank_are_found_before_the_run(tmp_path, coarse_run):
+def test_points_outside_the_blank_are_found_before_the_run(tmp_path, coarse_run):
     folder = ResultFolder(tmp_path / "new", points=np.array([[0.5, 0.0]]))
     with pytest.raises(InputError, match=r"\(0.5, 0\) m lies outside the blank"):
         folder.start(coarse_run[0])

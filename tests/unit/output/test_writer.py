@@ -65,7 +65,7 @@ def test_only_what_is_chosen_is_written(tmp_path, coarse_run):
 
 
 class Events(Writer):
-    """Keeps what it is called with, and fails where it is told to."""
+    """Records its calls, and fails where it is configured to."""
 
     seen: list[str] = []
     failing = ""
@@ -112,3 +112,10 @@ def test_a_writer_that_fails_is_given_up_and_the_others_go_on(tmp_path, coarse_r
     assert summary["warnings"] == warnings == [record.message for record in caplog.records]
     assert all((tmp_path / name).exists() for name in ("history.csv", "report.html", "summary.json"))
     assert ("my file could not be written" in (tmp_path / "report.html").read_text()) == bool(failing)
+
+
+def test_a_text_in_place_of_a_list_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"writers = 'summary': give a list, \['summary'\]"):
+        ResultFolder(tmp_path, writers="summary")
+    with pytest.raises(InputError, match=r"without = 'film': give a list"):
+        chosen_writers(without="film")

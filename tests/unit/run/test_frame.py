@@ -25,7 +25,7 @@ def test_several_sheets_have_to_be_named(stack):
     assert info.tools_of(info.sheets[1]) == info.tools[3:]
 
 
-def test_tools_of_the_same_name_are_told_apart_in_outputs(stack):
+def test_tools_of_the_same_name_are_distinguished_in_outputs(stack):
     names = ("punch", "die", "blank_holder")
     assert stack[0].tool_names == (*names, *(f"{name}_2" for name in names))
 

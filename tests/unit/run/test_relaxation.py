@@ -1,4 +1,4 @@
-"""Relaxation says why it gives up."""
+"""Relaxation reports why it gives up."""
 
 import pytest
 

@@ -60,7 +60,7 @@ def test_numbers_of_a_field_stand_for_all_sheets(pulled):
 
 
 class TwoSheets:
-    """A run, with a second sheet beside its own in the last frame."""
+    """A run with a second sheet in addition to its own in the last frame."""
 
     def __init__(self, run, other):
         self._run = run

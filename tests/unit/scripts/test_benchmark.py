@@ -20,7 +20,7 @@ def benchmark(*arguments: str) -> str:
 
 
 @pytest.mark.slow
-def test_rates_are_told_with_their_problem_and_beside_earlier_ones(tmp_path):
+def test_rates_are_reported_with_their_problem_and_earlier_ones(tmp_path):
     file = tmp_path / "rates.json"
     what = ("rates", "--case", "double_dome_10mm", "--precision", "float32", "--threads", "1,2")
     length = ("--seconds", "0.01", "--turns", "1")
@@ -41,7 +41,7 @@ def test_rates_are_told_with_their_problem_and_beside_earlier_ones(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_checkout_beside_itself_is_timed_in_turns():
+def test_a_checkout_is_timed_against_itself_in_turns():
     table = benchmark("against", str(ROOT), "--turns", "2", "--blocks", "1")
     assert "double_dome_10mm, 322 elements, float32, 1 threads, 2 turns of 20 steps" in table
     assert [line.split(" | ")[3] for line in table.splitlines() if line.startswith("| the other")] == ["1.000"]
@@ -50,4 +50,4 @@ def test_a_checkout_beside_itself_is_timed_in_turns():
 def test_simulations_of_both_versions_say_how_large_they_are():
     blank = SimpleNamespace(element_count=7)
     assert element_count(SimpleNamespace(blank=blank)) == 7
-    assert element_count(SimpleNamespace(setup=SimpleNamespace(sheet=SimpleNamespace(blank=blank)))) == 7
+    assert element_count(SimpleNamespace(setup=SimpleNamespace(sheets=[SimpleNamespace(blank=blank)]))) == 7

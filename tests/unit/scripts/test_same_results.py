@@ -103,7 +103,7 @@ def test_nan_is_the_same_as_itself_and_empty_as_empty():
     assert difference("name", np.zeros((2, 0, 3)), np.zeros((2, 0, 3))) is None
 
 
-def test_entries_that_only_one_has_are_told():
+def test_entries_that_only_one_has_are_reported():
     found = differences({"a": np.zeros(1), "b": np.zeros(1)}, {"b": np.zeros(1), "c": np.zeros(1)})
     assert [str(one) for one in found] == ["a: is missing", "c: is new"]
 

@@ -84,7 +84,7 @@ def test_medians_and_maxima_are_shown(sizes):
     assert "| files of a folder | 1 | 2 | 2 |" in summary({"here": sizes})
 
 
-def test_another_commit_stands_beside_this_checkout():
+def test_another_commit_is_compared_with_this_checkout():
     if subprocess.run(["git", "rev-parse", "--verify", "HEAD"], cwd=ROOT, capture_output=True).returncode:
         pytest.skip("no repository")
     command = [sys.executable, "scripts/sizes.py", "--commit", "HEAD"]

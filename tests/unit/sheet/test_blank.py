@@ -1,10 +1,12 @@
-"""Sheet meshes: what is built, and which mistakes are told before a run."""
+"""Sheet meshes: construction, and mistakes that are reported before a run."""
 
 import numpy as np
 import pytest
 
 from weavesim.errors import InputError
+from weavesim.fabric.presets import glass_polypropylene
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 from weavesim.sheet.topology import part_of_nodes
 
 SQUARES = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
@@ -125,11 +127,96 @@ def test_direct_construction_is_checked_too():
 
 @pytest.mark.parametrize(
     ("lower", "upper", "size"),
-    [((0, 0), (0.1, 0.1), 0.0), ((0, 0), (0.1, 0.1), -0.01), ((0, 0), (-0.1, 0.1), 0.01), ((0, 0), (np.nan, 1), 0.01)],
+    [((0, 0), (0.1, 0.1), 0.0), ((0, 0), (0.1, 0.1), -0.01), ((0, 0), (-0.1, 0.1), 0.01)],
 )
 def test_bad_rectangles_are_refused(lower, upper, size):
     with pytest.raises(InputError, match="finite and positive"):
         Blank.rectangle(lower, upper, size)
+
+
+CORNERS = ((0.0, 0.0), (0.1, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Blank.rectangle((0, 0), (np.nan, 1), 0.01), "upper = nan: a finite number is needed"),
+        (lambda: Blank.rectangle((0, 0, 0), (1, 1, 0), 0.1), r"lower = \(0, 0, 0\): two numbers are needed"),
+        (lambda: Blank.rectangle(0.0, (1, 1), 0.1), "lower = 0.0: two numbers are needed"),
+        (lambda: Blank.rectangle(*CORNERS, "0.01"), "element_size = '0.01': a finite number is needed"),
+        (lambda: Blank.rectangle(*CORNERS, "fine"), "element_size = 'fine': a finite number is needed"),
+        (lambda: Blank.rectangle(*CORNERS, (0.1, 0.1, 0.1)), "element_size = .*: two numbers are needed"),
+        (lambda: Blank.rectangle(*CORNERS, 0.01, yarn_angle=np.nan), "yarn_angle = nan: a finite number is needed"),
+        (lambda: Blank.rectangle(*CORNERS, 0.01, height="low"), "height = 'low': a finite number is needed"),
+        (lambda: Blank.rectangle(*CORNERS, 0.1, distortion=np.nan), "distortion = nan: a finite number is needed"),
+        (lambda: Blank.disc("wide", 0.01), "radius = 'wide': a finite number above 0 is needed"),
+        (lambda: Blank.disc(0.1, "fine"), "element_size = 'fine': a finite number above 0 is needed"),
+        (lambda: Blank.disc(0.1, 0.01, yarn_angle="x"), "yarn_angle = 'x': a finite number is needed"),
+        (lambda: Blank.fitted("round", 0.01), "the outline is no array of numbers"),
+        (lambda: Blank.from_mesh(NODES, SQUARES + 0.5), "elements name node 0.5; whole numbers are needed"),
+        (lambda: Blank.from_mesh(NODES, SQUARES * np.nan), "elements name node nan; whole numbers are needed"),
+        (lambda: Blank.from_mesh(NODES, SQUARES + 2**32), "whole numbers are needed"),
+        (lambda: Blank.from_mesh(NODES, [[0, 1, 4, 3], [1, 2]]), "elements: an array of numbers is needed"),
+        (lambda: Blank.from_mesh("nodes", SQUARES), "nodes: an array of numbers is needed"),
+        (lambda: Blank.from_mesh(NODES, SQUARES, warp_direction=np.full(3, np.nan)), "warp_direction: finite numbers"),
+        (lambda: Blank.from_mesh(NODES, SQUARES, warp_direction=np.nan), r"warp_direction: shape \(\), but \(3,\) or"),
+        (lambda: Blank.from_mesh(NODES, SQUARES, warp_direction="x"), "warp_direction: an array of numbers is needed"),
+        (lambda: Blank.from_mesh(NODES, SQUARES, material_coordinates=NODES[:, :2] * np.nan), "material_coordinates"),
+    ],
+)
+def test_what_makes_no_blank_is_refused(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+UNIT = 1.0 / np.sqrt(2.0)
+
+
+@pytest.mark.parametrize("name", ["warp_direction", "weft_direction", "initial_director"])
+@pytest.mark.parametrize("row", [(np.nan, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.00001), (0.0, 0.0, np.inf)])
+def test_a_direction_has_length_one(name, row):
+    good = Blank.from_mesh(NODES, SQUARES)
+    rows = getattr(good, name).copy()
+    rows[1] = row
+    with pytest.raises(InputError, match=rf"Blank: {name}: entry 1 is .*; a direction of length 1 is needed"):
+        good.model_copy(update={name: rows})
+
+
+@pytest.mark.parametrize(
+    ("name", "row", "message"),
+    [
+        ("warp_direction", (UNIT, 0.0, UNIT), "warp_direction: entry 1 .* in the plane of the element"),
+        ("weft_direction", (0.0, 0.0, 1.0), "weft_direction: entry 1 .* in the plane of the element"),
+        ("weft_direction", (1.0, 0.0, 0.0), "weft_direction: entry 1 .* not parallel to the warp"),
+        ("weft_direction", (-1.0, 0.0, 0.0), "weft_direction: entry 1 .* not parallel to the warp"),
+    ],
+)
+def test_yarns_span_the_plane_of_their_element(name, row, message):
+    good = Blank.from_mesh(NODES, SQUARES)
+    rows = getattr(good, name).copy()
+    rows[1] = row
+    with pytest.raises(InputError, match=message):
+        good.model_copy(update={name: rows})
+    oblique = np.tile([UNIT, UNIT, 0.0], (2, 1))
+    assert np.array_equal(good.model_copy(update={"weft_direction": oblique}).weft_direction, oblique)
+
+
+def test_material_coordinates_are_finite():
+    good = Blank.from_mesh(NODES, SQUARES)
+    coordinates = good.material_coordinates.copy()
+    coordinates[2, 1] = np.inf
+    with pytest.raises(InputError, match=r"material_coordinates: entry 2 is \[0.02, inf\]; finite numbers are needed"):
+        good.model_copy(update={"material_coordinates": coordinates})
+
+
+@pytest.mark.parametrize("orientation", [-73.0, 0.0, 20.0, 180.0])
+def test_good_curved_and_distorted_blanks_may_be_turned(orientation):
+    flat = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005, distortion=0.3, yarn_angle=31.0)
+    position = flat.node_position.copy()
+    position[:, 2] = 20.0 * position[:, 0] * position[:, 1]
+    for blank in (flat, Blank.from_mesh(position, flat.quads.astype(float)), Blank.disc(0.03, 0.004, distortion=0.2)):
+        turned = Sheet(blank, glass_polypropylene(), orientation=orientation).oriented_blank
+        assert np.abs(np.einsum("ij,ij->i", turned.warp_direction, turned.weft_direction)).max() < 1e-12
 
 
 def test_warp_normal_to_the_sheet_is_refused():
@@ -153,7 +240,7 @@ def test_file_of_quadrilaterals(tmp_path):
         Blank.from_file(triangles)
 
 
-def test_missing_and_unreadable_files_are_told(tmp_path):
+def test_missing_and_unreadable_files_are_reported(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         Blank.from_file(tmp_path / "nothing.vtk")
     path = tmp_path / "broken.vtk"

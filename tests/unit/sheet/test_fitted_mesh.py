@@ -1,4 +1,4 @@
-"""Meshes fitted to an outline: the outline's area, every element convex, the direction that was asked for."""
+"""Meshes fitted to an outline: the outline's area, every element convex, the requested direction."""
 
 import numpy as np
 import pytest
@@ -119,9 +119,9 @@ def test_disc(angle):
         (STRIP[[0, 1, 1, 2, 3]], {}, "coincide"),
         (STRIP * np.nan, {}, "finite"),
         (STRIP, {"element_size": 0.05}, "quarter of its width|too close|use smaller"),
-        (STRIP, {"element_size": -1.0}, "positive size"),
-        (STRIP, {"distortion": 0.5}, "distortion from 0 to 0.4"),
-        (STRIP, {"mesh_angle": np.inf}, "finite angle"),
+        (STRIP, {"element_size": -1.0}, "element_size = -1.0: a finite number above 0 is needed"),
+        (STRIP, {"distortion": 0.5}, "distortion = 0.5: a number from 0 to 0.4 is needed"),
+        (STRIP, {"mesh_angle": np.inf}, "mesh_angle = inf: a finite number is needed"),
         (np.vstack([STRIP, [[0.05, 0.05]]]), {}, r"re-entrant corner at \(0.05, 0.05\) m"),
         (np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.02]]), {}, "use smaller"),
     ],

@@ -55,7 +55,7 @@ def test_what_was_held_before_stays_held_and_the_argument_is_left_alone():
     assert given.sum() == 5 * blank.node_count
 
 
-def test_a_plane_beside_the_blank_is_refused():
+def test_a_plane_outside_the_blank_is_refused():
     blank = Blank.rectangle((0.1, 0.1), (0.2, 0.2), 0.02)
     with pytest.raises(InputError, match="symmetry plane x = 0: no node of the blank lies on it"):
         HALF_IN_X.hold(blank, all_free(blank))

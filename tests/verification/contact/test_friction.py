@@ -46,7 +46,7 @@ def resting(blank: Blank, angle: float, tilted: str) -> tuple[Blank, Plane, np.n
 def on_incline(
     fabric: Fabric, frames, ratio: float, tilted: str, duration: float
 ) -> tuple[np.ndarray, np.ndarray, Simulation]:
-    """Times [s] and mean way down the plane [m] of a sheet on tan(angle) = ``ratio`` mu."""
+    """Times [s] and mean travel down the plane [m] of a sheet on tan(angle) = ``ratio`` mu."""
     angle = np.arctan(ratio * FRICTION)
     flat = Blank.rectangle((-0.02, -0.01), (0.02, 0.01), 0.005)
     blank, plane, gravity, down = resting(flat, angle, tilted)

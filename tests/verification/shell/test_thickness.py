@@ -84,7 +84,7 @@ def squeezed(contact_thickness: str, **given) -> Simulation:
 
 @pytest.mark.slow
 def test_tools_meet_the_current_thickness(frames):
-    """The sheet thickens by 1/cos 40: it fills the gap and presses, and the balance knows the work of that."""
+    """The sheet thickens by 1/cos 40: it fills the gap and presses, and the balance includes that work."""
     plain = squeezed("initial")
     plain.run()
     assert np.abs(plain.frame.tool_reaction).max() == 0.0
@@ -105,7 +105,7 @@ def test_tools_meet_the_current_thickness(frames):
     used = frame.energies["used"]
     assert abs(frame.energies["balance_error"]) < 2e-3 * used
     assert simulation.ledger.penetration(frame).at_nodes == pytest.approx(overlap, rel=0.02)
-    # as many lanes as a run takes: the same
+    # the same with as many lanes as in a run
     lanes = squeezed("current", lane_count=16)
     lanes.run()
     assert lanes.frame.tool_reaction == pytest.approx(frame.tool_reaction, rel=1e-9, abs=1e-9)

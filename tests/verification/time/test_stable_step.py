@@ -183,7 +183,7 @@ def swing(fabric, step: float | None, limit: float) -> np.ndarray:
     )  # fmt: skip
     result = []
     for _ in range(20):
-        # the step is taken anew after each block: put ours back
+        # the step is computed again after each block: restore ours
         simulation.state.clock.assign(np.array([0.0, step * limit, step * limit]))
         simulation.stepper.advance(1)
         position = simulation.model.sheet.read_motion(simulation.state.sheet.motion)[

@@ -96,14 +96,14 @@ def test_force_of_supports_accelerates_the_sheet():
     energies = frame.energies
     assert energies["internal"] < 1e-12 * energies["kinetic"]
     assert energies["damping_loss"] == 0.0
-    # velocities are half a step behind the way that the weight has gone
+    # velocities are half a step behind the travel of the weight
     behind = mass * 9.81 * 2.0 * simulation.state.step
     assert energies["support_work"] == pytest.approx(energies["kinetic"] - energies["gravity_work"], abs=behind)
     assert behind < 1e-3 * energies["support_work"]
 
 
 def test_pulled_strip_gives_the_force_of_its_yarns(frames, fabric):
-    """At rest both grips hold n = c (lambda - 1) per width, whatever the grips' own mass did on the way."""
+    """At rest both grips hold n = c (lambda - 1) per width, whatever the grips' own mass did before."""
     stiffness, pull = 2.0e4, 1e-3
     laws = fabric(unit_cell=PlainWeave.straight(stiffness_per_width=stiffness))
     first, last = end_nodes(WHOLE)

@@ -224,7 +224,7 @@ def test_same_bits_for_any_number_of_threads_and_any_run(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_passing_over_far_tools_changes_nothing(precision):
-    """A node that is passed over by its tools' bound would not have met them: the same bits as if all are looked at."""
+    """A node skipped by the bound of its gap would not have touched a tool: the same bits as if all are checked."""
     results = []
     for spare_distance in (None, np.inf):
         simulation = falling_sheet(threads=1, precision=precision)
@@ -275,7 +275,7 @@ def test_lanes_give_the_same_to_round_off(precision, tolerance, sheet, curved_bl
 
 @pytest.mark.parametrize(("precision", "tolerance"), [("float32", 2e-7), ("float64", 1e-13)])
 def test_lanes_stay_together_over_a_hundred_steps(precision, tolerance):
-    """The way of the nodes is about a millimetre; the difference is in metres."""
+    """The travel of the nodes is about a millimetre; the difference is in metres."""
     positions = []
     for lane_count in (1, 16):
         simulation = falling_sheet(precision=precision, lane_count=lane_count, threads=1)

@@ -8,7 +8,8 @@ from typing import Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from ...checks import Kinded, NotNegative, positive_number
+from ...checks import Kinded, NotNegative
+from ...quantities import positive
 from ..curve import Column, check_curve, interpolate, measured_columns
 
 
@@ -120,7 +121,7 @@ class BendingCurve(FamilyBending):
         Raises:
             InputError: a slip curvature that is not above 0, or negative numbers.
         """
-        slip_curvature = positive_number("slip_curvature", slip_curvature)
+        slip_curvature = positive("slip_curvature", slip_curvature)
         return cls(
             curvature=(0.0, 1.0), moment_values=(0.0, rigidity),
             friction_limit=0.5 * hysteresis, friction_stiffness=0.5 * hysteresis / slip_curvature,

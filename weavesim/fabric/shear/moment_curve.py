@@ -9,8 +9,9 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from ...checks import NotNegative, Positive, positive_number
+from ...checks import NotNegative, Positive
 from ...errors import InputError
+from ...quantities import positive
 from ..curve import Column, check_curve, interpolate, measured_columns
 from ..device_form import DeviceForm, Tabulated
 from .law import LARGEST_SHEAR_ANGLE, ShearLaw, check_radians
@@ -182,7 +183,7 @@ class MomentCurve(ShearLaw):
 def _checked_sides(frame_side: float, fabric_side: float) -> tuple[float, float]:
     """Sides of frame and fabric [m]; raises InputError if they are impossible."""
     frame_side, fabric_side = (
-        positive_number(name, side, largest=LARGEST_FRAME_SIDE, hint="it is in metres, write 0.25 for 250 mm")
+        positive(name, side, largest=LARGEST_FRAME_SIDE, hint="it is in metres, write 0.25 for 250 mm")
         for name, side in (("frame_side", frame_side), ("fabric_side", fabric_side))
     )
     if fabric_side > frame_side:

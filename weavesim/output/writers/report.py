@@ -13,12 +13,12 @@ from ..report.page import Report, shown, write_report
 from ..results import Results
 from ..writer import Writer
 
-# The most important numbers; a run shows those that it has.
+# The few numbers to see first, those of them that a run has.
 HEADLINE = (
     "max_shear_angle_deg", "draw_in_long_axis_mm", "draw_in_short_axis_mm", "min_stretch", "max_stretch", "wall_time_s",
 )  # fmt: skip
 DESCRIPTIONS = {finding.key: finding.description for finding in (*SHEET_FINDINGS, *RUN_FINDINGS)}
-# The computed part of the blank, by its share.
+# What a blank is of the whole, by its share.
 SHARES = {1.0: "whole blank", 0.5: "half of the blank", 0.25: "quarter of the blank"}
 
 
@@ -40,7 +40,8 @@ def report_of(results: Results) -> Report:
     warnings = list(summary["warnings"])
     if (outcome := summary.get("outcome")) != Outcome.FINISHED.value:
         warnings.insert(0, f"The run did not reach its end ({outcome}): the results are those of its last good frame.")
-    title = results.info.name.replace("_", " ").capitalize()
+    title = results.info.name.replace("_", " ")
+    title = title[:1].upper() + title[1:]
     tables = {heading: rows for heading, rows in _tables(results, summary).items() if rows}
     return Report(title, _subtitle(results, outcome), _headline(summary), warnings, results.pictures, tables)
 

@@ -96,7 +96,7 @@ def test_second_start_finds_the_same_point(many):
 @pytest.mark.parametrize("compressive", [None, 0.0])
 @pytest.mark.parametrize("from_rest", [True, False])
 def test_last_step_needs_no_evaluation_after_it(contact, compressive, from_rest):
-    """Small steps, as those in time are: dPi/dw where the cell stops is within the tolerance of 1e-11 that it tells."""
+    """Small steps, like time steps: dPi/dw at the end of the iteration is within the tolerance of 1e-11 it reports."""
     rng = np.random.default_rng(5)
     count = 500
     limits = {"warp_compressive_stiffness": compressive, "weft_compressive_stiffness": compressive}

@@ -8,7 +8,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import lane_types, where_positive
-from .tool_shapes import SHAPE_KINDS, part_struct
+from .tool_shapes import SHAPE_KINDS, part_struct, shape_kind, shape_number
 
 
 @cache
@@ -47,10 +47,13 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
     """wp.func (part, points in its frame) -> (signed distance, outward normal), for parts of ``shape_kinds``.
 
     A part of any other kind is a host error: its distance is NaN, which stops the run.
+
+    Raises:
+        ValueError: there is no kind of such a name, or two have the same number.
     """
-    unknown = [name for name in shape_kinds if name not in SHAPE_KINDS]
-    if unknown:
-        raise ValueError(f"no distance function of {', '.join(unknown)}; there are {', '.join(SHAPE_KINDS)}")
+    numbers = {shape_number(name): name for name in shape_kinds}
+    if len(numbers) < len(set(shape_kinds)):
+        raise ValueError(f"two of {', '.join(shape_kinds)} have the same number; rename the module of one")
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     ToolPart = part_struct(real)
@@ -73,7 +76,7 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
 
     result = part_of_no_kind
     for name in shape_kinds:
-        result = with_kind(SHAPE_KINDS[name].number, SHAPE_KINDS[name].distance, result)
+        result = with_kind(shape_number(name), shape_kind(name).distance, result)
     return result
 
 
@@ -115,12 +118,15 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
 
 
 @cache
-def sample_distance_kernel(real: type, lane_count: int):
-    """Kernel that evaluates one tool at points, one per entry; the last block of lanes repeats the last point."""
+def sample_distance_kernel(real: type, lane_count: int, further_kinds: tuple[str, ...]):
+    """Kernel that evaluates one tool at points, one per entry; the last block of lanes repeats the last point.
+
+    It knows all ``SHAPE_KINDS``, so that most tools share one kernel, and ``further_kinds``.
+    """
     types = lane_types(real, lane_count)
     lanes3, vec3 = types.lanes3, types.vec3
     Tool, ToolPart = tool_struct(real), part_struct(real)
-    tool_distance = tool_distance_function(real, lane_count, tuple(SHAPE_KINDS), True)
+    tool_distance = tool_distance_function(real, lane_count, (*SHAPE_KINDS, *further_kinds), True)
 
     @wp.kernel(module="unique", enable_backward=False)
     def sample_distance(

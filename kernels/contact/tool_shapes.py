@@ -1,14 +1,19 @@
-"""Signed distance and outward normal of every kind of tool part: one function each, in one registry.
+"""Signed distance and outward normal of every kind of tool part: one function each.
 
-A function takes the part and points in the part's frame, and is negative inside. A new kind needs a function and an
-entry in ``SHAPE_KINDS``, and a field of the struct for a dimension that no other kind has.
+A function takes the part and points in the part's frame, and is negative inside. A further kind is a module anywhere
+with a ``SHAPE``, a ``ShapeKind``; its name is the module's full name.
 """
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from itertools import product
 from types import MappingProxyType
 from typing import Any
+from zlib import crc32
 
 import warp as wp
 
@@ -24,7 +29,7 @@ def part_struct(real: type):
 
     @wp.struct
     class ToolPart:
-        kind: wp.int32  # ShapeKind.number
+        kind: wp.int32  # see shape_number
         origin: vec3
         rotation: wp.types.matrix((3, 3), real)  # columns: the part's axes in the world
         radius: real
@@ -157,34 +162,99 @@ def dome_cavity_distance(part: Any, p: Any):
     return distance, wp.matrix_from_rows(normal_out * along, normal_out * across, normal_up)
 
 
-@dataclass(frozen=True)
+# Fields of the part that a kind may have among its dimensions.
+NAMED_DIMENSIONS = ("radius", "major_radius", "half_length", "edge_radius", "volume", "lower", "upper", "reach")
+# Where the others stand: a formula has no box. A vector of their own in the part, which is copied in the innermost
+# loop, made a step of the double dome 8 % slower (16 lanes, float32).
+NUMBER_PLACES = (*product(("lower", "upper"), range(3)),)
+
+
+@wp.func
+def number(part: Any, index: int):
+    """Dimension of a part that is no field of it, see ``ShapeKind``."""
+    return wp.where(index < 3, part.lower[index % 3], part.upper[index % 3])
+
+
+@dataclass(frozen=True, eq=False)
 class ShapeKind:
     """A kind of part.
 
     Attributes:
-        number: identifies the kind in the kernels.
         distance: Warp function (part, points as rows of lanes) -> (distance, normals as rows of lanes).
-        dimensions: fields of the part that it reads in addition to the frame.
+        dimensions: what it reads of the part in addition to the frame. Those of ``NAMED_DIMENSIONS`` are fields of the
+            part; the others are ``number(part, 0)``, ``number(part, 1)`` and so on, in this order.
+
+    Raises:
+        ValueError: there are more than six others, or any in addition to the box of a volume.
     """
 
-    number: int
-    distance: wp.Function
+    distance: Any
     dimensions: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        room = 0 if {"lower", "upper"} & set(self.dimensions) else len(NUMBER_PLACES)
+        others = [name for name in self.dimensions if name not in NAMED_DIMENSIONS]
+        if len(others) > room:
+            raise ValueError(
+                f"a shape has at most {len(NUMBER_PLACES)} dimensions beside {', '.join(NAMED_DIMENSIONS)}, and none "
+                f"with lower or upper; these are {len(others)}: {', '.join(others)}"
+            )
 
-_distances = {
-    "plane": (plane_distance,),
-    "sphere": (sphere_distance, "radius"),
-    "capsule": (capsule_distance, "radius", "half_length"),
-    "torus": (torus_distance, "radius", "major_radius"),
-    "dome_punch": (dome_punch_distance, "radius", "half_length"),
-    "dome_opening": (dome_opening_distance, "radius", "half_length", "edge_radius"),
-    "dome_cavity": (dome_cavity_distance, "radius", "half_length"),
-    "volume": (volume_distance, "volume", "lower", "upper", "reach"),
-}
+    @property
+    def places(self) -> dict[str, tuple[str, int]]:
+        """Field of the part, and index in it, of every dimension that is no field of its own."""
+        others = (name for name in self.dimensions if name not in NAMED_DIMENSIONS)
+        return dict(zip(others, NUMBER_PLACES, strict=False))
+
+
 SHAPE_KINDS: Mapping[str, ShapeKind] = MappingProxyType(
     {
-        name: ShapeKind(number, distance, tuple(dimensions))
-        for number, (name, (distance, *dimensions)) in enumerate(_distances.items())
+        "plane": ShapeKind(plane_distance),
+        "sphere": ShapeKind(sphere_distance, ("radius",)),
+        "capsule": ShapeKind(capsule_distance, ("radius", "half_length")),
+        "torus": ShapeKind(torus_distance, ("radius", "major_radius")),
+        "dome_punch": ShapeKind(dome_punch_distance, ("radius", "half_length")),
+        "dome_opening": ShapeKind(dome_opening_distance, ("radius", "half_length", "edge_radius")),
+        "dome_cavity": ShapeKind(dome_cavity_distance, ("radius", "half_length")),
+        "volume": ShapeKind(volume_distance, ("volume", "lower", "upper", "reach")),
     }
 )
+
+
+def shape_kind(name: str) -> ShapeKind:
+    """The kind of a name: one of ``SHAPE_KINDS``, or the ``SHAPE`` of a module, given by its full name.
+
+    A name can be sent to another process, functions cannot.
+
+    Raises:
+        ValueError: there is no such kind.
+    """
+    if name in SHAPE_KINDS:
+        return SHAPE_KINDS[name]
+    kind = getattr(import_module(name), "SHAPE", None) if _is_module(name) else None
+    if not isinstance(kind, ShapeKind):
+        raise ValueError(
+            f"no distance function {name!r}; choose one of {', '.join(SHAPE_KINDS)}, or give the full name of a module "
+            "with a SHAPE (kernels/contact/tool_shapes.py)"
+        )
+    return kind
+
+
+def _is_module(name: str) -> bool:
+    if not all(part.isidentifier() for part in name.split(".")):
+        return False
+    try:
+        return name in sys.modules or find_spec(name) is not None
+    except ModuleNotFoundError:  # the package of the module
+        return False
+
+
+def further_kinds(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Those of ``names`` that are not in ``SHAPE_KINDS``."""
+    return tuple(name for name in names if name not in SHAPE_KINDS)
+
+
+def shape_number(name: str) -> int:
+    """Number of a kind, as the kernels know it; it depends on the name alone, and is the same in every process."""
+    known = list(SHAPE_KINDS)
+    return known.index(name) if name in SHAPE_KINDS else len(known) + crc32(name.encode()) % 2**30

@@ -20,6 +20,7 @@ from ..device import Precision, available_threads, initialise, is_compiled, load
 from ..fabric.cell import UnitCell
 from ..kernels.contact.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
 from ..kernels.contact.tool_distance import sample_distance_kernel
+from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.force import element_force_kernel
@@ -119,12 +120,13 @@ class KernelSet:
         is_cpu = resolve_device(self.device).is_cpu
         real, law, lane_count = self.precision.real, self.unit_cell.law(), self.lane_count
         frequency_lanes = frequency_lane_count(lane_count, law)
+        further = dict.fromkeys(further_kinds(node.shape_kinds) for node in self.nodes)
         return [
             *(element_force_kernel(real, lane_count, law, sheet) for sheet in self.sheets),
             *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
             *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
             *(element_ledger_kernel(real, law, sheet) for sheet in self.sheets),
-            *([sample_distance_kernel(real, 1)] if self.tools else []),
+            *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
             tool_motion_kernel(real),
             *([support_motion_kernel(real)] if self.driven else []),

@@ -11,7 +11,7 @@ from ..kernels.stepping.node_data import NodeTraits
 from ..process.dynamics import Dynamics
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
-from ..tools.shapes import IDENTITY
+from ..tools.shapes import IDENTITY, shape_kinds
 from .setup import World
 
 
@@ -32,6 +32,6 @@ def node_traits(sheet: Sheet, world: World) -> NodeTraits:
         follows_thickness=world.dynamics.contact_thickness == "current",
         loaded=sheet.loads is not None,
         supported=bool(sheet.supports),
-        shape_kinds=tuple(sorted({part.distance_function for part in parts})),
+        shape_kinds=shape_kinds(tool.shape for tool in world.tools),
         rotated=any(part.rotation != IDENTITY for part in parts),
     )

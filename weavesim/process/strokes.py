@@ -18,10 +18,32 @@ RAMP_KNOT_COUNT = 400
 
 
 class Motion(Kinded):
-    """How a tool moves along its axis, or a support along its directions."""
+    """How a tool moves along its axis, or a support along its directions.
+
+    Attributes:
+        moves_tools: whether it has a ``curve``.
+        moves_supports: whether it has ``pieces``.
+        by_force: whether the curve is that of a force, which moves ``driven_mass``.
+    """
+
+    moves_tools: ClassVar[bool] = True
+    moves_supports: ClassVar[bool] = False
+    by_force: ClassVar[bool] = False
+
+    @property
+    def driven_mass(self) -> float:
+        """What the force moves [kg]; zero where the displacement is prescribed."""
+        return 0.0
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
         """For a tool: times [s], and displacements [m] or forces [N] along its axis."""
+        raise NotImplementedError
+
+    def pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """For a support: start of every cubic piece (n,) [s], and c0 to c3 of its polynomial in the time since then.
+
+        The coefficients are (n, 4) [m]; c0 is the displacement at a knot.
+        """
         raise NotImplementedError
 
     @property
@@ -81,6 +103,7 @@ class Stroke(Knots):
 
     positional = ("times", "displacements")
     values_name = "displacements"
+    moves_supports = True
 
     displacements: Numbers
 
@@ -126,6 +149,12 @@ class Stroke(Knots):
         """Times [s] and displacements along the axis [m]."""
         return np.array(self.times), np.array(self.displacements)
 
+    def pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Straight pieces; the speed jumps at every knot."""
+        times, pieces, rise = _pieces(self.times, self.displacements)
+        pieces[:-1, 1] = rise
+        return times, pieces
+
 
 class ForceDriven(Knots):
     """A tool that is moved along its axis by a force, such as a blank holder under pressure.
@@ -138,6 +167,7 @@ class ForceDriven(Knots):
 
     positional = ("times", "forces", "mass")
     values_name = "forces"
+    by_force = True
 
     forces: Numbers
     mass: Positive
@@ -148,6 +178,11 @@ class ForceDriven(Knots):
         if ramp_time > 0.0:
             return cls((0.0, ramp_time), (0.0, force), mass)
         return cls((0.0,), (force,), mass)
+
+    @property
+    def driven_mass(self) -> float:
+        """The mass moved by the force [kg]."""
+        return self.mass
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
         """Times [s] and forces along the axis [N]."""
@@ -168,6 +203,8 @@ class SmoothStroke(Knots):
 
     positional = ("times", "displacements", "speeds")
     values_name = "displacements"
+    moves_tools = False
+    moves_supports = True
 
     displacements: Numbers
     speeds: Numbers
@@ -197,6 +234,15 @@ class SmoothStroke(Knots):
         sign = math.copysign(1.0, distance)
         return cls(*(tuple(v.tolist()) for v in (start_time + times, sign * travel, sign * speeds)))
 
+    def pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Cubic pieces (Hermite); the speed is continuous."""
+        times, pieces, rise = _pieces(self.times, self.displacements)
+        h, v0, v1 = np.diff(times), self.speeds[:-1], self.speeds[1:]
+        pieces[:-1, 1] = v0
+        pieces[:-1, 2] = (3.0 * rise - np.multiply(2.0, v0) - v1) / h
+        pieces[:-1, 3] = (np.add(v0, v1) - 2.0 * rise) / h**2
+        return times, pieces
+
     def mapped(
         self, value: Callable[[np.ndarray], np.ndarray], slope: Callable[[np.ndarray], np.ndarray]
     ) -> SmoothStroke:
@@ -221,3 +267,11 @@ class SmoothStroke(Knots):
             self.displacements + self.displacements[::-1][skip:],
             self.speeds + tuple(-speed for speed in self.speeds[::-1])[skip:],
         )
+
+
+def _pieces(times: Numbers, displacements: Numbers) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times of the knots (n,) [s], pieces (n, 4) with c0 only, and slopes between the knots (n - 1,) [m/s]."""
+    start, value = np.array(times), np.array(displacements)
+    pieces = np.zeros((len(start), 4))
+    pieces[:, 0] = value
+    return start, pieces, np.diff(value) / np.diff(start)

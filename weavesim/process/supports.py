@@ -10,7 +10,7 @@ from pydantic import SerializeAsAny, field_validator, model_validator
 
 from ..arrays import FloatArray, IntArray
 from ..checks import Parameters
-from .strokes import Motion, SmoothStroke, Stroke
+from .strokes import Motion
 
 
 class Drive(Parameters):
@@ -30,8 +30,9 @@ class Drive(Parameters):
     @field_validator("motion")
     @classmethod
     def _moves_nodes(cls, value: Motion) -> Motion:
-        if not isinstance(value, SmoothStroke | Stroke):
-            raise ValueError("it must be a SmoothStroke or a Stroke")
+        if not value.moves_supports:
+            kinds = [name for name, kind in Motion.kinds().items() if kind.moves_supports]
+            raise ValueError(f"it must be one of {', '.join(kinds)}")
         return value
 
     @field_validator("direction", mode="before")
@@ -51,26 +52,9 @@ class Drive(Parameters):
             raise ValueError(f"shape {value.shape}; finite values of shape (3,) or (node_count, 3) are needed")
         return value
 
-    @property
-    def _stroke(self) -> SmoothStroke | Stroke:
-        assert isinstance(self.motion, SmoothStroke | Stroke)
-        return self.motion
-
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Start of every cubic piece (n,) [s], and c0 to c3 of its polynomial in the time since then, (n, 4) [m]."""
-        stroke = self._stroke
-        times, value = np.array(stroke.times), np.array(stroke.displacements)
-        pieces = np.zeros((len(times), 4))
-        pieces[:, 0] = value
-        h, rise = np.diff(times), np.diff(value) / np.diff(times)
-        if isinstance(stroke, SmoothStroke):
-            v0, v1 = stroke.speeds[:-1], stroke.speeds[1:]
-            pieces[:-1, 1] = v0
-            pieces[:-1, 2] = (3.0 * rise - np.multiply(2.0, v0) - v1) / h
-            pieces[:-1, 3] = (np.add(v0, v1) - 2.0 * rise) / h**2
-        else:
-            pieces[:-1, 1] = rise
-        return times, pieces
+        """``Motion.pieces`` of the motion."""
+        return self.motion.pieces()
 
     def at(self, time: float) -> float:
         """s [m] at ``time`` [s]."""
@@ -81,7 +65,7 @@ class Drive(Parameters):
     @property
     def largest_displacement(self) -> float:
         """Largest distance from zero at any knot [m]."""
-        return float(np.abs(self._stroke.displacements).max())
+        return float(np.abs(self.pieces()[1][:, 0]).max())
 
     @property
     def initial_speed(self) -> float:

@@ -10,7 +10,6 @@ from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..kernels.rows import ToolWorkRow
 from ..process.device import support_forces
-from ..process.strokes import ForceDriven
 from .frame import Frame, SheetFrame
 from .sheet_ledger import NO_PENETRATION, Penetration, SheetLedger, centred
 
@@ -41,10 +40,8 @@ class Ledger:
         self.sheets = [SheetLedger(stepper.model, k, stepper.state) for k in range(len(stepper.model.sheets))]
         self.internal = tuple(dict.fromkeys(name for sheet in self.sheets for name in sheet.internal))
         tools = self._setup.tools
-        self._driven = np.array([isinstance(tool.motion, ForceDriven) for tool in tools], dtype=bool)
-        self._tool_mass = np.array(
-            [tool.motion.mass if isinstance(tool.motion, ForceDriven) else 0.0 for tool in tools]
-        )
+        self._driven = np.array([tool.motion.by_force for tool in tools], dtype=bool)
+        self._tool_mass = np.array([tool.motion.driven_mass for tool in tools])
 
     def frame(self, index: int) -> Frame:
         """A frame of the current state; waits for the device."""

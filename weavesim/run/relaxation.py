@@ -11,7 +11,6 @@ from ..engine.sheet_model import SheetModel
 from ..engine.state import SheetState, State
 from ..errors import InputError, RunError
 from ..kernels.rows import ClockEntry, LoadRow, MotionRow, NodeReportRow
-from ..process.strokes import ForceDriven
 from .simulation import Simulation
 
 # Number of stops from which the lowest frequency is determined, before viscous damping takes over.
@@ -77,8 +76,8 @@ class _Relaxation:
         self.first_step, self.residual, self.frequency = simulation.stepper.step_count, math.inf, 0.0
         self.damping = 0.0
         tools = simulation.setup.tools
-        self.driven = np.array([isinstance(tool.motion, ForceDriven) for tool in tools], dtype=bool)
-        self.tool_mass = np.array([getattr(tool.motion, "mass", 0.0) for tool in tools])
+        self.driven = np.array([tool.motion.by_force for tool in tools], dtype=bool)
+        self.tool_mass = np.array([tool.motion.driven_mass for tool in tools])
 
     @property
     def step_count(self) -> int:

@@ -12,6 +12,7 @@ from ..engine.model import Model
 from ..engine.sheet_model import TANGENTIAL_RATIO
 from ..engine.state import SheetState, State
 from ..kernels.contact.tool_distance import sample_distance_kernel
+from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.rows import CellReportRow, ElementField, MotionRow, NodeReportRow, SheetEnergy
 from ..kernels.shell.energy import element_ledger_kernel
 from .fields import complete
@@ -177,9 +178,10 @@ class SheetLedger:
     def _record_distances(self) -> list[wp.Launch]:
         sheet, tools = self._model, self._run_model.tools
         normal = wp.zeros_like(self._points)
+        kernel = sample_distance_kernel(sheet.real, 1, further_kinds(sheet.node_traits.shape_kinds))
         return [
             wp.launch(
-                sample_distance_kernel(sheet.real, 1),
+                kernel,
                 dim=self._points.shape[0],
                 inputs=[tools.tool, tools.part, sheet.places.tools.start + k, sheet.real(0.0), self._points],
                 outputs=[self._distances[k], normal],

@@ -156,6 +156,6 @@ def _tool_warnings(world: World, largest_area: float) -> Iterator[str]:
 
 def mesh_notes(model: Model) -> Iterator[str]:
     """Notes on the triangle meshes of the tools, and the accuracy of their sampling."""
-    for mesh in mesh_parts(model.setup.tools).values():
-        yield from mesh.surface.notes()
-        yield model.samples[mesh.surface].note(mesh.surface.name)
+    for surface in mesh_parts(model.setup.tools).values():
+        yield from surface.notes()
+        yield model.samples[surface].note(surface.name)

@@ -12,10 +12,8 @@ import warp as wp
 
 from ..errors import InputError
 from ..kernels.contact.tool_distance import tool_struct
-from ..kernels.contact.tool_shapes import SHAPE_KINDS, part_struct
+from ..kernels.contact.tool_shapes import part_struct, shape_kind, shape_number
 from ..kernels.stepping.tools import FORCE, STROKE, ToolDrive, ToolDrives
-from ..process.strokes import ForceDriven
-from .mesh_tool import MeshShape
 from .sampling import SampledDistance, Samples
 from .shapes import Shape
 
@@ -95,7 +93,7 @@ def _tool_data(tools: Sequence[Tool], real: type, samples: Samples) -> list[Any]
         data.axis = tool.axis
         data.friction = tool.friction
         # sampled distances are truncated at their reach, and outside the box they are only a lower bound
-        reaches = [samples[part.surface].reach for part in parts if isinstance(part, MeshShape)]
+        reaches = [samples[part.surface].reach for part in parts if part.surface is not None]
         data.blind_distance = max(reaches, default=0.0)
         first_part += len(parts)
         result.append(data)
@@ -104,13 +102,11 @@ def _tool_data(tools: Sequence[Tool], real: type, samples: Samples) -> list[Any]
 
 def _part_data(part: Shape, real: type, samples: Samples) -> Any:
     """Kind, frame and dimensions of a part as a Warp ``ToolPart``."""
-    known = SHAPE_KINDS.get(part.distance_function)
-    if known is None:
-        raise InputError(
-            f"{type(part).__name__} names the distance function {part.distance_function!r}, which does not exist; "
-            f"choose one of {', '.join(SHAPE_KINDS)} (kernels/contact/tool_shapes.py)"
-        )
-    dimensions = samples[part.surface].dimensions() if isinstance(part, MeshShape) else part.dimensions()
+    try:
+        known = shape_kind(part.distance_function)
+    except ValueError as error:
+        raise InputError(f"{type(part).__name__}.distance_function: {error}") from error
+    dimensions = part.dimensions() if part.surface is None else samples[part.surface].dimensions()
     if set(dimensions) != set(known.dimensions):
         raise InputError(
             f"{type(part).__name__} has the dimensions {', '.join(dimensions) or 'none'}, but the distance "
@@ -118,11 +114,15 @@ def _part_data(part: Shape, real: type, samples: Samples) -> Any:
             "dimensions()"
         )
     data = part_struct(real)()
-    data.kind = known.number
+    data.kind = shape_number(part.distance_function)
     data.origin = part.origin
     data.rotation = [list(row) for row in part.rotation]
     for name, value in dimensions.items():
-        setattr(data, name, value)
+        if name in known.places:
+            field, index = known.places[name]
+            getattr(data, field)[index] = value
+        else:
+            setattr(data, name, value)
     return data
 
 
@@ -131,10 +131,10 @@ def _drives(tools: Sequence[Tool], curves: Sequence[tuple[np.ndarray, np.ndarray
     first_knot = 0
     for tool, (times, _) in zip(tools, curves, strict=True):
         drive = ToolDrive()
-        drive.kind = int(FORCE if isinstance(tool.motion, ForceDriven) else STROKE)
+        drive.kind = int(FORCE if tool.motion.by_force else STROKE)
         drive.first_knot = first_knot
         drive.knot_count = len(times)
-        drive.mass = tool.motion.mass if isinstance(tool.motion, ForceDriven) else 0.0
+        drive.mass = tool.motion.driven_mass
         first_knot += len(times)
         result.append(drive)
     return result
@@ -142,7 +142,7 @@ def _drives(tools: Sequence[Tool], curves: Sequence[tuple[np.ndarray, np.ndarray
 
 def _at_start(tool: Tool, times: np.ndarray, displacements: np.ndarray) -> tuple[float, float]:
     """Displacement [m] and velocity [m/s] at time zero."""
-    if isinstance(tool.motion, ForceDriven):
+    if tool.motion.by_force:
         return 0.0, 0.0
     return float(np.interp(0.0, times, displacements)), _initial_velocity(times, displacements)
 

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
-
-if TYPE_CHECKING:
-    pass
 
 Triangles = tuple[np.ndarray, np.ndarray]
 
 # Facets of a drawn full circle; divisible by four, so that the quarter points are vertices.
 CIRCLE_COUNT = 96
-
-# --- drawing ----------------------------------------------------------------------------------------------------------
 
 
 def stadium_rings(out: Sequence[float] | np.ndarray, z: Sequence[float] | np.ndarray, half_length: float) -> np.ndarray:
@@ -49,4 +43,5 @@ def ring_triangles(rings: np.ndarray, capped: bool = False) -> Triangles:
 
 
 def swept(out: np.ndarray, z: np.ndarray, half_length: float, capped: bool = False) -> Triangles:
+    """A profile, ``out`` and ``z`` [m], swept around a segment along x; with a ``half_length`` of zero, around z."""
     return ring_triangles(stadium_rings(out, z, half_length), capped)

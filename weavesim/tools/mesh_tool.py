@@ -278,7 +278,7 @@ class MeshShape(Shape):
     def smallest_radius(self) -> float:
         return self.surface.smallest_radius
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
         return self.surface.vertices, self.surface.faces
 
 

@@ -19,7 +19,7 @@ from ..kernels.contact.mesh_distance import (
     volume_distance_kernel,
 )
 from .mesh_repair import triangle_areas
-from .mesh_tool import MeshShape, MeshSurface
+from .mesh_tool import MeshSurface
 
 if TYPE_CHECKING:
     from .tool import Tool
@@ -79,13 +79,13 @@ Samples = Mapping[MeshSurface, SampledDistance]
 _kept: WeakKeyDictionary[MeshSurface, dict[str, SampledDistance]] = WeakKeyDictionary()
 
 
-def mesh_parts(tools: Iterable[Tool]) -> dict[str, MeshShape]:
+def mesh_parts(tools: Iterable[Tool]) -> dict[str, MeshSurface]:
     """Triangle meshes among the tools and their parts, by name."""
     return {
-        f"{tool.name} {index}": part
+        f"{tool.name} {index}": part.surface
         for tool in tools
         for index, part in enumerate(tool.shape.parts())
-        if isinstance(part, MeshShape)
+        if part.surface is not None
     }
 
 
@@ -101,8 +101,8 @@ def sample_meshes(tools: Iterable[Tool], device: str, thickness: float = 0.0) ->
         InputError: a mesh needs too many samples, or its reach is below the thickness.
     """
     samples = {}
-    for name, part in mesh_parts(tools).items():
-        sampled = samples[part.surface] = sampled_distance(part.surface, device)
+    for name, surface in mesh_parts(tools).items():
+        sampled = samples[surface] = sampled_distance(surface, device)
         if sampled.reach < thickness:
             raise InputError(
                 f"{name}: its mesh is sampled up to a distance of {sampled.reach:.4g} m, but the sheet is "

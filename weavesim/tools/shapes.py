@@ -7,6 +7,7 @@ shape names its kind, gives its dimensions, and provides triangles for drawing.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -19,6 +20,8 @@ from .drawing import CIRCLE_COUNT, Triangles, ring_triangles, stadium_rings, swe
 
 if TYPE_CHECKING:
     import trimesh
+
+    from .mesh_tool import MeshSurface
 
 Matrix = tuple[Vector, Vector, Vector]
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -53,7 +56,8 @@ class Shape(Kinded):
     Attributes:
         origin: [m].
         rotation: 3 x 3, its columns are the shape's axes in the world.
-        distance_function: its name in ``kernels/contact/tool_shapes.py``.
+        distance_function: its name in ``kernels/contact/tool_shapes.py``, or the full name of the module of its
+            ``SHAPE``.
         dimension_names: attributes that are the function's dimensions.
     """
 
@@ -72,6 +76,11 @@ class Shape(Kinded):
         """The shapes of a union, all in one frame; a single shape is its only part."""
         return (self,)
 
+    @property
+    def surface(self) -> MeshSurface | None:
+        """The mesh whose sampled distance is this shape's; None if a formula gives the distance."""
+        return None
+
     def placed(self, origin: Any, rotation: Any = IDENTITY) -> Self:
         """This shape moved as a whole: rotated by ``rotation`` about the world's origin, then shifted by ``origin``."""
         turn = np.array(_matrix(rotation))
@@ -84,7 +93,7 @@ class Shape(Kinded):
 
     def display_triangles(self) -> Triangles:
         """Triangles for drawing, in the world, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
-        vertices, faces = self._local_display_triangles()
+        vertices, faces = self.local_triangles()
         return vertices @ np.array(self.rotation).T + np.array(self.origin), faces
 
     def display_mesh(self) -> trimesh.Trimesh:
@@ -94,7 +103,8 @@ class Shape(Kinded):
         vertices, faces = self.display_triangles()
         return trimesh.Trimesh(vertices=vertices, faces=faces, process=False)
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
+        """Triangles to draw, in the shape's own frame: vertices (n, 3) [m] and faces (m, 3), seen from outside."""
         raise NotImplementedError
 
 
@@ -111,7 +121,7 @@ class Plane(Shape):
     def smallest_radius(self) -> float:
         return math.inf
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
         half = 0.5 * np.array(self.display_size)
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
         return np.column_stack([corners, np.zeros(4)]), np.array([[0, 1, 2], [0, 2, 3]])
@@ -130,7 +140,7 @@ class Sphere(Shape):
     def smallest_radius(self) -> float:
         return self.radius
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
         return swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), 0.0)
 
@@ -149,7 +159,7 @@ class Capsule(Shape):
     def smallest_radius(self) -> float:
         return self.radius
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
         return swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
 
@@ -174,7 +184,7 @@ class Torus(Shape):
     def smallest_radius(self) -> float:
         return self.radius
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
         angle = np.linspace(-1.0, 1.0, CIRCLE_COUNT // 2 + 1) * np.pi
         return swept(self.major_radius + self.radius * np.cos(angle), self.radius * np.sin(angle), 0.0)
 
@@ -209,7 +219,7 @@ class DomePunch(_Dome):
 
     display_height: Positive | None = None
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
         height = self.radius if self.display_height is None else self.display_height
         out = np.append(self.radius * np.cos(latitude), self.radius)
@@ -242,7 +252,7 @@ class DomeOpening(Shape):
     def smallest_radius(self) -> float:
         return self.edge_radius
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
         rim = self.radius + self.edge_radius
         if self.display_size is None:
             half = np.array([self.half_length + rim + 2.0 * self.radius, rim + 2.0 * self.radius])
@@ -283,7 +293,7 @@ class DomeCavity(_Dome):
 
     distance_function = "dome_cavity"
 
-    def _local_display_triangles(self) -> Triangles:
+    def local_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
         vertices, faces = swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), self.half_length)
         return vertices, faces[:, ::-1]  # seen from inside the hollow
@@ -317,3 +327,8 @@ class Union(Shape):
         vertices, faces = zip(*(part.display_triangles() for part in self.parts()), strict=True)
         first = np.cumsum([0, *(len(part) for part in vertices[:-1])])
         return np.concatenate(vertices), np.concatenate([f + start for f, start in zip(faces, first, strict=True)])
+
+
+def shape_kinds(shapes: Iterable[Shape]) -> tuple[str, ...]:
+    """Names of the distance functions of all parts of ``shapes``, each once, sorted."""
+    return tuple(sorted({part.distance_function for shape in shapes for part in shape.parts()}))

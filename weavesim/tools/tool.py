@@ -8,9 +8,9 @@ import numpy as np
 from pydantic import Field, SerializeAsAny, field_validator
 
 from ..checks import NotNegative, Parameters
-from ..process.strokes import Fixed, Motion, SmoothStroke
+from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
-from .shapes import Shape, Triangles
+from .shapes import Shape, Triangles, shape_kinds
 
 if TYPE_CHECKING:
     import trimesh
@@ -44,8 +44,9 @@ class Tool(Parameters):
     @field_validator("motion")
     @classmethod
     def _moves_a_tool(cls, value: Motion) -> Motion:
-        if isinstance(value, SmoothStroke):
-            raise ValueError("it must be Fixed, Stroke or ForceDriven")
+        if not value.moves_tools:
+            kinds = [name for name, kind in Motion.kinds().items() if kind.moves_tools]
+            raise ValueError(f"it must be one of {', '.join(kinds)}")
         return value
 
     @property
@@ -72,6 +73,7 @@ class Tool(Parameters):
         import warp as wp
 
         from ..kernels.contact.tool_distance import sample_distance_kernel
+        from ..kernels.contact.tool_shapes import further_kinds
         from .device import build_device_tools
         from .sampling import sample_meshes
 
@@ -80,7 +82,7 @@ class Tool(Parameters):
         distance = wp.zeros(len(points), dtype=wp.float64, device=device)
         normal = wp.zeros(len(points), dtype=wp.vec3d, device=device)
         wp.launch(
-            sample_distance_kernel(wp.float64, 1),
+            sample_distance_kernel(wp.float64, 1, further_kinds(shape_kinds([self.shape]))),
             dim=len(points),
             inputs=[
                 tools.tool,

@@ -13,6 +13,7 @@ import weavesim
 from tests.support.paths import ROOT
 from tests.support.registered_cells import KnottedNet
 from tests.support.registered_laws import TERMS
+from tests.support.registered_shapes import SHAPES as FORMULAS
 from tests.support.runs import one_sheet_setup
 from tests.support.sheet import plain_fabric
 from weavesim.app.command_line import SCENES
@@ -30,29 +31,17 @@ from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 from weavesim.tools.mesh_tool import MeshShape
-from weavesim.tools.shapes import (
-    Capsule,
-    DomeCavity,
-    DomeOpening,
-    DomePunch,
-    Plane,
-    Shape,
-    Sphere,
-    Torus,
-    Union,
-    rotation_matrix,
-)
+from weavesim.tools.shapes import Plane, Shape, Sphere, Torus, Union, rotation_matrix
 from weavesim.tools.tool import Tool
 
 BLANK = Blank.rectangle((0.0, 0.0), (0.02, 0.03), 0.01, yarn_angle=30.0, distortion=0.1)
 TURN = rotation_matrix((1.0, 0.3, 0.0), 0.7)
 TRIANGLES = {"vertices": np.eye(4, 3) / 3.0, "faces": [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]}
 SHAPES = (
-    Plane(), Sphere(0.1, origin=(0.0, 0.1, 1.0 / 3.0)), Capsule(0.1, 0.2, rotation=TURN), Torus(0.1, 0.2),
-    DomePunch(0.1, 0.0, 0.2), DomeOpening(0.1, 0.1, 0.01, display_size=(1.0, 2.0)), DomeCavity(0.1, 0.2),
+    *(shape.placed((0.0, 0.1, 1.0 / 3.0), TURN) for shape in FORMULAS),
     Union((Sphere(0.1), Union((Plane(), Torus(0.1, 0.3)), rotation=TURN))),
     MeshShape.from_triangles(**TRIANGLES, mirror=(), origin=(0.0, 0.0, 0.1)),
-)  # fmt: skip
+)
 STROKE = SmoothStroke.ramped(1e-3, speed=1.0, ramp_time=1e-4)
 MOTIONS = (Fixed(), Stroke.smooth(0.1, 1.0, 0.02), ForceDriven.constant(3.0, 2.0, 0.1))
 

@@ -47,8 +47,8 @@ def test_a_time_must_be_positive_and_finite(name, value):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"step_safety": 0.0}, r"step_safety = 0.*: above 0 and at most 0\.9 is stable"),
-        ({"step_safety": 0.95}, r"step_safety = 0\.95: above 0 and at most 0\.9 is stable"),
+        ({"step_safety": 0.0}, r"step_safety = 0.*: must be above 0 and at most 0\.9 to be stable"),
+        ({"step_safety": 0.95}, r"step_safety = 0\.95: must be above 0 and at most 0\.9 to be stable"),
         ({"frame_count": 0}, "frame_count = 0: at least one frame is needed"),
         ({"lane_count": 4}, "lane_count = 4: 1 or 16 lanes are allowed"),
         ({"threads": 0}, "threads"),

@@ -6,7 +6,7 @@ import warp as wp
 
 import weavesim.tools
 from weavesim.errors import InputError
-from weavesim.kernels.contact.tool_shapes import SHAPE_KINDS
+from weavesim.kernels.contact.tool_shapes import SHAPE_KINDS, ShapeKind, shape_kind, shape_number
 from weavesim.tools import MeshShape, Plane, Shape, Sphere, Tool, Torus, Union, rotation_matrix
 from weavesim.tools.device import build_device_tools
 from weavesim.tools.sampling import sample_meshes
@@ -20,6 +20,14 @@ class Shapeless(Shape):
     pass
 
 
+class Elsewhere(Shape):
+    distance_function = "weavesim.tools.shapes"
+
+
+class Nowhere(Shape):
+    distance_function = "no_such_package.cone"
+
+
 class BallWithoutRadius(Shape):
     distance_function = "sphere"
 
@@ -27,14 +35,21 @@ class BallWithoutRadius(Shape):
 def test_every_shape_has_a_kind_of_its_own_and_every_kind_a_shape():
     classes = [getattr(weavesim.tools, name) for name in weavesim.tools.__all__]
     shapes = [shape for shape in classes if isinstance(shape, type) and issubclass(shape, Shape)]
-    assert sorted(shape.distance_function for shape in shapes if shape not in (Shape, Union)) == sorted(SHAPE_KINDS)
+    names = [shape.distance_function for shape in shapes if shape not in (Shape, Union)]
+    assert len(set(names)) == len(names) and set(names) >= set(SHAPE_KINDS)
+    assert all(isinstance(shape_kind(name), ShapeKind) for name in names)
 
 
 @pytest.mark.parametrize(
     ("shape", "says"),
     [
-        (Cone(), "Cone names the distance function 'cone', which does not exist; choose one of plane, sphere"),
-        (Shapeless(), "Shapeless names the distance function ''"),
+        (Cone(), "Cone.distance_function: no distance function 'cone'; choose one of plane, sphere"),
+        (Shapeless(), "Shapeless.distance_function: no distance function ''"),
+        (
+            Elsewhere(),
+            "no distance function 'weavesim.tools.shapes'; .* the full name of a module with a SHAPE",
+        ),
+        (Nowhere(), "no distance function 'no_such_package.cone'"),
         (BallWithoutRadius(), "has the dimensions none, but the distance function 'sphere' takes radius"),
     ],
 )
@@ -50,7 +65,7 @@ def test_parts_and_kinds_are_those_of_all_tools():
     tool, part = device.tool.numpy(), device.part.numpy()
     assert tool["first_part"].tolist() == [0, 2] and tool["part_count"].tolist() == [2, 1]
     assert part["radius"].tolist() == [0.03, 0.02, 0.04] and part["major_radius"].tolist() == [0.0, 0.07, 0.0]
-    assert part["kind"].tolist() == [SHAPE_KINDS[name].number for name in ("sphere", "torus", "sphere")]
+    assert part["kind"].tolist() == [shape_number(name) for name in ("sphere", "torus", "sphere")]
     np.testing.assert_allclose(part["rotation"][1], turned.rotation)
 
 

@@ -170,7 +170,7 @@ def test_no_tools_make_empty_arrays():
         (lambda: Stroke.smooth(0.1, 1.0, -0.1), "must not be negative"),
         (lambda: ForceDriven((0.0,), (1.0,), 0.0), "ForceDriven: mass = 0.0"),
         (lambda: Tool("punch", Plane(), "down"), "one of Fixed, Stroke, ForceDriven"),
-        (lambda: Tool("punch", Plane(), SmoothStroke((0.0,), (0.0,), (0.0,))), "must be Fixed, Stroke or ForceDriven"),
+        (lambda: Tool("punch", Plane(), SmoothStroke((0.0,), (0.0,), (0.0,))), "of Fixed, Stroke, ForceDriven"),
         (lambda: Tool("punch", "round"), "shape"),
         (lambda: Tool("punch", Plane(), friction=-0.1), "friction"),
         (lambda: Tool("punch", Plane(), axis=(0, 0, 0)), "axis"),

@@ -8,6 +8,7 @@ import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.support.registered_shapes import OPENING, PUNCH, SHAPES
 from weavesim.errors import InputError
 from weavesim.kernels.contact.tool_distance import sample_distance_kernel
 from weavesim.tools.device import build_device_tools
@@ -25,21 +26,6 @@ from weavesim.tools.shapes import (
 )
 from weavesim.tools.tool import Tool
 
-PUNCH = DomePunch(0.06, 0.085)
-OPENING = DomeOpening(0.0612, 0.085, 0.01)
-SHAPES = [
-    Plane(),
-    Sphere(0.05),
-    Capsule(0.03, 0.08),
-    Torus(0.02, 0.07),
-    PUNCH,
-    DomePunch(0.05, 0.0),
-    OPENING,
-    DomeCavity(0.05, 0.0),
-    DomeCavity(0.04, 0.08),
-    DomeOpening(0.05, 0.0, 0.0),
-    DomeOpening(0.04, 0.05, 0.0, display_size=(0.5, 0.3)),
-]
 length = st.floats(0.005, 0.1)
 seeds = st.integers(0, 2**31)
 cases = settings(max_examples=25, deadline=None)
@@ -248,7 +234,7 @@ def test_sixteen_lanes_give_what_one_lane_gives(real):
             value = wp.zeros(len(points), dtype=real, device="cpu")
             normal = wp.zeros(len(points), dtype=vec3, device="cpu")
             wp.launch(
-                sample_distance_kernel(real, lane_count),
+                sample_distance_kernel(real, lane_count, ()),
                 dim=-(-len(points) // lane_count),
                 inputs=[tools.tool, tools.part, 0, real(0.03), wp.array(points, dtype=vec3, device="cpu")],
                 outputs=[value, normal],

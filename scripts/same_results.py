@@ -109,7 +109,7 @@ def report(verdicts: Sequence[Verdict], commit: str, every: bool) -> str:
     same = [verdict for verdict in verdicts if verdict.same]
     lines.append(f"\n{len(same)} of {len(verdicts)} cases are the same to the last bit")
     if changed := [verdict.case for verdict in verdicts if not verdict.same and not verdict.wrong]:
-        lines.append(f"{len(changed)} were changed deliberately: {', '.join(changed)}")
+        lines.append(f"{len(changed)} were changed on purpose: {', '.join(changed)}")
     return "\n".join(lines)
 
 

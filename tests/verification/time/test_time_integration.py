@@ -238,8 +238,9 @@ def test_passing_over_far_tools_changes_nothing(precision):
         results.append(snapshot(simulation) | {"tool_reaction": simulation.take_frame().tool_reaction})
         assert max(passed_over) == 0.0 if spare_distance else max(passed_over) > 0.8 and min(passed_over) < 0.8
     assert np.abs(results[0]["tool_reaction"]).max() > 1.0
-    for name, value in results[0].items():
-        assert np.array_equal(value, results[1][name]), name
+    assert "sheets/0/gap" in results[0]  # the bound itself, the only array that may differ
+    for name in results[0].keys() - {"sheets/0/gap"}:
+        assert np.array_equal(results[0][name], results[1][name]), name
 
 
 @pytest.mark.parametrize("name", FRAMED)

@@ -81,12 +81,19 @@ def main(
     ] = None,
 ) -> None:
     """Run the verification studies and rebuild docs/verification.md; after a failure the page is not changed."""
-    with tempfile.TemporaryDirectory() as folder:
-        source = Path(folder) if records is None else records
-        if records is None and (code := run_studies(source, workers)):
-            typer.echo("the page is unchanged: a study failed, see above", err=True)
-            raise typer.Exit(code)
-        typer.echo(f"{PAGE.relative_to(ROOT)}: {write_page(source)} cases")
+    if records is not None:
+        typer.echo(f"{PAGE.relative_to(ROOT)}: {write_page(records)} cases")
+        return
+    folder = Path(tempfile.mkdtemp(prefix="weavesim-verification-"))
+    if code := run_studies(folder, workers):
+        typer.echo(
+            f"the page is unchanged: a study failed, see above. The others' records are in {folder}: repeat the failed "
+            f"ones with pytest --manual {folder}, then write the page with scripts/verification.py --records {folder}",
+            err=True,
+        )
+        raise typer.Exit(code)
+    typer.echo(f"{PAGE.relative_to(ROOT)}: {write_page(folder)} cases")
+    shutil.rmtree(folder)
 
 
 if __name__ == "__main__":

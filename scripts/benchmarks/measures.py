@@ -83,8 +83,10 @@ def _repeat(work: Callable[[], object], seconds: float) -> float:
 
 
 def state_bytes(simulation: Any) -> float:
-    """Allocated bytes per element of all arrays with constants and state of a run."""
-    return sum(array.capacity for array in simulation.stepper.arrays()) / element_count(simulation)
+    """Allocated bytes per element of all arrays with constants and state of a run, without tables of curves."""
+    tables = {array.ptr for array in simulation.stepper.model.tables()}
+    arrays = (array for array in simulation.stepper.arrays() if array.ptr not in tables)
+    return sum(array.capacity for array in arrays) / element_count(simulation)
 
 
 def moved_bytes(simulation: Any) -> float:

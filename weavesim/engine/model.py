@@ -82,11 +82,18 @@ class Model:
     def arrays(self) -> Iterator[wp.array]:
         """Every array of constants."""
         for sheet in self.sheets:
-            for struct in (sheet.elements, sheet.nodes, sheet.laws, sheet.cell):
+            for struct in (sheet.elements, sheet.nodes):
                 yield from _arrays_in(struct)
             yield from (sheet.step_inertia, sheet.held, sheet.drive_direction)
         for values in (self.tools, self.drives):
             yield from (array for array in vars(values).values() if isinstance(array, wp.array))
+        yield from self.tables()
+
+    def tables(self) -> Iterator[wp.array]:
+        """Arrays of laws and unit cells: the same for any mesh."""
+        for sheet in self.sheets:
+            for struct in (sheet.laws, sheet.cell):
+                yield from _arrays_in(struct)
 
 
 def _placed(setup: Setup, block_count: Callable[[Sheet], int]) -> Iterator[tuple[Sheet, World, Places]]:

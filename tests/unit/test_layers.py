@@ -27,7 +27,6 @@ WITHOUT_WARP = (
     "weavesim", "weavesim.fabric", "weavesim.sheet", "weavesim.process", "weavesim.tools", "weavesim.measures",
     "weavesim.engine.setup",
 )  # fmt: skip
-WITH_WARP_STILL: dict[str, str] = {}
 
 SOURCES = Sources(ROOT)
 
@@ -110,15 +109,7 @@ def loaded_with(module: str) -> set[str]:
     return set(done.stdout.split())
 
 
-@pytest.mark.parametrize(
-    "module",
-    [
-        pytest.param(name, marks=pytest.mark.xfail(reason=WITH_WARP_STILL[name], strict=True))
-        if name in WITH_WARP_STILL
-        else name
-        for name in WITHOUT_WARP
-    ],
-)
+@pytest.mark.parametrize("module", WITHOUT_WARP)
 def test_import_loads_no_warp(module):
     assert "warp" not in loaded_with(module)
 

@@ -51,7 +51,7 @@ class _ArrayType:
             try:
                 given = np.asarray(value)
             except ValueError:
-                given = np.empty(0, dtype=object)
+                raise ValueError(f"an array of {self.dtype.name} is needed, with rows of equal length") from None
             kinds = {"f": "iuf", "i": "iu", "b": "b"}[self.dtype.kind]
             if given.size and given.dtype.kind not in kinds:
                 raise ValueError(f"an array of {self.dtype.name} is needed, not {given.dtype}")

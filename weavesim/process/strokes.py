@@ -174,7 +174,13 @@ class ForceDriven(Knots):
 
     @classmethod
     def constant(cls, force: float, mass: float, ramp_time: float = 0.0) -> ForceDriven:
-        """A force [N] along the axis that is reached at ``ramp_time`` [s] and then held constant."""
+        """A force [N] along the axis that is reached at ``ramp_time`` [s] and then held constant.
+
+        Raises:
+            InputError: a ramp time that is negative or not finite.
+        """
+        if not finite("ramp_time", ramp_time) >= 0.0:
+            raise InputError(f"ramp_time = {ramp_time}: a time [s] of zero or more is needed")
         if ramp_time > 0.0:
             return cls((0.0, ramp_time), (0.0, force), mass)
         return cls((0.0,), (force,), mass)

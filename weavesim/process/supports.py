@@ -35,16 +35,6 @@ class Drive(Parameters):
             raise ValueError(f"it must be one of {', '.join(kinds)}")
         return value
 
-    @field_validator("direction", mode="before")
-    @classmethod
-    def _are_directions(cls, value: Any) -> Any:
-        if isinstance(value, Mapping):
-            return value
-        try:
-            return np.array(value, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ValueError("finite values of shape (3,) or (node_count, 3) are needed") from None
-
     @field_validator("direction")
     @classmethod
     def _are_finite(cls, value: np.ndarray) -> np.ndarray:

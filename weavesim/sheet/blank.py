@@ -12,9 +12,8 @@ from ..arrays import FloatArray, IndexArray
 from ..checks import Parameters
 from ..errors import InputError
 from ..quantities import finite, positive
-from .topology import part_of_nodes
+from .topology import checked_distortion, part_of_nodes
 
-# In a convex quadrilateral the areas of all four corner triangles have the same sign.
 _LARGEST_EXTENT_M = 20.0
 # Allowed deviation from length one, and from the plane of the element; smallest sine of the angle between the yarns.
 _UNIT_TOLERANCE = 1.0e-6
@@ -79,14 +78,24 @@ class Blank(Parameters):
         """Nodes of the longest closed outline, in order, counter-clockwise, (k,)."""
         edges = np.concatenate([self.quads[:, [i, (i + 1) % 4]] for i in range(4)])
         undirected, inverse, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-        following = dict(edges[count[inverse.ravel()] == 1].tolist())
+        # several after a node at which elements meet only in a corner
+        following: dict[int, list[int]] = {}
+        for a, b in edges[count[inverse.ravel()] == 1].tolist():
+            following.setdefault(a, []).append(b)
+
+        def after(node: int) -> int:
+            result = following[node].pop()
+            if not following[node]:
+                del following[node]
+            return result
+
         loops = []
         while following:
-            start, node = following.popitem()
-            loop = [start]
+            start = next(reversed(following))
+            loop, node = [start], after(start)
             while node != start:
                 loop.append(node)
-                node = following.pop(node)
+                node = after(node)
             loops.append(loop)
         return np.array(max(loops, key=len), dtype=np.int32)
 
@@ -108,14 +117,16 @@ class Blank(Parameters):
             lower, upper: opposite corners (x, y) [m].
             element_size: target edge length [m]; the sides are divided evenly.
             yarn_angle: angle from the x axis to the warp [degrees]; the weft is at plus 90 degrees.
+            height: z of all nodes [m].
             distortion: random displacement of the inner nodes, as a share of the element size (below 0.4).
+            seed: of that displacement.
 
         Raises:
-            InputError: sizes that are not positive, or not finite.
+            InputError: sizes that are not positive, or not finite; a distortion out of range.
         """
         lower, upper = _pair("lower", lower), _pair("upper", upper)
         size = np.array(_pair("element_size", element_size if np.ndim(element_size) else (element_size, element_size)))
-        height, distortion = finite("height", height), finite("distortion", distortion)
+        height, distortion = finite("height", height), checked_distortion(distortion)
         extent = np.subtract(upper, lower)
         if np.any(extent <= 0.0) or np.any(size <= 0.0):
             raise InputError(

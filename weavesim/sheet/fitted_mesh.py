@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..quantities import finite, positive
+from .topology import checked_distortion
 
 # A vertex where the outline turns by more than this becomes a node; others are treated as parts of a curve [rad].
 CORNER_TURN = np.deg2rad(15.0)
@@ -45,8 +46,7 @@ def fitted_mesh(
     """
     outline = _checked_outline(outline)
     element_size, mesh_angle = positive("element_size", element_size), finite("mesh_angle", mesh_angle)
-    if not 0.0 <= finite("distortion", distortion) < 0.4:
-        raise InputError(f"distortion = {distortion}: a number from 0 to 0.4 is needed")
+    distortion = checked_distortion(distortion)
     cosine, sine = np.cos(np.deg2rad(mesh_angle)), np.sin(np.deg2rad(mesh_angle))
     turn = np.array([[cosine, -sine], [sine, cosine]])
     centre = 0.5 * (outline.min(axis=0) + outline.max(axis=0))

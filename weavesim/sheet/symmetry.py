@@ -33,9 +33,12 @@ class Symmetry(Parameters):
     @field_validator("planes", mode="before")
     @classmethod
     def _are_known(cls, value: Any) -> Any:
-        planes = tuple(value)
+        try:
+            planes = tuple(value)
+        except TypeError:
+            raise ValueError(f"symmetry planes {value!r}: a list of 'x' and 'y' is needed") from None
         for plane in planes:
-            if plane not in AXES:
+            if plane not in tuple(AXES):
                 raise ValueError(f"symmetry plane {plane!r}: 'x' (plane x = 0) and 'y' (plane y = 0) are allowed")
         if len(set(planes)) < len(planes):
             raise ValueError(f"symmetry planes {planes}: list each plane once")
@@ -77,8 +80,7 @@ class Symmetry(Parameters):
         Raises:
             InputError: there are none.
         """
-        coordinate = blank.node_position[:, AXES[plane]]
-        held = np.abs(coordinate) < 1.0e-9 * max(1.0, np.ptp(coordinate))
+        held = on_plane(blank, plane)
         if not held.any():
             raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
         return held

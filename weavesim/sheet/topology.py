@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import InputError
+from ..quantities import finite
+
 if TYPE_CHECKING:
     from .blank import Blank
 
@@ -13,11 +16,24 @@ if TYPE_CHECKING:
 _RELATIVE_TOLERANCE = 1.0e-6
 
 
+def checked_distortion(distortion: float) -> float:
+    """A random displacement of inner nodes, as a share of the element size.
+
+    Raises:
+        InputError: not from 0 to below 0.4, where elements stay convex.
+    """
+    if not 0.0 <= finite("distortion", distortion) < 0.4:
+        raise InputError(f"distortion = {distortion}: a number from 0 to 0.4 is needed")
+    return distortion
+
+
 def length_tolerance(blank: Blank) -> float:
+    """Distance [m] below which coordinates of the flat blank are taken as equal."""
     return _RELATIVE_TOLERANCE * float(np.ptp(blank.material_coordinates, axis=0).max())
 
 
 def flat_areas(blank: Blank) -> np.ndarray:
+    """Areas of the elements of the flat blank, (element_count,) [m^2]."""
     corner = blank.material_coordinates[blank.quads]
     p, q = corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]
     return 0.5 * np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])

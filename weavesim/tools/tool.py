@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field, SerializeAsAny, field_validator
+from pydantic import SerializeAsAny, field_validator
 
-from ..checks import NotNegative, Parameters
+from ..checks import NotNegative, Parameters, Share
 from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
 from .shapes import Shape, Triangles, shape_kinds
 
 if TYPE_CHECKING:
     import trimesh
-
-
-# One of the three colour components: 0 is black.
-_Shade = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 class Tool(Parameters):
@@ -39,7 +35,7 @@ class Tool(Parameters):
     motion: SerializeAsAny[Motion] = Fixed()
     friction: NotNegative = 0.2
     axis: UnitVector = (0.0, 0.0, 1.0)
-    colour: tuple[_Shade, _Shade, _Shade] = (0.62, 0.65, 0.70)
+    colour: tuple[Share, Share, Share] = (0.62, 0.65, 0.70)
 
     @field_validator("motion")
     @classmethod

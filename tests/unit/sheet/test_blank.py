@@ -298,3 +298,26 @@ def test_the_parts_of_a_large_blank_take_little_time():
     started = time.process_time()
     part_of_nodes(quads, quads.max() + 1)
     assert time.process_time() - started < 1.0
+
+
+def test_outline_passes_a_node_at_which_elements_meet_only_in_a_corner():
+    position = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 1, 0), (2, 2, 0), (1, 2, 0)], dtype=float)
+    blank = Blank.from_mesh(position, np.array([(0, 1, 2, 3), (2, 4, 5, 6)]))
+    loop = blank.boundary_loop()
+    assert set(loop) in ({0, 1, 2, 3}, {2, 4, 5, 6}, set(range(7)))
+    assert set(zip(loop, np.roll(loop, -1), strict=True)) <= {
+        (0, 1),
+        (1, 2),
+        (2, 3),
+        (3, 0),
+        (2, 4),
+        (4, 5),
+        (5, 6),
+        (6, 2),
+    }
+
+
+@pytest.mark.parametrize("distortion", [-0.1, 0.4, 0.9])
+def test_a_distortion_out_of_range_is_refused(distortion):
+    with pytest.raises(InputError, match="distortion"):
+        Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.01, distortion=distortion)

@@ -14,7 +14,7 @@ from warp import float64 as real
 
 @wp.func
 def bar_energy(elongation: real, tensile: real, compressive: real):
-    """1/2 k elongation^2 with the stiffness [N/m] for its sign."""
+    """1/2 k e^2 of an elongation or strain e, with the stiffness for its sign."""
     return real(0.5) * wp.where(elongation > real(0.0), tensile, compressive) * elongation * elongation
 
 

@@ -82,8 +82,8 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
             before = q
             answer = solve(parameters, strain1, strain2, angle, before, CellAnswer())
             q = answer.unknowns
-            # written so that a NaN counts as the worst
-            worst = wp.where(answer.residual[0] <= worst, worst, answer.residual[0])
+            # written so that a NaN counts as the worst, and stays
+            worst = wp.where(answer.residual[0] <= worst or worst != worst, worst, answer.residual[0])
             most = wp.max(most, answer.iterations[0])
             freed = snap_loss(parameters, strain1, strain2, angle, before, q)
             lost = lost + freed[0]

@@ -1,4 +1,4 @@
-"""Kernel: nodal forces and director gradients of every element (docs/theory.md, 1 to 5)."""
+"""Kernel: nodal forces and couples of every element (docs/theory.md, 1 to 5)."""
 
 from functools import cache
 from typing import Any
@@ -112,7 +112,7 @@ def assemble_forces(corner_force: Any, block: int, shape: Any, area: Any, x: Any
 
 @wp.func
 def assemble_couples(corner_force: Any, block: int, shape: Any, area: Any, x: Any, r: Any, h: Any):
-    """Director gradients at the corners, from dpsi/dd_alpha, dpsi/dd_h and dpsi/d(mean director)."""
+    """Couples at the corners, from dpsi/dd_alpha, dpsi/dd_h and dpsi/d(mean director)."""
     by_d1 = scale(r.moment11, x.by1) + scale(r.moment12, x.by2)
     by_d2 = scale(r.moment12, x.by1) + scale(r.moment22, x.by2)
     quarter = area.dtype(0.25)
@@ -132,7 +132,7 @@ def store_everywhere(corner_force: Any, row: int, block: int, value: Any):
 
 @cache
 def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
-    """Kernel, launched once per step: nodal forces and director gradients of every element."""
+    """Kernel, launched once per step: nodal forces and couples of every element."""
     lanes, layout = lane_types(real, lane_count).lanes, (real, lane_count)
     Sheet, Shape, Resultants = sheet_struct(*layout, cell, traits), shape_struct(*layout), resultants_struct(*layout)
     positions, vectors = vectors_functions(*layout)

@@ -12,7 +12,7 @@ from ..rows import HourglassRow
 
 @wp.func
 def hourglass_stiffnesses(laws: Any, shape: Any):
-    """Coefficients per reference area: in-plane [N/m^3], warping [N/m^3], directors [N/m^3 * m^2].
+    """Coefficients per reference area: in-plane [N/m^3], warping [N/m^3], directors [N/m].
 
     Each is a share of the exact stiffness of the mode on a square; the sum of squared gradients gives the size.
     """

@@ -37,6 +37,8 @@ class Equilibrium:
 def relax(simulation: Simulation, *, tolerance: float = 1.0e-3, largest_step_count: int = 500_000) -> Equilibrium:
     """Bring a simulation to rest under the current loads, supports and tools.
 
+    The residual counts the nodes; the imbalance of a tool that is moved by a force is not part of it.
+
     First by kinetic damping: the sheet moves freely until its kinetic energy passes a peak, where it is stopped. The
     time from rest to the peak is a quarter of a period, which gives the lowest frequency w. Then mass-proportional
     damping at the rate 2 w, critical for that frequency, removes all vibrations at the same rate. Neither changes the

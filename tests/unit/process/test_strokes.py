@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from weavesim.process.strokes import SmoothStroke, Stroke
+from weavesim.errors import InputError
+from weavesim.process.strokes import ForceDriven, SmoothStroke, Stroke
 from weavesim.process.supports import Drive
 
 
@@ -22,3 +23,9 @@ def test_smooth_stroke_is_smooth_and_ends_where_it_should():
     assert there_and_back.duration == pytest.approx(0.001 + 2.0 * 0.024 + 2e-3)
     assert there_and_back.displacements[-1] == 0.0
     assert Drive(Stroke((0.0, 1.0), (0.0, 0.3)), (1.0, 0.0, 0.0)).initial_speed == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("ramp_time", [-0.1, np.nan, np.inf])
+def test_a_ramp_time_that_is_none_is_refused(ramp_time):
+    with pytest.raises(InputError, match="ramp_time"):
+        ForceDriven.constant(1.0, 1.0, ramp_time)

@@ -6,7 +6,7 @@ import pytest
 from tests.support.flat_blanks import FULL, HALF_IN_X, HALF_IN_Y, QUARTER, blank_of
 from weavesim.errors import InputError
 from weavesim.sheet.blank import Blank
-from weavesim.sheet.symmetry import Symmetry, nodes_of_odd_angle, shear_angle_parity
+from weavesim.sheet.symmetry import Symmetry, nodes_of_odd_angle, on_plane, shear_angle_parity
 
 
 def all_free(blank):
@@ -94,3 +94,15 @@ def test_a_clamped_edge_is_no_symmetry_plane():
     free = all_free(blank)
     free[blank.node_position[:, 0] == 0.0] = False
     assert not nodes_of_odd_angle(blank, free).any()
+
+
+@pytest.mark.parametrize("planes", [None, 5, ([],), ("z",)])
+def test_planes_that_are_none_are_refused(planes):
+    with pytest.raises(InputError, match="symmetry plane"):
+        Symmetry(planes)
+
+
+def test_a_plane_holds_nodes_that_are_on_it_to_the_rounding_of_a_mesh_file():
+    blank = Blank.rectangle((2e-8, 0.0), (0.1, 0.1), 0.01)
+    np.testing.assert_array_equal(Symmetry(("x",)).held_nodes(blank, "x"), on_plane(blank, "x"))
+    assert on_plane(blank, "x").sum() == 11

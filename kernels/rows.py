@@ -84,6 +84,14 @@ class CellReportRow(Rows):
     iterations = "1", "iterations of this step"
     snap_loss = "J/m^2", "energy lost in snaps so far"
     worst_residual = "1", "worst relative residual so far"
+    surplus = "J/m^2", "energy that the time integration made and has not taken back; negative: lost"
+    energy = "J/m^2", "of the membrane at the last step"
+    warp_strain = "1", "warp stretch - 1 at the last step"
+    weft_strain = "1", "weft stretch - 1 at the last step"
+    shear_angle = "rad", "shear angle at the last step, if the cell depends on it"
+    warp_force = "N/m", "force along the warp at the last step, with the correction"
+    weft_force = "N/m", "force along the weft at the last step, with the correction"
+    moment = "N/m", "shear moment of the cell at the last step, with the correction"
 
 
 class SlipRow(Rows):

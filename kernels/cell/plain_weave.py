@@ -17,7 +17,17 @@ import warp as wp
 from ..lanes import fill, inverses, lane_maximum, larger, magnitude, smaller, where_positive
 from ..operators import div, mul  # noqa: F401
 from .law import MAXIMUM_ITERATIONS, CellLaw
-from .yarn import yarn_axial_stiffness, yarn_expansion, yarn_forces, yarn_hessian, yarn_remainder, yarn_strain
+from .yarn import (
+    ELONGATION,
+    MOMENT,
+    STIFFNESS,
+    yarn_axial_stiffness,
+    yarn_expansion,
+    yarn_forces,
+    yarn_hessian,
+    yarn_remainder,
+    yarn_strain,
+)
 
 # A height change in one step beyond this share of the crimp heights is a snap: the energy released is booked.
 SNAP_SHARE = wp.constant(0.05)
@@ -36,6 +46,7 @@ def unit_cell_struct(real: type):
         tensile_stiffness: wp.types.vector(2, real)  # EA / l0 in tension [N/m]
         compressive_stiffness: wp.types.vector(2, real)  # EA_c / l0 in compression [N/m]
         rotation_stiffness: wp.types.vector(2, real)  # 3 EI / l0 [N m]
+        inverse_rotation_stiffness: wp.types.vector(2, real)  # 0 without bending stiffness [1/(N m)]
         contact_stiffness: real  # E_3 A_3 / L_3 of the half cell [N/m]
         unilateral: wp.int32  # 1: the yarns may separate
         tolerance: real  # residual relative to the forces in balance
@@ -103,6 +114,12 @@ def against(diagonal: Any, stiffness: Any, inverse: Any, force: Any):
 
 
 @wp.func
+def along(force: Any, step: Any):
+    """Sum of the products of two pairs."""
+    return force[0] * step[0] + force[1] * step[1]
+
+
+@wp.func
 def pair_expansion(cell: Any, state1: Any, state2: Any):
     """``yarn_expansion`` of both: uw, uww, www."""
     uw1, uww1, www1 = yarn_expansion(cell, 0, state1)
@@ -138,6 +155,16 @@ def pair_remainder(cell: Any, state1: Any, state2: Any, w: Any, step: Any):
         closed = closing + step[0] + step[1]
         beyond = beyond + cell.contact_stiffness * larger(where_positive(-closing, closed, -closed), fill(closing, 0.0))
     return beyond, wp.matrix_from_rows(change1, change2)
+
+
+@wp.func
+def pair_energy(cell: Any, state1: Any, state2: Any, closing: Any, crossover: Any):
+    """Twice Pi of the half cell where the states of its yarns were taken [J]."""
+    bent1 = state1[MOMENT] * state1[MOMENT] * fill(closing, cell.inverse_rotation_stiffness[0])
+    bent2 = state2[MOMENT] * state2[MOMENT] * fill(closing, cell.inverse_rotation_stiffness[1])
+    drawn1 = state1[STIFFNESS] * state1[ELONGATION] * state1[ELONGATION]
+    drawn2 = state2[STIFFNESS] * state2[ELONGATION] * state2[ELONGATION]
+    return (drawn1 + drawn2) + (bent1 + bent2) - crossover * closing
 
 
 @wp.func
@@ -198,13 +225,14 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
     most a quarter of the chord; a step that overshoots (the directional derivative changes sign and keeps more than
     half its size) is partly undone, by a Newton step along it, so that the point stays between two known slopes.
 
-    Returns w, dPi/du, crossover force of the half cell, relative residual, iterations.
+    Returns w, dPi/du, crossover force of the half cell, Pi, relative residual, iterations.
     """
     w = start
     zero = fill(u1, 0.0)
     step = type(start)()
     slope = zero  # directional derivative at the start of the step, <= 0
     force = type(start)()
+    energy = zero
     stiffness = zero
     residual = fill(u1, 1.0)
     iterations = zero
@@ -231,6 +259,10 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         # a NaN compares false and is caught by the caller; it must not stall the other lanes
         unfinished = where_positive(remainder - fill(u1, cell.tolerance), fill(u1, 1.0), zero)
         if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
+            # Pi beyond the evaluation: 1/2 g d_1 + 1/3 g d_2, to the fourth order
+            fall = u1.dtype(0.5) * along(gradient, newton) + u1.dtype(1.0 / 3.0) * along(gradient, extra)
+            energy = u1.dtype(0.5) * pair_energy(cell, state1, state2, w[0] + w[1], crossover)
+            energy = energy + where_positive(better, fall, zero)
             w, force = last_step(w, last, better, by_u, uw, uww)
             residual = remainder
             break
@@ -238,7 +270,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         change, step, slope = safeguarded(cell, gradient, diagonal, stiffness, newton, step, slope)
         for k in range(2):
             w[k] = where_positive(unfinished, w[k] + change[k], w[k])
-    return w, force, -(stiffness * (w[0] + w[1])), residual, iterations
+    return w, force, -(stiffness * (w[0] + w[1])), energy, residual, iterations
 
 
 @wp.func
@@ -288,16 +320,17 @@ def condensed_tangent(cell: Any, u1: Any, u2: Any, w1: Any, w2: Any, in_tension:
 
 @wp.func
 def equilibrium(cell: Any, strain1: Any, strain2: Any, start: Any):
-    """Height changes, n_1, n_2, pressure, residual, iterations."""
+    """Height changes, n_1, n_2, pressure, energy, residual, iterations."""
     u1 = cell.half_spacing[0] * strain1
     u2 = cell.half_spacing[1] * strain2
-    w, force, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, start)
+    w, force, crossover, energy, residual, iterations = solve_unit_cell(cell, u1, u2, start)
     half = u1.dtype(0.5)
     return (
         w,
         (half / cell.half_spacing[1]) * force[0],
         (half / cell.half_spacing[0]) * force[1],
         (half / (cell.half_spacing[0] * cell.half_spacing[1])) * crossover,
+        (half / (cell.half_spacing[0] * cell.half_spacing[1])) * energy,
         residual,
         iterations,
     )
@@ -305,8 +338,8 @@ def equilibrium(cell: Any, strain1: Any, strain2: Any, start: Any):
 
 @wp.func
 def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer: Any):
-    w, n1, n2, pressure, residual, iterations = equilibrium(cell, strain1, strain2, start)
-    return type(answer)(n1, n2, fill(n1, 0.0), pressure, residual, iterations, w)
+    w, n1, n2, pressure, energy, residual, iterations = equilibrium(cell, strain1, strain2, start)
+    return type(answer)(n1, n2, fill(n1, 0.0), pressure, energy, residual, iterations, w)
 
 
 @wp.func
@@ -339,7 +372,7 @@ def tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, t: Any):
 
 @wp.func
 def stable_tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int, t: Any):
-    solution, n1, n2, pressure, residual, iterations = equilibrium(cell, strain1, strain2, q)
+    solution, n1, n2, pressure, energy, residual, iterations = equilibrium(cell, strain1, strain2, q)
     k11, k12, k22 = condensed_tangent(
         cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, solution[0], solution[1], True
     )

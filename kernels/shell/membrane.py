@@ -14,7 +14,6 @@ from ..rows import CellReportRow
 from .kinematics import corner_angles
 from .laws import SheetTraits
 from .shear import moment_resultants, shear_friction_function
-from .thickness import compressive_force
 
 
 @cache
@@ -101,8 +100,8 @@ def shear_moment_function(cell: CellLaw, traits: SheetTraits):
 def membrane_resultants(laws: Any, m: Any, answer: Any, moment: Any, shear12: Any, r: Any):
     """Set T of the unit cell, the sheet's own compressive stiffness, and shear."""
     inverse1, inverse2 = inverses(m.stretch1, m.stretch2)
-    t11 = (answer.warp_force + compressive_force(laws, m.stretch1)) * inverse1
-    t22 = (answer.weft_force + compressive_force(laws, m.stretch2)) * inverse2
+    t11 = answer.warp_force * inverse1
+    t22 = answer.weft_force * inverse2
     turned11, turned12, turned22 = moment_resultants(moment, m.m12, inverse1, inverse2, m.inverse_ratio)
     r.t11 = t11 + turned11
     r.t12 = turned12 + shear12

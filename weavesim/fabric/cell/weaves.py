@@ -175,7 +175,9 @@ class PlainWeave(CrossedYarns):
         cell.chord_length = vec2(*length)
         cell.tensile_stiffness = vec2(*(self.axial_stiffness / length))
         cell.compressive_stiffness = vec2(*(self.compressive_stiffness / length))
-        cell.rotation_stiffness = vec2(*(3.0 * np.array(self.bending_stiffness) / length))
+        rotation = 3.0 * np.array(self.bending_stiffness) / length
+        cell.rotation_stiffness = vec2(*rotation)
+        cell.inverse_rotation_stiffness = vec2(*(1.0 / k if k > 0.0 else 0.0 for k in rotation.tolist()))
         cell.contact_stiffness = self.contact_stiffness
         cell.unilateral = int(self.contact == "unilateral")
         cell.tolerance = UNIT_CELL_TOLERANCE[precision.value]

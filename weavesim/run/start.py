@@ -139,18 +139,33 @@ def first_warnings(model: Model) -> list[str]:
     sheets = iter(model.sheets)
     for world in model.setup.worlds:
         for sheet in world.sheets:
-            found += [*sheet.fabric.unit_cell.warnings(), *_tool_warnings(world, next(sheets).geometry.area.max())]
+            found += [
+                *sheet.fabric.unit_cell.warnings(),
+                *_tool_warnings(world, sheet, next(sheets).geometry.area.max()),
+            ]
     return list(dict.fromkeys(found))
 
 
-def _tool_warnings(world: World, largest_area: float) -> Iterator[str]:
+def _tool_warnings(world: World, sheet: Sheet, largest_area: float) -> Iterator[str]:
     size = float(np.sqrt(largest_area))
     for tool in world.tools:
-        count = tool.elements_per_quarter_turn(size)
+        count, radius = tool.elements_per_quarter_turn(size), tool.smallest_radius
+        if any(part.surface is not None for part in tool.shape.parts()):
+            edges = tool.sharp_edges_facing(sheet.oriented_blank.node_position)
+            if len(edges):
+                place = ", ".join(f"{1e3 * c:.4g}" for c in edges[0])
+                yield (
+                    f"{tool.name}: {len(edges)} sharp edges face the sheet, one at ({place}) mm; contact is at the "
+                    f"sheet's nodes, {size * 1e3:.2g} mm apart, so that a sharp edge comes through between them: "
+                    "round it, or use a finer mesh"
+                )
+            # sharp edges that the sheet does not meet have no radius to be resolved
+            radius = tool.fillet_radius
+            count = 0.5 * math.pi * radius / size
         if count < LEAST_ELEMENTS_PER_QUARTER_TURN:
             yield (
                 f"{tool.name}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees "
-                f"of its {tool.smallest_radius * 1e3:.3g} mm radius; below five the sheet sags over the edge"
+                f"of its {radius * 1e3:.3g} mm radius; below five the sheet sags over the edge"
             )
 
 

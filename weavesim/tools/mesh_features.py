@@ -13,7 +13,7 @@ SHARP = math.radians(50.0)
 # Faces whose curvature is estimated at most; of larger meshes a random part stands for all.
 CURVATURE_FACE_COUNT = 200_000
 # Pixels across the smaller side of a silhouette, and in all.
-SILHOUETTE_WIDTH = 128
+SILHOUETTE_WIDTH = 400
 SILHOUETTE_COUNT = 1_000_000
 
 
@@ -130,7 +130,8 @@ def width_along(vertices: np.ndarray, faces: np.ndarray, axis: np.ndarray) -> fl
     filled = np.array(picture)
     cells = np.floor(corners[~large].reshape(-1, 2)).astype(np.int64)
     filled[cells[:, 1], cells[:, 0]] = True
-    return min(2.0 * pixel * float(distance_transform_edt(filled).max()), float(size.min()))
+    # the nearest empty pixel lies half a pixel beyond the outline, on either side
+    return min((2.0 * float(distance_transform_edt(filled).max()) - 1.0) * pixel, float(size.min()))
 
 
 def _across(vertices: np.ndarray, axis: np.ndarray) -> np.ndarray:

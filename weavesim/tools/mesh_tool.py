@@ -55,6 +55,7 @@ class MeshSurface:
         sharp_edges: convex ones, pairs of vertices (k, 2); sharp_edge_normals: of their two faces, (k, 2, 3).
         spacing, reach: of the samples, as given [m]; None leaves the choice to ``sampling.py``.
         first_spacing: preferred spacing of the samples, used unless it needs too many [m].
+        source_notes: what was converted or left out when the mesh was read, for the log.
     """
 
     def __init__(
@@ -67,8 +68,10 @@ class MeshSurface:
         mirror: Sequence[str] = (),
         spacing: float | None = None,
         reach: float | None = None,
+        source_notes: Sequence[str] = (),
     ) -> None:
         self.name = name
+        self.source_notes = tuple(source_notes)
         vertices, faces = checked_triangles(name, vertices, faces)
         size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
         for plane in mirror:
@@ -163,6 +166,7 @@ class MeshSurface:
     def notes(self) -> list[str]:
         """Notes about the mesh for the log."""
         lines = [f"{self.name}: {len(self.faces)} triangles, {'closed' if self.closed else 'open sheet'}"]
+        lines += [f"{self.name}: {note}" for note in self.source_notes]
         if self.removed_triangle_count:
             lines.append(f"{self.name}: {self.removed_triangle_count} degenerate triangles removed")
         if self.side is not None:
@@ -180,12 +184,14 @@ class TriangleMesh(Parameters):
         faces: three vertex indices each, (m, 3).
         name: for messages.
         path: of the source file, if any.
+        source_notes: what was converted or left out when the mesh was read, for the log.
     """
 
     vertices: FloatArray = Field(repr=False)
     faces: IntArray = Field(repr=False)
     name: str = "tool mesh"
     path: str | None = None
+    source_notes: tuple[str, ...] = ()
     side: FiniteVector | None = None
     mirror: tuple[str, ...] = ()
     spacing: float | None = None
@@ -199,7 +205,7 @@ class TriangleMesh(Parameters):
     @cached_property
     def surface(self) -> MeshSurface:
         """The checked mesh."""
-        options = {name: getattr(self, name) for name in ("name", "side", "mirror", "spacing", "reach")}
+        options = {name: getattr(self, name) for name in ("name", "side", "mirror", "spacing", "reach", "source_notes")}
         return MeshSurface(self.vertices, self.faces, **options)
 
 

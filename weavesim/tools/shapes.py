@@ -72,6 +72,13 @@ class Shape(Kinded):
         """Smallest convex radius over which a sheet may bend [m]; infinite for a plane."""
         raise NotImplementedError
 
+    def smallest_width(self, axis: Any = (0.0, 0.0, 1.0)) -> float:
+        """Width of the most slender part seen along ``axis`` in the world [m]; infinite if it is wide or unknown.
+
+        The sheet's nodes may pass a part that is more slender than its elements.
+        """
+        return math.inf
+
     def parts(self) -> tuple[Shape, ...]:
         """The shapes of a union, all in one frame; a single shape is its only part."""
         return (self,)
@@ -140,6 +147,9 @@ class Sphere(Shape):
     def smallest_radius(self) -> float:
         return self.radius
 
+    def smallest_width(self, axis: Any = (0.0, 0.0, 1.0)) -> float:
+        return 2.0 * self.radius
+
     def local_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
         return swept(self.radius * np.cos(latitude), self.radius * np.sin(latitude), 0.0)
@@ -158,6 +168,9 @@ class Capsule(Shape):
     @property
     def smallest_radius(self) -> float:
         return self.radius
+
+    def smallest_width(self, axis: Any = (0.0, 0.0, 1.0)) -> float:
+        return 2.0 * self.radius
 
     def local_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.5, CIRCLE_COUNT // 2 + 1) * np.pi
@@ -183,6 +196,9 @@ class Torus(Shape):
     @property
     def smallest_radius(self) -> float:
         return self.radius
+
+    def smallest_width(self, axis: Any = (0.0, 0.0, 1.0)) -> float:
+        return 2.0 * self.radius
 
     def local_triangles(self) -> Triangles:
         angle = np.linspace(-1.0, 1.0, CIRCLE_COUNT // 2 + 1) * np.pi
@@ -218,6 +234,9 @@ class DomePunch(_Dome):
     positional = ("radius", "half_length", "display_height")
 
     display_height: Positive | None = None
+
+    def smallest_width(self, axis: Any = (0.0, 0.0, 1.0)) -> float:
+        return 2.0 * self.radius
 
     def local_triangles(self) -> Triangles:
         latitude = np.linspace(-0.5, 0.0, CIRCLE_COUNT // 4 + 1) * np.pi
@@ -319,6 +338,9 @@ class Union(Shape):
     @property
     def smallest_radius(self) -> float:
         return min(shape.smallest_radius for shape in self.shapes)
+
+    def smallest_width(self, axis: Any = (0.0, 0.0, 1.0)) -> float:
+        return min(part.smallest_width(axis) for part in self.parts())
 
     def parts(self) -> tuple[Shape, ...]:
         return tuple(part.placed(self.origin, self.rotation) for shape in self.shapes for part in shape.parts())

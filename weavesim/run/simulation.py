@@ -107,7 +107,7 @@ class Simulation:
         """What the guards saw, whatever the frames were."""
         if self._watch is None:
             prepared = self.prepare()
-            self._watch = Watch(self.setup.duration, prepared.ledger, prepared.guards)
+            self._watch = Watch(self.setup.duration, prepared.model, prepared.state, prepared.ledger, prepared.guards)
             self._watch.look(prepared.frame)
         return self._watch
 

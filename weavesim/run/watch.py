@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+from ..engine.model import Model
+from ..engine.state import State
+from .extremes import Extremes
 from .frame import Frame
 from .guards import Guards
 from .ledger import Ledger
@@ -21,16 +24,19 @@ class Watch:
 
     Args:
         duration: of the run [s].
+        model, state: of the run; the state is read.
         ledger: of the run.
         guards: of the run.
 
     Attributes:
         history: time, stroke and every entry of the energy ledger of all states so far.
         penetration: the deepest of all states so far.
+        extremes: over all steps so far, kept on the device.
     """
 
-    def __init__(self, duration: float, ledger: Ledger, guards: Guards) -> None:
-        self._duration, self._ledger, self._guards = duration, ledger, guards
+    def __init__(self, duration: float, model: Model, state: State, ledger: Ledger, guards: Guards) -> None:
+        self._duration, self._state, self._ledger, self._guards = duration, state, ledger, guards
+        self.extremes = Extremes(model)
         self.history: list[dict[str, float]] = []
         self.penetration: Penetration = NO_PENETRATION
         self._last_step = -1
@@ -49,4 +55,5 @@ class Watch:
         self._next = max(self._next, math.floor(WATCH_COUNT * frame.time / self._duration) + 1)
         self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
         self.penetration = self.penetration.deeper(self._ledger.penetration(frame))
+        self.extremes.read(self._state, frame.time)
         self._guards.watch(frame, self._ledger)

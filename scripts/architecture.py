@@ -38,6 +38,7 @@ FONT = 12.0
 ROOMS = {
     "kernels": ("device code", "#4a5568"),
     "base": ("errors, checks, device: all use it", "#7a7f8a"),
+    "tables": ("tables of measured values", "#2f6fb0"),
     "fabric": ("laws, cells, presets, files", "#2f6fb0"),
     "process": ("strokes, supports, loads, dynamics", "#2f6fb0"),
     "sheet": ("blank, symmetry, geometry", "#2f6fb0"),

@@ -12,7 +12,7 @@ import os
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -21,6 +21,7 @@ from ..arrays import FloatArray, IntArray
 from ..checks import Parameters
 from ..errors import InputError
 from ..quantities import FiniteVector, Vector, positive, unit_vector
+from ..ranges import Quantity, argument
 from .mesh_features import fillet_radius, sharp_edges, width_along
 from .mesh_repair import (
     SEAM,
@@ -194,8 +195,8 @@ class TriangleMesh(Parameters):
     source_notes: tuple[str, ...] = ()
     side: FiniteVector | None = None
     mirror: tuple[str, ...] = ()
-    spacing: float | None = None
-    reach: float | None = None
+    spacing: Annotated[float, Quantity("length")] | None = None
+    reach: Annotated[float, Quantity("length")] | None = None
 
     @model_validator(mode="after")
     def _bounds_a_tool(self) -> Self:
@@ -233,7 +234,7 @@ class MeshShape(Shape):
         Raises:
             InputError: the file cannot be read, or the mesh cannot be used.
         """
-        unit_scale = positive("unit_scale", unit_scale)
+        unit_scale = argument("unit_scale", unit_scale, "unit scale")
         path = Path(path)
         if not path.is_file():
             raise InputError(f"tool mesh {path} does not exist; give the path of an STL, OBJ or PLY file.")

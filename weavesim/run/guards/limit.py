@@ -1,0 +1,48 @@
+"""Guards of one number of the summary each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, ClassVar
+
+from .guard import Doubt, Guard, Level
+
+if TYPE_CHECKING:
+    from ..verdict import Judged
+
+
+class LimitGuard(Guard):
+    """A number of the summary with an upper limit; a number that is not finite is above it.
+
+    Attributes:
+        key: of the number.
+        text: description of the number.
+        largest: largest value allowed.
+        advice: what it means, or what to do.
+        level: beyond ``largest``.
+        useless: beyond this the result must not be used; None if it may be.
+    """
+
+    key: ClassVar[str] = ""
+    text: ClassVar[str] = ""
+    largest: ClassVar[float] = 0.0
+    advice: ClassVar[str] = ""
+    level: ClassVar[Level] = Level.WARNING
+    useless: ClassVar[float | None] = None
+
+    def limit(self, run: Judged) -> float:
+        """Largest value allowed for a run."""
+        return self.largest
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """The number, if it is above its limit."""
+        value, limit = run.number(self.key), self.limit(run)
+        if not value <= limit:
+            useless = self.useless is not None and not value <= self.useless
+            yield self.doubt(
+                Level.DO_NOT_USE if useless else self.level,
+                f"{self.text} is {value:.3g}, above {limit:g}",
+                self.advice,
+                value=float(value),
+                limit=float(limit),
+            )

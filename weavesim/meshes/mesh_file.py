@@ -105,6 +105,19 @@ class MeshFile:
             raise InputError(f"{self.name} has no quadrilaterals; mesh the blank with quadrilaterals.")
         return np.concatenate([c.nodes for c in self.cells]), np.concatenate([c.labels for c in self.cells])
 
+    def check_unit(self, unit_scale: float) -> None:
+        """Check the metres per unit that a user gives, where the file says them too.
+
+        Raises:
+            InputError: they differ.
+        """
+        unit = self.metres_per_unit
+        if unit is not None and abs(unit_scale - unit) > 1e-6 * unit:
+            raise InputError(
+                f"{self.name} says that its unit is {unit:g} m, but unit_scale = {unit_scale:g}: give "
+                f"unit_scale={unit:g}, or export the mesh in another unit."
+            )
+
     def _split(self, cells: Cells, notes: list[str]) -> np.ndarray:
         try:
             return _as_triangles(self.vertices, cells, notes)

@@ -14,8 +14,8 @@ import numpy as np
 from ...errors import InputError
 from ..kinds import is_text, looks_like
 from ..mesh_file import Cells, MeshFile
-from ..source import Source, counted, listed, number, numbers, whole
-from .abaqus_elements import kind_of
+from ..source import LARGEST_COUNT, Source, counted, listed, number, numbers, whole
+from .abaqus_elements import AXISYMMETRIC, kind_of
 from .abaqus_grid import Block, Grid, Placement
 
 # Keywords that make or move nodes and elements in ways that are not followed here, with what to do.
@@ -43,7 +43,12 @@ class _Card:
 
 @dataclass
 class _Deck:
-    """What the cards of a deck say: a grid of its own, parts, and instances of them."""
+    """What the cards of a deck say: a grid of its own, parts, and instances of them.
+
+    Attributes:
+        left_out: numbers of elements that bound no surface, by type.
+        plane: whether there are nodes without a third coordinate.
+    """
 
     source: Source
     grid: Grid = field(default_factory=lambda: Grid("the deck"))
@@ -51,6 +56,7 @@ class _Deck:
     instances: list[tuple[Placement, str, Grid]] = field(default_factory=list)
     has_assembly: bool = False
     left_out: dict[str, int] = field(default_factory=dict)
+    plane: bool = False
 
 
 def read_abaqus(source: Source) -> MeshFile:
@@ -208,13 +214,19 @@ def _take_nodes(deck: _Deck, card: _Card, grid: Grid) -> None:
             given = fields[1:4]
             if not given or ids[row] < 1:
                 raise ValueError
-            position[row, : len(given)] = (
-                numbers(given) if all(given) else [number(word) if word.strip() else 0.0 for word in given]
-            )
+            position[row, : len(given)] = _coordinates(given)
         except (ValueError, IndexError):
             raise ValueError(line) from None
+        deck.plane |= len(given) < 3
     if len(ids):
         grid.nodes.append((ids, position))
+
+
+def _coordinates(fields: list[bytes]) -> list[float]:
+    try:
+        return numbers(fields)
+    except ValueError:
+        return [number(word) if word.strip() else 0.0 for word in fields]  # one left empty is zero
 
 
 def _take_elements(deck: _Deck, card: _Card, grid: Grid) -> None:
@@ -280,6 +292,8 @@ def _assembled(deck: _Deck) -> MeshFile:
     count = 0
     for place, grid in placed:
         ids, position, blocks = grid.resolved(deck.source, notes)
+        if count + len(ids) > LARGEST_COUNT:
+            raise deck.source.error("its instances have more nodes than a tool can have")
         vertices.append(place.of(position))
         labels.append(ids)
         cells += [Cells(b.kind, f"{b.name} elements", b.nodes + count, b.ids) for b in blocks]
@@ -287,15 +301,21 @@ def _assembled(deck: _Deck) -> MeshFile:
     if deck.left_out:
         found = [f"{count_} {name}" for name, count_ in deck.left_out.items()]
         notes.append(f"elements that bound no surface left out: {listed(found, 10)}")
+    for block in cells:
+        if block.called.startswith(AXISYMMETRIC):
+            if deck.plane:
+                raise deck.source.error(
+                    f"its {block.called} are the section of a body of revolution", "write its surface"
+                )
+            notes.append(f"{block.called} taken as a surface in space, as meshio writes them")
     if not cells:
         what = (
             f"only {listed([f'{n} {name}' for name, n in deck.left_out.items()])}" if deck.left_out else "no elements"
         )
         raise deck.source.error(f"it has {what}", "write the surface as shells or rigid elements, such as S4 or R3D4")
-    return MeshFile(
-        deck.source.name, "Abaqus or CalculiX deck", np.concatenate(vertices), _together(cells), tuple(notes),
-        "element", np.concatenate(labels),
-    )  # fmt: skip
+    said = tuple(dict.fromkeys(notes))
+    points, numbers_ = np.concatenate(vertices), np.concatenate(labels)
+    return MeshFile(deck.source.name, "Abaqus deck", points, _together(cells), said, "element", numbers_)
 
 
 def _together(cells: list[Cells]) -> tuple[Cells, ...]:

@@ -9,8 +9,8 @@ from ..mesh_file import QUAD, TRIANGLE
 # Kinds of cells with their number of nodes, and the types that are so: shells, membranes, surfaces, rigid and plane
 # elements. A suffix (reduced integration, temperature, ...) does not change the nodes.
 _SURFACES = (
-    (TRIANGLE, 3, r"R3D3|STRI3|S3\w*|M3D3|SFM3D3|DS3|CP[SE]3\w*|CPEG3\w*|DC2D3\w*|AC2D3\w*|F[23]D3|W?ARPF?2D3"),
-    (QUAD, 4, r"R3D4|S4\w*|M3D4R?|SFM3D4R?|DS4|CP[SE]4\w*|CPEG4\w*|DC2D4\w*|DCC2D4D?|AC2D4\w*|F3D4|W?ARPF?2D4"),
+    (TRIANGLE, 3, r"R3D3|STRI3|S3\w*|M3D3|SFM3D3|DS3|CP[SE]3\w*|CPEG3\w*|DC2D3\w*|AC2D3\w*|F[23]D3|WARPF2D3|CAX3\w*"),
+    (QUAD, 4, r"R3D4|S4\w*|M3D4R?|SFM3D4R?|DS4|CP[SE]4\w*|CPEG4\w*|DC2D4\w*|DCC2D4D?|AC2D4\w*|F3D4|WARPF2D4|CAX4\w*"),
     ("triangle6", 6, r"STRI65|S6|M3D6|SFM3D6|DS6|CP[SE]6\w*|CPEG6\w*|DC2D6\w*|AC2D6\w*"),
     ("quad8", 8, r"S8\w*|M3D8R?|SFM3D8R?|DS8|CP[SE]8\w*|CPEG8\w*|DC2D8\w*|AC2D8\w*"),
     ("quad9", 9, r"S9R5|M3D9R?"),
@@ -24,6 +24,10 @@ _VOLUMES = (
     r"C3D\d+\w*|SC[68]\w*|CSS8|COH3D\w*|AC3D\w*|ACIN3D\w*|DC3D\w*|DCC3D\w*|EC3D\w*|CCL\w*|Q3D\w*|GK3D\w*|PC3D|PD3D|"
     r"EMC3D\w*|CIN3D\w*|F3D8"
 )
+
+
+# Sections of bodies of revolution; meshio writes all quadrilaterals as one of these.
+AXISYMMETRIC = ("CAX",)
 
 
 def kind_of(name: str) -> tuple[str, int] | None:

@@ -64,8 +64,6 @@ def _mesh(source: Source, name: str, vertices: np.ndarray, blocks: list[tuple[st
                 f"it contains {counted(len(nodes), 'cell')} of kind {kind}, which fill a volume",
                 "write its surface only",
             )
-        if kind == "pixel":  # corners in rows
-            kind, nodes = QUAD, nodes[:, [0, 1, 3, 2]]
         if kind == POLYGON:
             kind = {3: TRIANGLE, 4: QUAD}.get(nodes.shape[1], POLYGON)
         if kind not in (TRIANGLE, QUAD, POLYGON, *SECOND_ORDER):
@@ -105,7 +103,9 @@ def _blocks(source: Source, ending: str, name: str) -> tuple[np.ndarray, list[tu
             raise ValueError
         points = np.asarray(mesh.points)
     except (Exception, SystemExit):  # whatever a damaged file makes of it; its words may quote the file
-        raise source.error(f"it is damaged, or uses a part of {name} that meshio does not know") from None
+        raise source.error(
+            f"it is damaged, or uses a part of {name} that meshio does not know, like strips or pixels"
+        ) from None
     return points, [(kind, nodes.astype(np.int64)) for kind, nodes in blocks]
 
 
@@ -138,6 +138,8 @@ def _in_vtk(source: Source) -> int | None:
 def _in_vtu(source: Source) -> int | None:
     end = source.data.find(b"<AppendedData")
     head = source.data[: end if end >= 0 else None]
+    if b"<VTKFile" not in head:
+        raise source.error(f"it looks like {looks_like(source.data) or 'something else'}, not like VTK in XML")
     pieces = re.findall(rb"<Piece\b[^>]*>", head)
     counts = [re.search(rb"NumberOfCells\s*=\s*[\"'](\d{1,18})[\"']", piece) for piece in pieces]
     if not pieces or not all(counts):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..measures.findings import SHEET_FINDINGS, Finding, FormedSheet, found
-from ..measures.units import JOULES, MILLIMETRES, NEWTONS, PER_SECOND, PURE, SECONDS
+from ..measures.units import DEGREES, JOULES, MILLIMETRES, NEWTONS, PER_SECOND, PURE, SECONDS
 from ..version import __version__
 
 if TYPE_CHECKING:
+    from .condition import Condition
+    from .extremes import Extremes
     from .simulation import Simulation
 
 # The balance error of a state is relative to the work so far, but at least to this share of the run's work.
@@ -71,6 +74,16 @@ class Judged:
         """An entry of the ledger at the last frame over the supplied work."""
         return self.run.frame.energies[name] / self.supplied
 
+    @property
+    def extremes(self) -> Extremes:
+        """Over all steps so far."""
+        return self.run.watch.extremes
+
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """Of every sheet so far: passes through itself, folds."""
+        return self.run.watch.conditions
+
     @cached_property
     def thickness(self) -> float:
         """Of the thinnest sheet [m]."""
@@ -105,6 +118,15 @@ def _balance_error(judged: Judged) -> float:
         abs(entry["balance_error"]) / max(abs(entry["supplied"]), entry["used"], LEAST_WORK * judged.supplied)
         for entry in judged.history
     )
+
+
+def _furthest(judged: Judged, name: str) -> list[float]:
+    """An extreme of every sheet over all steps."""
+    return [getattr(sheet, name).value for sheet in judged.extremes.sheets]
+
+
+def _peak_forces(judged: Judged) -> dict[str, float]:
+    return dict(zip(judged.run.info.tool_names, judged.extremes.tools["peak"].tolist(), strict=True))
 
 
 def _support_forces(judged: Judged) -> dict[str, list[float]]:
@@ -146,6 +168,18 @@ RUN_FINDINGS = (
     _of_sheets("min_stretch", min),
     _of_sheets("max_stretch", max),
     Finding(
+        "max_shear_angle_of_run", DEGREES, "largest shear angle at any time",
+        lambda judged: math.degrees(max(_furthest(judged, "angle"))),
+    ),
+    Finding(
+        "min_stretch_of_run", PURE, "smallest yarn stretch at any time",
+        lambda judged: min(_furthest(judged, "min_stretch")),
+    ),
+    Finding(
+        "max_stretch_of_run", PURE, "largest yarn stretch at any time",
+        lambda judged: max(_furthest(judged, "max_stretch")),
+    ),
+    Finding(
         "hourglass_energy_ratio", PURE, "hourglass over internal energy, the largest",
         lambda judged: max((entry["hourglass"] / entry["internal"] for entry in judged.stored), default=0.0),
     ),
@@ -167,13 +201,34 @@ RUN_FINDINGS = (
         lambda judged: max(sheet.added_mass_ratio for sheet in judged.run.model.sheets),
     ),
     Finding("support_force", NEWTONS, "force of each support on its sheet, by name", _support_forces),
+    Finding("peak_tool_force", NEWTONS, "largest force of the sheets on each tool in any step, by name", _peak_forces),
     Finding(
-        "penetration_at_nodes", MILLIMETRES, "deepest node in a tool",
-        lambda judged: 1e3 * judged.run.penetration.at_nodes,
+        "penetration_at_nodes", MILLIMETRES, "deepest node in a tool at any time, if any was touched",
+        lambda judged: 1e3 * (max(_furthest(judged, "depth")) or judged.run.penetration.at_nodes),
     ),
     Finding(
-        "penetration_at_element_centres", MILLIMETRES, "deepest centre of an element in a tool",
+        "penetration_at_element_centres", MILLIMETRES, "deepest centre of an element in a tool, of the watched states",
         lambda judged: 1e3 * judged.run.penetration.at_element_centres,
+    ),
+    Finding(
+        "self_intersections", PURE, "pairs of triangles of a sheet that pass through each other, at the end",
+        lambda judged: sum(int(condition.crossings.last) for condition in judged.conditions),
+    ),
+    Finding(
+        "most_self_intersections", PURE, "the same at the worst of the watched states",
+        lambda judged: sum(int(condition.crossings.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "folded_elements", PURE, "elements or neighbours folded onto each other, at the worst of the watched states",
+        lambda judged: sum(int(condition.folded.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "inverted_elements", PURE, "elements turned over against their directors, at the worst of the watched states",
+        lambda judged: sum(int(condition.inverted.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "beyond_symmetry", MILLIMETRES, "furthest that a node was beyond a symmetry plane",
+        lambda judged: 1e3 * max(condition.beyond.most for condition in judged.conditions),
     ),
     Finding(
         "unit_cell_max_residual", PURE, "worst residual of a unit cell",

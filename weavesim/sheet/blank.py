@@ -13,6 +13,7 @@ from ..checks import Parameters
 from ..errors import InputError
 from ..meshes import read_mesh
 from ..quantities import finite, positive
+from ..ranges import argument
 from .mesh_checks import (
     ROWS,
     Names,
@@ -81,6 +82,11 @@ class Blank(Parameters):
     @property
     def element_count(self) -> int:
         return len(self.quads)
+
+    @property
+    def size(self) -> float:
+        """Longest side of the box around the nodes [m]."""
+        return float(np.ptp(self.node_position, axis=0).max())
 
     def element_centres(self) -> np.ndarray:
         """Initial centres of the elements, (element_count, 3) [m]."""
@@ -184,7 +190,7 @@ class Blank(Parameters):
     @classmethod
     def disc(cls, radius: float, element_size: float, **options: Any) -> Blank:
         """A flat disc around the origin [m], as a polygon with 720 sides; ``options`` are those of ``fitted``."""
-        radius, angle = positive("radius", radius), np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+        radius, angle = argument("radius", radius, "length"), np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
         return cls.fitted(radius * np.column_stack([np.cos(angle), np.sin(angle)]), element_size, **options)
 
     @classmethod
@@ -227,10 +233,7 @@ class Blank(Parameters):
         material_coordinates: Any = None,
     ) -> Blank:
         check_arrays(position, quads, names)
-        if merge_nodes is None:
-            check_elements(position, quads, names)
-            check_coincident(position, quads, names)
-        elif finite("merge_nodes", merge_nodes) != 0.0:
+        if merge_nodes is not None and finite("merge_nodes", merge_nodes) != 0.0:
             distance = positive("merge_nodes", merge_nodes)
             count = len(position)
             position, quads, kept = merged_nodes(position, quads, distance)
@@ -239,6 +242,8 @@ class Blank(Parameters):
                 material_coordinates = np.asarray(material_coordinates)[kept]
             notes = (*notes, f"{names.mesh}: {count - len(kept)} nodes merged with another up to {distance:g} m away")
         check_elements(position, quads, names)
+        if merge_nodes is None:
+            check_coincident(position, quads, names)
         check_connection(position, quads, names)
         normal = np.cross(position[quads[:, 2]] - position[quads[:, 0]], position[quads[:, 3]] - position[quads[:, 1]])
         director = np.zeros_like(position)
@@ -248,7 +253,7 @@ class Blank(Parameters):
         director /= np.linalg.norm(director, axis=1, keepdims=True)
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         if warp_direction is None:
-            angle = np.deg2rad(finite("yarn_angle", yarn_angle))
+            angle = np.deg2rad(argument("yarn_angle", yarn_angle, "angle", zero=True, negative=True))
             warp_direction = np.array([np.cos(angle), np.sin(angle), 0.0])
         wished = _number_array("warp_direction", warp_direction)
         if wished.shape not in ((3,), normal.shape):
@@ -293,7 +298,7 @@ class Blank(Parameters):
             InputError: a file that cannot be read, cells that are not quadrilaterals, or a bad mesh (see
                 ``from_mesh``).
         """
-        unit_scale = positive("unit_scale", unit_scale)
+        unit_scale = argument("unit_scale", unit_scale, "unit scale")
         mesh = read_mesh(path, "blank mesh")
         quads, labels = mesh.quads()
         mesh.check_unit(unit_scale)

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..ranges import QUANTITIES
 from .topology import part_of_nodes
 
-_LARGEST_EXTENT_M = 20.0
+_LARGEST_EXTENT_M = QUANTITIES["length"].legal[1]
 # Nodes closer than this share of the shortest edge coincide.
 _COINCIDENT = 1.0e-3
 

@@ -13,7 +13,17 @@ import numpy as np
 import warp as wp
 
 from ..errors import InputError
-from ..kernels.rows import CORNER_ROW_COUNT, CellReportRow, ClockEntry, MotionRow, SlipRow, ThicknessRow, ToolWorkRow
+from ..kernels.rows import (
+    CORNER_ROW_COUNT,
+    CellReportRow,
+    ClockEntry,
+    ExtremeRow,
+    MotionRow,
+    SlipRow,
+    ThicknessRow,
+    ToolWatchRow,
+    ToolWorkRow,
+)
 from .layout import BLOCK
 
 if TYPE_CHECKING:
@@ -21,7 +31,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 2
+FILE_VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -37,6 +47,8 @@ class SheetState:
     node_work_sum: wp.array  # (rows, node blocks) float64, of all steps before [J]
     thickness: wp.array  # (rows, nodes), ThicknessRow; (rows, 0) for contact with the initial thickness [m]
     friction: wp.array  # flat, ``SheetModel.friction_layout`` [m]
+    depth: wp.array  # (tools, nodes), deepest that each has been in a tool [m]
+    extremes: wp.array  # (rows, elements), ExtremeRow
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
 
@@ -74,6 +86,8 @@ class SheetState:
             node_work_sum=zeros(len(model.node_work_rows), model.block_count, dtype=wp.float64),
             thickness=wp.array(thickness, dtype=real, device=device),
             friction=zeros(3 * tool_rows * model.node_count),
+            depth=zeros(tool_rows, model.node_count),
+            extremes=zeros(ExtremeRow.row_count(), model.element_count),
             gap=zeros(tool_rows, model.block_count),
             holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
         )
@@ -88,6 +102,7 @@ class State:
         tool_displacement, tool_velocity: along each tool's axis, (tool_count,) float64 [m], [m/s].
         tool_force: of the sheets on each tool, (tool_count,) vec3d [N].
         tool_work: rows ToolWorkRow, (rows, tool_count) float64 [J].
+        tool_watch: rows ToolWatchRow, (rows, tool_count) float64.
         reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N].
         drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
             (drive_count,) [m].
@@ -100,6 +115,7 @@ class State:
     tool_velocity: wp.array
     tool_force: wp.array
     tool_work: wp.array
+    tool_watch: wp.array
     reaction: wp.array
     drive_displacement: wp.array
     drive_increment: wp.array
@@ -122,6 +138,7 @@ class State:
             tool_velocity=doubles(model.tools.initial_velocity),
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
             tool_work=wp.zeros((ToolWorkRow.row_count(), tool_count), dtype=wp.float64, device=device),
+            tool_watch=wp.zeros((ToolWatchRow.row_count(), tool_count), dtype=wp.float64, device=device),
             reaction=wp.zeros((max(tool_count, 1), model.reaction_count), dtype=model.types.vec3, device=device),
             drive_displacement=wp.zeros(drive_count, dtype=wp.float64, device=device),
             drive_increment=wp.zeros(drive_count, dtype=model.real, device=device),

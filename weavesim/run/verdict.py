@@ -15,6 +15,7 @@ from ..measures.units import DEGREES, JOULES, MILLIMETRES, NEWTONS, PER_SECOND, 
 from ..version import __version__
 
 if TYPE_CHECKING:
+    from .condition import Condition
     from .extremes import Extremes
     from .simulation import Simulation
 
@@ -77,6 +78,11 @@ class Judged:
     def extremes(self) -> Extremes:
         """Over all steps so far."""
         return self.run.watch.extremes
+
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """Of every sheet so far: passes through itself, folds."""
+        return self.run.watch.conditions
 
     @cached_property
     def thickness(self) -> float:
@@ -203,6 +209,26 @@ RUN_FINDINGS = (
     Finding(
         "penetration_at_element_centres", MILLIMETRES, "deepest centre of an element in a tool, of the watched states",
         lambda judged: 1e3 * judged.run.penetration.at_element_centres,
+    ),
+    Finding(
+        "self_intersections", PURE, "pairs of triangles of a sheet that pass through each other, at the end",
+        lambda judged: sum(int(condition.crossings.last) for condition in judged.conditions),
+    ),
+    Finding(
+        "most_self_intersections", PURE, "the same at the worst of the watched states",
+        lambda judged: sum(int(condition.crossings.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "folded_elements", PURE, "elements or neighbours folded onto each other, at the worst of the watched states",
+        lambda judged: sum(int(condition.folded.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "inverted_elements", PURE, "elements turned over against their directors, at the worst of the watched states",
+        lambda judged: sum(int(condition.inverted.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "beyond_symmetry", MILLIMETRES, "furthest that a node was beyond a symmetry plane",
+        lambda judged: 1e3 * max(condition.beyond.most for condition in judged.conditions),
     ),
     Finding(
         "unit_cell_max_residual", PURE, "worst residual of a unit cell",

@@ -23,13 +23,14 @@ from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from ..kernels.shell.energy import element_ledger_kernel
+from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
-from ..kernels.stepping.step import check_clock, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
@@ -126,6 +127,7 @@ class KernelSet:
             *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
             *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
             *(element_ledger_kernel(real, law, sheet) for sheet in self.sheets),
+            element_extremes_kernel(real, lane_count),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
             tool_motion_kernel(real),
@@ -133,6 +135,7 @@ class KernelSet:
             partial_sum_kernel(real),
             partial_maximum_kernel(real),
             set_step_kernel(real),
+            fold_works_kernel(real, lane_count),
             *([flush_subnormals, restore_subnormals] if is_cpu else [check_clock]),
             *([barrier] if is_cpu and self.threaded else []),
         ]

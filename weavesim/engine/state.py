@@ -13,7 +13,17 @@ import numpy as np
 import warp as wp
 
 from ..errors import InputError
-from ..kernels.rows import CORNER_ROW_COUNT, CellReportRow, ClockEntry, MotionRow, NodeReportRow, SlipRow, ToolWorkRow
+from ..kernels.rows import (
+    CORNER_ROW_COUNT,
+    CellReportRow,
+    ClockEntry,
+    ExtremeRow,
+    MotionRow,
+    SlipRow,
+    ThicknessRow,
+    ToolWatchRow,
+    ToolWorkRow,
+)
 from .layout import BLOCK
 
 if TYPE_CHECKING:
@@ -21,7 +31,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 1
+FILE_VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -33,19 +43,33 @@ class SheetState:
     cell_report: wp.array  # (rows, elements), CellReportRow
     slip: wp.array  # (rows, elements), SlipRow; (rows, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # flat, ``SheetModel.corners``, rows CornerRow
-    node_report: wp.array  # (rows, nodes), ``SheetModel.node_report_rows``
+    node_work: wp.array  # (rows, nodes), ``SheetModel.node_work_rows``, of the last steps [J]
+    node_work_sum: wp.array  # (rows, node blocks) float64, of all steps before [J]
+    thickness: wp.array  # (rows, nodes), ThicknessRow; (rows, 0) for contact with the initial thickness [m]
     friction: wp.array  # flat, ``SheetModel.friction_layout`` [m]
+    depth: wp.array  # (tools, nodes), deepest that each has been in a tool [m]
+    extremes: wp.array  # (rows, elements), ExtremeRow
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
+
+    def works(self) -> np.ndarray:
+        """Works at the nodes of all steps, of ``SheetModel.node_work_rows``, (rows,) [J]; waits for the device."""
+        return self.node_work_sum.numpy().sum(axis=1) + self.node_work.numpy().sum(axis=1, dtype=np.float64)
+
+    def set_works(self, works: np.ndarray) -> None:
+        """Set what ``works`` returns; only the sum over the nodes counts."""
+        sums = np.zeros(self.node_work_sum.shape)
+        sums[:, 0] = works
+        self.node_work_sum.assign(sums)
+        self.node_work.zero_()
 
     @classmethod
     def initial(cls, model: SheetModel) -> Self:
         """The sheet at time zero."""
         real, device, tool_rows = model.real, model.device, max(model.tool_count, 1)
         slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
-        node_report = np.zeros((len(model.node_report_rows), model.node_count))
-        if model.follows_thickness:
-            node_report[NodeReportRow.half_thickness] = 0.5 * model.fabric.thickness
+        thickness = np.zeros((ThicknessRow.row_count(), model.node_count if model.follows_thickness else 0))
+        thickness[ThicknessRow.half] = 0.5 * model.fabric.thickness
         motion = wp.zeros(MotionRow.row_count() * model.node_count, dtype=real, device=device)
         model.write_motion(motion, model.initial_motion())
 
@@ -58,8 +82,12 @@ class SheetState:
             cell_report=zeros(CellReportRow.row_count(), model.element_count),
             slip=zeros(SlipRow.row_count(), slip_count),
             corner_force=zeros(CORNER_ROW_COUNT * model.element_count),
-            node_report=wp.array(node_report, dtype=real, device=device),
+            node_work=zeros(len(model.node_work_rows), model.node_count),
+            node_work_sum=zeros(len(model.node_work_rows), model.block_count, dtype=wp.float64),
+            thickness=wp.array(thickness, dtype=real, device=device),
             friction=zeros(3 * tool_rows * model.node_count),
+            depth=zeros(tool_rows, model.node_count),
+            extremes=zeros(ExtremeRow.row_count(), model.element_count),
             gap=zeros(tool_rows, model.block_count),
             holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
         )
@@ -74,6 +102,7 @@ class State:
         tool_displacement, tool_velocity: along each tool's axis, (tool_count,) float64 [m], [m/s].
         tool_force: of the sheets on each tool, (tool_count,) vec3d [N].
         tool_work: rows ToolWorkRow, (rows, tool_count) float64 [J].
+        tool_watch: rows ToolWatchRow, (rows, tool_count) float64.
         reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N].
         drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
             (drive_count,) [m].
@@ -86,6 +115,7 @@ class State:
     tool_velocity: wp.array
     tool_force: wp.array
     tool_work: wp.array
+    tool_watch: wp.array
     reaction: wp.array
     drive_displacement: wp.array
     drive_increment: wp.array
@@ -108,6 +138,7 @@ class State:
             tool_velocity=doubles(model.tools.initial_velocity),
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
             tool_work=wp.zeros((ToolWorkRow.row_count(), tool_count), dtype=wp.float64, device=device),
+            tool_watch=wp.zeros((ToolWatchRow.row_count(), tool_count), dtype=wp.float64, device=device),
             reaction=wp.zeros((max(tool_count, 1), model.reaction_count), dtype=model.types.vec3, device=device),
             drive_displacement=wp.zeros(drive_count, dtype=wp.float64, device=device),
             drive_increment=wp.zeros(drive_count, dtype=model.real, device=device),

@@ -10,6 +10,7 @@ from ..checks import Parameters
 from ..documents import Document, dotted, read_document
 from ..errors import InputError, did_you_mean
 from ..input_files import shown
+from ..ranges import check_usual
 from .columns import ColumnReader, is_reference, unit_of
 from .construction import MISTAKES, chosen, constructed, without_python
 from .fabric import Fabric
@@ -22,8 +23,8 @@ FABRIC_HELP = f"one of {', '.join(PRESETS)}, or a .toml or .json file"
 SUFFIXES = (".toml", ".json")
 
 
-def resolve_fabric(name_or_path: str) -> Fabric:
-    """A preset by name, or the fabric of a .toml or .json file.
+def resolve_fabric(name_or_path: str, *, accept_unusual: bool = False) -> Fabric:
+    """A preset by name, or the fabric of a .toml or .json file, see ``load_fabric``.
 
     Raises:
         InputError: no such preset or file, or a file with mistakes.
@@ -31,14 +32,14 @@ def resolve_fabric(name_or_path: str) -> Fabric:
     if name_or_path in PRESETS:
         return PRESETS[name_or_path]()
     if Path(name_or_path).suffix.lower() in SUFFIXES:
-        return load_fabric(name_or_path)
+        return load_fabric(name_or_path, accept_unusual=accept_unusual)
     hint = did_you_mean(name_or_path, PRESETS)
     raise InputError(
         f"fabric {name_or_path!r} is unknown: choose one of {', '.join(PRESETS)}, or give a .toml or .json file{hint}"
     )
 
 
-def load_fabric(path: str | Path) -> Fabric:
+def load_fabric(path: str | Path, *, accept_unusual: bool = False) -> Fabric:
     """Read a fabric from a TOML or JSON file.
 
     Keys are the names of the parameters of ``Fabric``, in SI units, as ``Fabric.to_json`` writes them; ``based_on``
@@ -47,14 +48,16 @@ def load_fabric(path: str | Path) -> Fabric:
     list of numbers, ``{csv = "test.csv", column = "force"}`` reads a column of a table in the folder of the file or
     below it, converted from the unit in its header; ``scale = 1000.0`` multiplies the numbers instead.
 
+    ``accept_unusual`` takes values outside their plausible range as meant (docs/fabrics.md).
+
     Raises:
-        InputError: a file that is missing or unreadable, an unknown kind, or values that are not allowed; with the
-            key, and its line where that is known.
+        InputError: a file that is missing or unreadable, an unknown kind, or values that are not allowed or
+            unusual; with the key, and its line where that is known.
     """
     document = read_document(path, "fabric file")
     reader = _Reader(document)
     try:
-        fabric = reader.fabric()
+        fabric = reader.fabric(accept_unusual)
     except _Mistake as mistake:
         line = document.line_of(mistake.keys)
         place = f", line {line}" if line else ""
@@ -79,7 +82,7 @@ class _Reader:
         self.path, self._values = document.path, document.values
         self.columns = ColumnReader(document.path.parent)
 
-    def fabric(self) -> Fabric:
+    def fabric(self, accept_unusual: bool) -> Fabric:
         based_on = self._values.get("based_on")
         if "based_on" in self._values and (not isinstance(based_on, str) or based_on not in PRESETS):
             hint = did_you_mean(based_on, PRESETS) if isinstance(based_on, str) else ""
@@ -95,7 +98,10 @@ class _Reader:
         if self.columns.notes and isinstance(values.get("source", ""), str):
             values["source"] = "; ".join([*filter(None, [values.get("source")]), *self.columns.notes])
         try:
-            return Fabric(**values) if based_on is None else PRESETS[based_on]().model_copy(update=values)
+            fabric = Fabric(**values) if based_on is None else PRESETS[based_on]().model_copy(update=values)
+            if not accept_unusual:
+                check_usual(fabric)
+            return fabric
         except MISTAKES as error:
             text = str(error) if isinstance(error, ValueError) else without_python(error)
             raise _Mistake(self._wrong_key(values, text), text) from None

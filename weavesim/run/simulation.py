@@ -106,9 +106,8 @@ class Simulation:
     def watch(self) -> Watch:
         """What the guards saw, whatever the frames were."""
         if self._watch is None:
-            prepared = self.prepare()
-            self._watch = Watch(self.setup.duration, prepared.ledger, prepared.guards)
-            self._watch.look(prepared.frame)
+            self._watch = Watch(self.prepare())
+            self._watch.look(self.prepare().frame)
         return self._watch
 
     @property
@@ -161,7 +160,7 @@ class Simulation:
                 return Outcome.NOT_FINITE
             frame = self.ledger.frame(index)
             if frame.time >= watch.next_time or not running:
-                watch.look(frame)
+                watch.look(frame, last=not running)
             if frame.time < target and running:
                 continue
             self._publish(frame, observers)
@@ -169,7 +168,7 @@ class Simulation:
             if not running:
                 return Outcome.INTERRUPTED
             if frame.time >= setup.duration or (setup.rest and setup.rest.reached(frame.time, frame.energies)):
-                watch.look(frame)
+                watch.look(frame, last=True)
                 return Outcome.FINISHED
 
     def _finish(self, observer: Observer) -> None:
@@ -178,7 +177,7 @@ class Simulation:
     def take_frame(self) -> Frame:
         """Take a frame of the current state and add it to ``history``, without notifying observers."""
         frame = self.ledger.frame(self.frame.index + 1)
-        self.watch.look(frame)
+        self.watch.look(frame, last=True)
         self._publish(frame, ())
         return self.frame
 

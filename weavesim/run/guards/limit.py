@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 
 
 class LimitGuard(Guard):
-    """A number of the summary with an upper limit; a number that is not finite is above it.
+    """A number of the summary with an upper limit; one that is not finite is above it, and one that has no
+    meaning for a run is not doubted.
 
     Attributes:
         key: of the number.
@@ -20,7 +21,6 @@ class LimitGuard(Guard):
         largest: largest value allowed.
         advice: what it means, or what to do.
         level: beyond ``largest``.
-        useless: beyond this the result must not be used; None if it may be.
     """
 
     key: ClassVar[str] = ""
@@ -28,17 +28,20 @@ class LimitGuard(Guard):
     largest: ClassVar[float] = 0.0
     advice: ClassVar[str] = ""
     level: ClassVar[Level] = Level.WARNING
-    useless: ClassVar[float | None] = None
 
     def limit(self, run: Judged) -> float:
         """Largest value allowed for a run."""
         return self.largest
 
+    def useless_beyond(self, run: Judged) -> float | None:
+        """From where on the result must not be used; None if it may be."""
+        return None
+
     def after(self, run: Judged) -> Iterable[Doubt]:
         """The number, if it is above its limit."""
-        value, limit = run.number(self.key), self.limit(run)
-        if not value <= limit:
-            useless = self.useless is not None and not value <= self.useless
+        value, limit, worst = run.number(self.key), self.limit(run), self.useless_beyond(run)
+        if value is not None and not value <= limit:
+            useless = worst is not None and not value <= worst
             yield self.doubt(
                 Level.DO_NOT_USE if useless else self.level,
                 f"{self.text} is {value:.3g}, above {limit:g}",

@@ -18,11 +18,10 @@ from weavesim.run.guards import Level, known_guards
         ("hourglass_energy", "hourglass_energy_ratio", 0.06, Level.WARNING, "refine the mesh"),
         ("damping_loss", "damping_loss_ratio", 0.06, Level.WARNING, "lower the damping"),
         ("added_mass", "added_mass_ratio", 0.06, Level.WARNING, "added mass"),
-        ("penetration_at_nodes", "penetration_at_nodes_mm", 0.051, Level.WARNING,
-         "deepest node in a tool [mm] is 0.051, above 0.05"),
+        ("penetration_at_element_centres", "penetration_at_element_centres_mm", 0.51, Level.WARNING,
+         "deepest centre of an element in a tool [mm] is 0.51, above 0.5"),
+        ("penetration_at_element_centres", "penetration_at_element_centres_mm", 2.1, Level.DO_NOT_USE, "is 2.1"),
         ("unit_cell_failures", "unit_cell_failures", 1, Level.WARNING, "failed unit cells is 1, above 0"),
-        ("yarn_stretch", "min_stretch", 0.89, Level.WARNING, "stretches range from 0.890 to 1.010"),
-        ("yarn_stretch", "max_stretch", math.nan, Level.WARNING, "stretches range"),
     ],
 )  # fmt: skip
 def test_each_number_is_doubted_alone(guard, name, value, level, message):

@@ -38,6 +38,7 @@ class RunOptions(Parameters):
         description=f"results to write, comma-separated: {','.join(known_writers())} [default: all]",
     )
     without: str | None = Field(default=None, description="results to leave out, comma-separated")
+    overwrite: bool = Field(default=False, description="replace the results of an earlier run in that folder")
 
     @field_validator("mesh_size")
     @classmethod

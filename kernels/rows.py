@@ -138,6 +138,16 @@ class ElementField(Rows):
     shear_moment = "N/m", "moment of shear, elastic and friction, without in-plane bending"
 
 
+class ExtremeRow(Rows):
+    """Extremes of each element over all blocks of steps so far."""
+
+    min_warp = "1", "smallest strain of the warp"
+    max_warp = "1", "largest strain of the warp"
+    min_weft = "1", "smallest strain of the weft"
+    max_weft = "1", "largest strain of the weft"
+    angle = "rad", "largest absolute shear angle"
+
+
 class ClockEntry(Rows):
     """The clock, always in double precision."""
 
@@ -151,6 +161,17 @@ class ToolWorkRow(Rows):
 
     on_sheet = "J", "work of the tool on the sheet so far"
     driving = "J", "work of the driving force so far"
+
+
+class ToolWatchRow(Rows):
+    """What is watched of each tool at every step."""
+
+    peak = "N", "largest force of the sheets so far"
+    wanted = "s", "time during which a driving force was wanted"
+    idle = "s", "of that, the time in which the sheets carried less than half of it"
+    wanted_impulse = "N s", "driving force over time"
+    carried_impulse = "N s", "what the sheets carried of it over time"
+    most_wanted = "N", "largest driving force so far"
 
 
 class LoadRow(Rows):

@@ -10,14 +10,14 @@ from __future__ import annotations
 import hashlib
 import json
 import reprlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import (
-    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -35,23 +35,13 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema
 
 from .arrays import frozen
-from .errors import InputError
+from .errors import InputError, did_you_mean
+from .input_files import shown
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-
-
-def at_most(largest: float, hint: str) -> AfterValidator:
-    """An upper bound far above any sensible value, to catch wrong units; the ``hint`` names the expected unit."""
-
-    def check(value: float) -> float:
-        if value > largest:
-            raise ValueError(f"at most {largest:.4g} is allowed: {hint}")
-        return value
-
-    return AfterValidator(check)
 
 
 if TYPE_CHECKING:
@@ -98,9 +88,20 @@ class Parameters(_Model):
     def _true_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
         items = value if isinstance(value, tuple | list) else (value,)
         if info.field_name and any(isinstance(item, bool) for item in items):
-            types = set(_types(cls.model_fields[info.field_name].annotation))
+            types = set(types_within(cls.model_fields[info.field_name].annotation))
             if types & {int, float} and bool not in types:
                 raise ValueError("a number is needed, not true or false")
+        return value
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _text_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
+        # Pydantic would take "0.6" for 0.6, and "1_0" for 10
+        items = value if isinstance(value, tuple | list) else (value,)
+        if info.field_name and any(isinstance(item, str | bytes) for item in items):
+            parts = set(types_within(cls.model_fields[info.field_name].annotation))
+            if parts & {int, float} and not any(isinstance(part, type) and issubclass(part, str) for part in parts):
+                raise ValueError("a number is needed, not a text")
         return value
 
     @field_validator("*", mode="before")
@@ -124,7 +125,14 @@ class Parameters(_Model):
         try:
             super().__init__(**dict(zip(names, arguments, strict=True)), **values)
         except ValidationError as error:
-            raise InputError(f"{type(self).__name__}: {_problems(error)}") from None
+            raise InputError(_of_class(type(self), _problems(error, type(self).model_fields))) from None
+
+    def disproportions(self) -> Iterator[str]:
+        """Values that are hardly meant together, such as a tool a thousand times as large as the blank: sentences.
+
+        A set-up that contains some is refused unless its user accepts unusual values (``ranges.py``).
+        """
+        yield from ()
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """A copy with some values changed, checked like a new value.
@@ -153,7 +161,7 @@ class Parameters(_Model):
             return cls.model_validate(content)
         except ValidationError as error:
             # nested values name their class in their messages, and this one may too
-            problems, prefix = _problems(error), f"{cls.__name__}: "
+            problems, prefix = _problems(error, cls.model_fields), f"{cls.__name__}: "
             raise InputError(prefix + problems.removeprefix(prefix)) from None
 
     @cached_property
@@ -210,14 +218,36 @@ _PLAIN = {
 }  # fmt: skip
 
 
-def _problems(error: ValidationError) -> str:
+# Names of fields as a user typed them, while ``typed_as`` is in force.
+_typed: ContextVar[Mapping[str, str] | None] = ContextVar("typed", default=None)
+
+
+@contextmanager
+def typed_as(names: Mapping[str, str]) -> Iterator[None]:
+    """Have messages name fields as the user typed them: "--mesh-size" for ``mesh_size``."""
+    token = _typed.set(names)
+    try:
+        yield
+    finally:
+        _typed.reset(token)
+
+
+def _of_class(cls: type, problems: str) -> str:
+    # who typed options knows nothing of classes
+    return problems if _typed.get() else f"{cls.__name__}: {problems}"
+
+
+def _problems(error: ValidationError, known: Iterable[str]) -> str:
     lines: dict[str, str] = {}
     for problem in error.errors():
         # a field that allows several types has one problem per type: the first is enough
         field, *rest = problem["loc"] or ("",)
-        name = ".".join([str(field), *(str(part) for part in rest if isinstance(part, int))])
+        field = (_typed.get() or {}).get(str(field), field)
+        name = shown(".".join([str(field), *(str(part) for part in rest if isinstance(part, int))]))
         message = _PLAIN.get(problem["type"], problem["msg"].removeprefix("Value error, "))
         message = message.format(**problem["ctx"]) if problem["type"] in _PLAIN and "ctx" in problem else message
+        if problem["type"] == "extra_forbidden":
+            message += did_you_mean(str(field), known)
         if problem["type"] == "missing":
             lines.setdefault(name, f"{name}: is required")
         elif isinstance(problem["input"], dict | np.ndarray):  # too long to show
@@ -231,11 +261,11 @@ def _shown(value: Any) -> str:
     return f"{type(value).__name__}(...)" if isinstance(value, Parameters) else reprlib.repr(value)
 
 
-def _types(annotation: Any) -> Iterator[Any]:
+def types_within(annotation: Any) -> Iterator[Any]:
     """``annotation`` and all its parts."""
     yield annotation
     for part in get_args(annotation):
-        yield from _types(part)
+        yield from types_within(part)
 
 
 class Kinded(Parameters):

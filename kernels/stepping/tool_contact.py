@@ -6,7 +6,7 @@ import warp as wp
 
 from ..contact.penalty import friction_spring, normal_force, touch_struct
 from ..contact.tool_distance import tool_distance_function, tool_set_struct
-from ..lanes import dot, lane_maximum, lane_sum, lane_types, rows3, scale, store_rows3
+from ..lanes import dot, lane_maximum, lane_sum, lane_types, larger, rows3, scale, store_rows3
 from ..operators import div, mul  # noqa: F401
 from ..rows import NodeReportRow
 from .node_data import NodeTraits, node_laws_struct, present_struct
@@ -104,6 +104,7 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
                         report[NodeReportRow.thickness_work, block] = (
                             report[NodeReportRow.thickness_work, block] + spring * present.growth
                         )
+                    touch.depth[k, block] = larger(touch.depth[k, block], penetration)
                     push = pressed + drag
                     force = force + push
                     friction = friction + drag

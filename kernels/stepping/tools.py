@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from ..rows import ClockEntry, ToolWorkRow
+from ..rows import ClockEntry, ToolWatchRow, ToolWorkRow
 
 STROKE = wp.constant(0)
 FORCE = wp.constant(1)
@@ -79,6 +79,34 @@ def total_force(forces: Any, tool: int):
     return total
 
 
+@wp.func
+def add(rows: wp.array2d(dtype=wp.float64), row: int, k: int, value: wp.float64):
+    rows[row, k] = rows[row, k] + value
+
+
+@wp.func
+def watch_tool(
+    watch: wp.array2d(dtype=wp.float64),
+    k: int,
+    step: wp.float64,
+    wanted: wp.float64,
+    total: wp.vec3d,
+    along: wp.float64,
+):
+    """Book what the sheets did to tool ``k`` in this step; ``wanted`` [N] along its axis drives it, if by force."""
+    none = wp.float64(0.0)
+    watch[ToolWatchRow.peak, k] = wp.max(watch[ToolWatchRow.peak, k], wp.length(total))
+    if wanted != none:
+        force = wp.abs(wanted)
+        # what the sheets carry pushes back
+        carried = wp.max(-along * wp.sign(wanted), none)
+        watch[ToolWatchRow.most_wanted, k] = wp.max(watch[ToolWatchRow.most_wanted, k], force)
+        add(watch, ToolWatchRow.wanted, k, step)
+        add(watch, ToolWatchRow.idle, k, wp.where(carried < wp.float64(0.5) * force, step, none))
+        add(watch, ToolWatchRow.wanted_impulse, k, step * force)
+        add(watch, ToolWatchRow.carried_impulse, k, step * carried)
+
+
 @cache
 def tool_motion_kernel(real: type):
     """Kernel of a single thread per step, between the node kernel and the next step."""
@@ -95,6 +123,7 @@ def tool_motion_kernel(real: type):
         velocity: wp.array(dtype=wp.float64),
         total_reaction: wp.array(dtype=wp.vec3d),
         work: wp.array2d(dtype=wp.float64),  # rows: see ToolWorkRow
+        watch: wp.array2d(dtype=wp.float64),  # rows: see ToolWatchRow
     ):
         step = clock[ClockEntry.step]
         next_time = clock[ClockEntry.time] + step
@@ -119,6 +148,7 @@ def tool_motion_kernel(real: type):
             travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
             work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * travel
             work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * travel
+            watch_tool(watch, k, step, drive_force, total, along)
         clock[ClockEntry.time] = next_time
         clock[ClockEntry.mean_step] = step
 

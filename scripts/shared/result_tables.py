@@ -5,6 +5,7 @@ from __future__ import annotations
 from weavesim.measures.findings import SHEET_FINDINGS
 from weavesim.output import known_writers
 from weavesim.run.fields import FIELDS
+from weavesim.run.guards import known_guards
 from weavesim.run.verdict import RUN_FINDINGS
 
 
@@ -18,6 +19,9 @@ def tables() -> str:
     for heading, findings in (("Numbers of a sheet", SHEET_FINDINGS), ("Numbers of a run", RUN_FINDINGS)):
         lines += ["", f"## {heading}", "", "| entry | unit | what it is |", "|---|---|---|"]
         lines += [f"| `{item.key}` | {item.unit.symbol} | {item.description} |" for item in findings]
+    lines += ["", "## Guards", "", "| name | watches |", "|---|---|"]
+    own = {name: guard for name, guard in known_guards().items() if guard.__module__.startswith("weavesim.")}
+    lines += [f"| `{name}` | {guard.watches} |" for name, guard in own.items()]
     lines += ["", "## Fields per element", "", "| name in files | unit | what it is |", "|---|---|---|"]
     lines += [f"| `{field.file_name}` | {field.file_unit} | {field.description} |" for field in FIELDS]
     return "\n".join(lines) + "\n"

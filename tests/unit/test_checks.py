@@ -13,8 +13,8 @@ from hypothesis.extra import numpy as arrays
 from pydantic import SerializeAsAny
 
 from weavesim.arrays import BoolArray, FloatArray, IndexArray
-from weavesim.checks import Kinded, Parameters, Positive, json_schema
-from weavesim.errors import InputError
+from weavesim.checks import Kinded, Parameters, Positive, json_schema, typed_as
+from weavesim.errors import InputError, did_you_mean
 from weavesim.tools.shapes import Sphere
 
 
@@ -122,6 +122,14 @@ def test_flags_survive_json(flags):
         (lambda: Pile(bodies=Ball(1.0)), r"bodies = Ball\(...\): give a list"),
         (lambda: Ball(float("inf")), "radius = inf: a finite number is needed"),
         (lambda: Ball(float("nan")), "radius = nan: a finite number is needed"),
+        (lambda: Plain(cuont=2), "Plain: cuont = 2: unknown name; did you mean 'count'\\?"),
+        (lambda: Plain(Name="x"), "Name = 'x': unknown name; did you mean 'name'\\?"),
+        (lambda: Ball(1.0, hieght=2.0), "did you mean 'height'\\?"),
+        (lambda: Plain(**{"qqqq": 1}), "Plain: qqqq = 1: unknown name$"),
+        (lambda: Plain(**{"a\nb": 1}), r"Plain: a\\nb = 1: unknown name$"),
+        (lambda: Ball.from_json('{"kind": "Ball", "radios": 1}'), "did you mean 'radius'\\?"),
+        (lambda: Ball("1_0"), "radius = '1_0': a number is needed, not a text"),
+        (lambda: Plain(count="1"), "count = '1': a number is needed, not a text"),
         (lambda: Plain(count=1.5), "Plain: count = 1.5: a whole number is needed"),
         (lambda: Plain(name=7), "Plain: name = 7: a text is needed"),
         (lambda: Plain(side="left"), "Plain: side = 'left': one of 'top' or 'bottom' is needed"),
@@ -141,6 +149,19 @@ def test_flags_survive_json(flags):
 def test_bad_values_are_named(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+def test_messages_name_what_was_typed():
+    with typed_as({"count": "--count"}), pytest.raises(InputError, match=r"^--count = 1.5: a whole number") as raised:
+        Plain(count=1.5)
+    assert "Plain" not in str(raised.value)
+    with pytest.raises(InputError, match="^Plain: count = 1.5"):
+        Plain(count=1.5)
+
+
+def test_a_nearest_name_is_found_in_little_time():
+    assert did_you_mean("thicknes", ["thickness"]) == "; did you mean 'thickness'?"
+    assert did_you_mean("x" * 10**6, ["thickness"]) == did_you_mean("", []) == ""
 
 
 def test_schema_knows_every_kind():

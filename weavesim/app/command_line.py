@@ -158,6 +158,7 @@ def scene_command(
     The command passes on the options that differ from their defaults, runs, prints where the results are, and exits
     with a code.
     """
+    from ..checks import typed_as
     from .options import RunOptions
 
     options = {
@@ -167,7 +168,8 @@ def scene_command(
 
     def command(**values: Any) -> None:
         given = {name: value for name, value in values.items() if value != options[name].default}
-        checked = parameters(**given)
+        with typed_as({name: _flag(name) for name in options}):
+            checked = parameters(**given)
         from ..engine.compilation import side_by_side
 
         try:
@@ -196,8 +198,13 @@ def _announce_compilation(scene: str, kernel_count: int) -> None:
     say(text, error=True)
 
 
+def _flag(name: str) -> str:
+    """The option as typed."""
+    return "--" + name.replace("_", "-")
+
+
 def _option(name: str, field: Any, panel: str) -> inspect.Parameter:
-    flag = "--" + name.replace("_", "-")
+    flag = _flag(name)
     kind = _plain_type(field.annotation)
     declaration = f"{flag}/--no-{flag[2:]}" if kind is bool else flag
     option = typer.Option(declaration, help=field.description, rich_help_panel=panel)

@@ -9,6 +9,7 @@ import warp as wp
 
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
+from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.stepping.node import node_motion_kernel
@@ -33,6 +34,7 @@ class SheetKernels:
     forces: wp.Kernel
     nodes: wp.Kernel
     frequencies: wp.Kernel
+    extremes: wp.Kernel
     frequency_lane_count: int  # the wide kernel takes long to compile: only for cells that run faster with it
 
     @classmethod
@@ -43,6 +45,7 @@ class SheetKernels:
             forces=element_force_kernel(real, lane_count, sheet.cell_law, sheet.sheet_traits),
             nodes=node_motion_kernel(real, lane_count, sheet.node_traits),
             frequencies=element_frequency_kernel(real, frequency_lanes, sheet.cell_law, sheet.sheet_traits),
+            extremes=element_extremes_kernel(real, lane_count),
             frequency_lane_count=frequency_lanes,
         )
 
@@ -112,7 +115,7 @@ class Launches:
         lane_count = sheet.lane_count
         touch = touch_struct(sheet.real, lane_count)()
         touch.friction = sheet.friction_layout.view(own.friction)
-        touch.gap = own.gap
+        touch.gap, touch.depth = own.gap, lanes_view(own.depth, lane_count)
         rows = sheet.places.tools if sheet.tool_count else slice(0, 1)
         touch.reaction = state.reaction[
             rows.start : rows.stop, sheet.places.first_reaction : sheet.places.first_reaction + sheet.block_count
@@ -181,9 +184,12 @@ class Launches:
             self._tool_motion,
             dim=1,
             inputs=[tools.drives, self._sums],
-            outputs=[state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_work],
+            outputs=[
+                state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_work,
+                state.tool_watch,
+            ],
             device=device,
-        )
+        )  # fmt: skip
 
     # --- the stable step ---------------------------------------------------------------------------------------------
 
@@ -205,6 +211,17 @@ class Launches:
             outputs=[lanes_view(self.squared_frequency[index], lane_count)],
             device=sheet.device,
         )  # fmt: skip
+
+    def element_extremes(self, index: int, first: int, count: int) -> None:
+        """Extremes so far of sheet ``index``, in ``count`` blocks of elements from ``first``."""
+        sheet, own = self.model.sheets[index], self.state.sheets[index]
+        wp.launch(
+            self._kernels[index].extremes,
+            dim=count,
+            inputs=[first, sheet.elements, own.motion],
+            outputs=[lanes_view(own.extremes, sheet.lane_count)],
+            device=sheet.device,
+        )
 
     def set_step(self, safety: float, largest_step: float) -> None:
         """The next step, from the highest frequency of all sheets."""
@@ -236,7 +253,11 @@ class Launches:
     @property
     def kernels(self) -> list[wp.Kernel]:
         """All kernels launched here, each once."""
-        own = [kernel for kernels in self._kernels for kernel in (kernels.forces, kernels.nodes, kernels.frequencies)]
+        own = [
+            kernel
+            for kernels in self._kernels
+            for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes)
+        ]
         common = [self._tool_motion, self._partial_sums, self._partial_maximum, self._set_step]
         if self.model.drives.count:
             common.append(self._support_motion)

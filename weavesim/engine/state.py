@@ -13,7 +13,17 @@ import numpy as np
 import warp as wp
 
 from ..errors import InputError
-from ..kernels.rows import CORNER_ROW_COUNT, CellReportRow, ClockEntry, MotionRow, NodeReportRow, SlipRow, ToolWorkRow
+from ..kernels.rows import (
+    CORNER_ROW_COUNT,
+    CellReportRow,
+    ClockEntry,
+    ExtremeRow,
+    MotionRow,
+    NodeReportRow,
+    SlipRow,
+    ToolWatchRow,
+    ToolWorkRow,
+)
 from .layout import BLOCK
 
 if TYPE_CHECKING:
@@ -21,7 +31,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 1
+FILE_VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -35,6 +45,8 @@ class SheetState:
     corner_force: wp.array  # flat, ``SheetModel.corners``, rows CornerRow
     node_report: wp.array  # (rows, nodes), ``SheetModel.node_report_rows``
     friction: wp.array  # flat, ``SheetModel.friction_layout`` [m]
+    depth: wp.array  # (tools, nodes), deepest that each has been in a tool [m]
+    extremes: wp.array  # (rows, elements), ExtremeRow
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
 
@@ -60,6 +72,8 @@ class SheetState:
             corner_force=zeros(CORNER_ROW_COUNT * model.element_count),
             node_report=wp.array(node_report, dtype=real, device=device),
             friction=zeros(3 * tool_rows * model.node_count),
+            depth=zeros(tool_rows, model.node_count),
+            extremes=zeros(ExtremeRow.row_count(), model.element_count),
             gap=zeros(tool_rows, model.block_count),
             holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
         )
@@ -74,6 +88,7 @@ class State:
         tool_displacement, tool_velocity: along each tool's axis, (tool_count,) float64 [m], [m/s].
         tool_force: of the sheets on each tool, (tool_count,) vec3d [N].
         tool_work: rows ToolWorkRow, (rows, tool_count) float64 [J].
+        tool_watch: rows ToolWatchRow, (rows, tool_count) float64.
         reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N].
         drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
             (drive_count,) [m].
@@ -86,6 +101,7 @@ class State:
     tool_velocity: wp.array
     tool_force: wp.array
     tool_work: wp.array
+    tool_watch: wp.array
     reaction: wp.array
     drive_displacement: wp.array
     drive_increment: wp.array
@@ -108,6 +124,7 @@ class State:
             tool_velocity=doubles(model.tools.initial_velocity),
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
             tool_work=wp.zeros((ToolWorkRow.row_count(), tool_count), dtype=wp.float64, device=device),
+            tool_watch=wp.zeros((ToolWatchRow.row_count(), tool_count), dtype=wp.float64, device=device),
             reaction=wp.zeros((max(tool_count, 1), model.reaction_count), dtype=model.types.vec3, device=device),
             drive_displacement=wp.zeros(drive_count, dtype=wp.float64, device=device),
             drive_increment=wp.zeros(drive_count, dtype=model.real, device=device),

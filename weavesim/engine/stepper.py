@@ -143,6 +143,9 @@ class Stepper:
         for index in range(len(self.model.sheets)):
             own = chunks(self._launches.frequency_block_count(index), thread_count)[thread]
             self._launches.element_frequencies(index, *own)
+            sheet = self.model.sheets[index]
+            own = chunks(sheet.element_count // sheet.lane_count, thread_count)[thread]
+            self._launches.element_extremes(index, *own)
         self._replay.wait(thread_count)
         if thread == 0:
             self._launches.set_step(self.step_safety, self.largest_step)

@@ -12,6 +12,7 @@ from typing import Any
 
 from ..checks import Parameters
 from ..errors import InputError
+from ..ranges import check_usual
 from .fabric import Fabric
 from .families import constructors, implied_kind, kinds_of_field, kinds_within
 from .presets import PRESETS
@@ -21,8 +22,8 @@ FABRIC_HELP = f"one of {', '.join(PRESETS)}, or a .toml or .json file"
 _MISTAKES = (TypeError, ValueError, ArithmeticError)
 
 
-def resolve_fabric(name_or_path: str) -> Fabric:
-    """A preset by name, or the fabric of a .toml or .json file.
+def resolve_fabric(name_or_path: str, *, accept_unusual: bool = False) -> Fabric:
+    """A preset by name, or the fabric of a .toml or .json file, see ``load_fabric``.
 
     Raises:
         InputError: no such preset or file, or a file with mistakes.
@@ -30,13 +31,13 @@ def resolve_fabric(name_or_path: str) -> Fabric:
     if name_or_path in PRESETS:
         return PRESETS[name_or_path]()
     if Path(name_or_path).suffix.lower() in (".toml", ".json"):
-        return load_fabric(name_or_path)
+        return load_fabric(name_or_path, accept_unusual=accept_unusual)
     raise InputError(
         f"fabric {name_or_path!r} is unknown: choose one of {', '.join(PRESETS)}, or give a .toml or .json file"
     )
 
 
-def load_fabric(path: str | Path) -> Fabric:
+def load_fabric(path: str | Path, *, accept_unusual: bool = False) -> Fabric:
     """Read a fabric from a TOML or JSON file.
 
     Keys are the names of the parameters of ``Fabric``, in SI units, as ``Fabric.to_json`` writes them; ``based_on``
@@ -45,8 +46,10 @@ def load_fabric(path: str | Path) -> Fabric:
     list of numbers, ``{csv = "test.csv", column = "force", scale = 1000.0}`` reads a column of a CSV file with a
     header, relative to the fabric's file, and multiplies it by the scale (default 1).
 
+    ``accept_unusual`` takes values outside their plausible range as meant (docs/fabrics.md).
+
     Raises:
-        InputError: a file that is missing or unreadable, an unknown kind, or values that are not allowed.
+        InputError: a file that is missing or unreadable, an unknown kind, or values that are not allowed or unusual.
     """
     path = Path(path)
     try:
@@ -65,9 +68,13 @@ def load_fabric(path: str | Path) -> Fabric:
         values = {name: _converted(value, name, Fabric, path.parent) for name, value in values.items()}
         values.setdefault("name", path.stem)
         if based_on is None:
-            return Fabric(**values)
-        values.setdefault("source", f"{path.name}, based on the preset {based_on}")
-        return PRESETS[based_on]().model_copy(update=values)
+            fabric = Fabric(**values)
+        else:
+            values.setdefault("source", f"{path.name}, based on the preset {based_on}")
+            fabric = PRESETS[based_on]().model_copy(update=values)
+        if not accept_unusual:
+            check_usual(fabric)
+        return fabric
     except (InputError, *_MISTAKES) as error:
         raise InputError(f"fabric file {path}: {error}") from None
 

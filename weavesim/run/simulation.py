@@ -16,11 +16,13 @@ from ..engine.stepper import Stepper
 from ..errors import RunError
 from .diagnosis import find_failure
 from .frame import Frame, Observer, Outcome, RunInfo
+from .guards import Doubt, Level, verdict_of
 from .interruption import Interruption, interruption
 from .ledger import Ledger
 from .sheet_ledger import Penetration
 from .start import Prepared, prepare
-from .verdict import doubts, summary
+from .verdict import Judged, summary
+from .watch import Watch
 
 logger = logging.getLogger(__name__)
 
@@ -56,7 +58,7 @@ class Simulation:
         self.wall_time = 0.0
         self._prepared: Prepared | None = None
         self._frame: Frame | None = None
-        self._penetration: Penetration | None = None
+        self._watch: Watch | None = None
 
     @property
     def name(self) -> str:
@@ -112,9 +114,17 @@ class Simulation:
         return self._frame or self.prepare().frame
 
     @property
+    def watch(self) -> Watch:
+        """What the guards saw, whatever the frames were."""
+        if self._watch is None:
+            self._watch = Watch(self.prepare())
+            self._watch.look(self.prepare().frame)
+        return self._watch
+
+    @property
     def penetration(self) -> Penetration:
-        """The deepest penetration of all frames."""
-        return self._penetration or self.prepare().penetration
+        """The deepest penetration so far."""
+        return self.watch.penetration
 
     # --- the run -----------------------------------------------------------------------------------------------------
 
@@ -143,9 +153,11 @@ class Simulation:
                 at_end.callback(self._finish, observer)
             self._publish(self.frame, observers)
             self.outcome = self._run_frames(observers, interrupted, started)
-            for doubt in self.doubts():
-                self.warnings.append(doubt)
-                logger.warning("%s", doubt)
+            try:
+                self._report_doubts()
+            except Exception as error:  # the results are still worth having
+                self.warnings.append(f"the result could not be judged: {type(error).__name__}: {error}")
+                logger.warning("%s", self.warnings[-1], exc_info=error)
             if self.failure:
                 logger.info("%s", self.failure)
         self.wall_time = time.perf_counter() - started
@@ -154,17 +166,26 @@ class Simulation:
         return self.outcome
 
     def _run_frames(self, observers: Sequence[Observer], interrupted: Interruption, started: float) -> Outcome:
-        setup = self.setup
+        setup, watch = self.setup, self.watch
         while True:
-            running = self._advance_to(setup.duration * (self.frame.index + 1) / setup.frame_count, interrupted)
+            index = self.frame.index + 1
+            target = setup.duration * index / setup.frame_count
+            running = self._advance_to(min(target, watch.next_time), interrupted)
             if self.failure:
                 return Outcome.NOT_FINITE
             # a signal during a frame leaves no steps between it and the next one
-            if running or self.state.step_count > self.frame.step_count:
-                self._publish(self.ledger.frame(self.frame.index + 1), observers)
-            self.wall_time = time.perf_counter() - started
             frame = self.frame
+            if running or self.state.step_count > frame.step_count:
+                frame = self.ledger.frame(index)
+            if frame.time >= watch.next_time or not running:
+                watch.look(frame, last=not running)
+            if frame.time < target and running:
+                continue
+            if frame is not self.frame:
+                self._publish(frame, observers)
+            self.wall_time = time.perf_counter() - started
             if frame.time >= setup.duration or (setup.rest and setup.rest.reached(frame.time, frame.energies)):
+                watch.look(frame, last=True)
                 return Outcome.FINISHED
             if not running:
                 self.interrupted_by = interrupted.signal.name if interrupted.signal else None
@@ -176,11 +197,12 @@ class Simulation:
     def take_frame(self) -> Frame:
         """Take a frame of the current state and add it to ``history``, without notifying observers."""
         with exclusive():
-            self._publish(self.ledger.frame(self.frame.index + 1), ())
+            frame = self.ledger.frame(self.frame.index + 1)
+            self.watch.look(frame, last=True)
+            self._publish(frame, ())
         return self.frame
 
     def _publish(self, frame: Frame, observers: Sequence[Observer]) -> None:
-        self._penetration = self.penetration.deeper(self.ledger.penetration(frame))
         self._frame = frame
         self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
         for observer in observers:
@@ -200,6 +222,28 @@ class Simulation:
         """Numbers of the run for summary.json; SI units unless the name says otherwise."""
         return summary(self)
 
-    def doubts(self) -> list[str]:
-        """Reasons not to trust the result of the run as it is; empty if there are none."""
-        return doubts(self.summary(), min(sheet.fabric.thickness for sheet in self.setup.sheets))
+    def doubts(self) -> list[Doubt]:
+        """What speaks against the result so far, the worst first; notes are among it."""
+        return self.prepare().guards.after(Judged(self))
+
+    @property
+    def verdict(self) -> str:
+        """ "trusted", "doubtful" or "do not use", by the worst of the doubts."""
+        return verdict_of(self.doubts())
+
+    @property
+    def trusted(self) -> bool:
+        """Whether there is no doubt beyond a note."""
+        return all(doubt.level == Level.NOTE for doubt in self.doubts())
+
+    def _report_doubts(self) -> None:
+        """Add the doubts that are new since the start to ``warnings`` and the log."""
+        known = set(self.prepare().guards.first)
+        for doubt in self.doubts():
+            if doubt in known:
+                continue
+            if doubt.level > Level.NOTE:
+                self.warnings.append(doubt.message)
+                logger.warning("%s", doubt.message)
+            else:
+                logger.info("%s", doubt.message)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..device import resolve_thread_counts
 from ..engine.model import Model
-from ..engine.setup import Setup, World
+from ..engine.setup import Setup
 from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..errors import InputError
@@ -19,15 +19,13 @@ from ..fabric.cell import UnitCell
 from ..sheet.sheet import Sheet
 from ..tools.sampling import mesh_parts
 from .frame import Frame, RunInfo, SheetFrame, SheetInfo
+from .guards import Guards, Level, Start
 from .ledger import Ledger
-from .sheet_ledger import Penetration
 
 logger = logging.getLogger(__name__)
 
 # Forces of the undeformed sheet above this share of the unit cell's stiffness are more than rounding.
 LARGEST_REST_FORCE = 1.0e-4
-# With fewer elements along a quarter turn of an edge, the sheet sags over it.
-LEAST_ELEMENTS_PER_QUARTER_TURN = 5.0
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ class Prepared:
         model, state, stepper, ledger: of the run.
         info: for its observers.
         frame: the undeformed state.
-        penetration: of that frame.
+        guards: of the run, asked what they know so far.
     """
 
     model: Model
@@ -47,7 +45,7 @@ class Prepared:
     ledger: Ledger
     info: RunInfo
     frame: Frame
-    penetration: Penetration
+    guards: Guards
 
 
 def prepare(setup: Setup) -> Prepared:
@@ -82,6 +80,8 @@ def prepare(setup: Setup) -> Prepared:
         check_cell_at_rest(sheet.fabric.unit_cell, first)
     for sheet_ledger, sheet, first in zip(ledger.sheets, setup.sheets, frame.sheets, strict=True):
         check_overlap(sheet, sheet_ledger.penetration(first).at_nodes)
+    guards = Guards()
+    doubts = guards.before(Start(model, ledger, frame))
     info = RunInfo(
         name=setup.name,
         setup=setup,
@@ -94,10 +94,10 @@ def prepare(setup: Setup) -> Prepared:
         precision=model.precision.value,
         thread_counts=thread_counts,
         internal_energies=ledger.internal,
-        warnings=first_warnings(model),
-        notes=tuple(mesh_notes(model)),
+        warnings=[doubt.message for doubt in doubts if doubt.level > Level.NOTE],
+        notes=(*mesh_notes(model), *(doubt.message for doubt in doubts if doubt.level == Level.NOTE)),
     )
-    return Prepared(model, state, stepper, ledger, info, frame, ledger.penetration(frame))
+    return Prepared(model, state, stepper, ledger, info, frame, guards)
 
 
 def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
@@ -131,27 +131,6 @@ def check_overlap(sheet: Sheet, penetration: float) -> None:
             f"a tool overlaps the blank by {1e3 * penetration:.3g} mm before the run starts; the sheet is "
             f"{1e3 * thickness:.3g} mm thick: move the tool half a thickness off the mid-surface"
         )
-
-
-def first_warnings(model: Model) -> list[str]:
-    """Warnings for the user before the run, each once."""
-    found: list[str] = []
-    sheets = iter(model.sheets)
-    for world in model.setup.worlds:
-        for sheet in world.sheets:
-            found += [*sheet.fabric.unit_cell.warnings(), *_tool_warnings(world, next(sheets).geometry.area.max())]
-    return list(dict.fromkeys(found))
-
-
-def _tool_warnings(world: World, largest_area: float) -> Iterator[str]:
-    size = float(np.sqrt(largest_area))
-    for tool in world.tools:
-        count = tool.elements_per_quarter_turn(size)
-        if count < LEAST_ELEMENTS_PER_QUARTER_TURN:
-            yield (
-                f"{tool.name}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees "
-                f"of its {tool.smallest_radius * 1e3:.3g} mm radius; below five the sheet sags over the edge"
-            )
 
 
 def mesh_notes(model: Model) -> Iterator[str]:

@@ -1,22 +1,25 @@
-"""Assessment of a run: its numbers, and reasons not to trust them as they are."""
+"""Assessment of a run: its numbers. What speaks against them is said by ``guards``."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..measures.findings import SHEET_FINDINGS, Finding, FormedSheet, found
-from ..measures.units import JOULES, MILLIMETRES, NEWTONS, PER_SECOND, PURE, SECONDS
+from ..measures.units import DEGREES, JOULES, MILLIMETRES, NEWTONS, PER_SECOND, PURE, SECONDS
 from ..version import __version__
 
 if TYPE_CHECKING:
+    from .condition import Condition
+    from .extremes import Extremes
     from .simulation import Simulation
 
-# The balance error of a frame is relative to the work so far, but at least to this share of the run's work.
+# The balance error of a state is relative to the work so far, but at least to this share of the run's work.
 LEAST_WORK = 1.0e-4
 # Hourglass and kinetic over internal energy are judged only above this share of the largest internal energy.
 LEAST_INTERNAL = 0.05
@@ -43,9 +46,8 @@ class Judged:
 
     @cached_property
     def history(self) -> list[dict[str, float]]:
-        """Time, stroke and energies of all frames, at least one."""
-        frame = self.run.frame
-        return self.run.history or [{"time": frame.time, "stroke": frame.stroke, **frame.energies}]
+        """Time, stroke and energies of all states that the run watched, at least one."""
+        return self.run.watch.history
 
     @cached_property
     def supplied(self) -> float:
@@ -54,13 +56,13 @@ class Judged:
 
     @cached_property
     def stored(self) -> list[dict[str, float]]:
-        """Frames that store enough energy for energy ratios to be meaningful."""
+        """States that store enough energy for energy ratios to be meaningful."""
         largest = max(entry["internal"] for entry in self.history)
         return [entry for entry in self.history if entry["internal"] > LEAST_INTERNAL * largest]
 
     @cached_property
     def last_quarter(self) -> list[dict[str, float]]:
-        """The ``stored`` frames in the last quarter of the stroke; without a stroke, of the time."""
+        """The ``stored`` states in the last quarter of the stroke; without a stroke, of the time."""
         stroke, time = abs(self.run.frame.stroke), self.run.frame.time
         return [
             entry
@@ -71,6 +73,31 @@ class Judged:
     def share_of_supplied(self, name: str) -> float:
         """An entry of the ledger at the last frame over the supplied work."""
         return self.run.frame.energies[name] / self.supplied
+
+    @property
+    def extremes(self) -> Extremes:
+        """Over all steps so far."""
+        return self.run.watch.extremes
+
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """Of every sheet so far: passes through itself, folds."""
+        return self.run.watch.conditions
+
+    @cached_property
+    def thickness(self) -> float:
+        """Of the thinnest sheet [m]."""
+        return min(sheet.fabric.thickness for sheet in self.run.info.sheets)
+
+    def number(self, key: str) -> Any:
+        """A number of the summary."""
+        if key not in self._numbers:
+            self._numbers[key] = next(finding for finding in RUN_FINDINGS if finding.key == key).compute(self)
+        return self._numbers[key]
+
+    @cached_property
+    def _numbers(self) -> dict[str, Any]:
+        return {}
 
     def values(self, name: str) -> list[np.ndarray]:
         """A field of every sheet at the last frame."""
@@ -91,6 +118,15 @@ def _balance_error(judged: Judged) -> float:
         abs(entry["balance_error"]) / max(abs(entry["supplied"]), entry["used"], LEAST_WORK * judged.supplied)
         for entry in judged.history
     )
+
+
+def _furthest(judged: Judged, name: str) -> list[float]:
+    """An extreme of every sheet over all steps."""
+    return [getattr(sheet, name).value for sheet in judged.extremes.sheets]
+
+
+def _peak_forces(judged: Judged) -> dict[str, float]:
+    return dict(zip(judged.run.info.tool_names, judged.extremes.tools["peak"].tolist(), strict=True))
 
 
 def _support_forces(judged: Judged) -> dict[str, list[float]]:
@@ -132,6 +168,18 @@ RUN_FINDINGS = (
     _of_sheets("min_stretch", min),
     _of_sheets("max_stretch", max),
     Finding(
+        "max_shear_angle_of_run", DEGREES, "largest shear angle at any time",
+        lambda judged: math.degrees(max(_furthest(judged, "angle"))),
+    ),
+    Finding(
+        "min_stretch_of_run", PURE, "smallest yarn stretch at any time",
+        lambda judged: min(_furthest(judged, "min_stretch")),
+    ),
+    Finding(
+        "max_stretch_of_run", PURE, "largest yarn stretch at any time",
+        lambda judged: max(_furthest(judged, "max_stretch")),
+    ),
+    Finding(
         "hourglass_energy_ratio", PURE, "hourglass over internal energy, the largest",
         lambda judged: max((entry["hourglass"] / entry["internal"] for entry in judged.stored), default=0.0),
     ),
@@ -153,13 +201,34 @@ RUN_FINDINGS = (
         lambda judged: max(sheet.added_mass_ratio for sheet in judged.run.model.sheets),
     ),
     Finding("support_force", NEWTONS, "force of each support on its sheet, by name", _support_forces),
+    Finding("peak_tool_force", NEWTONS, "largest force of the sheets on each tool in any step, by name", _peak_forces),
     Finding(
-        "penetration_at_nodes", MILLIMETRES, "deepest node in a tool",
-        lambda judged: 1e3 * judged.run.penetration.at_nodes,
+        "penetration_at_nodes", MILLIMETRES, "deepest node in a tool at any time, if any was touched",
+        lambda judged: 1e3 * (max(_furthest(judged, "depth")) or judged.run.penetration.at_nodes),
     ),
     Finding(
-        "penetration_at_element_centres", MILLIMETRES, "deepest centre of an element in a tool",
+        "penetration_at_element_centres", MILLIMETRES, "deepest centre of an element in a tool, of the watched states",
         lambda judged: 1e3 * judged.run.penetration.at_element_centres,
+    ),
+    Finding(
+        "self_intersections", PURE, "pairs of triangles of a sheet that pass through each other, at the end",
+        lambda judged: sum(int(condition.crossings.last) for condition in judged.conditions),
+    ),
+    Finding(
+        "most_self_intersections", PURE, "the same at the worst of the watched states",
+        lambda judged: sum(int(condition.crossings.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "folded_elements", PURE, "elements or neighbours folded onto each other, at the worst of the watched states",
+        lambda judged: sum(int(condition.folded.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "inverted_elements", PURE, "elements turned over against their directors, at the worst of the watched states",
+        lambda judged: sum(int(condition.inverted.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "beyond_symmetry", MILLIMETRES, "furthest that a node was beyond a symmetry plane",
+        lambda judged: 1e3 * max(condition.beyond.most for condition in judged.conditions),
     ),
     Finding(
         "unit_cell_max_residual", PURE, "worst residual of a unit cell",
@@ -174,6 +243,11 @@ RUN_FINDINGS = (
         lambda judged: dict(judged.run.frame.energies),
     ),
     Finding("notes", PURE, "what was found about the input", lambda judged: list(judged.run.info.notes)),
+    Finding("verdict", PURE, "trusted, doubtful, or do not use", lambda judged: judged.run.verdict),
+    Finding(
+        "doubts", PURE, "what speaks against the result: guard, level, text, advice, place on the flat blank, time",
+        lambda judged: [doubt.as_dict() for doubt in judged.run.doubts()],
+    ),
     Finding("warnings", PURE, "why the result may not be what it seems", lambda judged: list(judged.run.warnings)),
 )  # fmt: skip
 
@@ -181,63 +255,3 @@ RUN_FINDINGS = (
 def summary(simulation: Simulation) -> dict[str, Any]:
     """Numbers of a run for summary.json; SI units unless the name says otherwise."""
     return found(RUN_FINDINGS, Judged(simulation))
-
-
-class Limit(NamedTuple):
-    """Upper limit of a number of the summary.
-
-    Attributes:
-        key: of the number.
-        text: description of the number.
-        largest: largest value allowed.
-        advice: what it means, or what to do.
-    """
-
-    key: str
-    text: str
-    largest: float
-    advice: str
-
-
-def limits(numbers: Mapping[str, Any], thickness: float) -> tuple[Limit, ...]:
-    """Limits for a run with these numbers, whose thinnest sheet has this thickness [m]."""
-    # a falling sheet comes to rest by damping alone
-    damping = 0.05 if numbers["gravity_work_ratio"] < 0.5 else 1.0
-    return (
-        Limit(
-            "energy_balance_error", "the error of the energy balance over the work", 0.05,
-            "energy is made or lost, do not use the result; a smaller time step or float64 tells more",
-        ),
-        Limit(
-            "kinetic_energy_ratio", "kinetic over internal energy in the last quarter", 0.05,
-            "the run is not quasi-static, slow the tools down",
-        ),
-        Limit("hourglass_energy_ratio", "hourglass over internal energy", 0.05, "refine the mesh"),
-        Limit("damping_loss_ratio", "damping loss over supplied work", damping, "lower the damping"),
-        Limit("added_mass_ratio", "the added mass over the blank's", 0.05, "it changes the dynamics"),
-        Limit(
-            "penetration_at_nodes_mm", "the deepest node in a tool [mm]", 0.05 * (1e3 * thickness),
-            "tools move too fast, or meet through the sheet",
-        ),
-        Limit("unit_cell_failures", "the number of failed unit cells", 0, "see unit_cell_failed"),
-    )  # fmt: skip
-
-
-def doubts(numbers: Mapping[str, Any], thickness: float) -> list[str]:
-    """Reasons not to trust the result of a run as it is; empty if there are none.
-
-    Args:
-        numbers: the ``summary``.
-        thickness: of the thinnest sheet [m].
-    """
-    result = [
-        f"{limit.text} is {numbers[limit.key]:.3g}, above {limit.largest:g}: {limit.advice}"
-        for limit in limits(numbers, thickness)
-        if not numbers[limit.key] <= limit.largest
-    ]
-    if not 0.9 < numbers["min_stretch"] <= numbers["max_stretch"] < 1.1:
-        result.append(
-            f"yarn stretches range from {numbers['min_stretch']:.3f} to {numbers['max_stretch']:.3f}: yarns of a woven "
-            "fabric do not bear that"
-        )
-    return result

@@ -11,10 +11,11 @@ from pydantic import model_validator
 from ..arrays import FloatArray, IndexArray
 from ..checks import Parameters
 from ..errors import InputError
-from ..quantities import finite, positive
+from ..quantities import finite
+from ..ranges import QUANTITIES, argument
 from .topology import checked_distortion, part_of_nodes
 
-_LARGEST_EXTENT_M = 20.0
+_LARGEST_EXTENT_M = QUANTITIES["length"].legal[1]
 # Allowed deviation from length one, and from the plane of the element; smallest sine of the angle between the yarns.
 _UNIT_TOLERANCE = 1.0e-6
 _PLANE_TOLERANCE = 1.0e-3
@@ -69,6 +70,11 @@ class Blank(Parameters):
     @property
     def element_count(self) -> int:
         return len(self.quads)
+
+    @property
+    def size(self) -> float:
+        """Longest side of the box around the nodes [m]."""
+        return float(np.ptp(self.node_position, axis=0).max())
 
     def element_centres(self) -> np.ndarray:
         """Initial centres of the elements, (element_count, 3) [m]."""
@@ -182,7 +188,7 @@ class Blank(Parameters):
     @classmethod
     def disc(cls, radius: float, element_size: float, **options: Any) -> Blank:
         """A flat disc around the origin [m], as a polygon with 720 sides; ``options`` are those of ``fitted``."""
-        radius, angle = positive("radius", radius), np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+        radius, angle = argument("radius", radius, "length"), np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
         return cls.fitted(radius * np.column_stack([np.cos(angle), np.sin(angle)]), element_size, **options)
 
     @classmethod
@@ -214,7 +220,7 @@ class Blank(Parameters):
         director /= np.linalg.norm(director, axis=1, keepdims=True)
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         if warp_direction is None:
-            angle = np.deg2rad(finite("yarn_angle", yarn_angle))
+            angle = np.deg2rad(argument("yarn_angle", yarn_angle, "angle", zero=True, negative=True))
             warp_direction = np.array([np.cos(angle), np.sin(angle), 0.0])
         wished = _number_array("warp_direction", warp_direction)
         if wished.shape not in ((3,), normal.shape):
@@ -254,7 +260,7 @@ class Blank(Parameters):
         quads = mesh.cells_dict.get("quad")
         if quads is None:
             raise InputError(f"blank mesh {path}: contains {sorted(mesh.cells_dict)}, but quadrilaterals are needed")
-        points = np.asarray(mesh.points, dtype=float) * positive("unit_scale", unit_scale)
+        points = np.asarray(mesh.points, dtype=float) * argument("unit_scale", unit_scale, "unit scale")
         points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
         used, quads = np.unique(quads, return_inverse=True)
         return cls.from_mesh(points[used], quads.reshape(-1, 4), yarn_angle=yarn_angle)

@@ -8,12 +8,11 @@ become a wall. ``sampling.py`` samples it for the kernels.
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -22,6 +21,8 @@ from ..arrays import FloatArray, IntArray
 from ..checks import Parameters
 from ..errors import InputError
 from ..quantities import FiniteVector, Vector, positive, unit_vector
+from ..ranges import Quantity, argument
+from .mesh_features import fillet_radius, sharp_edges, width_along
 from .mesh_repair import (
     SEAM,
     WELD,
@@ -31,7 +32,6 @@ from .mesh_repair import (
     ends_at,
     extruded,
     mirrored_mesh,
-    neighbours,
     open_border,
     oriented,
     triangle_areas,
@@ -39,9 +39,6 @@ from .mesh_repair import (
     welded,
 )
 from .shapes import Shape, Triangles
-
-# Edges sharper than this [rad] are real edges, not between the facets of a fillet.
-SHARP = math.radians(50.0)
 
 
 class MeshSurface:
@@ -55,9 +52,11 @@ class MeshSurface:
         open_edge_count: border edges of a sheet.
         cut_planes: "x", "y": planes at which the mesh ends, like a half model.
         removed_triangle_count: degenerate triangles that were removed.
-        smallest_radius: of the convex fillets, estimated from the facets [m]; sharp edges are ignored.
+        fillet_radius: smallest of the convex fillets, estimated from the facets [m]; sharp edges are ignored.
+        sharp_edges: convex ones, pairs of vertices (k, 2); sharp_edge_normals: of their two faces, (k, 2, 3).
         spacing, reach: of the samples, as given [m]; None leaves the choice to ``sampling.py``.
         first_spacing: preferred spacing of the samples, used unless it needs too many [m].
+        source_notes: what was converted or left out when the mesh was read, for the log.
     """
 
     def __init__(
@@ -70,8 +69,10 @@ class MeshSurface:
         mirror: Sequence[str] = (),
         spacing: float | None = None,
         reach: float | None = None,
+        source_notes: Sequence[str] = (),
     ) -> None:
         self.name = name
+        self.source_notes = tuple(source_notes)
         vertices, faces = checked_triangles(name, vertices, faces)
         size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
         for plane in mirror:
@@ -91,7 +92,8 @@ class MeshSurface:
             self.faces = self._facing_outwards(faces)
         else:
             self.side, self.faces = self._facing_side(faces, side)
-        self.smallest_radius = _smallest_radius(self.vertices, self.faces)
+        self.fillet_radius = fillet_radius(self.vertices, self.faces)
+        self.sharp_edges, self.sharp_edge_normals = sharp_edges(self.vertices, self.faces)
         self._choose_samples(spacing, reach, size)
         self.solid_vertices, self.solid_faces = self.vertices, self.faces
         if self.side is not None:
@@ -139,7 +141,7 @@ class MeshSurface:
     def _choose_samples(self, spacing: float | None, reach: float | None, size: float) -> None:
         name = self.name
         self.spacing = None if spacing is None else positive(f"{name}: spacing", spacing)
-        chosen = float(np.clip(self.smallest_radius / 10.0, size / 1500.0, size / 150.0))
+        chosen = float(np.clip(self.fillet_radius / 10.0, size / 1500.0, size / 150.0))
         self.first_spacing = chosen if self.spacing is None else self.spacing
         self.reach = None if reach is None else positive(f"{name}: reach", reach)
         if self.reach is not None and not 4.0 * self.first_spacing <= self.reach <= size:
@@ -150,9 +152,22 @@ class MeshSurface:
         if self.first_spacing > 0.1 * size:
             raise InputError(f"{name}: spacing is {spacing} m; it must be at most a tenth of the size, {size:.4g} m.")
 
+    @property
+    def smallest_radius(self) -> float:
+        """Smallest convex radius [m]: zero where an edge is sharp; the border of a sheet is none."""
+        return 0.0 if len(self.sharp_edges) else self.fillet_radius
+
+    def smallest_width(self, axis: Any) -> float:
+        """Width of the most slender part of the mesh, seen along ``axis`` in its own frame [m].
+
+        The diameter of the largest circle in its silhouette.
+        """
+        return width_along(self.vertices, self.faces, np.asarray(axis, dtype=np.float64))
+
     def notes(self) -> list[str]:
         """Notes about the mesh for the log."""
         lines = [f"{self.name}: {len(self.faces)} triangles, {'closed' if self.closed else 'open sheet'}"]
+        lines += [f"{self.name}: {note}" for note in self.source_notes]
         if self.removed_triangle_count:
             lines.append(f"{self.name}: {self.removed_triangle_count} degenerate triangles removed")
         if self.side is not None:
@@ -170,16 +185,18 @@ class TriangleMesh(Parameters):
         faces: three vertex indices each, (m, 3).
         name: for messages.
         path: of the source file, if any.
+        source_notes: what was converted or left out when the mesh was read, for the log.
     """
 
     vertices: FloatArray = Field(repr=False)
     faces: IntArray = Field(repr=False)
     name: str = "tool mesh"
     path: str | None = None
+    source_notes: tuple[str, ...] = ()
     side: FiniteVector | None = None
     mirror: tuple[str, ...] = ()
-    spacing: float | None = None
-    reach: float | None = None
+    spacing: Annotated[float, Quantity("length")] | None = None
+    reach: Annotated[float, Quantity("length")] | None = None
 
     @model_validator(mode="after")
     def _bounds_a_tool(self) -> Self:
@@ -189,7 +206,7 @@ class TriangleMesh(Parameters):
     @cached_property
     def surface(self) -> MeshSurface:
         """The checked mesh."""
-        options = {name: getattr(self, name) for name in ("name", "side", "mirror", "spacing", "reach")}
+        options = {name: getattr(self, name) for name in ("name", "side", "mirror", "spacing", "reach", "source_notes")}
         return MeshSurface(self.vertices, self.faces, **options)
 
 
@@ -217,7 +234,7 @@ class MeshShape(Shape):
         Raises:
             InputError: the file cannot be read, or the mesh cannot be used.
         """
-        unit_scale = positive("unit_scale", unit_scale)
+        unit_scale = argument("unit_scale", unit_scale, "unit scale")
         path = Path(path)
         if not path.is_file():
             raise InputError(f"tool mesh {path} does not exist; give the path of an STL, OBJ or PLY file.")
@@ -278,55 +295,8 @@ class MeshShape(Shape):
     def smallest_radius(self) -> float:
         return self.surface.smallest_radius
 
+    def smallest_width(self, axis: Any = (0.0, 0.0, 1.0)) -> float:
+        return self.surface.smallest_width(np.asarray(axis) @ np.array(self.rotation))
+
     def local_triangles(self) -> Triangles:
         return self.surface.vertices, self.surface.faces
-
-
-# --- checks and repairs -----------------------------------------------------------------------------------------------
-
-
-def _smallest_radius(vertices: np.ndarray, faces: np.ndarray) -> float:
-    """Area-weighted 5th percentile of the convex fillet radii [m]; infinite if nothing is rounded.
-
-    From the second fundamental form per face that best fits the rotation of the vertex normals along its three edges.
-    """
-    corners = vertices[faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = 0.5 * np.linalg.norm(normal, axis=1)
-    normal /= 2.0 * area[:, None]
-    pairs = neighbours(faces) // 3
-    sharp = np.einsum("ij,ij->i", normal[pairs[:, 0]], normal[pairs[:, 1]]) < math.cos(SHARP)
-    # a vertex at a sharp edge has no normal: its faces are ignored
-    rounded_vertex = np.ones(len(vertices), dtype=bool)
-    rounded_vertex[faces[np.unique(pairs[sharp])].ravel()] = False
-    vertex_normal = np.zeros_like(vertices)
-    for k in range(3):
-        u, v = corners[:, (k + 1) % 3] - corners[:, k], corners[:, (k + 2) % 3] - corners[:, k]
-        angle = np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ij,ij->i", u, v))
-        np.add.at(vertex_normal, faces[:, k], angle[:, None] * normal)
-    vertex_normal /= np.maximum(np.linalg.norm(vertex_normal, axis=1, keepdims=True), 1e-30)
-    axis = corners[:, 1] - corners[:, 0]
-    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
-    other = np.cross(normal, axis)
-    rows, right = [], []
-    for k in range(3):
-        edge = corners[:, (k + 1) % 3] - corners[:, k]
-        turn = vertex_normal[faces[:, (k + 1) % 3]] - vertex_normal[faces[:, k]]
-        s, t = np.einsum("ij,ij->i", edge, axis), np.einsum("ij,ij->i", edge, other)
-        zero = np.zeros_like(s)
-        rows += [np.stack([s, t, zero], axis=-1), np.stack([zero, s, t], axis=-1)]
-        right += [np.einsum("ij,ij->i", turn, axis), np.einsum("ij,ij->i", turn, other)]
-    matrix, turned = np.stack(rows, axis=1), np.stack(right, axis=1)
-    usable = np.all(rounded_vertex[faces], axis=1) & (area > 1e-6 * area.max())
-    if not np.any(usable):
-        return math.inf
-    xx, xy, yy = np.einsum("ijk,ik->ij", np.linalg.pinv(matrix[usable]), turned[usable]).T
-    curvature = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
-    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    convex = curvature > 0.5 / size
-    if not np.any(convex):
-        return math.inf
-    radius, weight = 1.0 / curvature[convex], area[usable][convex]
-    order = np.argsort(radius)
-    share = np.cumsum(weight[order]) / weight.sum()
-    return float(radius[order][np.searchsorted(share, 0.05)])

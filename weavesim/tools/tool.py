@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import SerializeAsAny, field_validator
@@ -10,10 +10,15 @@ from pydantic import SerializeAsAny, field_validator
 from ..checks import NotNegative, Parameters, Share
 from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
+from ..ranges import Quantity
 from .shapes import Shape, Triangles, shape_kinds
 
 if TYPE_CHECKING:
     import trimesh
+
+
+# A face whose normal has less than this along a direction neither faces it nor turns away from it.
+LEAST_FACING = 0.05
 
 
 class Tool(Parameters):
@@ -33,7 +38,7 @@ class Tool(Parameters):
     name: str
     shape: SerializeAsAny[Shape]
     motion: SerializeAsAny[Motion] = Fixed()
-    friction: NotNegative = 0.2
+    friction: Annotated[NotNegative, Quantity("friction")] = 0.2
     axis: UnitVector = (0.0, 0.0, 1.0)
     colour: tuple[Share, Share, Share] = (0.62, 0.65, 0.70)
 
@@ -50,6 +55,20 @@ class Tool(Parameters):
         """Smallest radius over which the sheet may bend [m]."""
         return self.shape.smallest_radius
 
+    @property
+    def fillet_radius(self) -> float:
+        """As ``smallest_radius``, but the sharp edges of meshes are ignored [m]."""
+        parts = self.shape.parts()
+        return min(part.smallest_radius if part.surface is None else part.surface.fillet_radius for part in parts)
+
+    @property
+    def smallest_width(self) -> float:
+        """Width of the most slender part of the shape, seen along the tool's axis [m]; infinite if wide or unknown.
+
+        The nodes of a sheet may pass a part that is more slender than its elements.
+        """
+        return self.shape.smallest_width(self.axis)
+
     def display_triangles(self) -> Triangles:
         """Triangles for drawing, at zero displacement: vertices (n, 3) [m] and faces (m, 3)."""
         return self.shape.display_triangles()
@@ -57,6 +76,29 @@ class Tool(Parameters):
     def display_mesh(self) -> trimesh.Trimesh:
         """``display_triangles`` as a trimesh, for measuring or export."""
         return self.shape.display_mesh()
+
+    def sharp_edges_facing(self, points: np.ndarray) -> np.ndarray:
+        """Middles (k, 3) [m] of convex sharp edges of its meshes over which a sheet of ``points`` (n, 3) may be drawn.
+
+        They face the points along the axis and lie within their outline, both at zero displacement. Edges along the
+        axis, and those on the tool's back, are left out.
+        """
+        axis = np.array(self.axis)
+        across = np.linalg.svd(axis[None])[2][1:].T
+        plan, level = points @ across, float(np.mean(points @ axis))
+        found = []
+        for part in self.shape.parts():
+            surface = part.surface
+            if surface is None or not len(surface.sharp_edges):
+                continue
+            turn = np.array(part.rotation)
+            middle = surface.vertices[surface.sharp_edges].mean(axis=1) @ turn.T + np.array(part.origin)
+            up = surface.sharp_edge_normals @ turn.T @ axis
+            towards = up * np.sign(level - middle @ axis)[:, None]
+            seen = (towards.min(axis=1) > -LEAST_FACING) & (towards.max(axis=1) > LEAST_FACING)
+            within = np.all((middle @ across >= plan.min(axis=0)) & (middle @ across <= plan.max(axis=0)), axis=1)
+            found.append(middle[seen & within])
+        return np.concatenate([np.empty((0, 3)), *found])
 
     def elements_per_quarter_turn(self, element_size: float) -> float:
         """Elements of ``element_size`` [m] along 90 degrees of the smallest radius; below five is coarse."""

@@ -143,14 +143,14 @@ def test_report_is_pointed_at(weavesim_command, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--mesh-size", "-1"], "mesh_size = -1.0"),
-        (["--mesh-size", "nan"], "mesh_size"),
+        (["--mesh-size", "-1"], "weavesim: --mesh-size = -1.0: a number above 0"),
+        (["--mesh-size", "nan"], "--mesh-size = nan"),
         (["--mesh-size", "5"], "write 0.005 for 5 mm"),
         (["--mesh-size", "fine"], "--mesh-size"),
-        (["--threads", "0"], "threads"),
+        (["--threads", "0"], "--threads = 0"),
         (["--precision", "float16"], "float32"),
         (["--part", "third"], "third"),
-        (["--holder-gap", "0"], "holder_gap"),
+        (["--holder-gap", "0"], "--holder-gap = 0"),
         (["--colour", "red"], "--colour"),
     ],
 )

@@ -107,12 +107,3 @@ def test_a_run_happens_once():
     simulation.run()
     with pytest.raises(RunError, match="has been run: make a new one"):
         simulation.run()
-
-
-def test_a_tool_with_a_radius_that_the_mesh_cannot_follow_is_warned_of():
-    from weavesim.tools.shapes import Sphere
-
-    ball = Tool("ball", Sphere(radius=0.01, origin=(0.01, 0.01, -0.02)))
-    (warning,) = small_run(tools=[ball]).warnings
-    # a quarter of its circumference over 5 mm
-    assert warning.startswith(f"ball: {0.5 * math.pi * 10.0 / 5.0:.1f} elements of 5 mm")

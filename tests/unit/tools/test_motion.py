@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weavesim.errors import InputError
-from weavesim.kernels.rows import ClockEntry, ToolWorkRow
+from weavesim.kernels.rows import ClockEntry, ToolWatchRow, ToolWorkRow
 from weavesim.kernels.stepping.tools import tool_motion_kernel
 from weavesim.process.strokes import Fixed, ForceDriven, SmoothStroke, Stroke
 from weavesim.tools.device import build_device_tools
@@ -25,6 +25,7 @@ class Tools(NamedTuple):
     velocity: wp.array
     force: wp.array
     work: wp.array
+    watch: wp.array
 
 
 def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0)):
@@ -41,6 +42,7 @@ def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0)):
         wp.array(device.initial_velocity, dtype=wp.float64, device="cpu"),
         wp.zeros(len(tools), dtype=wp.vec3d, device="cpu"),
         wp.zeros((ToolWorkRow.row_count(), len(tools)), dtype=wp.float64, device="cpu"),
+        wp.zeros((ToolWatchRow.row_count(), len(tools)), dtype=wp.float64, device="cpu"),
     )
     displacement, velocity = [], []
     for _ in range(step_count):
@@ -180,3 +182,16 @@ def test_no_tools_make_empty_arrays():
 def test_bad_motions_and_tools_are_refused(build, says):
     with pytest.raises(InputError, match=says):
         build()
+
+
+def test_the_force_of_every_step_is_watched():
+    """0.6 of what is wanted is carried; a tool that is moved by a stroke wants nothing."""
+    driven = ForceDriven.constant(10.0, 1.0)
+    _, _, state = run([tool(driven), tool(Fixed())], 1e-4, 50, reaction=(0.0, 8.0, 6.0))
+    watch = dict(zip(ToolWatchRow.names(), state.watch.numpy(), strict=True))
+    assert watch["peak"].tolist() == [10.0, 10.0]
+    assert watch["most_wanted"].tolist() == [10.0, 0.0]
+    assert watch["wanted"] == pytest.approx([5e-3, 0.0]) and watch["idle"].tolist() == [0.0, 0.0]
+    assert watch["carried_impulse"][0] == pytest.approx(0.6 * watch["wanted_impulse"][0]) == pytest.approx(0.03)
+    _, _, state = run([tool(driven)], 1e-4, 50, reaction=(0.0, 0.0, 4.9))
+    assert state.watch.numpy()[ToolWatchRow.idle, 0] == pytest.approx(5e-3)

@@ -65,7 +65,8 @@ def _headline(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _tables(results: Results, summary: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     info = results.info
-    left_out = {"warnings", "missing", "energies_j", "sheets"} | {name for name in ("notes",) if not summary.get(name)}
+    left_out = {"warnings", "missing", "doubts", "energies_j", "sheets"}
+    left_out |= {name for name in ("notes",) if not summary.get(name)}
     tables: dict[str, Mapping[str, Any]] = {
         "Summary": {name: value for name, value in summary.items() if name not in left_out}
     }

@@ -1,0 +1,46 @@
+"""What a run looks at does not depend on its frames."""
+
+import numpy as np
+import pytest
+
+from tests.support.runs import small_run
+from weavesim.run.watch import WATCH_COUNT
+
+VERDICT = (
+    "kinetic_energy_ratio", "hourglass_energy_ratio", "energy_balance_error", "damping_loss_ratio", "verdict", "doubts",
+    "penetration_at_nodes_mm", "penetration_at_element_centres_mm", "max_shear_angle_deg", "energies_j", "step_count",
+)  # fmt: skip
+
+
+def pulled(frame_count: int):
+    """A square whose right half moves away, and comes back."""
+    velocity = np.zeros((25, 3))
+    velocity[:, 0] = 20.0 * np.linspace(0.0, 1.0, 5).repeat(5)
+    simulation = small_run(initial_velocity=velocity, duration=4e-4, frame_count=frame_count)
+    simulation.run()
+    return simulation
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return [pulled(frame_count) for frame_count in (1, 7, 80)]
+
+
+def test_the_verdict_is_that_of_any_number_of_frames(runs):
+    first, *others = ({key: run.summary()[key] for key in VERDICT} for run in runs)
+    assert first["kinetic_energy_ratio"] > 0.0
+    for other in others:
+        assert other == first
+
+
+def test_the_same_states_are_looked_at(runs):
+    first, *others = (run.watch.history for run in runs)
+    assert len(first) <= WATCH_COUNT + 1 and len(first) > 10
+    for other in others:
+        assert other == first
+
+
+def test_states_are_about_evenly_spaced(runs):
+    time = np.array([entry["time"] for entry in runs[0].watch.history])
+    step = runs[0].state.step
+    assert np.diff(time).max() < 4e-4 / WATCH_COUNT + 21 * step and np.diff(time).min() > 0.0

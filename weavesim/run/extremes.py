@@ -1,0 +1,97 @@
+"""Extremes of a run over all its steps, with their element or node, and about when they came."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..engine.model import Model
+from ..engine.sheet_model import SheetModel
+from ..engine.state import SheetState, State
+from ..kernels.rows import ExtremeRow, ToolWatchRow
+
+
+class Extreme(NamedTuple):
+    """The furthest that anything of a sheet has gone.
+
+    Attributes:
+        value: in SI units.
+        time: at which it was first seen, at most a hundredth of the run late [s].
+        place: (x, y) on the flat blank [m].
+        tool: index among the tools of the run, of a depth.
+    """
+
+    value: float
+    time: float = 0.0
+    place: tuple[float, float] | None = None
+    tool: int | None = None
+
+
+class SheetExtremes:
+    """Extremes of one sheet.
+
+    Attributes:
+        min_stretch, max_stretch: of both yarn families, at the end of any block of steps.
+        angle: absolute shear angle [rad].
+        depth: of a node in a tool, half the thickness included, in any step [m]; 0 if none was ever touched.
+        touched: whether each tool of the world has touched a node, (tool_count,) bool.
+    """
+
+    def __init__(self, model: SheetModel) -> None:
+        self._model = model
+        blank = model.blank
+        self._nodes = blank.material_coordinates
+        self._centres = self._nodes[blank.quads].mean(axis=1)
+        self.min_stretch, self.max_stretch, self.angle, self.depth = (
+            Extreme(1.0),
+            Extreme(1.0),
+            Extreme(0.0),
+            Extreme(0.0),
+        )
+        self.touched = np.zeros(model.tool_count, dtype=bool)
+
+    def read(self, state: SheetState, time: float) -> None:
+        """Read what the device has found by ``time`` [s]; waits for it."""
+        rows = state.extremes.numpy()[:, : self._model.blank.element_count].astype(np.float64)
+        smallest = -np.minimum(rows[ExtremeRow.min_warp], rows[ExtremeRow.min_weft])
+        largest = np.maximum(rows[ExtremeRow.max_warp], rows[ExtremeRow.max_weft])
+        self.min_stretch = self._further(self.min_stretch, 1.0, -1.0, smallest, time)
+        self.max_stretch = self._further(self.max_stretch, 1.0, 1.0, largest, time)
+        self.angle = self._further(self.angle, 0.0, 1.0, rows[ExtremeRow.angle], time)
+        if self._model.tool_count:
+            depth = state.depth.numpy()[:, : self._model.blank.node_count].astype(np.float64)
+            tool, node = np.unravel_index(int(np.argmax(depth)), depth.shape)
+            if depth[tool, node] > self.depth.value:
+                x, y = self._nodes[node]
+                of_run = self._model.places.tools.start + int(tool)
+                self.depth = Extreme(float(depth[tool, node]), time, (float(x), float(y)), of_run)
+            self.touched |= depth.max(axis=1) > 0.0
+
+    def _further(self, last: Extreme, rest: float, sign: float, beyond: np.ndarray, time: float) -> Extreme:
+        """The extreme, rest + sign * beyond, of the element that went furthest, if it went further than the last."""
+        element = int(np.argmax(beyond))
+        if not beyond[element] > sign * (last.value - rest):
+            return last
+        x, y = self._centres[element]
+        return Extreme(rest + sign * float(beyond[element]), time, (float(x), float(y)))
+
+
+class Extremes:
+    """Extremes of all sheets and tools of a run.
+
+    Attributes:
+        sheets: in the order of the run.
+        tools: by names of ``ToolWatchRow``, (tool_count,) each.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.sheets = tuple(SheetExtremes(sheet) for sheet in model.sheets)
+        self._tool_count = model.tools.count
+        self.tools = {name: np.zeros(self._tool_count) for name in ToolWatchRow.names()}
+
+    def read(self, state: State, time: float) -> None:
+        """Read what the device has found by ``time`` [s]; waits for it."""
+        for extremes, own in zip(self.sheets, state.sheets, strict=True):
+            extremes.read(own, time)
+        self.tools = dict(zip(ToolWatchRow.names(), state.tool_watch.numpy().copy(), strict=True))

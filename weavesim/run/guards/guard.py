@@ -1,0 +1,205 @@
+"""Guards: each watches one thing that can make a result wrong, and says so by name, level, place, time and advice.
+
+A guard is one class in a module of this folder, or anywhere; defining it registers it. Runs ask it before they start,
+while they run, and at their end.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from enum import IntEnum
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from ...errors import InputError
+
+if TYPE_CHECKING:
+    from ...engine.model import Model
+    from ..frame import Frame
+    from ..ledger import Ledger
+    from ..verdict import Judged
+
+logger = logging.getLogger(__name__)
+
+_known: dict[str, type[Guard]] = {}
+
+
+class Level(IntEnum):
+    """How much a doubt says against a result."""
+
+    NOTE = 0
+    WARNING = 1
+    DO_NOT_USE = 2
+
+    @property
+    def label(self) -> str:
+        """ "note", "warning", "do not use"."""
+        return self.name.lower().replace("_", " ")
+
+
+# What a run's verdict is, by the worst level among its doubts.
+VERDICTS = {Level.NOTE: "trusted", Level.WARNING: "doubtful", Level.DO_NOT_USE: "do not use"}
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Something that speaks against a result.
+
+    Attributes:
+        guard: name of the guard that says so.
+        level: how much it says against the result.
+        text: what was found, with numbers and units.
+        advice: what it means, or what to do.
+        sheet: its name; None for a run as a whole.
+        place: (x, y) on the flat blank [m].
+        time: [s]; None before the run, or for a run as a whole.
+        value, limit: what was found, and the most that is allowed.
+    """
+
+    guard: str
+    level: Level
+    text: str
+    advice: str = ""
+    sheet: str | None = None
+    place: tuple[float, float] | None = None
+    time: float | None = None
+    value: float | None = None
+    limit: float | None = None
+
+    @property
+    def message(self) -> str:
+        """Text, place, time and advice in one sentence."""
+        where = [f"sheet {self.sheet}"] if self.sheet else []
+        if self.place:
+            where.append(f"at ({self.place[0]:.4g}, {self.place[1]:.4g}) m on the flat blank")
+        if self.time is not None:
+            where.append(f"at {self.time:.4g} s")
+        text = f"{self.text} ({', '.join(where)})" if where else self.text
+        return f"{text}: {self.advice}" if self.advice else text
+
+    def as_dict(self) -> dict[str, Any]:
+        """All of it for summary.json, with the name of the level, and the message."""
+        return {**asdict(self), "level": self.level.label, "message": self.message}
+
+
+@dataclass(frozen=True)
+class Start:
+    """A run at time zero, as guards see it before it starts.
+
+    Attributes:
+        model: constants of the run, with its set-up.
+        ledger: measures distances from the tools.
+        frame: the undeformed state.
+    """
+
+    model: Model
+    ledger: Ledger
+    frame: Frame
+
+
+class Guard:
+    """Base class of all guards; each run has its own instance, which may remember what it saw.
+
+    A subclass overrides what it needs of ``before``, ``watch`` and ``after``.
+
+    Attributes:
+        name: in results; a class without a name is not a guard itself.
+        watches: what it watches, in a few words.
+    """
+
+    name: ClassVar[str] = ""
+    watches: ClassVar[str] = ""
+
+    def __init_subclass__(cls) -> None:
+        if not cls.__dict__.get("name"):
+            return
+        other = _known.get(cls.name)
+        if other and (other.__module__, other.__qualname__) != (cls.__module__, cls.__qualname__):
+            raise TypeError(f"guard {cls.name}: {other.__module__} already has one of this name")
+        _known[cls.name] = cls
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Doubts that are known before the run starts.
+
+        Raises:
+            InputError: the run must not start.
+        """
+        return ()
+
+    def watch(self, frame: Frame, ledger: Ledger) -> None:
+        """Called about a hundred times in a run, at times that do not depend on its frames; nothing is returned."""
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """Doubts about the run so far; may be called more than once."""
+        return ()
+
+    def doubt(self, level: Level, text: str, advice: str = "", **where: Any) -> Doubt:
+        """A doubt of this guard; ``where`` are the other attributes of ``Doubt``."""
+        return Doubt(self.name, level, text, advice, **where)
+
+
+def known_guards() -> dict[str, type[Guard]]:
+    """All known guards by name, in alphabetical order."""
+    package = import_module(__package__)
+    for module in iter_modules(package.__path__):
+        import_module(f"{package.__name__}.{module.name}")
+    return dict(sorted(_known.items()))
+
+
+class Guards:
+    """The guards of one run.
+
+    Attributes:
+        first: doubts that were known before the run.
+    """
+
+    def __init__(self) -> None:
+        self._guards: Sequence[Guard] = [guard() for guard in known_guards().values()]
+        self.first: list[Doubt] = []
+        self._failed: dict[str, Doubt] = {}
+
+    def before(self, start: Start) -> list[Doubt]:
+        """Ask all guards before the run; keeps and returns their doubts.
+
+        Raises:
+            InputError: the run must not start.
+        """
+        self.first = self._ask(lambda guard: guard.before(start))
+        return self.first
+
+    def watch(self, frame: Frame, ledger: Ledger) -> None:
+        """Show all guards the current state."""
+
+        def show(guard: Guard) -> Iterable[Doubt]:
+            guard.watch(frame, ledger)
+            return ()
+
+        self._ask(show)
+
+    def after(self, run: Judged) -> list[Doubt]:
+        """All doubts about the run so far, the worst first."""
+        found = [*self.first, *self._ask(lambda guard: guard.after(run)), *self._failed.values()]
+        return sorted(dict.fromkeys(found), key=lambda doubt: -doubt.level)
+
+    def _ask(self, question: Callable[[Guard], Iterable[Doubt]]) -> list[Doubt]:
+        """Answers of all guards, each once; a guard that fails is a doubt, and costs nobody a result."""
+        found: list[Doubt] = []
+        for guard in self._guards:
+            try:
+                found += question(guard)
+            except InputError:
+                raise
+            except Exception as error:
+                logger.debug("guard %s failed", guard.name, exc_info=True)
+                text = f"the guard {guard.name} failed ({type(error).__name__}: {error})"
+                failure = Doubt(guard.name, Level.WARNING, text, f"nothing watches {guard.watches or 'what it should'}")
+                self._failed.setdefault(guard.name, failure)
+        return list(dict.fromkeys(found))
+
+
+def verdict_of(doubts: Iterable[Doubt]) -> str:
+    """ "trusted", "doubtful" or "do not use"."""
+    return VERDICTS[max((doubt.level for doubt in doubts), default=Level.NOTE)]

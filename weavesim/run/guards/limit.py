@@ -1,0 +1,50 @@
+"""Guards of one number of the summary each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, ClassVar
+
+from .guard import Doubt, Guard, Level
+
+if TYPE_CHECKING:
+    from ..verdict import Judged
+
+
+class LimitGuard(Guard):
+    """A number of the summary with an upper limit; a number that is not finite is above it.
+
+    Attributes:
+        key: of the number.
+        text: description of the number.
+        largest: largest value allowed.
+        advice: what it means, or what to do.
+        level: beyond ``largest``.
+    """
+
+    key: ClassVar[str] = ""
+    text: ClassVar[str] = ""
+    largest: ClassVar[float] = 0.0
+    advice: ClassVar[str] = ""
+    level: ClassVar[Level] = Level.WARNING
+
+    def limit(self, run: Judged) -> float:
+        """Largest value allowed for a run."""
+        return self.largest
+
+    def useless_beyond(self, run: Judged) -> float | None:
+        """From where on the result must not be used; None if it may be."""
+        return None
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """The number, if it is above its limit."""
+        value, limit, worst = run.number(self.key), self.limit(run), self.useless_beyond(run)
+        if not value <= limit:
+            useless = worst is not None and not value <= worst
+            yield self.doubt(
+                Level.DO_NOT_USE if useless else self.level,
+                f"{self.text} is {value:.3g}, above {limit:g}",
+                self.advice,
+                value=float(value),
+                limit=float(limit),
+            )

@@ -1,0 +1,58 @@
+"""Tools that overlap the sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from .guard import Doubt, Guard, Level
+from .limit import LimitGuard
+
+if TYPE_CHECKING:
+    from ..verdict import Judged
+
+# Of the thickness: depth of a node that is not doubted, and from which on the tool is past the middle of the sheet.
+LARGEST_DEPTH = 0.05
+USELESS_DEPTH = 0.5
+
+
+class PenetrationAtNodes(Guard):
+    """Nodes deep in a tool, in any step."""
+
+    name = "penetration_at_nodes"
+    watches = "the depth of the nodes in the tools, in every step"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """The deepest node of each sheet."""
+        for info, sheet in zip(run.run.info.sheets, run.extremes.sheets, strict=True):
+            share = sheet.depth.value / info.fabric.thickness
+            if not share <= LARGEST_DEPTH:
+                tool = run.run.info.tool_names[sheet.depth.tool] if sheet.depth.tool is not None else "a tool"
+                yield self.doubt(
+                    Level.WARNING if share <= USELESS_DEPTH else Level.DO_NOT_USE,
+                    f"the deepest node was {1e3 * sheet.depth.value:.3g} mm in {tool}, {share:.0%} of the thickness",
+                    "tools move too fast, or meet through the sheet",
+                    sheet=info.name,
+                    place=sheet.depth.place,
+                    time=sheet.depth.time,
+                    value=sheet.depth.value,
+                    limit=LARGEST_DEPTH * info.fabric.thickness,
+                )
+
+
+class PenetrationAtElementCentres(LimitGuard):
+    """Elements whose middle lies deep in a tool, between their nodes."""
+
+    name = "penetration_at_element_centres"
+    watches = "the depth of the elements' centres in the tools"
+    key = "penetration_at_element_centres_mm"
+    text = "the deepest centre of an element in a tool [mm]"
+    advice = "only nodes meet tools: the elements are too large for the tools' edges; refine the mesh"
+
+    def limit(self, run: Judged) -> float:
+        """Half the thinnest sheet [mm]: the tool's surface is at the middle of the sheet."""
+        return 0.5 * (1e3 * run.thickness)
+
+    def useless_beyond(self, run: Judged) -> float | None:
+        """Twice the thickness [mm]."""
+        return 2.0 * (1e3 * run.thickness)

@@ -1,0 +1,64 @@
+"""Tools and the size of the elements that meet them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from .guard import Doubt, Guard, Level, Start
+
+# With fewer elements along a quarter turn of an edge, the sheet sags over it.
+LEAST_ELEMENTS_PER_QUARTER_TURN = 5.0
+# From here on what the sag changes is measured and small (docs/validation.md).
+FEWEST_ELEMENTS_PER_QUARTER_TURN = 3.0
+
+
+class ToolRadius(Guard):
+    """Radii that the mesh cannot follow."""
+
+    name = "tool_radius"
+    watches = "elements along the radii of the tools"
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Tools with few elements along a quarter turn of their smallest radius; sharp edges have their own guard."""
+        sheets = iter(start.model.sheets)
+        for world in start.model.setup.worlds:
+            for _ in world.sheets:
+                size = float(np.sqrt(next(sheets).geometry.area.max()))
+                for tool in world.tools:
+                    count = 0.5 * np.pi * tool.fillet_radius / size
+                    if count < LEAST_ELEMENTS_PER_QUARTER_TURN:
+                        yield self.doubt(
+                            Level.NOTE if count >= FEWEST_ELEMENTS_PER_QUARTER_TURN else Level.WARNING,
+                            f"{tool.name}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees "
+                            f"of its {tool.fillet_radius * 1e3:.3g} mm radius",
+                            "below five the sheet sags over the edge",
+                            value=count,
+                            limit=LEAST_ELEMENTS_PER_QUARTER_TURN,
+                        )
+
+
+class SharpEdges(Guard):
+    """Sharp edges of triangle meshes, which come through between the nodes of a sheet."""
+
+    name = "sharp_edges"
+    watches = "sharp edges of the tools that face the sheet"
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Tools with convex sharp edges that the sheet may be drawn over."""
+        sheets = iter(start.model.sheets)
+        for world in start.model.setup.worlds:
+            for sheet in world.sheets:
+                size = float(np.sqrt(next(sheets).geometry.area.max()))
+                for tool in world.tools:
+                    edges = tool.sharp_edges_facing(sheet.oriented_blank.node_position)
+                    if len(edges):
+                        place = ", ".join(f"{1e3 * c:.4g}" for c in edges[0])
+                        yield self.doubt(
+                            Level.WARNING,
+                            f"{tool.name}: {len(edges)} sharp edges face the sheet, one about ({place}) mm",
+                            f"the sheet meets tools at its nodes, {size * 1e3:.2g} mm apart, and a sharp edge comes "
+                            "through between them: round it, or use a finer mesh",
+                            sheet=sheet.name if len(start.model.sheets) > 1 else None,
+                        )

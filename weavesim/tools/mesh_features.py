@@ -1,0 +1,153 @@
+"""Features of a mesh that decide how finely a sheet must be meshed: fillets, sharp edges, and slender bodies."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .mesh_repair import neighbours
+
+# Edges sharper than this [rad] are real edges, not between the facets of a fillet.
+SHARP = math.radians(50.0)
+# Faces whose curvature is estimated at most; of larger meshes a random part stands for all.
+CURVATURE_FACE_COUNT = 200_000
+# Pixels across the smaller side of a silhouette, and in all.
+SILHOUETTE_WIDTH = 400
+SILHOUETTE_COUNT = 1_000_000
+
+
+def face_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit normals (m, 3) and areas (m,) of the faces."""
+    p, q, r = (vertices[faces[:, k]] for k in range(3))
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal, axis=1)
+    return normal / np.maximum(length, 1e-300)[:, None], 0.5 * length
+
+
+def sharp_edges(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Convex sharp edges: the vertices of each (k, 2), and the normals of its two faces (k, 2, 3).
+
+    Neither a border nor the bottom of a groove: a sheet is not bent around those.
+    """
+    normal, _ = face_normals(vertices, faces)
+    pairs = neighbours(faces)
+    one, other = pairs[:, 0] // 3, pairs[:, 1] // 3
+    sharp = np.einsum("ij,ij->i", normal[one], normal[other]) < math.cos(SHARP)
+    pairs, one, other = pairs[sharp], one[sharp], other[sharp]
+    # convex: the other face's far corner lies behind this face
+    far = faces[other, (pairs[:, 1] % 3 + 2) % 3]
+    start = faces[one, pairs[:, 0] % 3]
+    end = faces[one, (pairs[:, 0] % 3 + 1) % 3]
+    convex = np.einsum("ij,ij->i", vertices[far] - vertices[start], normal[one]) < 0.0
+    return np.column_stack([start, end])[convex], np.stack([normal[one], normal[other]], axis=1)[convex]
+
+
+def fillet_radius(vertices: np.ndarray, faces: np.ndarray) -> float:
+    """Area-weighted 5th percentile of the convex fillet radii [m]; infinite if nothing is rounded.
+
+    From the second fundamental form per face that best fits the rotation of the vertex normals along its three edges.
+    Sharp edges are ignored.
+    """
+    normal, area = face_normals(vertices, faces)
+    pairs = neighbours(faces) // 3
+    sharp = np.einsum("ij,ij->i", normal[pairs[:, 0]], normal[pairs[:, 1]]) < math.cos(SHARP)
+    # a vertex at a sharp edge has no normal: its faces are ignored
+    rounded_vertex = np.ones(len(vertices), dtype=bool)
+    rounded_vertex[faces[np.unique(pairs[sharp])].ravel()] = False
+    vertex_normal = _vertex_normals(vertices, faces, normal)
+    usable = np.flatnonzero(np.all(rounded_vertex[faces], axis=1) & (area > 1e-6 * area.max()))
+    if len(usable) > CURVATURE_FACE_COUNT:
+        usable = np.sort(np.random.default_rng(0).choice(usable, CURVATURE_FACE_COUNT, replace=False))
+    if not len(usable):
+        return math.inf
+    curvature = _largest_curvature(vertices, faces[usable], normal[usable], vertex_normal)
+    convex = curvature > 0.5 / float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    if not np.any(convex):
+        return math.inf
+    radius, weight = 1.0 / curvature[convex], area[usable][convex]
+    order = np.argsort(radius)
+    share = np.cumsum(weight[order]) / weight.sum()
+    return float(radius[order][np.searchsorted(share, 0.05)])
+
+
+def _vertex_normals(vertices: np.ndarray, faces: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Normals of the vertices, weighted with the angles of their faces."""
+    result = np.zeros_like(vertices)
+    for k in range(3):
+        corner = vertices[faces[:, k]]
+        u, v = vertices[faces[:, (k + 1) % 3]] - corner, vertices[faces[:, (k + 2) % 3]] - corner
+        angle = np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ij,ij->i", u, v))
+        for axis in range(3):
+            result[:, axis] += np.bincount(faces[:, k], angle * normal[:, axis], minlength=len(vertices))
+    return result / np.maximum(np.linalg.norm(result, axis=1, keepdims=True), 1e-30)
+
+
+def _largest_curvature(
+    vertices: np.ndarray, faces: np.ndarray, normal: np.ndarray, vertex_normal: np.ndarray
+) -> np.ndarray:
+    """Largest principal curvature of each face [1/m], positive where convex."""
+    corners = vertices[faces]
+    axis = corners[:, 1] - corners[:, 0]
+    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    other = np.cross(normal, axis)
+    rows, right = [], []
+    for k in range(3):
+        edge = corners[:, (k + 1) % 3] - corners[:, k]
+        turn = vertex_normal[faces[:, (k + 1) % 3]] - vertex_normal[faces[:, k]]
+        s, t = np.einsum("ij,ij->i", edge, axis), np.einsum("ij,ij->i", edge, other)
+        zero = np.zeros_like(s)
+        rows += [np.stack([s, t, zero], axis=-1), np.stack([zero, s, t], axis=-1)]
+        right += [np.einsum("ij,ij->i", turn, axis), np.einsum("ij,ij->i", turn, other)]
+    matrix, turned = np.stack(rows, axis=1), np.stack(right, axis=1)
+    xx, xy, yy = np.einsum("ijk,ik->ij", np.linalg.pinv(matrix), turned).T
+    return 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
+
+
+def width_along(vertices: np.ndarray, faces: np.ndarray, axis: np.ndarray) -> float:
+    """Diameter of the largest circle in the mesh's silhouette seen along ``axis`` [m].
+
+    A body whose width is below the sheet's elements may pass between its nodes. Drawn in pixels, it is exact to two
+    per cent for slender bodies.
+    """
+    from PIL import Image, ImageDraw
+    from scipy.ndimage import distance_transform_edt
+
+    flat = _across(vertices, axis)
+    size = np.ptp(flat, axis=0)
+    pixel = max(float(size.min()) / SILHOUETTE_WIDTH, math.sqrt(float(size[0] * size[1]) / SILHOUETTE_COUNT))
+    if not pixel > 1e-9:
+        return 0.0
+    # a margin of one pixel: the distance is that to the next empty pixel
+    places = (flat - flat.min(axis=0)) / pixel + 1.0
+    columns, rows = (int(length / pixel) + 3 for length in size)
+    picture = Image.new("1", (columns, rows))
+    draw = ImageDraw.Draw(picture)
+    corners = places[faces]
+    large = np.ptp(corners, axis=1).max(axis=1) > 0.5
+    for triangle in corners[large].reshape(-1, 6).tolist():
+        draw.polygon(triangle, fill=1)
+    filled = np.array(picture)
+    cells = np.floor(corners[~large].reshape(-1, 2)).astype(np.int64)
+    filled[cells[:, 1], cells[:, 0]] = True
+    # the nearest empty pixel lies half a pixel beyond the outline, on either side
+    return min((2.0 * float(distance_transform_edt(filled).max()) - 1.0) * pixel, float(size.min()))
+
+
+def _across(vertices: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """Coordinates (n, 2) across ``axis``, the first along the longest side of their convex hull's narrowest box."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    unit = axis / np.linalg.norm(axis)
+    first = np.cross(unit, np.eye(3)[np.argmin(np.abs(unit))])
+    first /= np.linalg.norm(first)
+    flat = vertices @ np.column_stack([first, np.cross(unit, first)])
+    try:
+        corners = flat[ConvexHull(flat).vertices]
+    except QhullError:  # all in one line
+        return flat
+    along = np.roll(corners, -1, axis=0) - corners
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    widths = np.array([np.ptp(corners @ (-y, x)) for x, y in along])
+    x, y = along[np.argmin(widths)]
+    return flat @ np.array([[x, -y], [y, x]])

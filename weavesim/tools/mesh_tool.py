@@ -11,7 +11,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -20,6 +19,7 @@ from pydantic import Field, model_validator
 from ..arrays import FloatArray, IntArray
 from ..checks import Parameters
 from ..errors import InputError
+from ..meshes import read_mesh
 from ..quantities import FiniteVector, Vector, positive, unit_vector
 from ..ranges import Quantity, argument
 from .mesh_features import fillet_radius, sharp_edges, width_along
@@ -224,33 +224,25 @@ class MeshShape(Shape):
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str], *, unit_scale: float = 1.0, **options: Any) -> Self:
-        """Read STL, OBJ, PLY or any other format that trimesh supports.
+        """Read STL, OBJ, PLY, OFF, 3MF, glTF, decks of Abaqus and CalculiX, VTK, Gmsh or Medit.
+
+        Quadrilaterals and polygons are split. What is converted or left out is said in the log.
 
         Args:
-            path: of the file.
+            path: of the file; its ending names the format.
             unit_scale: metres per unit of the file: 1 for metres, 0.001 for millimetres.
             **options: those of ``from_triangles``.
 
         Raises:
-            InputError: the file cannot be read, or the mesh cannot be used.
+            InputError: the file cannot be read, holds something that cannot be taken, or the mesh cannot be used.
         """
         unit_scale = argument("unit_scale", unit_scale, "unit scale")
-        path = Path(path)
-        if not path.is_file():
-            raise InputError(f"tool mesh {path} does not exist; give the path of an STL, OBJ or PLY file.")
-        import trimesh
-
-        try:
-            mesh = trimesh.load_mesh(path, process=False)
-            vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
-        except Exception as error:  # every format's reader raises its own exceptions
-            raise InputError(
-                f"tool mesh {path} cannot be read ({type(error).__name__}: {error}); "
-                "give a triangle mesh, for example in STL, OBJ or PLY."
-            ) from error
-        check_size(f"tool mesh {path}", vertices, unit_scale)
-        options = {"name": f"tool mesh {path}", "path": str(path), **options}
-        return cls.from_triangles(unit_scale * vertices, faces, **options)
+        mesh = read_mesh(path, "tool mesh")
+        faces, notes = mesh.triangles()
+        mesh.check_unit(unit_scale)
+        check_size(mesh.name, mesh.vertices[np.unique(faces)], unit_scale)
+        options = {"name": mesh.name, "path": str(path), "source_notes": notes, **options}
+        return cls.from_triangles(unit_scale * mesh.vertices, faces, **options)
 
     @classmethod
     def from_triangles(

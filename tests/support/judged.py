@@ -9,6 +9,7 @@ from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.rows import ToolWatchRow
 from weavesim.run.condition import Tally
 from weavesim.run.extremes import Extreme
+from weavesim.run.frame import Outcome
 from weavesim.run.guards import Doubt, known_guards
 
 SOUND = {
@@ -38,7 +39,7 @@ def judged(
             tools={name: np.zeros(0) for name in ToolWatchRow.names()},
         ),
         conditions=[SimpleNamespace(**({name: Tally() for name in TALLIES} | (tallies or {})))],
-        run=SimpleNamespace(info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
+        run=SimpleNamespace(outcome=Outcome.FINISHED, info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
     )
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -21,6 +21,7 @@ from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
+from weavesim.ranges import Quantity
 from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
@@ -44,15 +45,21 @@ SMALLEST_ELEMENT_COUNT = 8
 class BiasExtensionParameters(FabricTestParameters):
     """Parameters of a bias-extension test."""
 
-    mesh_size: Positive = Field(default=0.00625, description="edge length of an element [m]")
+    mesh_size: Annotated[Positive, Quantity("mesh size")] = Field(
+        default=0.00625, description="edge length of an element [m]"
+    )
     out: Path = Field(default=Path("out/bias_extension"), description="folder for the results")
-    length: Positive = Field(default=0.2, le=2.0, description="length between the clamps [m]; at least twice the width")
-    width: Positive = Field(default=0.1, le=1.0, description="[m]")
-    largest_angle: Positive = Field(
+    length: Annotated[Positive, Quantity("length")] = Field(
+        default=0.2, le=2.0, description="length between the clamps [m]; at least twice the width"
+    )
+    width: Annotated[Positive, Quantity("length")] = Field(default=0.1, le=1.0, description="[m]")
+    largest_angle: Annotated[Positive, Quantity("angle")] = Field(
         default=40.0, lt=80.0, description="kinematic shear angle of the central zone [degrees]"
     )
-    speed: Positive = Field(default=0.25, description="speed of the moving clamp [m/s]")
-    damping: NotNegative = Field(default=50.0, description="mass-proportional damping rate [1/s]")
+    speed: Annotated[Positive, Quantity("speed")] = Field(default=0.25, description="speed of the moving clamp [m/s]")
+    damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
+        default=50.0, description="mass-proportional damping rate [1/s]"
+    )
 
     @model_validator(mode="after")
     def _has_a_central_zone(self) -> Self:
@@ -135,6 +142,7 @@ def bias_extension(
         "bias_extension", sheets=(Sheet(blank, fabric, supports=supports),),
         dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         duration=stroke.duration, frame_count=parameters.frame_count, solver=parameters.solver(step_safety=STEP_SAFETY),
+        accept_unusual=parameters.accept_unusual,
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -27,6 +27,7 @@ from weavesim.output.curves import Chart, Curves
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.supports import Support
+from weavesim.ranges import Quantity
 from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
@@ -54,16 +55,18 @@ SHORTEST_TIME, LONGEST_TIME = 10.0, 30.0
 class CantileverParameters(FabricTestParameters):
     """Parameters of a cantilever test."""
 
-    mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
+    mesh_size: Annotated[Positive, Quantity("mesh size")] = Field(
+        default=0.005, description="edge length of an element [m]"
+    )
     out: Path = Field(default=Path("out/cantilever"), description="folder for the results")
     # the clamp carries a few hundredths of a newton; rounding in single precision is nearly one per cent of that
     precision: Precision = Field(default=Precision.DOUBLE, description="scalar type of state and kernels")
     yarn: YarnName = Field(default="warp", description="yarn family along the strip")
-    length: Positive | None = Field(
+    length: Annotated[Positive, Quantity("length")] | None = Field(
         default=None, description="length of the overhang [m]; by default the chord reaches about 41.5 degrees"
     )
-    width: Positive = Field(default=0.025, le=1.0, description="width of the strip [m]")
-    damping: NotNegative | None = Field(
+    width: Annotated[Positive, Quantity("length")] = Field(default=0.025, le=1.0, description="width of the strip [m]")
+    damping: Annotated[NotNegative, Quantity("damping rate")] | None = Field(
         default=None, description="mass-proportional damping rate [1/s]; the default is critical for the first mode"
     )
 
@@ -177,6 +180,7 @@ def cantilever(parameters: CantileverParameters, fabric: Fabric | None = None) -
         dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=damping, director_damping=damping),
         duration=LONGEST_TIME / frequency, rest=Rest(SHORTEST_TIME / frequency, REST),
         frame_count=parameters.frame_count, solver=parameters.solver(),
+        accept_unusual=parameters.accept_unusual,
     )  # fmt: skip
 
 

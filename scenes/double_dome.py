@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -24,6 +24,7 @@ from weavesim.output import load_measured_angles, load_measured_outline
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import Fixed, ForceDriven, Motion, Stroke
+from weavesim.ranges import Quantity
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 from weavesim.tools.mesh_tool import MeshShape
@@ -59,38 +60,46 @@ class DoubleDomeParameters(RunOptions):
 
     out: Path = Field(default=Path("out/double_dome"), description="folder for the results")
     part: Literal["quarter", "half", "full"] = Field(default="quarter", description="share of the blank, by symmetry")
-    yarn_angle: float = Field(
+    yarn_angle: Annotated[float, Quantity("angle")] = Field(
         default=0.0, ge=-90.0, le=90.0, description="angle from the long axis to the warp [degrees]"
     )
     fabric: str = Field(default="glass-polypropylene", description=FABRIC_HELP)
     shear_law: Literal["curve", "linear"] = Field(
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
-    shear_modulus: Positive = Field(default=0.25e6, description="G_12 of the linear law [Pa]")
-    friction: NotNegative = Field(default=0.2, description="Coulomb coefficient between sheet and tools")
-    blank_holder_force: NotNegative | None = Field(
+    shear_modulus: Annotated[Positive, Quantity("shear modulus")] = Field(
+        default=0.25e6, description="G_12 of the linear law [Pa]"
+    )
+    friction: Annotated[NotNegative, Quantity("friction")] = Field(
+        default=0.2, description="Coulomb coefficient between sheet and tools"
+    )
+    blank_holder_force: Annotated[NotNegative, Quantity("force")] | None = Field(
         default=None, description="force of the whole holder [N]; the default is 20 kPa on the initial flange area"
     )
-    blank_holder_gap: NotNegative | None = Field(
+    blank_holder_gap: Annotated[NotNegative, Quantity("gap")] | None = Field(
         default=None, description="fixed gap of the holder in addition to the thickness [m], instead of a force"
     )
     contact_thickness: Literal["initial", "current"] = Field(
         default="initial", description="sheet thickness used for contact with the tools"
     )
-    punch_speed: Positive = Field(default=0.5, description="[m/s]")
-    stroke: Positive = Field(
+    punch_speed: Annotated[Positive, Quantity("speed")] = Field(default=0.5, description="[m/s]")
+    stroke: Annotated[Positive, Quantity("displacement")] = Field(
         default=0.0612,
         le=0.3,
         description="travel of the punch from first contact [m]; by default 60 mm below the die face, plus thickness",
     )
-    damping: NotNegative = Field(default=100.0, description="mass-proportional damping rate [1/s]")
+    damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
+        default=100.0, description="mass-proportional damping rate [1/s]"
+    )
     frame_count: int = Field(default=80, ge=1, description="frames after the first")
     punch: Path | None = Field(default=None, description="triangle mesh for the punch, its lowest point at z = 0")
     die: Path | None = Field(default=None, description="triangle mesh for the die, its flange at z = 0")
     blank_holder: Path | None = Field(
         default=None, description="triangle mesh for the blank holder, its flange at z = 0"
     )
-    unit_scale: Positive = Field(default=1.0, description="metres per unit of the tool meshes: 0.001 for millimetres")
+    unit_scale: Annotated[Positive, Quantity("unit scale")] = Field(
+        default=1.0, description="metres per unit of the tool meshes: 0.001 for millimetres"
+    )
     tools_are_cut: bool = Field(default=False, description="the tool meshes end at the symmetry planes of the part")
     measured_angles: Path | None = Field(
         default=None, description="CSV of measured angles (point, angle_deg) to draw with the result"
@@ -174,7 +183,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     if parameters.blank_holder_force is not None and parameters.blank_holder_gap is not None:
         raise InputError("blank holder: both a force and a gap are given; choose one")
     if fabric is None:
-        fabric = resolve_fabric(parameters.fabric)
+        fabric = resolve_fabric(parameters.fabric, accept_unusual=parameters.accept_unusual)
         if parameters.shear_law == "linear":
             fabric = fabric.with_linear_shear(parameters.shear_modulus)
     symmetry = {"quarter": ("x", "y"), "half": ("y",), "full": ()}[parameters.part]
@@ -196,6 +205,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             contact_thickness=parameters.contact_thickness,
         ),
         duration=tools[0].motion.duration + REST, frame_count=parameters.frame_count, solver=parameters.solver(),
+        accept_unusual=parameters.accept_unusual,
     )  # fmt: skip
 
 

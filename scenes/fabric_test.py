@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -12,6 +12,7 @@ from weavesim.app.options import RunOptions
 from weavesim.checks import Positive
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
+from weavesim.ranges import Quantity
 
 # Only the fabric damps a test. Near the largest stable step, a yarn that rattles between slack and taut gains energy,
 # because its stiffness jumps there; at this share of that step the small damping of a test is sufficient.
@@ -25,7 +26,9 @@ class FabricTestParameters(RunOptions):
     shear_law: Literal["curve", "linear"] = Field(
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
-    shear_modulus: Positive = Field(default=0.25e6, description="G_12 of the linear law [Pa]")
+    shear_modulus: Annotated[Positive, Quantity("shear modulus")] = Field(
+        default=0.25e6, description="G_12 of the linear law [Pa]"
+    )
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
 
 
@@ -35,7 +38,7 @@ def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
     Raises:
         InputError: no such fabric.
     """
-    fabric = resolve_fabric(parameters.fabric)
+    fabric = resolve_fabric(parameters.fabric, accept_unusual=parameters.accept_unusual)
     return fabric.with_linear_shear(parameters.shear_modulus) if parameters.shear_law == "linear" else fabric
 
 

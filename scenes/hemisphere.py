@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -24,6 +24,7 @@ from weavesim.fabric.shear import MomentCurve
 from weavesim.measures.folds import rim_folds
 from weavesim.measures.proximity import close_pairs
 from weavesim.process.dynamics import Dynamics
+from weavesim.ranges import Quantity
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 from weavesim.tools.shapes import Sphere
@@ -50,16 +51,24 @@ UNEVENNESS_WAVES = range(2, 17)
 class HemisphereParameters(RunOptions):
     """Parameters of a hemisphere drape."""
 
-    mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
+    mesh_size: Annotated[Positive, Quantity("mesh size")] = Field(
+        default=0.005, description="edge length of an element [m]"
+    )
     out: Path = Field(default=Path("out/hemisphere"), description="folder for the results, a subfolder for each case")
     case: Literal["low-bending", "high-bending", "both"] = Field(
         default="both", description="low bending with high shear stiffness, the reverse, or both"
     )
-    side: Positive = Field(default=0.4, description="side of the square cloth [m]")
-    radius: Positive = Field(default=0.1, description="radius of the ball [m]")
-    friction: NotNegative = Field(default=0.3, description="Coulomb coefficient between cloth and ball")
-    damping: NotNegative = Field(default=15.0, description="mass-proportional damping rate, from air drag [1/s]")
-    duration: Positive = Field(default=2.0, description="time to fall and come to rest [s]")
+    side: Annotated[Positive, Quantity("length")] = Field(default=0.4, description="side of the square cloth [m]")
+    radius: Annotated[Positive, Quantity("length")] = Field(default=0.1, description="radius of the ball [m]")
+    friction: Annotated[NotNegative, Quantity("friction")] = Field(
+        default=0.3, description="Coulomb coefficient between cloth and ball"
+    )
+    damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
+        default=15.0, description="mass-proportional damping rate, from air drag [1/s]"
+    )
+    duration: Annotated[Positive, Quantity("duration")] = Field(
+        default=2.0, description="time to fall and come to rest [s]"
+    )
     seed: int = Field(default=0, ge=0, description="random seed of the unevenness that triggers the folds")
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
 
@@ -123,6 +132,7 @@ def hemisphere(parameters: HemisphereParameters, case: str) -> Setup:
         duration=parameters.duration,
         frame_count=parameters.frame_count,
         solver=parameters.solver(),
+        accept_unusual=parameters.accept_unusual,
     )
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -22,6 +22,7 @@ from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
+from weavesim.ranges import Quantity
 from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
@@ -47,23 +48,33 @@ LARGEST_TENSION_STRETCH = 1.05
 class PictureFrameParameters(FabricTestParameters):
     """Parameters of a picture-frame test."""
 
-    mesh_size: Positive = Field(default=0.01, description="edge length of an element [m]")
-    damping: NotNegative = Field(default=10.0, description="mass-proportional damping rate [1/s]")
+    mesh_size: Annotated[Positive, Quantity("mesh size")] = Field(
+        default=0.01, description="edge length of an element [m]"
+    )
+    damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
+        default=10.0, description="mass-proportional damping rate [1/s]"
+    )
     out: Path = Field(default=Path("out/picture_frame"), description="folder for the results")
-    side: Positive = Field(default=0.2, le=2.0, description="side of the square inner area [m]")
-    arm_length: NotNegative = Field(
+    side: Annotated[Positive, Quantity("frame side")] = Field(
+        default=0.2, le=2.0, description="side of the square inner area [m]"
+    )
+    arm_length: Annotated[NotNegative, Quantity("length")] = Field(
         default=0.0,
         description="length of arms beyond each side, clamped at their ends, with the corners between cut out [m]",
     )
-    largest_angle: Positive = Field(default=40.0, lt=80.0, description="largest shear angle of the frame [degrees]")
-    misalignment: float = Field(default=0.0, ge=-45.0, le=45.0, description="angle between yarns and sides [degrees]")
-    yarn_tension: NotNegative = Field(
+    largest_angle: Annotated[Positive, Quantity("angle")] = Field(
+        default=40.0, lt=80.0, description="largest shear angle of the frame [degrees]"
+    )
+    misalignment: Annotated[float, Quantity("angle")] = Field(
+        default=0.0, ge=-45.0, le=45.0, description="angle between yarns and sides [degrees]"
+    )
+    yarn_tension: Annotated[NotNegative, Quantity("yarn tension")] = Field(
         default=100.0,
         description="tension of both yarn families before shear, applied by stretching the frame [N/m]; without it "
         "the yarns rattle between slack and taut",
     )
     cycle: bool = Field(default=False, description="return to the start: loading and unloading")
-    speed: Positive = Field(default=0.5, description="speed of the crosshead [m/s]")
+    speed: Annotated[Positive, Quantity("speed")] = Field(default=0.5, description="speed of the crosshead [m/s]")
 
 
 class PictureFrame:
@@ -166,6 +177,7 @@ def picture_frame(parameters: PictureFrameParameters, fabric: Fabric | None = No
         dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         duration=frame.shear.duration, frame_count=parameters.frame_count,
         solver=parameters.solver(step_safety=STEP_SAFETY),
+        accept_unusual=parameters.accept_unusual,
     )  # fmt: skip
 
 

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args, get_
 
 import numpy as np
 from pydantic import (
-    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -43,17 +42,6 @@ Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-
-
-def at_most(largest: float, hint: str) -> AfterValidator:
-    """An upper bound far above any sensible value, to catch wrong units; the ``hint`` names the expected unit."""
-
-    def check(value: float) -> float:
-        if value > largest:
-            raise ValueError(f"at most {largest:.4g} is allowed: {hint}")
-        return value
-
-    return AfterValidator(check)
 
 
 if TYPE_CHECKING:
@@ -100,7 +88,7 @@ class Parameters(_Model):
     def _true_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
         items = value if isinstance(value, tuple | list) else (value,)
         if info.field_name and any(isinstance(item, bool) for item in items):
-            types = set(_types(cls.model_fields[info.field_name].annotation))
+            types = set(types_within(cls.model_fields[info.field_name].annotation))
             if types & {int, float} and bool not in types:
                 raise ValueError("a number is needed, not true or false")
         return value
@@ -111,7 +99,7 @@ class Parameters(_Model):
         # Pydantic would take "0.6" for 0.6, and "1_0" for 10
         items = value if isinstance(value, tuple | list) else (value,)
         if info.field_name and any(isinstance(item, str | bytes) for item in items):
-            parts = set(_types(cls.model_fields[info.field_name].annotation))
+            parts = set(types_within(cls.model_fields[info.field_name].annotation))
             if parts & {int, float} and not any(isinstance(part, type) and issubclass(part, str) for part in parts):
                 raise ValueError("a number is needed, not a text")
         return value
@@ -138,6 +126,13 @@ class Parameters(_Model):
             super().__init__(**dict(zip(names, arguments, strict=True)), **values)
         except ValidationError as error:
             raise InputError(_of_class(type(self), _problems(error, type(self).model_fields))) from None
+
+    def disproportions(self) -> Iterator[str]:
+        """Values that are hardly meant together, such as a tool a thousand times as large as the blank: sentences.
+
+        A set-up that contains some is refused unless its user accepts unusual values (``ranges.py``).
+        """
+        yield from ()
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """A copy with some values changed, checked like a new value.
@@ -266,11 +261,11 @@ def _shown(value: Any) -> str:
     return f"{type(value).__name__}(...)" if isinstance(value, Parameters) else reprlib.repr(value)
 
 
-def _types(annotation: Any) -> Iterator[Any]:
+def types_within(annotation: Any) -> Iterator[Any]:
     """``annotation`` and all its parts."""
     yield annotation
     for part in get_args(annotation):
-        yield from _types(part)
+        yield from types_within(part)
 
 
 class Kinded(Parameters):

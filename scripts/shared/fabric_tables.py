@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 from weavesim.checks import Parameters
 from weavesim.fabric import PRESETS, UNIT_CELLS, Fabric
 from weavesim.fabric.families import constructors, implied_kind, kinds_of_field
+from weavesim.ranges import QUANTITIES, SLIPS, quantity_of
 
 
 def built_in_kinds(owner: type[Parameters], field: str) -> dict[str, type[Parameters]]:
@@ -31,6 +32,7 @@ def tables() -> str:
         kinds = built_in_kinds(Fabric, field)
         if kinds:
             lines += ["", f"### `[{field}]`", "", *_family(Fabric, field, kinds)]
+    lines += ["", "### Quantities: units, allowed and usual ranges", "", *quantity_table()]
     lines += ["", "### Presets", "", "For `based_on` and `--fabric`: " + _listed(PRESETS) + ".", ""]
     lines += ["Unit cells with values, for `weavesim.fabric.UNIT_CELLS`: " + _listed(UNIT_CELLS) + "."]
     return "\n".join(lines) + "\n"
@@ -61,14 +63,32 @@ def _family(owner: type[Parameters], field: str, kinds: dict[str, type[Parameter
 
 
 def table(fields: Iterator[tuple[str, FieldInfo]] | Sequence[tuple[str, FieldInfo]]) -> list[str]:
-    """One row for each field: name, unit, default, meaning."""
-    rows = ["| field | unit | default | meaning |", "|---|---|---|---|"]
+    """One row for each field: name, unit, quantity, default, meaning."""
+    rows = ["| field | unit | quantity | default | meaning |", "|---|---|---|---|---|"]
     for name, field in fields:
         text = field.description or ""
         unit = re.search(r" ?\[([^\]]+)\]", text)
         meaning = text.replace(unit.group(0), "", 1).strip() if unit else text
-        rows.append(f"| `{name}` | {unit.group(1) if unit else ''} | {_default(field)} | {_escaped(meaning)} |")
+        quantity = quantity_of(field)
+        rows.append(
+            f"| `{name}` | {unit.group(1) if unit else ''} | {quantity.name if quantity else ''} | {_default(field)} | "
+            f"{_escaped(meaning)} |"
+        )
     return rows
+
+
+def quantity_table() -> Iterator[str]:
+    """One row for each quantity: unit, legal and plausible range, units that are likely given instead."""
+    yield from ("| quantity | unit | allowed | usual | likely slip | meaning |", "|---|---|---|---|---|---|")
+    for name, row in QUANTITIES.items():
+        unit = {"1": "", "m/unit": "m per unit"}.get(row.unit, row.unit)
+        slips = ", ".join(other for other, _ in SLIPS[row.unit])
+        yield f"| {name} | {unit} | {_range(row.legal)} | {_range(row.plausible)} | {slips} | {row.meaning} |"
+
+
+def _range(limits: tuple[float, float]) -> str:
+    low, high = limits
+    return f"{f'{low:.3g} to' if low else 'up to'} {high:.4g}"
 
 
 def _default(field: FieldInfo) -> str:

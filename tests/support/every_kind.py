@@ -46,7 +46,8 @@ def thrown(fabric: Fabric, blank: Blank, solver: Solver = ONE_LANE) -> Setup:
     """A free sheet that starts with velocities of all directions."""
     velocity = 0.5 * np.random.default_rng(3).normal(size=(blank.node_count, 3))
     sheet = Sheet(blank, fabric, initial_velocity=velocity)
-    return Setup(name="thrown", sheets=(sheet,), duration=1.0, dynamics=Dynamics(damping=20.0), solver=solver)
+    return Setup(name="thrown", sheets=(sheet,), duration=1.0, dynamics=Dynamics(damping=20.0), solver=solver,
+                 accept_unusual=True)  # fmt: skip
 
 
 def rubbing() -> Fabric:
@@ -87,7 +88,9 @@ def pressed(solver: Solver, under: list[Shape], length: float = 0.04, contact_th
     )
     dynamics = Dynamics(gravity=(0.0, 0.0, -9.81), damping=10.0, contact_thickness=contact_thickness)
     sheets = (Sheet(blank, fabric),)
-    return Setup(name="pressed", sheets=sheets, tools=tools, duration=1.0, dynamics=dynamics, solver=solver)
+    return Setup(
+        name="pressed", sheets=sheets, tools=tools, duration=1.0, dynamics=dynamics, solver=solver, accept_unusual=True
+    )
 
 
 def pulled(solver: Solver) -> Setup:

@@ -7,6 +7,7 @@ import numpy as np
 
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.rows import ToolWatchRow
+from weavesim.run.condition import Tally
 from weavesim.run.extremes import Extreme
 from weavesim.run.guards import Doubt, known_guards
 
@@ -16,10 +17,13 @@ SOUND = {
     "penetration_at_element_centres_mm": 0.01, "unit_cell_failures": 0, "element_count": 100,
 }  # fmt: skip
 THICKNESS = 1.0e-3
+TALLIES = ("crossings", "folded", "inverted", "beyond")
 
 
-def judged(*, extremes: dict[str, Extreme] | None = None, **numbers: Any) -> Any:
-    """A sound run of a sheet 1 mm thick without tools, but for these numbers of its summary and these extremes."""
+def judged(
+    *, extremes: dict[str, Extreme] | None = None, tallies: dict[str, Tally] | None = None, **numbers: Any
+) -> Any:
+    """A sound run of a sheet 1 mm thick without tools, but for these numbers, extremes and tallies."""
     own = {
         "min_stretch": Extreme(0.99), "max_stretch": Extreme(1.01), "angle": Extreme(0.5), "depth": Extreme(1e-5),
         "touched": np.zeros(0, dtype=bool),
@@ -33,6 +37,7 @@ def judged(*, extremes: dict[str, Extreme] | None = None, **numbers: Any) -> Any
             sheets=[SimpleNamespace(**(own | (extremes or {})))],
             tools={name: np.zeros(0) for name in ToolWatchRow.names()},
         ),
+        conditions=[SimpleNamespace(**({name: Tally() for name in TALLIES} | (tallies or {})))],
         run=SimpleNamespace(info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
     )
 

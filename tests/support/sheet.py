@@ -35,7 +35,14 @@ class Sheet:
 
     def __init__(self, blank: Blank, fabric: Fabric, *, precision: str = "float64", lane_count: int = 1) -> None:
         self.simulation = one_sheet_run(
-            name="test", blank=blank, fabric=fabric, duration=1.0, precision=precision, lane_count=lane_count, threads=1
+            name="test",
+            blank=blank,
+            fabric=fabric,
+            duration=1.0,
+            precision=precision,
+            lane_count=lane_count,
+            threads=1,
+            accept_unusual=True,
         )
         self.node_count = blank.node_count
         self._quads = blank.quads

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from ..checks import Parameters, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision
 from ..engine.setup import Solver
 from ..output.writer import chosen_writers, known_writers
-
-LARGEST_MESH_SIZE_M = 0.5
-SMALLEST_MESH_SIZE_M = 1.0e-4
+from ..ranges import Quantity, check_usual
 
 
 class RunOptions(Parameters):
@@ -22,14 +20,18 @@ class RunOptions(Parameters):
     A scene sets its own defaults by redeclaring a field. A field's ``description`` is the option's help text.
     """
 
-    mesh_size: Positive = Field(default=0.005, description="edge length of an element [m]")
+    mesh_size: Annotated[Positive, Quantity("mesh size")] = Field(
+        default=0.005, description="edge length of an element [m]"
+    )
     device: str = Field(default="cpu", description='where to compute: "cpu" or "cuda:0", "cuda:1", ...')
     precision: Precision = Field(default=Precision.SINGLE, description="scalar type of state and kernels")
     threads: Annotated[int, Field(ge=1, le=LARGEST_THREAD_COUNT)] | None = Field(
         default=None, description="CPU threads; results are bit-identical for any number [default: fastest, measured]"
     )
-    time_step: Positive | None = Field(default=None, description="largest time step [s]; must be stable")
-    target_step: Positive | None = Field(
+    time_step: Annotated[Positive, Quantity("time step")] | None = Field(
+        default=None, description="largest time step [s]; must be stable"
+    )
+    target_step: Annotated[Positive, Quantity("time step")] | None = Field(
         default=None, description="scale the mass until this time step is stable [s]; the added mass is reported"
     )
     out: Path = Field(default=Path("out"), description="folder for the results")
@@ -38,21 +40,23 @@ class RunOptions(Parameters):
         description=f"results to write, comma-separated: {','.join(known_writers())} [default: all]",
     )
     without: str | None = Field(default=None, description="results to leave out, comma-separated")
+    overwrite: bool = Field(default=False, description="replace the results of an earlier run in that folder")
 
-    @field_validator("mesh_size")
-    @classmethod
-    def _is_in_metres(cls, value: float) -> float:
-        if value > LARGEST_MESH_SIZE_M:
-            raise ValueError(f"must be in metres and at most {LARGEST_MESH_SIZE_M}: write 0.005 for 5 mm")
-        if value < SMALLEST_MESH_SIZE_M:
-            raise ValueError(f"must be in metres and at least {SMALLEST_MESH_SIZE_M}: write 0.005 for 5 mm")
-        return value
+    accept_unusual: bool = Field(
+        default=False, description="take unusual values as meant, such as a thickness that looks like millimetres"
+    )
 
     @field_validator("write", "without")
     @classmethod
     def _are_known(cls, value: str | None) -> str | None:
         chosen_writers(_names(value))
         return value
+
+    @model_validator(mode="after")
+    def _is_usual(self) -> Self:
+        if not self.accept_unusual:
+            check_usual(self)
+        return self
 
     @property
     def writers(self) -> tuple[str, ...]:

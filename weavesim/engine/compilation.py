@@ -30,7 +30,7 @@ from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
-from ..kernels.stepping.step import check_clock, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
@@ -135,6 +135,7 @@ class KernelSet:
             partial_sum_kernel(real),
             partial_maximum_kernel(real),
             set_step_kernel(real),
+            fold_works_kernel(real, lane_count),
             *([flush_subnormals, restore_subnormals] if is_cpu else [check_clock]),
             *([barrier] if is_cpu and self.threaded else []),
         ]

@@ -5,8 +5,8 @@ A set-up is checked on construction, which does not load Warp, compile or step.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Self
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Self
 
 from pydantic import field_validator, model_validator
 
@@ -15,8 +15,10 @@ from ..device import LARGEST_THREAD_COUNT, Precision, resolve_precision
 from ..errors import InputError
 from ..process.dynamics import Dynamics
 from ..process.supports import Support
+from ..ranges import Quantity, check_usual
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import Symmetry
+from ..tools.proportions import disproportionate_tools
 from ..tools.tool import Tool
 
 # Largest share of the stable step 2/omega that may be used.
@@ -45,8 +47,8 @@ class Solver(Parameters):
     precision: Precision = Precision.SINGLE
     threads: int | None = None
     lane_count: int | None = None
-    time_step: Positive | None = None
-    target_step: Positive | None = None
+    time_step: Annotated[Positive, Quantity("time step")] | None = None
+    target_step: Annotated[Positive, Quantity("time step")] | None = None
     step_safety: float = STEP_SAFETY
 
     @field_validator("precision", mode="before")
@@ -86,8 +88,8 @@ class Rest(Parameters):
 
     positional = ("after", "kinetic_share")
 
-    after: NotNegative
-    kinetic_share: Positive
+    after: Annotated[NotNegative, Quantity("time")]
+    kinetic_share: Annotated[Positive, Quantity("energy share")]
 
     def reached(self, time: float, energies: Mapping[str, float]) -> bool:
         """Whether a frame at ``time`` [s] with these ``energies`` [J] is at rest."""
@@ -127,6 +129,10 @@ class World(Parameters):
             sheet.check_symmetry(self.symmetry)
         return self
 
+    def disproportions(self) -> Iterator[str]:
+        for sheet in self.sheets:
+            yield from disproportionate_tools(sheet, self.tools)
+
 
 class Setup(Parameters):
     """All input of a run.
@@ -142,6 +148,8 @@ class Setup(Parameters):
         leading_tool: index, among the tools of all worlds, of the tool whose displacement is the stroke.
         rest: ends the run early, at rest; None runs the full duration.
         solver: how and where the run is computed.
+        accept_unusual: take values outside their plausible range, or that hardly fit each other, as meant
+            (docs/fabrics.md); otherwise they are refused, with the likely slip.
 
     Raises:
         InputError: any bad input that can be detected without a device.
@@ -151,11 +159,12 @@ class Setup(Parameters):
 
     name: str
     worlds: tuple[World, ...]
-    duration: Positive
+    duration: Annotated[Positive, Quantity("duration")]
     frame_count: int = 60
     leading_tool: int = 0
     rest: Rest | None = None
     solver: Solver = Solver()
+    accept_unusual: bool = False
 
     @model_validator(mode="before")
     @classmethod
@@ -194,6 +203,12 @@ class Setup(Parameters):
         _check_names("worlds", [world.name for world in self.worlds])
         _check_names("sheets", [sheet.name for sheet in self.sheets])
         _check_names("supports", [support.name for support in self.supports])
+        return self
+
+    @model_validator(mode="after")
+    def _is_usual(self) -> Self:
+        if not self.accept_unusual:
+            check_usual(self)
         return self
 
     @property

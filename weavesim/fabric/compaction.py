@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
 
 from ..checks import Parameters, Positive, Share
+from ..ranges import Quantity
 
 if TYPE_CHECKING:
     from .cell import UnitCell
@@ -23,13 +24,15 @@ class Compaction(Parameters):
     """
 
     thickening: Share = Field(default=1.0, description="n, share of a loss of area that is converted to thickness")
-    crossover_modulus: Positive | None = Field(
+    crossover_modulus: Annotated[Positive, Quantity("contact modulus")] | None = Field(
         default=None, description="E_c, pressure over relative flattening [Pa]; None uses that of the unit cell"
     )
-    fibre_areal_density: Positive | None = Field(
+    fibre_areal_density: Annotated[Positive, Quantity("areal density")] | None = Field(
         default=None, description="mass of the fibres alone per reference area [kg/m^2]; None: no fibre volume fraction"
     )
-    fibre_density: Positive | None = Field(default=None, description="density of the fibres [kg/m^3]")
+    fibre_density: Annotated[Positive, Quantity("fibre density")] | None = Field(
+        default=None, description="density of the fibres [kg/m^3]"
+    )
 
     def modulus(self, cell: UnitCell) -> float:
         """E_c [Pa]; infinite if the cell has no crossovers that can flatten."""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field, SerializeAsAny, model_validator
 
-from ..checks import NotNegative, Parameters, Positive, at_most
+from ..checks import NotNegative, Parameters, Positive
+from ..ranges import Quantity, unusual_values
 from .bending import BendingLaw
 from .cell import UnitCell
 from .compaction import Compaction, check_compaction
+from .proportions import disproportionate_values
 from .shear import CrossoverFriction, LinearShear, ShearLaw
 
 # Stiffness of locking and of friction springs is at most this share of a yarn's stiffness per width: it affects the
@@ -26,34 +29,40 @@ class Stabilisation(Parameters):
     would be locked by its own stabilisation. The warping mode excludes the twist, so that pure twist stores no energy.
     """
 
-    in_plane: NotNegative = Field(default=0.1, description="in-plane modes, share of the shear stiffness")
-    warping: NotNegative = Field(default=0.1, description="warping mode, share of the transverse shear stiffness")
-    director: NotNegative = Field(default=0.1, description="director modes, share of the bending stiffness")
+    in_plane: Annotated[NotNegative, Quantity("stabilisation")] = Field(
+        default=0.1, description="in-plane modes, share of the shear stiffness"
+    )
+    warping: Annotated[NotNegative, Quantity("stabilisation")] = Field(
+        default=0.1, description="warping mode, share of the transverse shear stiffness"
+    )
+    director: Annotated[NotNegative, Quantity("stabilisation")] = Field(
+        default=0.1, description="director modes, share of the bending stiffness"
+    )
 
 
 class Fabric(Parameters):
     """A woven fabric: the material of a sheet."""
 
     name: str = Field(description="name of the fabric, for reports")
-    areal_density: Annotated[Positive, at_most(50.0, "it is in kg/m^2, write 0.6 for 600 g/m^2")] = Field(
+    areal_density: Annotated[Positive, Quantity("areal density")] = Field(
         description="mass per reference area [kg/m^2]"
     )
-    thickness: Annotated[Positive, at_most(0.05, "it is in metres, write 0.0012 for 1.2 mm")] = Field(
-        description="of the undeformed sheet [m]"
-    )
+    thickness: Annotated[Positive, Quantity("sheet thickness")] = Field(description="of the undeformed sheet [m]")
     unit_cell: SerializeAsAny[UnitCell] = Field(description="response of the yarns")
     shear: SerializeAsAny[ShearLaw] = Field(description="elastic law of in-plane shear")
     shear_friction: SerializeAsAny[CrossoverFriction] | None = Field(
         default=None, description="friction of the yarns that rotate on each other, in addition to the elastic law"
     )
     bending: SerializeAsAny[BendingLaw] = Field(kw_only=True, description="law of bending")
-    transverse_shear_modulus: NotNegative = Field(kw_only=True, description="G of equation (6) across the sheet [Pa]")
-    in_plane_bending_stiffness: NotNegative = Field(
+    transverse_shear_modulus: Annotated[NotNegative, Quantity("shear modulus")] = Field(
+        kw_only=True, description="G of equation (6) across the sheet [Pa]"
+    )
+    in_plane_bending_stiffness: Annotated[NotNegative, Quantity("in-plane bending")] = Field(
         default=0.0,
         description="B of psi = 1/2 B |grad gamma|^2: in-plane bending stiffness of the yarns, which keeps the shear "
         "angle from jumping between elements [N m]",
     )
-    compressive_stiffness: NotNegative = Field(
+    compressive_stiffness: Annotated[NotNegative, Quantity("compressive stiffness")] = Field(
         default=0.0,
         description="of the sheet itself along yarns in compression, in addition to the unit cell's [N/m]",
     )
@@ -70,15 +79,21 @@ class Fabric(Parameters):
         if self.shear.locking_slope > largest * (1 + 1e-9):
             raise ValueError(
                 f"locking_stiffness = {self.shear.locking_slope:.4g} N/m: at most {largest:.4g} N/m, a tenth of "
-                "the yarn stiffness per width, is allowed (it enters the stable time step)"
+                f"the yarn stiffness per width, is allowed (it enters the stable time step){self._cell_slip}"
             )
         check_compaction(self.compaction, self.thickness, self.areal_density)
         if self.shear_friction is not None and self.shear_friction.stiffness > largest * (1 + 1e-9):
             raise ValueError(
                 f"shear_friction.stiffness = {self.shear_friction.stiffness:.4g} N/m: at most {largest:.4g} N/m, a "
-                "tenth of the yarn stiffness per width, is allowed (it enters the stable time step)"
+                f"tenth of the yarn stiffness per width, is allowed (it enters the stable time step){self._cell_slip}"
             )
         return self
+
+    @property
+    def _cell_slip(self) -> str:
+        """A likely slip in the yarns, which limits that depend on them mention."""
+        unusual = next(unusual_values(self.unit_cell, "unit_cell"), "")
+        return unusual and f"; but {unusual}"
 
     @model_validator(mode="after")
     def _crossovers_can_rub(self) -> Self:
@@ -90,6 +105,9 @@ class Fabric(Parameters):
                 "of your own: crossover_pressure)"
             )
         return self
+
+    def disproportions(self) -> Iterator[str]:
+        return disproportionate_values(self)
 
     @property
     def has_bending_friction(self) -> bool:

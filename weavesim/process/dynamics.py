@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from ..checks import NotNegative, Parameters
 from ..quantities import FiniteVector
+from ..ranges import Quantity
 
 
 class Dynamics(Parameters):
@@ -22,8 +23,8 @@ class Dynamics(Parameters):
 
     positional = ("gravity", "damping", "director_damping", "contact_damping_ratio", "contact_thickness")
 
-    gravity: FiniteVector = (0.0, 0.0, 0.0)
-    damping: NotNegative = 0.0
-    director_damping: NotNegative = 0.0
-    contact_damping_ratio: NotNegative = 0.1
+    gravity: Annotated[FiniteVector, Quantity("acceleration")] = (0.0, 0.0, 0.0)
+    damping: Annotated[NotNegative, Quantity("damping rate")] = 0.0
+    director_damping: Annotated[NotNegative, Quantity("damping rate")] = 0.0
+    contact_damping_ratio: Annotated[NotNegative, Quantity("damping ratio")] = 0.1
     contact_thickness: Literal["initial", "current"] = "initial"

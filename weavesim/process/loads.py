@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -12,6 +12,7 @@ from ..checks import Parameters
 from ..errors import InputError
 from ..kernels.rows import LoadRow
 from ..quantities import Numbers
+from ..ranges import Quantity
 
 
 class NodalLoads(Parameters):
@@ -29,9 +30,9 @@ class NodalLoads(Parameters):
 
     positional = ("force", "couple", "times", "shares")
 
-    force: FloatArray | None = None
-    couple: FloatArray | None = None
-    times: Numbers = (0.0,)
+    force: Annotated[FloatArray, Quantity("force")] | None = None
+    couple: Annotated[FloatArray, Quantity("couple")] | None = None
+    times: Annotated[Numbers, Quantity("time")] = (0.0,)
     shares: Numbers = (1.0,)
 
     @model_validator(mode="after")

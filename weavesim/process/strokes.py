@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from ..checks import Kinded, Positive
 from ..errors import InputError
-from ..quantities import Numbers, finite, positive
+from ..quantities import Numbers, finite
+from ..ranges import Quantity, argument
 
 # Knots of each smooth ramp: the speed of the piecewise linear stroke then changes by less than 0.4 % at a knot.
 RAMP_KNOT_COUNT = 400
@@ -63,7 +64,7 @@ class Knots(Motion):
     is_kind: ClassVar[bool] = False
     values_name: ClassVar[str]
 
-    times: Numbers
+    times: Annotated[Numbers, Quantity("time")]
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
@@ -105,7 +106,7 @@ class Stroke(Knots):
     values_name = "displacements"
     moves_supports = True
 
-    displacements: Numbers
+    displacements: Annotated[Numbers, Quantity("displacement")]
 
     @classmethod
     def smooth(cls, distance: float, speed: float, ramp_time: float, start_time: float = 0.0) -> Stroke:
@@ -123,10 +124,10 @@ class Stroke(Knots):
         Returns:
             A stroke of duration ``start_time + |distance| / speed + ramp_time``.
         """
-        distance = finite("distance of the stroke", distance)
-        speed = positive("speed of the stroke", speed)
-        ramp_time = finite("ramp_time of the stroke", ramp_time)
-        start_time = finite("start_time of the stroke", start_time)
+        distance = argument("distance of the stroke", distance, "displacement", zero=True, negative=True)
+        speed = argument("speed of the stroke", speed, "speed")
+        ramp_time = argument("ramp_time of the stroke", ramp_time, "time", zero=True, negative=True)
+        start_time = argument("start_time of the stroke", start_time, "time", zero=True, negative=True)
         if distance == 0.0 or ramp_time < 0.0 or start_time < 0.0:
             raise InputError(
                 f"Stroke.smooth got distance {distance} m, ramp_time {ramp_time} s and start_time {start_time} s; "
@@ -169,8 +170,8 @@ class ForceDriven(Knots):
     values_name = "forces"
     by_force = True
 
-    forces: Numbers
-    mass: Positive
+    forces: Annotated[Numbers, Quantity("force")]
+    mass: Annotated[Positive, Quantity("mass")]
 
     @classmethod
     def constant(cls, force: float, mass: float, ramp_time: float = 0.0) -> ForceDriven:
@@ -212,8 +213,8 @@ class SmoothStroke(Knots):
     moves_tools = False
     moves_supports = True
 
-    displacements: Numbers
-    speeds: Numbers
+    displacements: Annotated[Numbers, Quantity("displacement")]
+    speeds: Annotated[Numbers, Quantity("speed")]
 
     @model_validator(mode="after")
     def _has_speeds(self) -> Self:

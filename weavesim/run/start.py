@@ -134,7 +134,10 @@ def check_overlap(sheet: Sheet, penetration: float) -> None:
 
 
 def mesh_notes(model: Model) -> Iterator[str]:
-    """Notes on the triangle meshes of the tools, and the accuracy of their sampling."""
+    """Notes on the meshes of sheets and tools that were read from files, and the accuracy of the tools' sampling."""
+    for world in model.setup.worlds:
+        for sheet in world.sheets:
+            yield from sheet.blank.source_notes
     for surface in mesh_parts(model.setup.tools).values():
         yield from surface.notes()
         yield model.samples[surface].note(surface.name)

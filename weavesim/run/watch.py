@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 
-from ..engine.model import Model
-from ..engine.state import State
+from .condition import Condition
 from .extremes import Extremes
 from .frame import Frame
-from .guards import Guards
-from .ledger import Ledger
 from .sheet_ledger import NO_PENETRATION, Penetration
+from .start import Prepared
 
 # States that are looked at in a run, evenly spaced in time.
 WATCH_COUNT = 100
+# Every so many of them the sheets are searched for parts that pass through each other, which takes longer.
+CONDITION_INTERVAL = 4
 
 
 class Watch:
@@ -23,20 +23,20 @@ class Watch:
     after its time.
 
     Args:
-        duration: of the run [s].
-        model, state: of the run; the state is read.
-        ledger: of the run.
-        guards: of the run.
+        prepared: the run; its state is read.
 
     Attributes:
         history: time, stroke and every entry of the energy ledger of all states so far.
         penetration: the deepest of all states so far.
         extremes: over all steps so far, kept on the device.
+        conditions: of every sheet, at every fourth of these states and at the end.
     """
 
-    def __init__(self, duration: float, model: Model, state: State, ledger: Ledger, guards: Guards) -> None:
-        self._duration, self._state, self._ledger, self._guards = duration, state, ledger, guards
-        self.extremes = Extremes(model)
+    def __init__(self, prepared: Prepared) -> None:
+        self._duration, self._state = prepared.info.duration, prepared.state
+        self._ledger, self._guards = prepared.ledger, prepared.guards
+        self.extremes = Extremes(prepared.model)
+        self.conditions = tuple(Condition(sheet) for sheet in prepared.info.sheets)
         self.history: list[dict[str, float]] = []
         self.penetration: Penetration = NO_PENETRATION
         self._last_step = -1
@@ -47,12 +47,21 @@ class Watch:
         """When to look again [s]."""
         return self._duration * self._next / WATCH_COUNT
 
-    def look(self, frame: Frame) -> None:
-        """Look at a frame that the ledger has just taken; the same state is looked at once."""
-        if frame.step_count == self._last_step:
+    def look(self, frame: Frame, last: bool = False) -> None:
+        """Look at a frame that the ledger has just taken; the same state is looked at once.
+
+        Args:
+            frame: of the current state.
+            last: whether the run ends here.
+        """
+        new = frame.step_count != self._last_step
+        following = max(self._next, math.floor(WATCH_COUNT * frame.time / self._duration) + 1)
+        if last or (new and following // CONDITION_INTERVAL > self._next // CONDITION_INTERVAL):
+            for condition, sheet in zip(self.conditions, frame.sheets, strict=True):
+                condition.look(sheet, frame.time)
+        if not new:
             return
-        self._last_step = frame.step_count
-        self._next = max(self._next, math.floor(WATCH_COUNT * frame.time / self._duration) + 1)
+        self._last_step, self._next = frame.step_count, following
         self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
         self.penetration = self.penetration.deeper(self._ledger.penetration(frame))
         self.extremes.read(self._state, frame.time)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -13,8 +14,14 @@ from ..checks import Finite, Parameters
 from ..fabric.fabric import Fabric
 from ..process.loads import NodalLoads
 from ..process.supports import Support, prescribe_start
+from ..ranges import Quantity
 from .blank import Blank
 from .symmetry import AXES, Symmetry
+
+# Longest side of a blank [m], from a few elements to a wind turbine's shell in parts.
+USUAL_BLANK_SIZE = (2.0e-3, 8.0)
+# Thickness over the blank's longest side.
+LARGEST_USUAL_THICKNESS = 0.25
 
 
 class Sheet(Parameters):
@@ -38,9 +45,9 @@ class Sheet(Parameters):
     blank: Blank
     fabric: Fabric
     name: str = "sheet"
-    orientation: Finite = 0.0
+    orientation: Annotated[Finite, Quantity("angle")] = 0.0
     free: BoolArray | None = None
-    initial_velocity: FloatArray | None = None
+    initial_velocity: Annotated[FloatArray, Quantity("speed")] | None = None
     supports: tuple[Support, ...] = ()
     loads: NodalLoads | None = None
 
@@ -91,6 +98,14 @@ class Sheet(Parameters):
                             f"support {support.name}: drive {k} moves a node off the symmetry plane {plane} = 0; its "
                             f"{plane} must stay 0 there"
                         )
+
+    def disproportions(self) -> Iterator[str]:
+        size, thickness = self.blank.size, self.fabric.thickness
+        low, high = USUAL_BLANK_SIZE
+        if not low <= size <= high:
+            yield f"the blank is {size:.4g} m across; usual are {low:g} to {high:g} m: check its unit (mm, inch)"
+        if thickness > LARGEST_USUAL_THICKNESS * size:
+            yield f"the fabric is {thickness:.4g} m thick, and the blank only {size:.4g} m across: check both units"
 
     @cached_property
     def oriented_blank(self) -> Blank:

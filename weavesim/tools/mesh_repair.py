@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..ranges import QUANTITIES
 from .mesh_topology import directed_edges, labels
 
 # Tools are between 2 mm and 20 m across; anything else is a unit error.
-LARGEST_SIZE = 20.0
+LARGEST_SIZE = QUANTITIES["length"].legal[1]
 SMALLEST_SIZE = 0.002
 
 # Vertices closer than this share of the size are merged; borders closer than the second are a seam, not a border.

@@ -12,8 +12,7 @@ import logging
 import os
 from collections.abc import Sequence
 from functools import cached_property
-from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -21,7 +20,9 @@ from pydantic import Field, model_validator
 from ..arrays import FloatArray, IntArray
 from ..checks import Parameters
 from ..errors import InputError
+from ..meshes import read_mesh
 from ..quantities import FiniteVector, Vector, positive, unit_vector
+from ..ranges import Quantity, argument
 from .mesh_bodies import Parts, parts_of, separated, united
 from .mesh_features import face_normals, fillet_radius, sharp_edges, smallest_width
 from .mesh_repair import (
@@ -234,8 +235,8 @@ class TriangleMesh(Parameters):
     source_notes: tuple[str, ...] = ()
     side: FiniteVector | None = None
     mirror: tuple[str, ...] = ()
-    spacing: float | None = None
-    reach: float | None = None
+    spacing: Annotated[float, Quantity("length")] | None = None
+    reach: Annotated[float, Quantity("length")] | None = None
 
     @model_validator(mode="after")
     def _bounds_a_tool(self) -> Self:
@@ -263,33 +264,25 @@ class MeshShape(Shape):
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str], *, unit_scale: float = 1.0, **options: Any) -> Self:
-        """Read STL, OBJ, PLY or any other format that trimesh supports.
+        """Read STL, OBJ, PLY, OFF, 3MF, glTF, decks of Abaqus and CalculiX, VTK, Gmsh or Medit.
+
+        Quadrilaterals and polygons are split. What is converted or left out is said in the log.
 
         Args:
-            path: of the file.
+            path: of the file; its ending names the format.
             unit_scale: metres per unit of the file: 1 for metres, 0.001 for millimetres.
             **options: those of ``from_triangles``.
 
         Raises:
-            InputError: the file cannot be read, or the mesh cannot be used.
+            InputError: the file cannot be read, holds something that cannot be taken, or the mesh cannot be used.
         """
-        unit_scale = positive("unit_scale", unit_scale)
-        path = Path(path)
-        if not path.is_file():
-            raise InputError(f"tool mesh {path} does not exist; give the path of an STL, OBJ or PLY file.")
-        import trimesh
-
-        try:
-            mesh = trimesh.load_mesh(path, process=False)
-            vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
-        except Exception as error:  # every format's reader raises its own exceptions
-            raise InputError(
-                f"tool mesh {path} cannot be read ({type(error).__name__}: {error}); "
-                "give a triangle mesh, for example in STL, OBJ or PLY."
-            ) from error
-        check_size(f"tool mesh {path}", vertices, unit_scale)
-        options = {"name": f"tool mesh {path}", "path": str(path), **options}
-        return cls.from_triangles(unit_scale * vertices, faces, **options)
+        unit_scale = argument("unit_scale", unit_scale, "unit scale")
+        mesh = read_mesh(path, "tool mesh")
+        faces, notes = mesh.triangles()
+        mesh.check_unit(unit_scale)
+        check_size(mesh.name, mesh.vertices[np.unique(faces)], unit_scale)
+        options = {"name": mesh.name, "path": str(path), "source_notes": notes, **options}
+        return cls.from_triangles(unit_scale * mesh.vertices, faces, **options)
 
     @classmethod
     def from_triangles(

@@ -16,6 +16,7 @@ from pydantic import BeforeValidator, SerializeAsAny, field_validator, model_val
 from ..checks import Kinded, NotNegative, Positive
 from ..errors import InputError
 from ..quantities import FiniteVector, Vector, unit_vector, vector
+from ..ranges import Quantity
 from .drawing import CIRCLE_COUNT, Triangles, ring_triangles, stadium_rings, swept
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ class Shape(Kinded):
     distance_function: ClassVar[str] = ""
     dimension_names: ClassVar[tuple[str, ...]] = ()
 
-    origin: FiniteVector = (0.0, 0.0, 0.0)
+    origin: Annotated[FiniteVector, Quantity("position")] = (0.0, 0.0, 0.0)
     rotation: Annotated[Matrix, BeforeValidator(_matrix)] = IDENTITY
 
     @property
@@ -122,7 +123,7 @@ class Plane(Shape):
 
     positional = ("display_size",)
 
-    display_size: tuple[Positive, Positive] = (0.6, 0.6)
+    display_size: Annotated[tuple[Positive, Positive], Quantity("length")] = (0.6, 0.6)
 
     @property
     def smallest_radius(self) -> float:
@@ -141,7 +142,7 @@ class Sphere(Shape):
     dimension_names = ("radius",)
     positional = ("radius",)
 
-    radius: Positive
+    radius: Annotated[Positive, Quantity("length")]
 
     @property
     def smallest_radius(self) -> float:
@@ -162,8 +163,8 @@ class Capsule(Shape):
     dimension_names = ("radius", "half_length")
     positional = ("radius", "half_length")
 
-    radius: Positive
-    half_length: Positive
+    radius: Annotated[Positive, Quantity("length")]
+    half_length: Annotated[Positive, Quantity("length")]
 
     @property
     def smallest_radius(self) -> float:
@@ -184,8 +185,8 @@ class Torus(Shape):
     dimension_names = ("radius", "major_radius")
     positional = ("radius", "major_radius")
 
-    radius: Positive
-    major_radius: Positive
+    radius: Annotated[Positive, Quantity("length")]
+    major_radius: Annotated[Positive, Quantity("length")]
 
     @model_validator(mode="after")
     def _has_a_hole(self) -> Self:
@@ -212,8 +213,8 @@ class _Dome(Shape):
     dimension_names = ("radius", "half_length")
     positional: ClassVar[tuple[str, ...]] = ("radius", "half_length")
 
-    radius: Positive
-    half_length: NotNegative
+    radius: Annotated[Positive, Quantity("length")]
+    half_length: Annotated[NotNegative, Quantity("length")]
 
     @property
     def smallest_radius(self) -> float:
@@ -233,7 +234,7 @@ class DomePunch(_Dome):
 
     positional = ("radius", "half_length", "display_height")
 
-    display_height: Positive | None = None
+    display_height: Annotated[Positive, Quantity("length")] | None = None
 
     def smallest_width(self, axis: Any = (0.0, 0.0, 1.0)) -> float:
         return 2.0 * self.radius
@@ -261,11 +262,11 @@ class DomeOpening(Shape):
     dimension_names = ("radius", "half_length", "edge_radius")
     positional = ("radius", "half_length", "edge_radius", "display_size", "display_depth")
 
-    radius: Positive
-    half_length: NotNegative
-    edge_radius: NotNegative
-    display_size: tuple[Positive, Positive] | None = None
-    display_depth: Positive | None = None
+    radius: Annotated[Positive, Quantity("length")]
+    half_length: Annotated[NotNegative, Quantity("length")]
+    edge_radius: Annotated[NotNegative, Quantity("length")]
+    display_size: Annotated[tuple[Positive, Positive], Quantity("length")] | None = None
+    display_depth: Annotated[Positive, Quantity("length")] | None = None
 
     @property
     def smallest_radius(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import SerializeAsAny, field_validator
@@ -10,6 +10,7 @@ from pydantic import SerializeAsAny, field_validator
 from ..checks import NotNegative, Parameters, Share
 from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
+from ..ranges import Quantity
 from .shapes import Shape, Triangles, shape_kinds
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class Tool(Parameters):
     name: str
     shape: SerializeAsAny[Shape]
     motion: SerializeAsAny[Motion] = Fixed()
-    friction: NotNegative = 0.2
+    friction: Annotated[NotNegative, Quantity("friction")] = 0.2
     axis: UnitVector = (0.0, 0.0, 1.0)
     colour: tuple[Share, Share, Share] = (0.62, 0.65, 0.70)
 

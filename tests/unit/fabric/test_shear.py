@@ -42,11 +42,11 @@ def test_picture_frame_conventions_agree():
         (lambda: MomentCurve(angle=(0.1, 0.5), moment_values=(0.0, 1.0)), "start at 0"),
         (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(1.0, 2.0)), "moments must start at 0"),
         (lambda: MomentCurve(angle=(0.0, 0.5, 0.4), moment_values=(0.0, 1.0, 2.0)), "increase"),
-        (lambda: MomentCurve(angle=(0.0, 1.7), moment_values=(0.0, 1.0)), "below pi/2"),
+        (lambda: MomentCurve(angle=(0.0, 1.7), moment_values=(0.0, 1.0)), "at most 1.571 rad"),
         (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(0.0, -1.0)), "moments must not be negative"),
         (lambda: MomentCurve(angle=(0.0, True), moment_values=(0.0, 1.0)), "not true or false"),
         (lambda: LinearShear(modulus=True), "modulus = True: a number is needed"),
-        (lambda: ShearFriction(stiffness=1.0, limit=(1.0, 2.0), angle=(0.0, 30.0)), "the last angle is 30 rad"),
+        (lambda: ShearFriction(stiffness=1.0, limit=(1.0, 2.0), angle=(0.0, 30.0)), "write 0.5236 for 30 degrees"),
         (lambda: MomentCurve.from_loading_and_unloading((0.0, 0.5), (0.0, 1.0), ("a", "b")), "unloading: a list"),
         (
             lambda: ShearFriction.from_loading_and_unloading((0.0, 0.5), (0.0, 1.0), (0.0, 1.0), stiffness=1.0),

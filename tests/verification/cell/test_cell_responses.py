@@ -102,8 +102,8 @@ def test_response_is_that_of_an_independent_minimisation(name, manual):
 def sawtooth(share: float, **given) -> PlainWeave:
     """Hard yarns and contact; ``share`` scales their bending stiffness."""
     values = {
-        "warp_modulus": 1e12, "weft_modulus": 1e12, "contact_modulus": 1.0, "warp_cross_section": 1e-6,
-        "weft_cross_section": 1e-6, "contact_cross_section": 1.0, "warp_second_moment": 1e-14 * share,
+        "warp_modulus": 1e12, "weft_modulus": 1e12, "contact_modulus": 1e6, "warp_cross_section": 1e-6,
+        "weft_cross_section": 1e-6, "contact_cross_section": 1e-6, "warp_second_moment": 1e-14 * share,
         "weft_second_moment": 1e-14 * share, "warp_half_spacing": 2.5e-3, "weft_half_spacing": 2.0e-3,
         "crossover_height": 6e-4, "warp_crimp_share": 0.6, "contact_stiffness_value": 1e9,
     }  # fmt: skip

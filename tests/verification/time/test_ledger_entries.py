@@ -51,8 +51,8 @@ def crimped(sheet, fabric) -> list[Found]:
     """Yarns that do not stretch keep their chord: heights and angles follow from the stretches alone."""
     half, height, bending, contact = np.array([2.6e-3, 2.6e-3]), 3e-4, 1e-5, 3e4
     cell = PlainWeave(
-        warp_modulus=1e16, weft_modulus=1e16, contact_modulus=1.0, warp_cross_section=1e-6, weft_cross_section=1e-6,
-        contact_cross_section=1.0, warp_second_moment=bending / 1e16, weft_second_moment=bending / 1e16,
+        warp_modulus=1e16, weft_modulus=1e16, contact_modulus=1e6, warp_cross_section=1e-6, weft_cross_section=1e-6,
+        contact_cross_section=1e-6, warp_second_moment=bending / 1e16, weft_second_moment=bending / 1e16,
         warp_half_spacing=half[0], weft_half_spacing=half[1], crossover_height=2.0 * height,
         contact_stiffness_value=contact, warp_compressive_stiffness=1e10, weft_compressive_stiffness=1e10,
     )  # fmt: skip

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ...checks import Kinded, NotNegative
-from ...quantities import positive
+from ...ranges import Quantity, argument
 from ..curve import Column, check_curve, interpolate, measured_columns
 
 
@@ -21,8 +21,12 @@ class FamilyBending(Kinded):
     a loop whose height is twice the limit. The work lost in slip is booked.
     """
 
-    friction_limit: NotNegative = Field(default=0.0, description="largest friction moment [N]")
-    friction_stiffness: NotNegative = Field(default=0.0, description="slope that friction adds before it slips [N m]")
+    friction_limit: Annotated[NotNegative, Quantity("bending moment")] = Field(
+        default=0.0, description="largest friction moment [N]"
+    )
+    friction_stiffness: Annotated[NotNegative, Quantity("bending stiffness")] = Field(
+        default=0.0, description="slope that friction adds before it slips [N m]"
+    )
 
     @property
     @abstractmethod
@@ -61,8 +65,10 @@ class FamilyBending(Kinded):
 class BendingCurve(FamilyBending):
     """Moment per width over curvature of one yarn family."""
 
-    curvature: tuple[float, ...] = Field(kw_only=True, description="increasing curvatures from 0 [1/m]")
-    moment_values: tuple[float, ...] = Field(
+    curvature: Annotated[tuple[float, ...], Quantity("curvature")] = Field(
+        kw_only=True, description="increasing curvatures from 0 [1/m]"
+    )
+    moment_values: Annotated[tuple[float, ...], Quantity("bending moment")] = Field(
         kw_only=True, description="M at these, moment per width in N m/m; extrapolated with its end slope [N]"
     )
 
@@ -121,7 +127,7 @@ class BendingCurve(FamilyBending):
         Raises:
             InputError: a slip curvature that is not above 0, or negative numbers.
         """
-        slip_curvature = positive("slip_curvature", slip_curvature)
+        slip_curvature = argument("slip_curvature", slip_curvature, "curvature")
         return cls(
             curvature=(0.0, 1.0), moment_values=(0.0, rigidity),
             friction_limit=0.5 * hysteresis, friction_stiffness=0.5 * hysteresis / slip_curvature,

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import Field
 
 from ...checks import NotNegative
+from ...ranges import Quantity
 from ..device_form import DeviceForm
 from .law import BendingLaw, YarnName
 
@@ -12,7 +15,9 @@ from .law import BendingLaw, YarnName
 class IsotropicBending(BendingLaw):
     """Equations (5) and (6): an isotropic plate in the current tangent plane, decoupled from the membrane."""
 
-    modulus: NotNegative = Field(description="E of the sheet in bending (not of the yarns) [Pa]")
+    modulus: Annotated[NotNegative, Quantity("sheet modulus")] = Field(
+        description="E of the sheet in bending (not of the yarns) [Pa]"
+    )
     poisson_ratio: float = Field(default=0.0, gt=-1.0, lt=0.5, description="nu of the sheet in bending")
 
     def stiffness(self, thickness: float) -> float:

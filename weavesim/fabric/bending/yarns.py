@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 from pydantic import Discriminator, Field, SerializeAsAny, Tag, model_validator
 
 from ...checks import NotNegative
+from ...ranges import Quantity
 from ..device_form import DeviceForm, Tabulated
 from .curve import BendingCurve, FamilyBending
 from .isotropic import IsotropicBending
@@ -19,7 +20,8 @@ def _constant_or_curve(value: Any) -> str:
 
 
 Family = Annotated[
-    Annotated[NotNegative, Tag("constant")] | Annotated[SerializeAsAny[FamilyBending], Tag("curve")],
+    Annotated[NotNegative, Quantity("bending stiffness"), Tag("constant")]
+    | Annotated[SerializeAsAny[FamilyBending], Tag("curve")],
     Discriminator(_constant_or_curve),
 ]
 
@@ -29,8 +31,10 @@ class YarnBending(BendingLaw):
 
     warp: Family = Field(description="D_1, or a curve [N m]")
     weft: Family = Field(description="D_2, or a curve [N m]")
-    twist: NotNegative = Field(description="D_12 [N m]")
-    coupling: float = Field(default=0.0, allow_inf_nan=False, description="D_nu between the two curvatures [N m]")
+    twist: Annotated[NotNegative, Quantity("bending stiffness")] = Field(description="D_12 [N m]")
+    coupling: Annotated[float, Quantity("bending stiffness")] = Field(
+        default=0.0, allow_inf_nan=False, description="D_nu between the two curvatures [N m]"
+    )
 
     @model_validator(mode="after")
     def _is_stable(self) -> Self:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from ...checks import Positive
+from ...ranges import Quantity
 from .contract import EnergyCell, UnitCell
 
 
@@ -17,9 +18,11 @@ class LinearMembrane(EnergyCell):
 
     depends_on_shear: ClassVar[bool] = False
 
-    warp_stiffness: Positive = Field(description="C_11 [N/m]")
-    weft_stiffness: Positive = Field(description="C_22 [N/m]")
-    coupling_stiffness: float = Field(default=0.0, allow_inf_nan=False, description="C_12 [N/m]")
+    warp_stiffness: Annotated[Positive, Quantity("membrane stiffness")] = Field(description="C_11 [N/m]")
+    weft_stiffness: Annotated[Positive, Quantity("membrane stiffness")] = Field(description="C_22 [N/m]")
+    coupling_stiffness: Annotated[float, Quantity("membrane stiffness")] = Field(
+        default=0.0, allow_inf_nan=False, description="C_12 [N/m]"
+    )
 
     @model_validator(mode="after")
     def _is_stable(self) -> Self:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from ...checks import NotNegative, Positive
+from ...ranges import Quantity
 from .contract import EnergyCell, UnitCell
 from .weaves import PlainWeave
 
@@ -23,21 +24,31 @@ class UnidirectionalTape(EnergyCell):
     unknown_count: ClassVar[int] = 1
     part_names: ClassVar[tuple[str, ...]] = ("tow", "stitch", "tow_to_tow")
 
-    tow_stiffness: Positive = Field(description="E A of the tows over their spacing [N/m]")
-    tow_compressive_stiffness: NotNegative = Field(description="the same in compression [N/m]")
-    stitch_stiffness: NotNegative = Field(
+    tow_stiffness: Annotated[Positive, Quantity("membrane stiffness")] = Field(
+        description="E A of the tows over their spacing [N/m]"
+    )
+    tow_compressive_stiffness: Annotated[NotNegative, Quantity("membrane stiffness")] = Field(
+        description="the same in compression [N/m]"
+    )
+    stitch_stiffness: Annotated[NotNegative, Quantity("membrane stiffness")] = Field(
         description="k of the energy 1/2 k strain^2 per area of one diagonal in tension [N/m]"
     )
-    slip_stiffness: Positive = Field(
+    slip_stiffness: Annotated[Positive, Quantity("membrane stiffness")] = Field(
         description="k of the energy 1/2 k slip^2 per area; slip is strain transferred between the diagonals [N/m]"
     )
-    stitch_pitch: Positive = Field(description="extent of a diagonal along the tows [m]")
-    tow_spacing: Positive = Field(description="extent of a diagonal across the tows [m]")
-    stitch_slack: NotNegative = Field(default=0.0, description="strain of a diagonal at which it begins to pull")
-    transverse_stiffness: NotNegative = Field(
+    stitch_pitch: Annotated[Positive, Quantity("yarn spacing")] = Field(
+        description="extent of a diagonal along the tows [m]"
+    )
+    tow_spacing: Annotated[Positive, Quantity("yarn spacing")] = Field(
+        description="extent of a diagonal across the tows [m]"
+    )
+    stitch_slack: Annotated[NotNegative, Quantity("strain")] = Field(
+        default=0.0, description="strain of a diagonal at which it begins to pull"
+    )
+    transverse_stiffness: Annotated[NotNegative, Quantity("membrane stiffness")] = Field(
         default=0.0, description="across the tows in tension, without stitches [N/m]"
     )
-    transverse_compressive_stiffness: NotNegative = Field(
+    transverse_compressive_stiffness: Annotated[NotNegative, Quantity("membrane stiffness")] = Field(
         default=0.0, description="across the tows in compression, without stitches [N/m]"
     )
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ...checks import NotNegative, Positive, Share
+from ...ranges import Quantity, argument
 from .contract import UNIT_CELL_TOLERANCE, EnergyCell, UnitCell
 
 if TYPE_CHECKING:
@@ -32,26 +33,50 @@ class CrossedYarns(UnitCell):
 
     is_kind: ClassVar[bool] = False
 
-    warp_modulus: Positive = Field(description="Young's modulus of the warp yarn [Pa]")
-    weft_modulus: Positive = Field(description="Young's modulus of the weft yarn [Pa]")
-    contact_modulus: Positive = Field(description="Young's modulus E_3 of the contact element [Pa]")
-    warp_cross_section: Positive = Field(description="cross-section of the warp yarn [m^2]")
-    weft_cross_section: Positive = Field(description="cross-section of the weft yarn [m^2]")
-    contact_cross_section: Positive = Field(
+    warp_modulus: Annotated[Positive, Quantity("yarn modulus")] = Field(
+        description="Young's modulus of the warp yarn [Pa]"
+    )
+    weft_modulus: Annotated[Positive, Quantity("yarn modulus")] = Field(
+        description="Young's modulus of the weft yarn [Pa]"
+    )
+    contact_modulus: Annotated[Positive, Quantity("contact modulus")] = Field(
+        description="Young's modulus E_3 of the contact element [Pa]"
+    )
+    warp_cross_section: Annotated[Positive, Quantity("cross-section")] = Field(
+        description="cross-section of the warp yarn [m^2]"
+    )
+    weft_cross_section: Annotated[Positive, Quantity("cross-section")] = Field(
+        description="cross-section of the weft yarn [m^2]"
+    )
+    contact_cross_section: Annotated[Positive, Quantity("cross-section")] = Field(
         description="cross-section A_3 of the contact element of the half cell [m^2]"
     )
-    warp_second_moment: NotNegative = Field(description="second moment of area of the warp yarn [m^4]")
-    weft_second_moment: NotNegative = Field(description="second moment of area of the weft yarn [m^4]")
-    warp_half_spacing: Positive = Field(description="L_1, half distance between crossovers along the warp [m]")
-    weft_half_spacing: Positive = Field(description="L_2, half distance between crossovers along the weft [m]")
-    crossover_height: NotNegative = Field(description="L_3 = h_1 + h_2, distance of the yarn axes at the crossover [m]")
+    warp_second_moment: Annotated[NotNegative, Quantity("second moment")] = Field(
+        description="second moment of area of the warp yarn [m^4]"
+    )
+    weft_second_moment: Annotated[NotNegative, Quantity("second moment")] = Field(
+        description="second moment of area of the weft yarn [m^4]"
+    )
+    warp_half_spacing: Annotated[Positive, Quantity("yarn spacing")] = Field(
+        description="L_1, half distance between crossovers along the warp [m]"
+    )
+    weft_half_spacing: Annotated[Positive, Quantity("yarn spacing")] = Field(
+        description="L_2, half distance between crossovers along the weft [m]"
+    )
+    crossover_height: Annotated[NotNegative, Quantity("crossover height")] = Field(
+        description="L_3 = h_1 + h_2, distance of the yarn axes at the crossover [m]"
+    )
     warp_crimp_share: Share = Field(default=0.5, description="h_1 / L_3")
-    warp_compressive_stiffness: NotNegative | None = Field(default=None, description="E A_c of the warp [N]")
-    weft_compressive_stiffness: NotNegative | None = Field(default=None, description="E A_c of the weft [N]")
+    warp_compressive_stiffness: Annotated[NotNegative, Quantity("yarn stiffness")] | None = Field(
+        default=None, description="E A_c of the warp [N]"
+    )
+    weft_compressive_stiffness: Annotated[NotNegative, Quantity("yarn stiffness")] | None = Field(
+        default=None, description="E A_c of the weft [N]"
+    )
     contact: Literal["bilateral", "unilateral"] = Field(
         default="bilateral", description='"unilateral" lets the yarns separate'
     )
-    contact_stiffness_value: Positive | None = Field(
+    contact_stiffness_value: Annotated[Positive, Quantity("contact stiffness")] | None = Field(
         default=None, description="E_3 A_3 / L_3 [N/m] given directly; needed where L_3 = 0"
     )
 
@@ -198,11 +223,14 @@ class PlainWeave(CrossedYarns):
             spacing: yarn spacing [m].
             bending: E I of a yarn [N m^2].
         """
-        axial = stiffness_per_width * spacing
+        stiffness_per_width = argument("stiffness_per_width", stiffness_per_width, "membrane stiffness")
+        axial = stiffness_per_width * argument("spacing", spacing, "yarn spacing")
+        # about 1 mm^2; a power of two, so that the products E A and E I are exact
+        area = 2.0**-20
         return cls(
-            warp_modulus=axial, weft_modulus=axial, contact_modulus=1.0,
-            warp_cross_section=1.0, weft_cross_section=1.0, contact_cross_section=1.0,
-            warp_second_moment=bending / axial, weft_second_moment=bending / axial,
+            warp_modulus=axial / area, weft_modulus=axial / area, contact_modulus=1.0e6,
+            warp_cross_section=area, weft_cross_section=area, contact_cross_section=area,
+            warp_second_moment=area * (bending / axial), weft_second_moment=area * (bending / axial),
             warp_half_spacing=0.5 * spacing, weft_half_spacing=0.5 * spacing, crossover_height=0.0,
             warp_compressive_stiffness=axial, weft_compressive_stiffness=axial,
             contact_stiffness_value=axial / spacing,

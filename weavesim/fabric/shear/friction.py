@@ -8,13 +8,11 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from ...checks import Kinded, NotNegative, Positive, at_most
+from ...checks import Kinded, NotNegative, Positive
+from ...ranges import Quantity
 from ..curve import Column, check_curve, measured_columns
 from ..device_form import DeviceForm, Tabulated
-from .law import LARGEST_SHEAR_ANGLE, check_radians
-
-# A larger value is in the wrong unit [m].
-LARGEST_FRICTION_LENGTH = 0.02
+from .law import LARGEST_SHEAR_ANGLE
 
 
 class CrossoverFriction(Kinded):
@@ -26,7 +24,7 @@ class CrossoverFriction(Kinded):
 
     implied_kind: ClassVar[str | None] = "ShearFriction"
 
-    stiffness: Positive = Field(
+    stiffness: Annotated[Positive, Quantity("shear stiffness")] = Field(
         description="k, slope before the yarns slip, at most a tenth of the yarn stiffness per width [N/m]"
     )
 
@@ -63,14 +61,14 @@ class ShearFriction(CrossoverFriction):
     along the yarns: the law dissipates and never creates energy.
     """
 
-    limit: tuple[NotNegative, ...] = Field(
+    limit: Annotated[tuple[NotNegative, ...], Quantity("shear moment")] = Field(
         default=(0.0,),
         description="moment at which the yarns slip without tension, at each angle; constant beyond the last [N/m]",
     )
-    angle: tuple[float, ...] = Field(default=(0.0,), description="increasing angles from 0 [rad]")
-    crossover_friction_length: Annotated[
-        NotNegative, at_most(LARGEST_FRICTION_LENGTH, "it is in metres, write 2e-4 for 0.2 mm")
-    ] = Field(
+    angle: Annotated[tuple[float, ...], Quantity("shear angle")] = Field(
+        default=(0.0,), description="increasing angles from 0 [rad]"
+    )
+    crossover_friction_length: Annotated[NotNegative, Quantity("friction length")] = Field(
         default=0.0,
         description="friction coefficient times effective radius of a crossover's contact patch, two thirds of the "
         "radius of a round patch under uniform pressure; times the pressure, it is added to the limit [m]",
@@ -79,7 +77,6 @@ class ShearFriction(CrossoverFriction):
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.angle, self.limit, ("angles", "limits"), from_zero=False)
-        check_radians(self.angle)
         if max(self.limit) == 0.0 and self.crossover_friction_length == 0.0:
             raise ValueError("limit = 0 and crossover_friction_length = 0: this friction has no effect, leave it out")
         return self

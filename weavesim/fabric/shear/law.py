@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
@@ -39,11 +38,3 @@ class ShearLaw(Kinded):
     def locking_at_most(self, slope: float) -> Self:
         """The same law with the slope of its locking branch limited to ``slope`` [N/m]."""
         return self
-
-
-def check_radians(angle: Sequence[float]) -> None:
-    """Raise ValueError if the last angle exceeds a right angle, as angles in degrees would."""
-    if angle[-1] > LARGEST_SHEAR_ANGLE:
-        raise ValueError(
-            f"the last angle is {angle[-1]:.4g} rad: angles must stay below pi/2 rad (1 degree is 0.01745 rad)"
-        )

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from pydantic import Field
 
 from ...checks import NotNegative
+from ...ranges import Quantity
 from ..device_form import DeviceForm
 from .law import ShearLaw
 
@@ -16,7 +19,7 @@ class LinearShear(ShearLaw):
     At small angles the stress is therefore G_12 gamma / 2: a modulus defined as tau/gamma has to be doubled here.
     """
 
-    modulus: NotNegative = Field(description="G_12 of equation (4) [Pa]")
+    modulus: Annotated[NotNegative, Quantity("shear modulus")] = Field(description="G_12 of equation (4) [Pa]")
 
     def moment(self, angle: np.ndarray, thickness: float) -> np.ndarray:
         """m(gamma) = dpsi/dgamma at unit stretch, t/2 G_12 sin(gamma) cos(gamma) [N/m]."""

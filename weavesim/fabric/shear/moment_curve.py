@@ -4,42 +4,40 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ...checks import NotNegative, Positive
 from ...errors import InputError
-from ...quantities import positive
+from ...ranges import Quantity, argument
 from ..curve import Column, check_curve, interpolate, measured_columns
 from ..device_form import DeviceForm, Tabulated
-from .law import LARGEST_SHEAR_ANGLE, ShearLaw, check_radians
-
-# A larger value is in the wrong unit [m].
-LARGEST_FRAME_SIDE = 5.0
+from .law import LARGEST_SHEAR_ANGLE, ShearLaw
 
 
 class MomentCurve(ShearLaw):
     """Shear moment per reference area m(gamma) [N/m] as a curve, odd in gamma, with a locking branch."""
 
-    angle: tuple[float, ...] = Field(description="increasing angles from 0 [rad]")
-    moment_values: tuple[float, ...] = Field(
+    angle: Annotated[tuple[float, ...], Quantity("shear angle")] = Field(description="increasing angles from 0 [rad]")
+    moment_values: Annotated[tuple[float, ...], Quantity("shear moment")] = Field(
         description="m at these angles, without locking; extrapolated with its end slope (at least 0) [N/m]"
     )
-    locking_angle: Positive = Field(default=math.radians(60.0), description="start of the locking branch [rad]")
-    locking_stiffness: NotNegative = Field(
+    locking_angle: Annotated[Positive, Quantity("shear angle")] = Field(
+        default=math.radians(60.0), description="start of the locking branch [rad]"
+    )
+    locking_stiffness: Annotated[NotNegative, Quantity("shear stiffness")] = Field(
         default=0.0,
         description="slope dm/dgamma that locking adds, at most a tenth of the yarn stiffness per width [N/m]",
     )
-    locking_width: Positive = Field(
+    locking_width: Annotated[Positive, Quantity("locking width")] = Field(
         default=math.radians(5.0), description="angle over which that slope builds up [rad]"
     )
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.angle, self.moment_values, ("angles", "moments"), from_zero=True)
-        check_radians(self.angle)
         if min(self.moment_values) < 0.0:
             raise ValueError(
                 f"moments must not be negative (the smallest is {min(self.moment_values):.4g} N/m): shear may not "
@@ -55,7 +53,7 @@ class MomentCurve(ShearLaw):
 
         Beyond ``trusted_angle`` [rad] the curve is extrapolated with its end slope.
         """
-        angle = np.linspace(0.0, trusted_angle, 221)
+        angle = np.linspace(0.0, argument("trusted_angle", trusted_angle, "shear angle"), 221)
         return cls(
             angle=tuple(angle),
             moment_values=tuple(np.polynomial.Polynomial((0.0, *coefficients))(angle)),
@@ -77,7 +75,8 @@ class MomentCurve(ShearLaw):
         convention "yarn frame": tau is a nominal shear stress over the yarn's current frame, m = t tau cos(gamma);
         "moment": m = t tau. Beyond ``trusted_angle`` the curve is extrapolated with its end slope.
         """
-        angle = np.linspace(0.0, trusted_angle, 221)
+        thickness = argument("thickness", thickness, "sheet thickness")
+        angle = np.linspace(0.0, argument("trusted_angle", trusted_angle, "shear angle"), 221)
         stress = np.polynomial.Polynomial(tangent_coefficients).integ()(angle)
         if convention not in ("yarn frame", "moment"):
             raise InputError(f'convention = {convention!r}: "yarn frame" or "moment" is needed')
@@ -183,8 +182,7 @@ class MomentCurve(ShearLaw):
 def _checked_sides(frame_side: float, fabric_side: float) -> tuple[float, float]:
     """Sides of frame and fabric [m]; raises InputError if they are impossible."""
     frame_side, fabric_side = (
-        positive(name, side, largest=LARGEST_FRAME_SIDE, hint="it is in metres, write 0.25 for 250 mm")
-        for name, side in (("frame_side", frame_side), ("fabric_side", fabric_side))
+        argument(name, side, "frame side") for name, side in (("frame_side", frame_side), ("fabric_side", fabric_side))
     )
     if fabric_side > frame_side:
         raise InputError(f"fabric_side = {fabric_side:.4g} m: must not exceed that of the frame, {frame_side:.4g} m")

@@ -1,0 +1,73 @@
+"""Values of a fabric that hardly fit each other: the likely slip is the unit of one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from .cell.weaves import CrossedYarns
+
+if TYPE_CHECKING:
+    from .fabric import Fabric
+
+# From loose knits and nonwovens to meshes of metal wire [kg/m^3].
+USUAL_DENSITY = (100.0, 4000.0)
+# (D / weight per area)^(1/3), over which a strip droops under its weight: from silk to stiff prepregs [m].
+USUAL_BENDING_LENGTH = (2.0e-3, 0.6)
+# 12 D / t^3: yarns and fibres slide on each other, so that a fabric is far softer than a plate of its fibres [Pa].
+USUAL_BENDING_MODULUS = (1.0e2, 2.0e10)
+# A sheet has about the height of two crossed yarns; flattened, spread ones are far apart only in the direction of z.
+USUAL_THICKNESS_RATIO = (0.3, 200.0)
+# Height of a crossover over the distance of the yarns.
+LARGEST_USUAL_CRIMP = 1.5
+GRAVITY = 9.81
+
+
+def disproportionate_values(fabric: Fabric) -> Iterator[str]:
+    """Sentences on values of a fabric that hardly fit each other."""
+    density = fabric.areal_density / fabric.thickness
+    low, high = USUAL_DENSITY
+    if not low <= density <= high:
+        yield (
+            f"areal_density = {fabric.areal_density:.4g} kg/m^2 over thickness = {fabric.thickness:.4g} m is a density "
+            f"of {density:.4g} kg/m^3; usual are {low:g} to {high:g}: check both units (g/m^2, mm)"
+        )
+    stiffness = fabric.bending_stiffness_scale
+    length = (stiffness / (GRAVITY * fabric.areal_density)) ** (1.0 / 3.0)
+    low, high = USUAL_BENDING_LENGTH
+    if stiffness > 0.0 and not low <= length <= high:
+        yield (
+            f"the bending stiffness, {stiffness:.4g} N m, and areal_density = {fabric.areal_density:.4g} kg/m^2 let a "
+            f"strip droop over {length:.3g} m; usual are {low:g} to {high:g} m: check the bending law (N mm, MPa), "
+            "thickness (mm) and areal_density (g/m^2)"
+        )
+    modulus = 12.0 * stiffness / fabric.thickness**3
+    low, high = USUAL_BENDING_MODULUS
+    if stiffness > 0.0 and not low <= modulus <= high:
+        yield (
+            f"the bending stiffness, {stiffness:.4g} N m, of a sheet {fabric.thickness:.4g} m thick is that of a solid "
+            f"plate with a modulus of {modulus:.3g} Pa; usual for fabrics are {low:g} to {high:g} Pa: check the "
+            "bending law (N mm, MPa) and thickness (mm)"
+        )
+    if isinstance(fabric.unit_cell, CrossedYarns):
+        yield from _crossovers(fabric, fabric.unit_cell)
+
+
+def _crossovers(fabric: Fabric, cell: CrossedYarns) -> Iterator[str]:
+    height = cell.crossover_height
+    if height == 0.0:
+        return
+    ratio = fabric.thickness / height
+    low, high = USUAL_THICKNESS_RATIO
+    if not low <= ratio <= high:
+        yield (
+            f"thickness = {fabric.thickness:.4g} m is {ratio:.3g} times crossover_height = {height:.4g} m; usual are "
+            f"{low:g} to {high:g} times: check both units (mm)"
+        )
+    for yarn, half_spacing in zip(("warp", "weft"), cell.half_spacing, strict=True):
+        if height > LARGEST_USUAL_CRIMP * 2.0 * half_spacing:
+            yield (
+                f"crossover_height = {height:.4g} m is {height / (2.0 * half_spacing):.3g} times the distance of the "
+                f"crossovers, 2 {yarn}_half_spacing = {2.0 * half_spacing:.4g} m; usual are up to "
+                f"{LARGEST_USUAL_CRIMP:g} times: check both units (mm)"
+            )

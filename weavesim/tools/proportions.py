@@ -1,0 +1,48 @@
+"""Sizes and motions of tools that hardly fit the blank: the likely slip is a unit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..sheet.sheet import Sheet
+from .shapes import Plane, Shape
+from .tool import Tool
+
+# Largest size of a tool over that of the blank: its usual range. An inch read as a metre makes it 39 times as large,
+# an inch read as a millimetre 25 times as small.
+USUAL_SIZE_RATIO = (0.04, 25.0)
+# Longest travel of a tool over the size of the blank.
+USUAL_TRAVEL = 4.0
+
+
+def disproportionate_tools(sheet: Sheet, tools: Sequence[Tool]) -> Iterator[str]:
+    """Sentences on tools whose size or travel hardly fits a sheet."""
+    blank = sheet.blank.size
+    for tool in tools:
+        size = tool_size(tool.shape)
+        if size is not None:
+            ratio = size / blank
+            low, high = USUAL_SIZE_RATIO
+            if not low <= ratio <= high:
+                times = f"{ratio:.3g} times as large" if ratio > 1.0 else f"{1.0 / ratio:.3g} times as small"
+                yield (
+                    f"tool {tool.name} is {size:.4g} m across, {times} as the blank of sheet {sheet.name}, "
+                    f"{blank:.4g} m; usual are {low:g} to {high:g} times: check both units (mm, inch; unit_scale)"
+                )
+        travel = 0.0 if tool.motion.by_force else float(np.ptp(np.append(tool.motion.curve()[1], 0.0)))
+        if travel > USUAL_TRAVEL * blank:
+            yield (
+                f"tool {tool.name} travels {travel:.4g} m, {travel / blank:.3g} times the size of the blank of sheet "
+                f"{sheet.name}, {blank:.4g} m; usual are up to {USUAL_TRAVEL:g} times: check the units (mm)"
+            )
+
+
+def tool_size(shape: Shape) -> float | None:
+    """Longest side of the box around a shape [m]; None if it has no size, as a plane."""
+    parts = shape.parts()
+    if any(isinstance(part, Plane) for part in parts):
+        return None
+    corners = np.concatenate([part.display_triangles()[0] for part in parts])
+    return float(np.ptp(corners, axis=0).max())

@@ -7,8 +7,19 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import InputError
+from .mesh_duplicates import check_fins
 from .mesh_features import face_normals
-from .mesh_topology import Border, Contacts, directed_edges, edge_keys, labels, neighbours, oriented, seam_contacts
+from .mesh_topology import (
+    Contacts,
+    directed_edges,
+    edge_keys,
+    labels,
+    neighbours,
+    odd_edges,
+    oriented,
+    place,
+    seam_contacts,
+)
 
 # A closed body of less volume than this share of its area times its size encloses nothing.
 LEAST_VOLUME = 1e-8
@@ -36,142 +47,6 @@ class Parts:
     notes: list[str] = field(default_factory=list)
 
 
-def separated(name: str, vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Triangles without duplicates, and vertices of its own for each body that the mesh lists as one.
-
-    Bodies that touch share edges, and nothing in these tells which faces belong together; but files list one body
-    after the other.
-
-    Returns:
-        vertices, faces, and notes of what was left out.
-    """
-    triangle, run = _triangle_numbers(faces), _closed_runs(faces)
-    # a body has no triangle twice; what belongs to none, open or repeated, is loose
-    pair = np.unique(np.column_stack([run, triangle]), axis=0)
-    distinct, counts = np.bincount(pair[:, 0]), np.bincount(run)
-    alone = ((distinct == counts) & (counts >= 4))[run]
-    alone[run == run[-1]] &= not _is_open(faces[run == run[-1]])
-    removed = 0
-    # bodies that repeat another
-    bodies, mixed = np.flatnonzero((distinct == counts) & (counts >= 4)), _mixed(triangle)
-    if len(bodies) > 1:
-        content = np.zeros(len(counts), dtype=np.uint64)
-        np.add.at(content, run, mixed)
-        _, first = np.unique(content[bodies], return_index=True)
-        again = np.isin(run, np.delete(bodies, first)) & alone
-        removed = int(again.sum())
-        faces, triangle, run, alone = (values[~again] for values in (faces, triangle, run, alone))
-    repeated = ~alone & np.isin(triangle, triangle[alone])
-    removed += int(repeated.sum())
-    faces, run, alone = (values[~repeated] for values in (faces, run, alone))
-    notes = [f"{name}: {removed} duplicate triangles removed"] if removed else []
-    loose = faces[~alone]
-    if len(loose):
-        loose, found = without_duplicates(name, loose)
-        notes += found
-        edges = directed_edges(loose)
-        border = edges[_odd_edges(edges, np.zeros(len(loose), dtype=int))]
-        _check_fins(name, vertices, border, directed_edges(faces[alone]))
-    # vertices of a body of its own
-    own, index = np.unique(np.repeat(run[alone], 3) * len(vertices) + faces[alone].ravel(), return_inverse=True)
-    index = index.reshape(-1, 3) + len(vertices)
-    return (
-        np.concatenate([vertices, vertices[own % len(vertices)]]),
-        np.concatenate([index, loose]).astype(np.int64),
-        notes,
-    )
-
-
-def _mixed(number: np.ndarray) -> np.ndarray:
-    """Numbers whose sum tells sets of triangles apart."""
-    return np.random.default_rng(0).integers(0, 2**63, int(number.max()) + 1, dtype=np.uint64)[number]
-
-
-def _is_open(faces: np.ndarray) -> bool:
-    return bool(np.any(np.unique(edge_keys(directed_edges(faces)), return_counts=True)[1] % 2))
-
-
-def _closed_runs(faces: np.ndarray) -> np.ndarray:
-    """Number of the run of each face: a run ends where an even number of its faces share each edge, or at the end."""
-    key = edge_keys(directed_edges(faces))
-    order = np.argsort(key, kind="stable")
-    start = np.append(True, key[order[1:]] != key[order[:-1]])
-    place = np.arange(len(key))
-    nth = place - np.maximum.accumulate(np.where(start, place, 0))
-    change = np.empty(len(key), dtype=np.int64)
-    change[order] = np.where(nth % 2 == 0, 1, -1)  # opens an edge, or closes it
-    ends = np.cumsum(change.reshape(-1, 3).sum(axis=1)) == 0
-    return np.cumsum(ends) - ends
-
-
-def _triangle_numbers(faces: np.ndarray) -> np.ndarray:
-    """A number for each triangle, the same for any order of its corners."""
-    corners = np.sort(faces, axis=1).astype(np.int64)
-    count = int(faces.max()) + 1
-    _, first_two = np.unique(corners[:, 0] * count + corners[:, 1], return_inverse=True)
-    return np.unique(first_two * count + corners[:, 2], return_inverse=True)[1]
-
-
-def without_duplicates(name: str, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Each triangle once; none of a wall that two bodies share. And notes of what was left out."""
-    _, first, group, counts = np.unique(
-        _triangle_numbers(faces), return_index=True, return_inverse=True, return_counts=True
-    )
-    if len(first) == len(faces):
-        return faces, []
-    # corner order as an even or odd permutation of the sorted corners
-    odd = (faces[:, 0] > faces[:, 1]) ^ (faces[:, 1] > faces[:, 2]) ^ (faces[:, 0] > faces[:, 2])
-    odd_count = np.bincount(group, odd)
-    two_sided = bool(np.all((odd_count > 0) & (odd_count < counts)))
-    order = np.argsort(first)
-    kept, counts = faces[first[order]], counts[order]
-    notes = []
-    wall = _shared_walls(kept, counts)
-    if np.any(wall):
-        notes.append(f"{name}: {int(wall.sum())} triangles between bodies that touch removed: they are one body")
-    twice = int((counts - 1)[~wall].sum())
-    if twice:
-        notes.append(f"{name}: {twice} duplicate triangles removed" + (", all of other winding" if two_sided else ""))
-    return kept[~wall], notes
-
-
-def _shared_walls(faces: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Which of the faces, ``counts`` times in the mesh, are a wall between two bodies that share it."""
-    multiple = counts > 1
-    none = np.zeros(len(faces), dtype=bool)
-    if np.all(multiple):
-        return none
-    _, edge = np.unique(edge_keys(directed_edges(faces)), return_inverse=True)
-    edge = edge.reshape(-1, 3)
-    of_multiple, of_single = (
-        np.bincount(edge[kind].ravel(), minlength=edge.max() + 1) for kind in (multiple, ~multiple)
-    )
-    # patches of multiple faces end where a third face meets them; one that is closed is a body given twice
-    inner = (of_multiple == 2) & (of_single == 0)
-    patch = labels(len(faces), _linked(edge, inner[edge] & multiple[:, None]))
-    rim = np.zeros(patch.max() + 1, dtype=bool)
-    of_patch, times = np.unique(np.column_stack([np.repeat(patch, 3), edge.ravel()]), axis=0, return_counts=True)
-    rim[of_patch[times % 2 == 1, 0]] = True
-    wall = multiple & (counts % 2 == 0) & rim[patch]
-    if not np.any(wall):
-        return none
-    # only if what remains of the connected whole is closed
-    whole = labels(len(faces), _linked(edge, np.ones_like(edge, dtype=bool)))
-    left = np.bincount(edge[~wall].ravel(), minlength=edge.max() + 1)
-    open_whole = np.zeros(whole.max() + 1, dtype=bool)
-    open_whole[np.repeat(whole, 3)[(left[edge.ravel()] % 2) == 1]] = True
-    return wall & ~open_whole[whole]
-
-
-def _linked(edge: np.ndarray, use: np.ndarray) -> np.ndarray:
-    """Pairs of faces that share an edge (numbers (m, 3)), among the edges to ``use``."""
-    face, number = np.nonzero(use)[0], edge[use]
-    order = np.argsort(number, kind="stable")
-    face, number = face[order], number[order]
-    same = number[1:] == number[:-1]
-    return np.column_stack([face[:-1][same], face[1:][same]])
-
-
 def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: float) -> Parts:
     """Tell closed bodies and open patches apart; borders closer than ``tolerance`` [m] are a seam.
 
@@ -183,13 +58,13 @@ def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: floa
     agree = edges[pairs[:, 0], 0] != edges[pairs[:, 1], 0]
     faces, component, one_sided = oriented(faces, pairs // 3, agree)
     if np.any(one_sided):
-        place = _place(vertices[faces[np.argmax(one_sided)]].mean(axis=0))
+        where = place(vertices[faces[np.argmax(one_sided)]].mean(axis=0))
         raise InputError(
-            f"{name}: the surface about {place} has one side only, like a Moebius strip, so that nothing is behind "
+            f"{name}: the surface about {where} has one side only, like a Moebius strip, so that nothing is behind "
             "it; export the tool as a closed body or as a sheet with two sides."
         )
     edges = directed_edges(faces)
-    rows = _odd_edges(edges, component)
+    rows = odd_edges(edges, component)
     contacts = seam_contacts(vertices, edges[rows], tolerance)
     seam = np.zeros(len(rows), dtype=bool)
     seam[contacts.edge] = True
@@ -203,7 +78,7 @@ def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: floa
     faces = _across_seams(faces, rows, contacts, component, closed_face)
     edges = directed_edges(faces)
     _check_walls(name, vertices, edges[rows], group[rows // 3], is_open)
-    _check_fins(name, vertices, border, edges[np.repeat(closed_face, 3)])
+    check_fins(name, vertices, border, edges[np.repeat(closed_face, 3)])
     bodies = [faces[rows] for rows in _rows_of(group, closed_face)]
     notes: list[str] = []
     outwards = [_outwards(name, vertices, body) for body in bodies]
@@ -214,20 +89,6 @@ def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: floa
         )
     bodies = _nested(name, vertices, outwards, notes)
     return Parts(bodies, faces[~closed_face], component[~closed_face], border, notes)
-
-
-def _place(point: np.ndarray) -> str:
-    return f"({', '.join(f'{1e3 * c:.4g}' for c in point)}) mm"
-
-
-def _odd_edges(edges: np.ndarray, component: np.ndarray) -> np.ndarray:
-    """Rows of edges that an odd number of faces of their component share."""
-    key = edge_keys(edges)
-    of = np.repeat(component, 3)
-    order = np.lexsort((of, key))
-    start = np.flatnonzero(np.append(True, (np.diff(key[order]) != 0) | (np.diff(of[order]) != 0)))
-    times = np.diff(np.append(start, len(order)))
-    return order[start[times % 2 == 1]]
 
 
 def _rows_of(group: np.ndarray, wanted: np.ndarray) -> list[np.ndarray]:
@@ -267,22 +128,10 @@ def _check_walls(name: str, vertices: np.ndarray, edges: np.ndarray, group: np.n
     bad = first[(counts > 2) & (balance != 0)]
     bad = bad[~is_open[group[bad]]]
     if len(bad):
-        place = _place(vertices[edges[bad[0]]].mean(axis=0))
+        where = place(vertices[edges[bad[0]]].mean(axis=0))
         raise InputError(
-            f"{name}: more than two surfaces meet at {len(bad)} edges, one at {place}, and inside and outside cannot "
+            f"{name}: more than two surfaces meet at {len(bad)} edges, one at {where}, and inside and outside cannot "
             "be told; remove inner walls, and export each body by itself, one after the other."
-        )
-
-
-def _check_fins(name: str, vertices: np.ndarray, border: np.ndarray, closed: np.ndarray) -> None:
-    """Refuse a surface that begins at an edge of a closed body: it has no side of its own."""
-    key = edge_keys(np.concatenate([border, closed]))
-    attached = np.flatnonzero(np.isin(key[: len(border)], key[len(border) :]))
-    if len(attached):
-        place = _place(vertices[border[attached[0]]].mean(axis=0))
-        raise InputError(
-            f"{name}: an open surface is attached to a closed body at {len(attached)} edges, one at {place}, so that "
-            "inside and outside cannot be told; remove it, or give it a thickness."
         )
 
 
@@ -298,7 +147,7 @@ def _outwards(name: str, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
     if abs(enclosed) < LEAST_VOLUME * size * float(face_normals(vertices, faces)[1].sum()):
         raise InputError(
-            f"{name}: the {len(faces)} triangles about {_place(corners.mean(axis=0))} are closed, but enclose nothing: "
+            f"{name}: the {len(faces)} triangles about {place(corners.mean(axis=0))} are closed, but enclose nothing: "
             "they are a sheet with two coincident sides; export one side of it, or a body with a thickness."
         )
     return faces if enclosed > 0.0 else faces[:, ::-1]
@@ -322,8 +171,8 @@ def _nested(name: str, vertices: np.ndarray, bodies: list[np.ndarray], notes: li
     cavities = int(np.count_nonzero(depth % 2))
     if cavities:
         k = int(np.argmax(depth % 2))
-        place = _place(0.5 * (low[k] + high[k]))
-        notes.append(f"{name}: {cavities} closed surfaces lie inside another and are cavities of it, one about {place}")
+        where = place(0.5 * (low[k] + high[k]))
+        notes.append(f"{name}: {cavities} closed surfaces lie inside another and are cavities of it, one about {where}")
     if np.any((depth > 0) & (depth % 2 == 0)):
         notes.append(f"{name}: {np.count_nonzero((depth > 0) & (depth % 2 == 0))} bodies lie in such cavities")
     return [np.concatenate(surfaces) for surfaces in result.values()]
@@ -399,8 +248,3 @@ def _boolean_union(vertices: np.ndarray, solids: list[np.ndarray]) -> tuple[np.n
         return None
     mesh = union.to_mesh64()
     return np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
-
-
-def border_of(vertices: np.ndarray, edges: np.ndarray) -> Border:
-    """The border for messages."""
-    return Border(vertices, edges)

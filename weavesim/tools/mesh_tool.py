@@ -23,7 +23,8 @@ from ..errors import InputError
 from ..meshes import read_mesh
 from ..quantities import FiniteVector, Vector, positive, unit_vector
 from ..ranges import Quantity, argument
-from .mesh_bodies import Parts, parts_of, separated, united
+from .mesh_bodies import Parts, parts_of, united
+from .mesh_duplicates import separated
 from .mesh_features import face_normals, fillet_radius, sharp_edges, smallest_width
 from .mesh_repair import (
     SEAM,

@@ -32,6 +32,21 @@ def neighbours(faces: np.ndarray) -> np.ndarray:
     return np.column_stack([order[pick], order[pick + 1]])
 
 
+def odd_edges(edges: np.ndarray, component: np.ndarray) -> np.ndarray:
+    """Rows of edges that an odd number of faces of their component share."""
+    key = edge_keys(edges)
+    of = np.repeat(component, 3)
+    order = np.lexsort((of, key))
+    start = np.flatnonzero(np.append(True, (np.diff(key[order]) != 0) | (np.diff(of[order]) != 0)))
+    times = np.diff(np.append(start, len(order)))
+    return order[start[times % 2 == 1]]
+
+
+def place(point: np.ndarray) -> str:
+    """A point [m] in words, in millimetres."""
+    return f"({', '.join(f'{1e3 * c:.4g}' for c in point)}) mm"
+
+
 def labels(count: int, pairs: np.ndarray) -> np.ndarray:
     """Number of the connected component of each of ``count`` items, linked by ``pairs`` (k, 2)."""
     from scipy.sparse import coo_matrix
@@ -134,9 +149,8 @@ class Border:
         loop = labels(int(index.max()) + 1, index)[index[:, 0]]
         counts = np.bincount(loop)
         corners = self.vertices[self.edges[loop == np.argmin(counts)].ravel()]
-        place = ", ".join(f"{1e3 * c:.4g}" for c in corners[0])
         loops = f"in {len(counts)} loops, the smallest" if len(counts) > 1 else "in one loop"
         return (
             f"{len(self.edges)} open edges {loops} of {counts.min()} edges, "
-            f"{1e3 * float(np.linalg.norm(np.ptp(corners, axis=0))):.3g} mm across, at ({place}) mm"
+            f"{1e3 * float(np.linalg.norm(np.ptp(corners, axis=0))):.3g} mm across, at {place(corners[0])}"
         )

@@ -2,74 +2,15 @@
 
 import numpy as np
 import pytest
-import trimesh
 
 from tests.support.oracles import box_distance, union_distance
+from tests.support.solids import LEFT, RIGHT, SIZE, agrees, ball, box, notes, points_about, sheet, shuffled, together
 from weavesim.errors import InputError
 from weavesim.tools.mesh_bodies import winding_numbers
 from weavesim.tools.mesh_tool import MeshSurface
 from weavesim.tools.sampling import exact_distance
 
-SIZE = (0.06, 0.05, 0.04)
-
-
-def box(size=SIZE, centre=(0.0, 0.0, 0.0), inverted=False, cuts=0):
-    mesh = trimesh.creation.box(size)
-    for _ in range(cuts):
-        mesh = mesh.subdivide()
-    return mesh.vertices + np.array(centre), mesh.faces[:, ::-1] if inverted else mesh.faces
-
-
-def ball(radius=0.03, centre=(0.0, 0.0, 0.0), inverted=False):
-    mesh = trimesh.creation.icosphere(subdivisions=3, radius=radius)
-    return mesh.vertices + np.array(centre), mesh.faces[:, ::-1] if inverted else mesh.faces
-
-
-def together(*meshes):
-    first = np.cumsum([0, *(len(vertices) for vertices, _ in meshes[:-1])])
-    return np.concatenate([v for v, _ in meshes]), np.concatenate(
-        [f + k for (_, f), k in zip(meshes, first, strict=True)]
-    )
-
-
-def shuffled(mesh):
-    return mesh[0], np.random.default_rng(0).permutation(mesh[1])
-
-
-def sheet(size=0.2, count=9, height=0.0):
-    line = np.linspace(-0.5 * size, 0.5 * size, count)
-    x, y = np.meshgrid(line, line, indexing="ij")
-    vertices = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, height)])
-    index = np.arange(count**2).reshape(count, count)
-    a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
-    return vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-
-
-def points_about(vertices, count=4000):
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    margin = 0.2 * (high - low).max()
-    return np.random.default_rng(0).uniform(low - margin, high + margin, (count, 3))
-
-
-def notes(surface):
-    return " ".join(surface.notes())
-
-
-def agrees(mesh, boxes, **options):
-    """The surface of a mesh whose distance is that of a union of boxes: exact outside, of the right sign inside."""
-    surface = MeshSurface(*mesh, **options)
-    points = points_about(mesh[0])
-    expected, value = union_distance(points, boxes), exact_distance(surface, points)
-    outside = expected > 0.0
-    assert 0.02 < outside.mean() < 0.98
-    np.testing.assert_allclose(value[outside], expected[outside], atol=2e-6)
-    assert np.all(value[~outside] < 0.0)
-    return surface
-
-
 # --- bodies that lie apart, touch, overlap, or contain each other ----------------------------------------------------
-
-LEFT, RIGHT = (-0.05, 0.0, 0.0), (0.05, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("first", [False, True])
@@ -119,15 +60,6 @@ def test_bodies_that_touch_or_overlap_are_one_solid(case, inverted):
         assert exact_distance(surface, middle[None])[0] < -0.009
 
 
-@pytest.mark.parametrize("cuts", [0, 1])
-def test_blocks_with_a_common_wall_in_a_file_without_order(cuts):
-    """Both blocks have the same triangles there, and nothing but these tells that the blocks are two."""
-    vertices, faces = box(cuts=cuts)
-    mesh = shuffled(together((vertices, faces), ((0.06, 0.0, 0.0) + vertices * (-1.0, 1.0, 1.0), faces[:, ::-1])))
-    surface = agrees(mesh, [(SIZE, (0.0, 0.0, 0.0)), (SIZE, (0.06, 0.0, 0.0))])
-    assert f"{2 * 4**cuts} triangles between bodies that touch removed" in notes(surface)
-
-
 def test_a_row_of_blocks_that_share_walls_is_one_body():
     mesh = together(*(box(centre=(0.06 * i, 0.05 * j, 0.0)) for i in range(3) for j in range(2)))
     surface = agrees(mesh, [((0.18, 0.1, 0.04), (0.06, 0.025, 0.0))])
@@ -168,54 +100,6 @@ def test_a_body_in_a_cavity_is_solid():
     surface = MeshSurface(*mesh)
     np.testing.assert_array_equal(exact_distance(surface, points) < 0.0, solid)
     assert "1 bodies lie in such cavities" in notes(surface)
-
-
-# --- triangles given more than once -----------------------------------------------------------------------------------
-
-
-def repeated(mesh, times=2, flip=False, part=1.0):
-    vertices, faces = mesh
-    count = int(part * len(faces))
-    return vertices, np.concatenate([faces, *[faces[:count, ::-1] if flip else faces[:count]] * (times - 1)])
-
-
-@pytest.mark.parametrize("soup", [False, True], ids=["welded", "soup"])
-@pytest.mark.parametrize(
-    ("times", "flip", "part"),
-    [(2, False, 1.0), (3, False, 1.0), (2, True, 1.0), (4, True, 1.0), (2, False, 0.5), (2, True, 0.5)],
-)
-def test_duplicates_of_a_sheet_are_removed_and_counted(times, flip, part, soup):
-    vertices, faces = repeated(sheet(), times, flip, part)
-    if soup:
-        vertices, faces = vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)
-    surface = MeshSurface(vertices, faces, side=(0.0, 0.0, 1.0))
-    assert not surface.closed and len(surface.faces) == 128
-    assert f"{len(faces) - 128} duplicate triangles removed" in notes(surface)
-    assert ("all of other winding" in notes(surface)) == (flip and part == 1.0)
-    points = np.array([[0.03, 0.01, 0.002], [0.03, 0.01, -0.002], [0.2, 0.0, -0.002]])
-    np.testing.assert_allclose(exact_distance(surface, points), [0.002, -0.002, 0.1], atol=1e-6)
-
-
-@pytest.mark.parametrize(("times", "flip", "part"), [(2, False, 1.0), (2, True, 1.0), (3, True, 1.0), (2, True, 0.4)])
-def test_duplicates_of_a_body_are_removed(times, flip, part):
-    mesh = repeated(box(cuts=1), times, flip, part)
-    surface = agrees(mesh, [(SIZE, (0.0, 0.0, 0.0))])
-    assert surface.closed and len(surface.faces) == 48
-
-
-def test_one_of_two_bodies_twice():
-    mesh = together(box(centre=LEFT), repeated(box(centre=RIGHT)))
-    agrees(mesh, [(SIZE, LEFT), (SIZE, RIGHT)])
-    # the same where they touch along an edge
-    mesh = together(box(), repeated(box(centre=(0.06, 0.05, 0.0))))
-    agrees(mesh, [(SIZE, (0.0, 0.0, 0.0)), (SIZE, (0.06, 0.05, 0.0))])
-
-
-def test_a_two_sided_sheet_without_sides_is_asked_for_its_side():
-    vertices, faces = sheet()
-    faces = np.concatenate([faces, faces[:, ::-1]])
-    surface = MeshSurface(vertices, faces)
-    assert surface.side == pytest.approx((0.0, 0.0, 1.0)) and "all of other winding" in notes(surface)
 
 
 # --- bodies and sheets in one file ------------------------------------------------------------------------------------

@@ -15,9 +15,9 @@ from ..measures.units import DEGREES, JOULES, MILLIMETRES, NEWTONS, PER_SECOND, 
 from ..version import __version__
 
 if TYPE_CHECKING:
-    from .condition import Condition
-    from .extremes import Extremes
     from .simulation import Simulation
+    from .watch.condition import Condition
+    from .watch.extremes import Extremes
 
 # The balance error of a state is relative to the work so far, but at least to this share of the run's work.
 LEAST_WORK = 1.0e-4

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...errors import InputError
-from ..tool_distance import Deepest, ToolDistances, deepest_point
+from ..watch.tool_distance import Deepest, ToolDistances, deepest_point
 from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:

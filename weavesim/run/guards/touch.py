@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..frame import Outcome
-from ..tool_distance import ToolDistances
+from ..watch.tool_distance import ToolDistances
 from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ import pytest
 
 from tests.support.runs import small_run
 from weavesim.process.strokes import Stroke
-from weavesim.run.tool_distance import ToolDistances, deepest_point
+from weavesim.run.watch.tool_distance import ToolDistances, deepest_point
 from weavesim.sheet.blank import Blank
 from weavesim.tools.shapes import Plane, Sphere, Union
 from weavesim.tools.tool import Tool

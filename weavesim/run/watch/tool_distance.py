@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import warp as wp
 
-from ..engine.model import Model
-from ..kernels.contact.tool_distance import sample_distance_kernel
-from ..kernels.contact.tool_shapes import further_kinds
+from ...engine.model import Model
+from ...kernels.contact.tool_distance import sample_distance_kernel
+from ...kernels.contact.tool_shapes import further_kinds
 
 # Cells of elements that are divided further at once, the most promising first.
 LARGEST_CELL_COUNT = 4000

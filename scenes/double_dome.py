@@ -206,7 +206,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     if parameters.part != "full" and parameters.yarn_angle % 90.0 != 0.0:
         raise InputError(
             f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "
-            "use part = full"
+            "choose the full part"
         )
     lower = (0.0 if "x" in symmetry else -0.5 * BLANK_LENGTH, 0.0 if "y" in symmetry else -0.5 * BLANK_WIDTH)
     blank = Blank.rectangle(

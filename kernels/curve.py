@@ -89,6 +89,16 @@ def slide(strain: Any, slip: Any, spring_before: Any, stiffness: Any, limit: Any
 
 
 @wp.func
+def book_loss(slip: Any, row: int, remainder_row: int, block: int, lost: Any):
+    """Add to a loss, with what rounding cut off in a row of its own: the sum of many small increments."""
+    before = slip[row, block]
+    whole = lost + slip[remainder_row, block]
+    after = before + whole
+    slip[remainder_row, block] = whole - (after - before)
+    slip[row, block] = after
+
+
+@wp.func
 def spring_energy(stiffness: Any, spring: Any):
     """psi of the spring in series with a slider [J/m^2]."""
     return (spring.dtype(0.5) * stiffness) * (spring * spring)

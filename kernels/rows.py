@@ -58,6 +58,7 @@ class MotionRow(Rows):
     director = "1", "unit director", 3
     spin = "1/s", "rate at which the director turns, half a step before it", 3
     remainder = "m", "what rounding cut off the position", 3
+    velocity_remainder = "m/s", "what rounding cut off the velocity", 3
     mean_angle = "rad", "mean shear angle of the elements around the node"
 
 
@@ -105,18 +106,29 @@ class SlipRow(Rows):
     weft_bending_spring = "1/m", "spring before the slider of the weft"
     shear_friction_loss = "J/m^2", "work lost between the yarns so far"
     bending_friction_loss = "J/m^2", "work lost inside the bent yarns so far"
+    shear_friction_remainder = "J/m^2", "what rounding cut off the work lost between the yarns"
+    bending_friction_remainder = "J/m^2", "what rounding cut off the work lost inside the bent yarns"
 
 
-class NodeReportRow(Rows):
-    """Values booked at the nodes. A run has the first three, four with loads, all with current-thickness contact."""
+class NodeWorkRow(Rows):
+    """Works at the nodes. A run has the first three, four with loads, all with current-thickness contact.
 
-    friction_work = "J", "work done against friction so far, lost or held in the friction springs"
-    damping_loss = "J", "energy lost in damping so far"
-    support_work = "J", "work of what holds the node so far"
-    load_work = "J", "work of the loads on the node so far"
-    half_thickness = "m", "half the current thickness of the sheet"
-    half_thickness_growth = "m", "last change of half the thickness"
-    thickness_work = "J", "work of the change of thickness on the tools so far"
+    Those of the steps since the last update of the stable step, of each node; and those before, of each block of nodes,
+    in double precision: in single precision a sum of 1e5 small increments is wrong by up to a per cent.
+    """
+
+    friction_work = "J", "work done against friction, lost or held in the friction springs"
+    damping_loss = "J", "energy lost in damping"
+    support_work = "J", "work of what holds the nodes"
+    load_work = "J", "work of the loads on the nodes"
+    thickness_work = "J", "work of the change of thickness on the tools"
+
+
+class ThicknessRow(Rows):
+    """Thickness of the sheet at the nodes, where tools meet that."""
+
+    half = "m", "half the current thickness of the sheet"
+    growth = "m", "last change of half the thickness"
 
 
 class SheetEnergy(Rows):
@@ -154,6 +166,8 @@ class ExtremeRow(Rows):
     min_weft = "1", "smallest strain of the weft"
     max_weft = "1", "largest strain of the weft"
     angle = "rad", "largest absolute shear angle"
+    warp_curvature = "1/m", "largest absolute curvature of the warp, out of the sheet"
+    weft_curvature = "1/m", "largest absolute curvature of the weft, out of the sheet"
 
 
 class ClockEntry(Rows):

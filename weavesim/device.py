@@ -10,8 +10,9 @@ import logging
 import os
 import platform
 import sys
+import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
@@ -101,8 +102,13 @@ def kernel_cache_folder() -> Path:
 @contextmanager
 def _quiet_native_code() -> Iterator[None]:
     """Silence native code on standard error: it warns of a missing CUDA driver on every CPU-only machine."""
-    sys.stderr.flush()
-    kept = os.dup(2)
+    with suppress(AttributeError, OSError, ValueError):  # it may be None, or closed
+        sys.stderr.flush()
+    try:
+        kept = os.dup(2)
+    except OSError:  # there is nothing to silence
+        yield
+        return
     try:
         with open(os.devnull, "wb") as nowhere:
             os.dup2(nowhere.fileno(), 2)
@@ -137,6 +143,21 @@ def initialise() -> None:
             f"Compiled kernels cannot be stored in {folder}: {error.strerror or error}. "
             "Make that folder writable or set another one in the environment variable WARP_CACHE_PATH."
         ) from error
+
+
+_one_at_a_time = threading.RLock()
+
+
+@contextmanager
+def exclusive() -> Iterator[None]:
+    """Let one thread of this process compute: Warp records the launches of all threads into one graph."""
+    if not _one_at_a_time.acquire(blocking=False):
+        logger.info("another thread of this program computes; this one waits until that is done")
+        _one_at_a_time.acquire()
+    try:
+        yield
+    finally:
+        _one_at_a_time.release()
 
 
 def device_names() -> list[str]:

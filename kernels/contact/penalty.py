@@ -20,6 +20,7 @@ def touch_struct(real: type, lane_count: int):
         gap: wp.array2d(dtype=real)  # [tool, block]: distance before any node can touch [m]; unknown if not > 0
         depth: wp.array2d(dtype=types.lanes)  # [tool, block]: deepest that each node has been in a tool [m]
         reaction: wp.array2d(dtype=types.vec3)  # [tool, block]: force of the sheet on the tool [N]
+        thickness: wp.array2d(dtype=types.lanes)  # rows: see ThicknessRow; none for the initial thickness
 
     return Touch
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import warp as wp
 
-from ..curve import slide, spring_energy
+from ..curve import book_loss, slide, spring_energy
 from ..lanes import fill, lane_types
 from ..operators import div, mul  # noqa: F401
 from ..rows import SlipRow
@@ -66,7 +66,7 @@ def family_friction(laws: Any, block: int, family: int, curvature: Any, slip: An
     )
     slip[SlipRow.warp_bending_slip + family, block] = slid
     slip[SlipRow.warp_bending_spring + family, block] = spring
-    slip[SlipRow.bending_friction_loss, block] = slip[SlipRow.bending_friction_loss, block] + lost
+    book_loss(slip, SlipRow.bending_friction_loss, SlipRow.bending_friction_remainder, block, lost)
     return laws.bending_friction.stiffness[family] * spring
 
 

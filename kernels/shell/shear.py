@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from ..curve import slide
+from ..curve import book_loss, slide
 from ..lanes import fill, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
@@ -45,7 +45,7 @@ def shear_friction_function(traits: SheetTraits):
         )
         slip[SlipRow.shear_slip, block] = turned
         slip[SlipRow.shear_spring, block] = spring
-        slip[SlipRow.shear_friction_loss, block] = slip[SlipRow.shear_friction_loss, block] + lost
+        book_loss(slip, SlipRow.shear_friction_loss, SlipRow.shear_friction_remainder, block, lost)
         return laws.shear_friction.stiffness * spring
 
     return shear_friction

@@ -8,7 +8,7 @@ import warp as wp
 from ..contact.penalty import touch_struct
 from ..lanes import dot, lane_types, rows3
 from ..operators import div, mul  # noqa: F401
-from ..rows import ClockEntry, MotionRow, NodeReportRow
+from ..rows import ClockEntry, MotionRow, NodeWorkRow
 from .node_advance import (
     follow_supports_function,
     place_function,
@@ -27,8 +27,8 @@ from .tool_contact import meet_tools_function
 
 
 @wp.func
-def book(report: Any, row: int, block: int, entry: Any):
-    report[row, block] = report[row, block] + entry
+def book(works: Any, row: int, block: int, entry: Any):
+    works[row, block] = works[row, block] + entry
 
 
 @cache
@@ -46,7 +46,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         follow_thickness_function(real, lane_count),
     )
     apply_loads, meet_tools = apply_loads_function(real, lane_count), meet_tools_function(real, lane_count, traits)
-    translate, turn = translate_function(real, lane_count), turn_function(real, lane_count)
+    translate, turn = translate_function(real, lane_count, traits.loaded), turn_function(real, lane_count)
     follow_supports = follow_supports_function(real, lane_count)
     support_work = support_work_function(real, lane_count, traits.supported)
     place = place_function(real, lane_count, has_tools)
@@ -81,28 +81,28 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         # Out
         motion: wp.array2d(dtype=lanes),  # rows: see MotionRow
         touch: Touch,
-        report: wp.array2d(dtype=lanes),  # rows: see NodeReportRow
+        works: wp.array2d(dtype=lanes),  # rows: see NodeWorkRow
     ):
         block = first_block + wp.tid()
         present = present_block(block, nodes, laws, around.clock, motion)
         force, couple, angle, thickness = gather_corners(block, nodes, corners)
         lost = follow_angle(block, nodes, laws, angle, motion)
         if wp.static(traits.follows_thickness):
-            present = follow_thickness(present, nodes, thickness, report)
+            present = follow_thickness(present, nodes, thickness, touch)
         applied_force = lanes3()
         applied_couple = lanes3()
         if wp.static(traits.loaded):
-            force, couple, applied_force, applied_couple = apply_loads(present, nodes, around.clock, force, couple)
+            couple, applied_force, applied_couple = apply_loads(present, nodes, around.clock, couple)
         friction = lanes3()
         friction_power = lanes()
         dashpots = lanes3()
         dashpot_power = lanes()
         if wp.static(has_tools):
             force, friction, friction_power, dashpots, dashpot_power = meet_tools(
-                present, laws, around.tools, force, touch, report
+                present, laws, around.tools, force, touch, works
             )
 
-        acceleration, free, velocity = translate(present, nodes, laws, force)
+        acceleration, free, velocity = translate(present, nodes, laws, force, applied_force, motion)
         travel = present.step * velocity
         if wp.static(traits.supported):
             travel, velocity = follow_supports(present, around.supports, travel, velocity)
@@ -113,11 +113,11 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         moving = wp.cw_mul(free, middle)
         worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, around.supports)
         damped = dashpot_power - dot(dashpots, middle) + laws.damping * present.mass * dot(moving, moving)
-        book(report, NodeReportRow.support_work, block, worked)
-        book(report, NodeReportRow.friction_work, block, present.mean_step * (friction_power - dot(friction, middle)))
-        book(report, NodeReportRow.damping_loss, block, lost + present.mean_step * damped + spin_loss)
+        book(works, NodeWorkRow.support_work, block, worked)
+        book(works, NodeWorkRow.friction_work, block, present.mean_step * (friction_power - dot(friction, middle)))
+        book(works, NodeWorkRow.damping_loss, block, lost + present.mean_step * damped + spin_loss)
         if wp.static(traits.loaded):
             power = dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_sum)
-            book(report, NodeReportRow.load_work, block, present.mean_step * power)
+            book(works, NodeWorkRow.load_work, block, present.mean_step * power)
 
     return node_motion

@@ -22,24 +22,49 @@ def freedom_mask(freedom: Any, first_bit: int, like: Any):
     return result
 
 
+@wp.func
+def exact_sum(a: Any, b: Any):
+    """The rounded sum, and what rounding cut off it (Knuth), for values of any size."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
 @cache
-def translate_function(real: type, lane_count: int):
+def translate_function(real: type, lane_count: int, loaded: bool):
     """wp.func -> (acceleration, mask of free components, new velocity), without supports."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     Nodes, Present, NodeLaws = node_struct(real, lane_count), present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
-    def translate(present: Present, nodes: Nodes, laws: NodeLaws, force: lanes3):
-        acceleration = scale(nodes.inverse_mass[present.block], force)
+    def translate(
+        present: Present,
+        nodes: Nodes,
+        laws: NodeLaws,
+        force: lanes3,
+        applied_force: lanes3,
+        motion: wp.array2d(dtype=lanes),
+    ):
+        block = present.block
+        inverse_mass = nodes.inverse_mass[block]
+        pushed = scale(inverse_mass, force)
+        steady = lanes3()
         for c in range(3):
-            acceleration[c] = acceleration[c] + lanes(laws.gravity[c])
-        free = freedom_mask(nodes.freedom[present.block], 0, lanes3())
+            steady[c] = lanes(laws.gravity[c])
+        if wp.static(loaded):
+            steady = steady + scale(inverse_mass, applied_force)
+        free = freedom_mask(nodes.freedom[block], 0, lanes3())
         decay = real(0.5) * laws.damping * present.mean_step
-        change = (real(1.0) / (real(1.0) + decay)) * (
-            present.mean_step * acceleration - (real(2.0) * decay) * present.velocity
-        )
-        return acceleration, free, present.velocity + wp.cw_mul(free, change)
+        share = real(1.0) / (real(1.0) + decay)
+        # compensated, as the positions: an increment is often less than the spacing of numbers beside the velocity.
+        # Weight, loads and damping in turn are often less than that beside the forces of a vibrating sheet
+        small = (share * present.mean_step) * steady - (real(2.0) * decay * share) * present.velocity
+        large = wp.cw_mul(free, (share * present.mean_step) * pushed)
+        whole, cut = exact_sum(wp.cw_mul(free, small) + rows3(motion, MotionRow.velocity_remainder, block), large)
+        velocity = present.velocity + whole
+        store_rows3(motion, MotionRow.velocity_remainder, block, (whole - (velocity - present.velocity)) + cut)
+        return pushed + steady, free, velocity
 
     return translate
 
@@ -134,16 +159,17 @@ def turn_function(real: type, lane_count: int):
         inverse_inertia = nodes.inverse_inertia[block]
         turning = wp.cw_mul(free, scale(inverse_inertia, cross(director, couple)))
         decay = real(0.5) * laws.director_damping * present.mean_step
-        new_spin = (real(1.0) / (real(1.0) + decay)) * (present.mean_step * turning + (real(1.0) - decay) * spin)
+        # increments, not factors near one, which would be lost beside that
+        new_spin = spin + (real(1.0) / (real(1.0) + decay)) * (present.mean_step * turning - (real(2.0) * decay) * spin)
         spin_sum = spin + new_spin
         inertia = where_positive(inverse_inertia, fill(inverse_inertia, 1.0) / inverse_inertia, lanes())
         loss = (real(0.5) * decay) * inertia * dot(spin_sum, spin_sum)
         angle = present.step * new_spin
-        quarter = real(0.25) * dot(angle, angle)
-        one = fill(quarter, 1.0)
-        new_director = scale(one / (one + quarter), scale(one - quarter, director) + cross(angle, director))
+        half = real(0.5) * dot(angle, angle)
+        one = fill(half, 1.0)
+        change = scale(one / (one + real(0.5) * half), cross(angle, director) - scale(half, director))
         store_rows3(motion, MotionRow.spin, block, new_spin)
-        store_rows3(motion, MotionRow.director, block, new_director)
+        store_rows3(motion, MotionRow.director, block, director + change)
         return spin_sum, loss
 
     return turn

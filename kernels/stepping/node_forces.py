@@ -5,9 +5,10 @@ from typing import Any
 
 import warp as wp
 
+from ..contact.penalty import touch_struct
 from ..lanes import cross, gather, lane_maximum, lane_types, load, pick, where_positive
 from ..operators import div, mul  # noqa: F401
-from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, NodeReportRow
+from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, ThicknessRow
 from .node_data import node_laws_struct, node_struct, present_struct
 
 
@@ -82,17 +83,18 @@ def follow_thickness_function(real: type, lane_count: int):
     """wp.func -> ``present`` with the sheet's current thickness, from the sum over its elements; both are written."""
     lanes = lane_types(real, lane_count).lanes
     Nodes, Present = node_struct(real, lane_count), present_struct(real, lane_count)
+    Touch = touch_struct(real, lane_count)
 
     @wp.func
-    def follow_thickness(present: Present, nodes: Nodes, thickness: lanes, report: wp.array2d(dtype=lanes)):
+    def follow_thickness(present: Present, nodes: Nodes, thickness: lanes, touch: Touch):
         block = present.block
         present.half_thickness = (real(0.5) * nodes.thickness_weight[block]) * thickness
         # work of the current springs from half a step ago to half a step ahead; the latter half is extrapolated
-        last = present.half_thickness - report[NodeReportRow.half_thickness, block]
-        present.growth = real(1.5) * last - real(0.5) * report[NodeReportRow.half_thickness_growth, block]
+        last = present.half_thickness - touch.thickness[ThicknessRow.half, block]
+        present.growth = real(1.5) * last - real(0.5) * touch.thickness[ThicknessRow.growth, block]
         present.thickened = wp.max(lane_maximum(last), real(0.0))
-        report[NodeReportRow.half_thickness, block] = present.half_thickness
-        report[NodeReportRow.half_thickness_growth, block] = last
+        touch.thickness[ThicknessRow.half, block] = present.half_thickness
+        touch.thickness[ThicknessRow.growth, block] = last
         return present
 
     return follow_thickness
@@ -100,17 +102,17 @@ def follow_thickness_function(real: type, lane_count: int):
 
 @cache
 def apply_loads_function(real: type, lane_count: int):
-    """wp.func -> (force, couple, prescribed force, prescribed couple) at this time."""
+    """wp.func -> (couple with the prescribed one, prescribed force, prescribed couple) at this time."""
     lanes3 = lane_types(real, lane_count).lanes3
     Nodes, Present = node_struct(real, lane_count), present_struct(real, lane_count)
 
     @wp.func
-    def apply_loads(present: Present, nodes: Nodes, clock: wp.array(dtype=wp.float64), force: lanes3, couple: lanes3):
+    def apply_loads(present: Present, nodes: Nodes, clock: wp.array(dtype=wp.float64), couple: lanes3):
         first = present.block * lane_count
         share = real(load_share(nodes.load_time, nodes.load_share, clock[ClockEntry.time]))
         applied_force = share * load(nodes.load[LoadRow.force], first, lanes3())
         applied_couple = share * load(nodes.load[LoadRow.couple], first, lanes3())
         # a moment M acts on the director as the conjugate M x d, without its component along d
-        return force + applied_force, couple + cross(applied_couple, present.director), applied_force, applied_couple
+        return couple + cross(applied_couple, present.director), applied_force, applied_couple
 
     return apply_loads

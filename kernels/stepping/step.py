@@ -33,6 +33,31 @@ def partial_maximum_kernel(real: type):
 
 
 @cache
+def fold_works_kernel(real: type, lane_count: int):
+    """Kernel of one thread per block of nodes: add the works of the last steps to the sums, and start again."""
+    lanes = lane_types(real, lane_count).lanes
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def fold_works(
+        # In
+        first_block: wp.int32,
+        # Out
+        works: wp.array2d(dtype=lanes),  # rows: see NodeWorkRow
+        sums: wp.array2d(dtype=wp.float64),
+    ):
+        block = first_block + wp.tid()
+        for row in range(works.shape[0]):
+            recent = works[row, block]
+            total = sums[row, block]
+            for i in range(lane_count):
+                total = total + wp.float64(recent[i])
+            sums[row, block] = total
+            works[row, block] = lanes()
+
+    return fold_works
+
+
+@cache
 def set_step_kernel(real: type):
     """The next time step: kept as long as it is stable and not far below the limit, since every change costs energy.
 

@@ -8,7 +8,7 @@ from ..contact.penalty import friction_spring, normal_force, touch_struct
 from ..contact.tool_distance import tool_distance_function, tool_set_struct
 from ..lanes import dot, lane_maximum, lane_sum, lane_types, larger, rows3, scale, store_rows3
 from ..operators import div, mul  # noqa: F401
-from ..rows import NodeReportRow
+from ..rows import NodeWorkRow
 from .node_data import NodeTraits, node_laws_struct, present_struct
 
 
@@ -75,7 +75,7 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
         force: lanes3,
         # Out
         touch: Touch,
-        report: wp.array2d(dtype=lanes),
+        works: wp.array2d(dtype=lanes),
     ):
         block = present.block
         friction = lanes3()
@@ -101,8 +101,8 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
                         present, laws, tool.friction, tool_velocity, penetration, normal, stretch
                     )
                     if wp.static(traits.follows_thickness):
-                        report[NodeReportRow.thickness_work, block] = (
-                            report[NodeReportRow.thickness_work, block] + spring * present.growth
+                        works[NodeWorkRow.thickness_work, block] = (
+                            works[NodeWorkRow.thickness_work, block] + spring * present.growth
                         )
                     touch.depth[k, block] = larger(touch.depth[k, block], penetration)
                     push = pressed + drag

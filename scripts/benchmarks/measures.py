@@ -91,7 +91,7 @@ def state_bytes(simulation: Any) -> float:
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes per element that a step reads and writes if each kernel touches every array once (performance.md)."""
-    from weavesim.kernels.rows import CellReportRow, MotionRow
+    from weavesim.kernels.rows import CellReportRow, MotionRow, ThicknessRow
 
     model = simulation.stepper.model.sheet
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
@@ -103,5 +103,7 @@ def moved_bytes(simulation: Any) -> float:
     corners = size * (24 + 4)
     slots = model.nodes.corner_offset.shape[0]
     node_constants = 4 * slots + 4 + size * 4
-    node_motion = 2 * size * (MotionRow.row_count() + len(model.node_report_rows) + 3 * model.tool_count)
+    thickness = ThicknessRow.row_count() if model.follows_thickness else 0
+    rows = MotionRow.row_count() + len(model.node_work_rows) + thickness + 3 * model.tool_count
+    node_motion = 2 * size * rows
     return element_reads + element_own + 2 * corners + per_node * (node_constants + node_motion)

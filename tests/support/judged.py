@@ -6,9 +6,11 @@ from typing import Any
 import numpy as np
 
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.kernels.rows import ToolWatchRow
-from weavesim.run.extremes import Extreme
+from weavesim.kernels.rows import ExtremeRow, ToolWatchRow
+from weavesim.run.frame import Outcome
 from weavesim.run.guards import Doubt, known_guards
+from weavesim.run.watch.condition import Tally
+from weavesim.run.watch.extremes import Extreme
 
 SOUND = {
     "gravity_work_ratio": 0.0, "energy_balance_error": 0.01, "kinetic_energy_ratio": 0.01,
@@ -16,13 +18,17 @@ SOUND = {
     "penetration_at_element_centres_mm": 0.01, "unit_cell_failures": 0, "element_count": 100,
 }  # fmt: skip
 THICKNESS = 1.0e-3
+TALLIES = ("crossings", "folded", "inverted", "beyond")
 
 
-def judged(*, extremes: dict[str, Extreme] | None = None, **numbers: Any) -> Any:
-    """A sound run of a sheet 1 mm thick without tools, but for these numbers of its summary and these extremes."""
+def judged(
+    *, extremes: dict[str, Extreme] | None = None, tallies: dict[str, Tally] | None = None, **numbers: Any
+) -> Any:
+    """A sound run of a sheet 1 mm thick without tools, but for these numbers, extremes and tallies."""
     own = {
         "min_stretch": Extreme(0.99), "max_stretch": Extreme(1.01), "angle": Extreme(0.5), "depth": Extreme(1e-5),
         "touched": np.zeros(0, dtype=bool),
+        "rows": np.zeros((ExtremeRow.row_count(), 1)),
     }  # fmt: skip
     fabric = glass_polypropylene().model_copy(update={"thickness": THICKNESS})
     sheet = SimpleNamespace(name="sheet", fabric=fabric, tools=())
@@ -33,7 +39,8 @@ def judged(*, extremes: dict[str, Extreme] | None = None, **numbers: Any) -> Any
             sheets=[SimpleNamespace(**(own | (extremes or {})))],
             tools={name: np.zeros(0) for name in ToolWatchRow.names()},
         ),
-        run=SimpleNamespace(info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
+        conditions=[SimpleNamespace(**({name: Tally() for name in TALLIES} | (tallies or {})))],
+        run=SimpleNamespace(outcome=Outcome.FINISHED, info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
     )
 
 

@@ -40,6 +40,7 @@ class RunOptions(Parameters):
         description=f"results to write, comma-separated: {','.join(known_writers())} [default: all]",
     )
     without: str | None = Field(default=None, description="results to leave out, comma-separated")
+    overwrite: bool = Field(default=False, description="replace the results of an earlier run in that folder")
 
     accept_unusual: bool = Field(
         default=False, description="take unusual values as meant, such as a thickness that looks like millimetres"

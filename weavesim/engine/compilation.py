@@ -30,7 +30,7 @@ from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
-from ..kernels.stepping.step import check_clock, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
@@ -127,7 +127,10 @@ class KernelSet:
             *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
             *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
             *(element_ledger_kernel(real, law, sheet) for sheet in self.sheets),
-            element_extremes_kernel(real, lane_count),
+            *(
+                element_extremes_kernel(real, lane_count, flat)
+                for flat in dict.fromkeys(sheet.flat for sheet in self.sheets)
+            ),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
             tool_motion_kernel(real),
@@ -135,6 +138,7 @@ class KernelSet:
             partial_sum_kernel(real),
             partial_maximum_kernel(real),
             set_step_kernel(real),
+            fold_works_kernel(real, lane_count),
             *([flush_subnormals, restore_subnormals] if is_cpu else [check_clock]),
             *([barrier] if is_cpu and self.threaded else []),
         ]

@@ -14,7 +14,7 @@ from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import support_struct, surroundings_struct
-from ..kernels.stepping.step import check_clock, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
@@ -45,7 +45,7 @@ class SheetKernels:
             forces=element_force_kernel(real, lane_count, sheet.cell_law, sheet.sheet_traits),
             nodes=node_motion_kernel(real, lane_count, sheet.node_traits),
             frequencies=element_frequency_kernel(real, frequency_lanes, sheet.cell_law, sheet.sheet_traits),
-            extremes=element_extremes_kernel(real, lane_count),
+            extremes=element_extremes_kernel(real, lane_count, sheet.sheet_traits.flat),
             frequency_lane_count=frequency_lanes,
         )
 
@@ -63,7 +63,7 @@ class _SheetArguments:
     cell_report: wp.array
     slip: wp.array
     corner_force: wp.array
-    node_report: wp.array
+    node_work: wp.array
 
 
 class Launches:
@@ -85,6 +85,7 @@ class Launches:
         self._support_motion = support_motion_kernel(real)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
+        self._fold_works = fold_works_kernel(real, model.lane_count)
         self._sums = state.reaction
         if state.reaction.shape[1] > LARGEST_SINGLE_SUM:
             group_count = -(-state.reaction.shape[1] // GROUP_SIZE)
@@ -116,6 +117,7 @@ class Launches:
         touch = touch_struct(sheet.real, lane_count)()
         touch.friction = sheet.friction_layout.view(own.friction)
         touch.gap, touch.depth = own.gap, lanes_view(own.depth, lane_count)
+        touch.thickness = lanes_view(own.thickness, lane_count)
         rows = sheet.places.tools if sheet.tool_count else slice(0, 1)
         touch.reaction = state.reaction[
             rows.start : rows.stop, sheet.places.first_reaction : sheet.places.first_reaction + sheet.block_count
@@ -130,7 +132,7 @@ class Launches:
             cell_report=lanes_view(own.cell_report, lane_count),
             slip=lanes_view(own.slip, lane_count),
             corner_force=sheet.corners.view(own.corner_force),
-            node_report=lanes_view(own.node_report, lane_count),
+            node_work=lanes_view(own.node_work, lane_count),
         )  # fmt: skip
 
     # --- the launches of a step --------------------------------------------------------------------------------------
@@ -153,7 +155,7 @@ class Launches:
             self._kernels[index].nodes,
             dim=sheet.block_count if count is None else count,
             inputs=[first, sheet.nodes, self._node_laws[index], arguments.around, own.corner_force],
-            outputs=[arguments.motion, arguments.touch, arguments.node_report],
+            outputs=[arguments.motion, arguments.touch, arguments.node_work],
             device=sheet.device,
         )
 
@@ -212,6 +214,16 @@ class Launches:
             device=sheet.device,
         )  # fmt: skip
 
+    def fold_works(self, index: int, first: int, count: int) -> None:
+        """Add the works of the last steps of sheet ``index`` to their sums, in ``count`` blocks of nodes."""
+        wp.launch(
+            self._fold_works,
+            dim=count,
+            inputs=[first],
+            outputs=[self._arguments[index].node_work, self.state.sheets[index].node_work_sum],
+            device=self.model.device,
+        )
+
     def element_extremes(self, index: int, first: int, count: int) -> None:
         """Extremes so far of sheet ``index``, in ``count`` blocks of elements from ``first``."""
         sheet, own = self.model.sheets[index], self.state.sheets[index]
@@ -258,7 +270,7 @@ class Launches:
             for kernels in self._kernels
             for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes)
         ]
-        common = [self._tool_motion, self._partial_sums, self._partial_maximum, self._set_step]
+        common = [self._tool_motion, self._partial_sums, self._partial_maximum, self._set_step, self._fold_works]
         if self.model.drives.count:
             common.append(self._support_motion)
         return list(dict.fromkeys([*own, *common]))

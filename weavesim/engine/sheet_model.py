@@ -12,7 +12,7 @@ from ..device import Precision
 from ..errors import InputError
 from ..fabric.device import sheet_laws
 from ..kernels.lanes import LaneTypes, lane_types
-from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeReportRow
+from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeWorkRow
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
 from ..kernels.shell.laws import sheet_struct
@@ -174,10 +174,10 @@ class SheetModel:
         return self.dynamics.contact_thickness == "current"
 
     @property
-    def node_report_rows(self) -> tuple[str, ...]:
-        """Names of the rows of ``NodeReportRow`` that this run has."""
-        first = NodeReportRow.half_thickness if self.loads is not None else NodeReportRow.load_work
-        return NodeReportRow.names()[: None if self.follows_thickness else first]
+    def node_work_rows(self) -> tuple[str, ...]:
+        """Names of the rows of ``NodeWorkRow`` that this run has."""
+        first = NodeWorkRow.thickness_work if self.loads is not None else NodeWorkRow.load_work
+        return NodeWorkRow.names()[: None if self.follows_thickness else first]
 
     # --- layout ------------------------------------------------------------------------------------------------------
 
@@ -327,7 +327,7 @@ class SheetModel:
         """MOTION_VECTORS at the start, (vectors, padded nodes, 3)."""
         count = self.blank.node_count
         rows = np.zeros((len(MOTION_VECTORS), self.node_count, 3))
-        position, velocities, director, _, remainder = rows
+        position, velocities, director, _, remainder, velocity_remainder = rows
         position[:count] = self.blank.node_position
         # the padding square may be anywhere: its nodes have no contact stiffness
         position[count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
@@ -335,6 +335,7 @@ class SheetModel:
         director[:count] = self.blank.initial_director
         if self.start_velocity is not None:
             velocities[:count] = self.start_velocity
-        # the rounding errors of the positions
+        # the rounding errors
         remainder[:] = position - position.astype(self.precision.numpy)
+        velocity_remainder[:] = velocities - velocities.astype(self.precision.numpy)
         return rows

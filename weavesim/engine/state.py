@@ -19,8 +19,8 @@ from ..kernels.rows import (
     ClockEntry,
     ExtremeRow,
     MotionRow,
-    NodeReportRow,
     SlipRow,
+    ThicknessRow,
     ToolWatchRow,
     ToolWorkRow,
 )
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 2
+FILE_VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -43,21 +43,33 @@ class SheetState:
     cell_report: wp.array  # (rows, elements), CellReportRow
     slip: wp.array  # (rows, elements), SlipRow; (rows, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # flat, ``SheetModel.corners``, rows CornerRow
-    node_report: wp.array  # (rows, nodes), ``SheetModel.node_report_rows``
+    node_work: wp.array  # (rows, nodes), ``SheetModel.node_work_rows``, of the last steps [J]
+    node_work_sum: wp.array  # (rows, node blocks) float64, of all steps before [J]
+    thickness: wp.array  # (rows, nodes), ThicknessRow; (rows, 0) for contact with the initial thickness [m]
     friction: wp.array  # flat, ``SheetModel.friction_layout`` [m]
     depth: wp.array  # (tools, nodes), deepest that each has been in a tool [m]
     extremes: wp.array  # (rows, elements), ExtremeRow
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
 
+    def works(self) -> np.ndarray:
+        """Works at the nodes of all steps, of ``SheetModel.node_work_rows``, (rows,) [J]; waits for the device."""
+        return self.node_work_sum.numpy().sum(axis=1) + self.node_work.numpy().sum(axis=1, dtype=np.float64)
+
+    def set_works(self, works: np.ndarray) -> None:
+        """Set what ``works`` returns; only the sum over the nodes counts."""
+        sums = np.zeros(self.node_work_sum.shape)
+        sums[:, 0] = works
+        self.node_work_sum.assign(sums)
+        self.node_work.zero_()
+
     @classmethod
     def initial(cls, model: SheetModel) -> Self:
         """The sheet at time zero."""
         real, device, tool_rows = model.real, model.device, max(model.tool_count, 1)
         slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
-        node_report = np.zeros((len(model.node_report_rows), model.node_count))
-        if model.follows_thickness:
-            node_report[NodeReportRow.half_thickness] = 0.5 * model.fabric.thickness
+        thickness = np.zeros((ThicknessRow.row_count(), model.node_count if model.follows_thickness else 0))
+        thickness[ThicknessRow.half] = 0.5 * model.fabric.thickness
         motion = wp.zeros(MotionRow.row_count() * model.node_count, dtype=real, device=device)
         model.write_motion(motion, model.initial_motion())
 
@@ -70,7 +82,9 @@ class SheetState:
             cell_report=zeros(CellReportRow.row_count(), model.element_count),
             slip=zeros(SlipRow.row_count(), slip_count),
             corner_force=zeros(CORNER_ROW_COUNT * model.element_count),
-            node_report=wp.array(node_report, dtype=real, device=device),
+            node_work=zeros(len(model.node_work_rows), model.node_count),
+            node_work_sum=zeros(len(model.node_work_rows), model.block_count, dtype=wp.float64),
+            thickness=wp.array(thickness, dtype=real, device=device),
             friction=zeros(3 * tool_rows * model.node_count),
             depth=zeros(tool_rows, model.node_count),
             extremes=zeros(ExtremeRow.row_count(), model.element_count),

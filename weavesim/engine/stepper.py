@@ -146,6 +146,7 @@ class Stepper:
             sheet = self.model.sheets[index]
             own = chunks(sheet.element_count // sheet.lane_count, thread_count)[thread]
             self._launches.element_extremes(index, *own)
+            self._launches.fold_works(index, *chunks(sheet.block_count, thread_count)[thread])
         self._replay.wait(thread_count)
         if thread == 0:
             self._launches.set_step(self.step_safety, self.largest_step)

@@ -9,7 +9,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import ArrayLike
 
-from ..device import initialise, resolve_device, resolve_precision
+from ..device import exclusive, initialise, resolve_device, resolve_precision
 from ..errors import InputError
 from ..kernels.cell.response import response_struct, unit_cell_response_kernel
 from ..kernels.rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
@@ -53,6 +53,7 @@ class UnitCellResponse:
     snap_loss: np.ndarray
 
 
+@exclusive()
 def respond(
     cells: UnitCell | Sequence[UnitCell],
     stretch: ArrayLike,

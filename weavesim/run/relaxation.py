@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..device import exclusive
 from ..engine.sheet_model import SheetModel
 from ..engine.state import SheetState, State
 from ..errors import InputError, RunError
-from ..kernels.rows import ClockEntry, LoadRow, MotionRow, NodeReportRow
+from ..kernels.rows import ClockEntry, LoadRow, MotionRow, NodeWorkRow
 from .simulation import Simulation
 
 # Number of stops from which the lowest frequency is determined, before viscous damping takes over.
@@ -34,6 +35,7 @@ class Equilibrium:
     frequency: float
 
 
+@exclusive()
 def relax(simulation: Simulation, *, tolerance: float = 1.0e-3, largest_step_count: int = 500_000) -> Equilibrium:
     """Bring a simulation to rest under the current loads, supports and tools.
 
@@ -186,6 +188,7 @@ class _Relaxation:
             count, free = sheet.blank.node_count, sheet.free[:, :3]
             motion = sheet.read_motion(own.motion)
             motion[MotionRow.velocity.vector, :count][free] = -0.5 * change.velocity_change[free]
+            motion[MotionRow.velocity_remainder.vector] = 0.0
             motion[MotionRow.spin.vector, :count] = -0.5 * change.spin_change
             sheet.write_motion(own.motion, motion)
 
@@ -239,11 +242,7 @@ def applied_loads(sheet: SheetModel, time: float) -> np.ndarray:
 
 def book(sheet: SheetModel, state: SheetState, ahead: SheetState, damped: np.ndarray, of_tools: float) -> None:
     """Update the work entries of the nodes to this instant, as the ledger reads them, and add the damped energy [J]."""
-    report = state.node_report.numpy()
-    works = [row for row, name in enumerate(sheet.node_report_rows) if not name.startswith("half_thickness")]
     # the next step starts from rest
-    report[works] = 0.5 * (report[works] + ahead.node_report.numpy()[works])
-    report[NodeReportRow.damping_loss, : len(damped)] += damped
-    # the loss of a tool belongs to no node: it is booked at an arbitrary one
-    report[NodeReportRow.damping_loss, 0] += of_tools
-    state.node_report.assign(report)
+    works = 0.5 * (state.works() + ahead.works())
+    works[NodeWorkRow.damping_loss] += damped.sum() + of_tools
+    state.set_works(works)

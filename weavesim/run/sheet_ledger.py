@@ -13,7 +13,7 @@ from ..engine.sheet_model import TANGENTIAL_RATIO
 from ..engine.state import SheetState, State
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
-from ..kernels.rows import CellReportRow, ElementField, MotionRow, NodeReportRow, SheetEnergy
+from ..kernels.rows import CellReportRow, ElementField, MotionRow, NodeWorkRow, SheetEnergy, ThicknessRow
 from ..kernels.shell.energy import element_ledger_kernel
 from .fields import complete
 from .frame import SheetFrame
@@ -145,14 +145,16 @@ class SheetLedger:
             self._kinetic(velocity, next_velocity, spin, next_spin) if started else self.initial_kinetic
         )
         entries |= self._contact_entries(position, ahead)
-        report = dict.fromkeys(NodeReportRow.names(), 0.0)
-        booked = centred(self._own.node_report, ahead.node_report, started).sum(axis=1)
-        report.update(zip(sheet.node_report_rows, booked, strict=True))
-        entries["friction_loss"] = float(report["friction_work"]) - entries["friction_spring"]
-        entries["damping_loss"] = float(report["damping_loss"])
-        entries["support_work"] = float(report["support_work"])
-        entries["thickness_work"] = float(report["thickness_work"])
-        entries["load_work"] = float(report["load_work"])
+        works = dict.fromkeys(NodeWorkRow.names(), 0.0)
+        booked = self._own.works()
+        if started:
+            booked = 0.5 * (booked + ahead.works())
+        works.update(zip(sheet.node_work_rows, booked.tolist(), strict=True))
+        entries["friction_loss"] = works["friction_work"] - entries["friction_spring"]
+        entries["damping_loss"] = works["damping_loss"]
+        entries["support_work"] = works["support_work"]
+        entries["thickness_work"] = works["thickness_work"]
+        entries["load_work"] = works["load_work"]
         displacement = position - sheet.blank.node_position
         entries["gravity_work"] = float(sheet.node_mass @ (displacement @ np.array(sheet.dynamics.gravity)))
         entries["initial_kinetic"] = self.initial_kinetic
@@ -162,7 +164,7 @@ class SheetLedger:
         sheet, node_count = self._model, len(position)
         half_thickness = np.full(node_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
-            half_thickness = ahead.node_report.numpy()[NodeReportRow.half_thickness, :node_count]
+            half_thickness = ahead.thickness.numpy()[ThicknessRow.half, :node_count]
         penetration = np.maximum(half_thickness - self._tool_distance(position)[:, :node_count], 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
         stiffness = sheet.contact_stiffness

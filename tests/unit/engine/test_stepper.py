@@ -33,7 +33,7 @@ def free_sheet(monkeypatch, **given) -> Simulation:
 
 @pytest.mark.parametrize("driven", [False, True])
 def test_a_step_is_three_launches(monkeypatch, driven):
-    """Elements, nodes, tools and clock; one more where supports are driven, three every ``REFRESH_INTERVAL`` steps."""
+    """Elements, nodes, tools and clock; one more where supports are driven, five every ``REFRESH_INTERVAL`` steps."""
     drive = Drive(Stroke((0.0, 1.0), (0.0, 0.01)), (1.0, 0.0, 0.0))
     supports = (Support("edge", np.arange(11), drives=(drive,)),) if driven else ()
     simulation = free_sheet(monkeypatch, supports=supports)
@@ -42,8 +42,8 @@ def test_a_step_is_three_launches(monkeypatch, driven):
     monkeypatch.setattr(wp, "launch", lambda kernel, **given: launched.append(kernel.key))
     stepper = simulation.stepper
     stepper._block(stepper._parts(1), 0)
-    assert len(launched) == (4 if driven else 3) * REFRESH_INTERVAL + 3
-    assert len(set(launched)) == (7 if driven else 6)
+    assert len(launched) == (4 if driven else 3) * REFRESH_INTERVAL + 5
+    assert len(set(launched)) == (9 if driven else 8)
 
 
 def test_stepping_does_not_wait_for_the_device(monkeypatch):

@@ -1,0 +1,163 @@
+"""Where a sheet passes through itself, against an exhaustive test of every pair by linear programming."""
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from weavesim.measures.crossings import Crossings, near_pairs
+from weavesim.sheet.blank import Blank
+
+
+def triangles_of(quads: np.ndarray) -> np.ndarray:
+    return quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+
+
+def meet(first: np.ndarray, second: np.ndarray) -> bool:
+    """Whether there is a point that is a mean of the corners of both triangles: independent of any geometry."""
+    scale = np.abs(np.concatenate([first, second])).max()
+    equations = np.vstack([np.hstack([first.T, -second.T]) / scale, [[1, 1, 1, 0, 0, 0], [0, 0, 0, 1, 1, 1]]])
+    return linprog(np.zeros(6), A_eq=equations, b_eq=[0, 0, 0, 1, 1], bounds=(0, 1)).status == 0
+
+
+def meet_elsewhere(first: np.ndarray, second: np.ndarray, at: np.ndarray) -> bool:
+    """Whether triangles with the corner ``at`` in common meet at a distance from it: near it, shrink both away."""
+    away = [corners + 1e-4 * (corners.mean(axis=0) - at) for corners in (first, second)]
+    return meet(*away)
+
+
+def exhaustive(position: np.ndarray, quads: np.ndarray) -> set[tuple[int, int]]:
+    """All pairs without a common node that meet."""
+    triangles = triangles_of(quads)
+    found = set()
+    for a in range(len(triangles)):
+        for b in range(a + 1, len(triangles)):
+            p, q = position[triangles[a]], position[triangles[b]]
+            boxes = (p.min(axis=0) <= q.max(axis=0)).all() and (q.min(axis=0) <= p.max(axis=0)).all()
+            if boxes and not set(triangles[a]) & set(triangles[b]) and meet(p, q):
+                found.add((a, b))
+    return found
+
+
+def pairs_of(position: np.ndarray, quads: np.ndarray) -> set[tuple[int, int]]:
+    pairs = np.sort(Crossings(quads, len(position)).pairs(position), axis=1)
+    return set(map(tuple, pairs.tolist()))
+
+
+def apart(pairs: set[tuple[int, int]], quads: np.ndarray) -> set[tuple[int, int]]:
+    """Those without a common node."""
+    triangles = triangles_of(quads)
+    return {(a, b) for a, b in pairs if not set(triangles[a]) & set(triangles[b])}
+
+
+BLANK = Blank.rectangle((0.0, 0.0), (0.06, 0.03), 0.005)
+X, Y = BLANK.node_position[:, :2].T
+
+
+def crumpled(seed: int) -> np.ndarray:
+    """Nodes moved by up to an element in any direction."""
+    return BLANK.node_position + np.random.default_rng(seed).uniform(-1.0, 1.0, BLANK.node_position.shape) * 0.005
+
+
+def rolled(radius: float, pitch: float) -> np.ndarray:
+    """A spiral: without pitch its turns cross where they overlap."""
+    angle = X / radius
+    own = radius + pitch * angle
+    return np.column_stack([own * np.sin(angle), Y, own * (1.0 - np.cos(angle))])
+
+
+def loop() -> np.ndarray:
+    """A loop whose ends cross at an angle."""
+    angle = 1.7 * np.pi * (X / 0.06 - 0.5)
+    return np.column_stack([0.012 * np.sin(angle) * np.cos(0.6 * angle), Y + 0.1 * X, 0.012 * np.cos(angle)])
+
+
+def hairpin(gap: float) -> np.ndarray:
+    """Folded back at the middle, the upper half ``gap`` above the lower."""
+    back = X > 0.03
+    return np.column_stack([np.where(back, 0.06 - X, X), Y, np.where(back, gap, 0.0)])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_crumpled_sheet_is_counted_as_by_linear_programming(seed):
+    position = crumpled(seed)
+    found = pairs_of(position, BLANK.quads)
+    wanted = exhaustive(position, BLANK.quads)
+    assert len(wanted) > 10
+    assert apart(found, BLANK.quads) == wanted
+
+
+@pytest.mark.parametrize("position", [rolled(0.008, 0.0008), rolled(0.007, -0.0002), loop()], ids=["a", "b", "c"])
+def test_sheets_that_cross_smoothly_are_counted_so_too(position):
+    assert apart(pairs_of(position, BLANK.quads), BLANK.quads) == exhaustive(position, BLANK.quads)
+
+
+def test_triangles_with_one_common_node_count_where_they_meet_elsewhere():
+    """Of every pair around every node of a crumpled sheet."""
+    for seed in range(2):
+        position = crumpled(seed)
+        found, triangles = pairs_of(position, BLANK.quads), triangles_of(BLANK.quads)
+        wanted = set()
+        for a in range(len(triangles)):
+            for b in range(a + 1, len(triangles)):
+                common = list(set(triangles[a]) & set(triangles[b]))
+                if len(common) != 1 or a // 2 == b // 2:
+                    continue
+                if meet_elsewhere(position[triangles[a]], position[triangles[b]], position[common[0]]):
+                    wanted.add((a, b))
+        touching = {(a, b) for a, b in found if set(triangles[a]) & set(triangles[b])}
+        assert touching == wanted and len(wanted) > 3
+
+
+@pytest.mark.parametrize("gap", [1.0e-3, 1.0e-6, -1.0e-6])
+def test_halves_that_do_not_touch_are_not_counted(gap):
+    position = hairpin(gap)
+    assert apart(pairs_of(position, BLANK.quads), BLANK.quads) == set() == exhaustive(position, BLANK.quads)
+
+
+def test_halves_in_one_plane_are_counted():
+    """They lie on each other; those that only touch at a corner may count or not, by rounding."""
+    position = hairpin(0.0)
+    found, touching = apart(pairs_of(position, BLANK.quads), BLANK.quads), exhaustive(position, BLANK.quads)
+    triangles = triangles_of(BLANK.quads)
+
+    def smaller(triangle: int) -> np.ndarray:
+        corners = position[triangles[triangle]]
+        return corners + 1e-3 * (corners.mean(axis=0) - corners)
+
+    overlapping = {(a, b) for a, b in touching if meet(smaller(a), smaller(b))}
+    assert overlapping <= found <= touching and len(overlapping) > 50
+
+
+def test_a_flat_and_a_domed_sheet_have_none():
+    assert pairs_of(BLANK.node_position, BLANK.quads) == set()
+    domed = np.column_stack([X, Y, 0.05 * np.exp(-(((X - 0.03) ** 2 + (Y - 0.015) ** 2) / 1e-4))])
+    assert pairs_of(domed, BLANK.quads) == set()
+
+
+def test_two_sheets_that_cross_are_counted_along_the_line():
+    """A sheet stands on edge in another one, 30 mm long and off its lines: every element that is cut is found."""
+    lower = Blank.rectangle((0.0, 0.0), (0.03, 0.03), 0.005)
+    upper = lower.node_position[:, [2, 1, 0]] + (0.0125, 0.0, -0.0123)
+    position = np.concatenate([lower.node_position, upper])
+    quads = np.concatenate([lower.quads, lower.quads + lower.node_count])
+    found = pairs_of(position, quads)
+    assert found == exhaustive(position, quads)
+    assert len({a // 2 for a, _ in found}) == 6
+
+
+def test_one_huge_element_is_compared_with_all():
+    position = BLANK.node_position.copy()
+    position[0] = (0.05, 0.02, 0.01)
+    assert apart(pairs_of(position, BLANK.quads), BLANK.quads) == exhaustive(position, BLANK.quads)
+
+
+def test_near_pairs_are_all_whose_spheres_meet():
+    corners = np.random.default_rng(0).uniform(0.0, 1.0, (300, 4, 3)) * 0.2 + np.random.default_rng(1).uniform(
+        0, 1, (300, 1, 3)
+    )
+    centre = corners.mean(axis=1)
+    radius = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
+    gap = np.linalg.norm(centre[:, None] - centre, axis=2)
+    wanted = np.argwhere(np.triu(gap <= radius[:, None] + radius, 1))
+    found = np.column_stack(near_pairs(centre, corners))
+    assert np.array_equal(found[np.lexsort(found.T[::-1])], wanted)

@@ -1,0 +1,77 @@
+"""Folded and turned-over elements, and nodes beyond a symmetry plane, on shapes that are known."""
+
+import numpy as np
+import pytest
+
+from weavesim.measures.folding import (
+    beyond_symmetry,
+    folded_elements,
+    folded_pairs,
+    inverted_elements,
+    neighbours,
+)
+from weavesim.sheet.blank import Blank
+from weavesim.sheet.symmetry import Symmetry
+
+BLANK = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
+
+
+def one_quad(angle: float, diagonal: int) -> np.ndarray:
+    """A unit square folded along a diagonal by an angle [degrees]."""
+    square = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
+    start, end, moved = (square[0], square[2], 1) if diagonal == 0 else (square[1], square[3], 2)
+    axis = (end - start) / np.linalg.norm(end - start)
+    foot = start + ((square[moved] - start) @ axis) * axis
+    out, turn = square[moved] - foot, np.deg2rad(angle)
+    square[moved] = foot + np.cos(turn) * out + np.sin(turn) * np.linalg.norm(out) * np.array([0.0, 0.0, 1.0])
+    return square
+
+
+@pytest.mark.parametrize("diagonal", [0, 1])
+@pytest.mark.parametrize(("angle", "folded"), [(0.0, False), (60.0, False), (89.0, False), (91.0, True), (179.0, True)])
+def test_an_element_is_folded_beyond_a_right_angle(diagonal, angle, folded):
+    assert folded_elements(one_quad(angle, diagonal), np.array([[0, 1, 2, 3]])).tolist() == [folded]
+
+
+@pytest.mark.parametrize(
+    ("angle", "folded"), [(0.0, False), (90.0, False), (169.0, False), (171.0, True), (180.0, True)]
+)
+def test_neighbours_are_folded_onto_each_other_by_nearly_half_a_turn(angle, folded):
+    turn = np.deg2rad(180.0 - angle)
+    x = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [np.cos(turn), 0.0, np.sin(turn)]])
+    position = np.concatenate([x, x + (0.0, 1.0, 0.0)])
+    quads = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
+    pairs = neighbours(quads)
+    assert pairs.tolist() == [[0, 1]] and folded_pairs(position, quads, pairs).tolist() == [folded]
+
+
+def test_neighbours_are_those_with_a_common_edge():
+    pairs = neighbours(BLANK.quads)
+    assert len(pairs) == 2 * 4 * 3
+    assert all(len(set(BLANK.quads[a]) & set(BLANK.quads[b])) == 2 for a, b in pairs)
+
+
+def test_what_is_turned_over_against_its_directors_is_inverted():
+    up = BLANK.initial_director
+    assert not inverted_elements(BLANK.node_position, up, BLANK).any()
+    over = BLANK.node_position * (1.0, -1.0, -1.0)  # half a turn about x
+    assert not inverted_elements(over, up * (1.0, -1.0, -1.0), BLANK).any()
+    assert inverted_elements(over, up, BLANK).all()
+    moved = BLANK.node_position.copy()
+    moved[0, :2] = 0.009  # past the opposite corner
+    assert np.flatnonzero(inverted_elements(moved, up, BLANK)).tolist() == [0]
+
+
+@pytest.mark.parametrize(("planes", "beyond"), [((), 0.0), (("x",), 0.003), (("y",), 0.001), (("x", "y"), 0.003)])
+def test_nodes_beyond_a_plane_are_measured(planes, beyond):
+    position = BLANK.node_position.copy()
+    position[7] = (-0.003, -0.001, 0.0)
+    found = beyond_symmetry(position, BLANK, Symmetry(planes))
+    assert found.max() == pytest.approx(beyond) and found[np.arange(25) != 7].max() == 0.0
+
+
+def test_the_side_of_a_plane_is_that_of_the_blank():
+    blank = Blank.rectangle((-0.02, 0.0), (0.0, 0.02), 0.005)
+    position = blank.node_position.copy()
+    position[:, 0] += 0.002
+    assert beyond_symmetry(position, blank, Symmetry(("x",))).max() == pytest.approx(0.002)

@@ -1,0 +1,69 @@
+"""Guards of sheets that pass through themselves, fold, turn over, or enter their mirror image."""
+
+import numpy as np
+import pytest
+
+from tests.support.judged import said
+from tests.support.runs import small_run
+from weavesim.process.strokes import Stroke
+from weavesim.process.supports import Drive, Support
+from weavesim.run.guards import Level
+from weavesim.run.watch.condition import Tally
+from weavesim.sheet.blank import Blank
+
+GUARDS = {
+    "self_intersection": "crossings", "folded_elements": "folded", "inverted_elements": "inverted",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("guard", "what"), GUARDS.items())
+@pytest.mark.parametrize(("share", "level"), [(0.002, Level.WARNING), (0.02, Level.DO_NOT_USE)])
+def test_what_is_counted_is_doubted_by_its_share(guard, what, share, level):
+    (doubt,) = said(guard, tallies={what: Tally(3.0, 5.0, 0.2, (0.01, 0.02), share)})
+    assert doubt.level == level and doubt.text.startswith("5 ") and "3 at the end" in doubt.text
+    assert (doubt.time, doubt.place, doubt.sheet) == (0.2, (0.01, 0.02), "sheet")
+    assert said(guard) == []
+
+
+@pytest.mark.parametrize(("beyond", "level"), [(4.0e-4, Level.WARNING), (4.3e-3, Level.DO_NOT_USE)])
+def test_a_node_in_the_mirror_image_is_doubted(beyond, level):
+    (doubt,) = said("beyond_symmetry", tallies={"beyond": Tally(0.0, beyond, 0.2, (0.0, 0.1))})
+    assert doubt.level == level and f"{1e3 * beyond:.3g} mm beyond a symmetry plane" in doubt.text
+    assert said("beyond_symmetry", tallies={"beyond": Tally(0.0, 1e-5)}) == []
+
+
+def driven(where, travel: tuple[float, float, float], symmetry=(), length: float = 0.04):
+    """A strip 20 mm wide, held at x = 0 or on a plane, whose nodes at ``where`` are moved by ``travel`` in 4 ms."""
+    blank = Blank.rectangle((0.0, 0.0), (length, 0.02), 0.005)
+    x = blank.node_position[:, 0]
+    stroke = Stroke((0.0, 4e-3), (0.0, 1.0))
+    supports = [Support("moved", np.flatnonzero(where(x)), (Drive(stroke, travel),))]
+    if not symmetry:
+        supports.append(Support("held", np.flatnonzero(x < 1e-9)))
+    run = small_run(blank=blank, supports=tuple(supports), duration=4e-3, frame_count=1, symmetry=symmetry)
+    run.run()
+    return run
+
+
+def spoken(run) -> dict:
+    return {doubt.guard: doubt for doubt in run.doubts()}
+
+
+def test_an_edge_that_is_pulled_through_the_sheet_is_seen():
+    """One end goes up, the middle is pushed over it: the strip passes through itself."""
+    run = driven(lambda x: x > 0.035, (-0.05, 0.004, -0.002))
+    found = spoken(run)
+    assert run.verdict == "do not use"
+    assert {"folded_elements", "inverted_elements"} & set(found)
+
+
+def test_an_edge_that_crosses_its_symmetry_plane_is_seen():
+    found = spoken(driven(lambda x: x > 0.035, (-0.05, 0.0, 0.004), symmetry=("x",)))
+    doubt = found["beyond_symmetry"]
+    assert doubt.level == Level.DO_NOT_USE and doubt.value == pytest.approx(0.015, rel=0.05)
+    assert doubt.place[0] == pytest.approx(0.035)
+
+
+def test_a_small_move_is_not_doubted():
+    found = spoken(driven(lambda x: x > 0.035, (0.0, 0.0, 0.002)))
+    assert not set(found) & {*GUARDS, "beyond_symmetry"}

@@ -1,0 +1,154 @@
+"""Single precision over many steps: sums of small increments, far from the origin as at the origin."""
+
+import numpy as np
+import pytest
+
+from tests.support.runs import one_sheet_run
+from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.cell.membrane import LinearMembrane
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.fabric.shear import ShearFriction
+from weavesim.kernels.rows import MotionRow
+from weavesim.process.dynamics import Dynamics
+from weavesim.process.loads import NodalLoads
+from weavesim.process.strokes import Stroke
+from weavesim.process.supports import Drive, Support
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.tools.shapes import Plane
+from weavesim.tools.tool import Tool
+
+BLANK = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
+STEP_COUNT = 100_000
+GRAVITY = np.array([1.0, 3.0, -9.81])
+LINEAR = glass_polypropylene().model_copy(update={"unit_cell": LinearMembrane(warp_stiffness=1e6, weft_stiffness=1e6)})
+
+
+def run(step_count: int = STEP_COUNT, **given) -> Simulation:
+    """A small sheet after many steps, with a frame of that instant."""
+    settings = {"name": "small", "blank": BLANK, "fabric": LINEAR, "duration": 10.0, "threads": 1, "frame_count": 1}
+    simulation = one_sheet_run(**(settings | given))
+    simulation.stepper.advance(step_count // 20)
+    simulation.take_frame()
+    return simulation
+
+
+def centre(simulation: Simulation) -> np.ndarray:
+    """Travel of the centre of mass [m]."""
+    mass = simulation.model.sheet.node_mass
+    return mass @ (simulation.frame.position - simulation.setup.sheet.blank.node_position) / mass.sum()
+
+
+def supply(simulation: Simulation, work: float) -> float:
+    """Error of the balance over ``work``."""
+    return abs(simulation.frame.energies["balance_error"]) / work
+
+
+# Gravity, initial velocity, damping, and what each moves.
+FALLS = {
+    "from rest": ((0.0, 0.0, 0.0), 0.0),
+    "thrown up": ((0.2, -0.4, 1.5), 0.0),
+    "fast": ((10.0, 0.0, 0.0), 0.0),
+    "damped": ((0.0, 0.0, 0.0), 0.5),
+    "damped hardly": ((0.0, 0.0, 1.0), 1e-3),
+}
+
+
+@pytest.mark.parametrize("name", FALLS)
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_free_fall_over_a_hundred_thousand_steps(precision, name):
+    """An increment of the velocity is a thousandth of a per cent of it: without a remainder the fall is 0.5 % off."""
+    velocity, damping = FALLS[name]
+    simulation = run(
+        precision=precision, initial_velocity=np.tile(velocity, (BLANK.node_count, 1)),
+        dynamics=Dynamics(gravity=tuple(GRAVITY), damping=damping, director_damping=damping),
+    )  # fmt: skip
+    time, velocity = simulation.frame.time, np.array(velocity)
+    if damping:
+        decayed = -np.expm1(-damping * time) / damping
+        # t - decayed in a series where it would cancel
+        series = damping * time**2 * (1.0 / 2.0 - damping * time / 6.0 + (damping * time) ** 2 / 24.0)
+        lag = time - decayed if damping * time > 1e-2 else series
+        travel = velocity * decayed + GRAVITY * lag / damping
+    else:
+        travel = velocity * time + 0.5 * GRAVITY * time**2
+    assert np.abs(centre(simulation) / travel - 1.0).max() < (1e-6 if precision == "float32" else 1e-9)
+    moved = simulation.frame.position - BLANK.node_position
+    assert np.abs(moved - travel).max() < 1e-5 * np.abs(travel).max()
+    energies = simulation.frame.energies
+    assert supply(simulation, abs(energies["gravity_work"]) + energies["initial_kinetic"]) < 2e-4
+
+
+def test_free_fall_of_the_preset():
+    """The same with the default fabric: the centre of its mass; vibrations from rounding are another matter."""
+    simulation = run(dynamics=Dynamics(gravity=tuple(GRAVITY)))
+    assert np.abs(centre(simulation) / (0.5 * GRAVITY * simulation.frame.time**2) - 1.0).max() < 1e-6
+
+
+def test_a_start_velocity_is_not_rounded():
+    """The remainder of the first velocities belongs to them."""
+    simulation = run(0, initial_velocity=np.tile([0.1, 0.2, 0.3], (BLANK.node_count, 1)))
+    motion = simulation.model.sheet.read_motion(simulation.state.sheet.motion)[:, : BLANK.node_count].astype(float)
+    velocity = motion[MotionRow.velocity.vector] + motion[MotionRow.velocity_remainder.vector]
+    assert np.abs(velocity - [0.1, 0.2, 0.3]).max() < 1e-9
+
+
+def test_works_of_many_small_increments():
+    """Weight lifted by a support, work of loads, and loss in damping, against their integrals."""
+    lift = Support("lift", np.arange(BLANK.node_count), (Drive(Stroke((0.0, 10.0), (0.0, 1.0)), (0.0, 0.0, 1.0)),))
+    lifted = run(supports=[lift], dynamics=Dynamics(gravity=(0.0, 0.0, -9.81)))
+    weight = 9.81 * lifted.model.sheet.node_mass.sum()
+    height = 0.1 * lifted.frame.time
+    assert lifted.frame.energies["support_work"] == pytest.approx(weight * height, rel=1e-5)
+
+    acceleration, rate = 5.0, 2.0
+    force = np.outer(lifted.model.sheet.node_mass, [0.0, 0.0, acceleration])
+    pulled = run(loads=NodalLoads(force=force), dynamics=Dynamics(damping=rate))
+    time, mass = pulled.frame.time, lifted.model.sheet.node_mass.sum()
+    travel = acceleration / rate * (time + np.expm1(-rate * time) / rate)
+    speed = -acceleration / rate * np.expm1(-rate * time)
+    energies = pulled.frame.energies
+    assert energies["load_work"] == pytest.approx(mass * acceleration * travel, rel=1e-5)
+    lost = mass * (acceleration * travel - 0.5 * speed**2)
+    assert energies["damping_loss"] == pytest.approx(lost, rel=1e-4)
+    assert supply(pulled, energies["load_work"]) < 1e-5
+
+
+def test_works_of_friction():
+    """A sheet slides to rest on a plane, in both precisions."""
+    fabric = LINEAR
+    plane = Tool("plane", Plane(origin=(0.0, 0.0, -0.5 * fabric.thickness)), friction=0.3)
+    losses = []
+    for precision in ("float32", "float64"):
+        simulation = run(
+            precision=precision, fabric=fabric, tools=[plane],
+            initial_velocity=np.tile([3.0, 1.0, 0.0], (BLANK.node_count, 1)),
+            dynamics=Dynamics(gravity=(0.0, 0.0, -98.1), contact_damping_ratio=0.5, damping=0.1),
+        )  # fmt: skip
+        energies = simulation.frame.energies
+        assert energies["friction_loss"] > 0.5 * energies["initial_kinetic"]
+        assert supply(simulation, energies["initial_kinetic"]) < 1e-3
+        losses.append(energies["friction_loss"])
+    assert losses[0] == pytest.approx(losses[1], rel=1e-4)
+
+
+def test_losses_of_friction_inside_the_sheet():
+    """Sheared and bent to and fro, in both precisions; every node is driven."""
+    curve = BendingCurve.from_kawabata(rigidity=3e-3, hysteresis=5e-3, slip_curvature=2.0)
+    fabric = LINEAR.model_copy(
+        update={
+            "shear_friction": ShearFriction(stiffness=300.0, limit=(0.5,)),
+            "bending": YarnBending(warp=curve, weft=curve, twist=1e-3),
+        }
+    )
+    x, y, _ = BLANK.node_position.T
+    way = np.column_stack([y, np.zeros_like(x), 10.0 * x * (x - 0.02)]) / 0.02
+    times = np.linspace(0.0, 0.2, 9)
+    support = Support("frame", np.arange(BLANK.node_count), (Drive(Stroke(times, 0.004 * (np.arange(9) % 2)), way),))
+    losses = []
+    for precision in ("float32", "float64"):
+        simulation = run(precision=precision, fabric=fabric, supports=[support.model_copy(update={"rotations": ""})])
+        assert simulation.frame.time > 0.05
+        losses.append([simulation.frame.energies[name] for name in ("shear_friction_loss", "bending_friction_loss")])
+    assert np.all(np.array(losses) > 1e-9)
+    assert losses[0] == pytest.approx(losses[1], rel=3e-4)

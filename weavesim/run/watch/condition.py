@@ -1,0 +1,76 @@
+"""Condition of a sheet: where it passes through itself, is folded, turned over, or beyond a symmetry plane."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...measures.crossings import Crossings
+from ...measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
+from ..frame import SheetFrame, SheetInfo
+
+
+class Tally(NamedTuple):
+    """Something that is counted or measured at several times.
+
+    Attributes:
+        last: at the last time.
+        most: at the worst time.
+        time: of the worst [s].
+        place: of one of them then, (x, y) on the flat blank [m].
+        share: elements concerned then, over all.
+    """
+
+    last: float = 0.0
+    most: float = 0.0
+    time: float = 0.0
+    place: tuple[float, float] | None = None
+    share: float = 0.0
+
+
+class Condition:
+    """Looks at one sheet.
+
+    Args:
+        info: of the sheet.
+
+    Attributes:
+        crossings: pairs of triangles that meet, see ``Crossings``.
+        folded: elements folded by more than 90 degrees, and pairs of neighbours folded onto each other.
+        inverted: elements turned over against their directors.
+        beyond: deepest node beyond a symmetry plane [m].
+    """
+
+    def __init__(self, info: SheetInfo) -> None:
+        self._info, blank = info, info.blank
+        self._crossings = Crossings(blank.quads, blank.node_count)
+        self._neighbours = neighbours(blank.quads)
+        self._nodes = blank.material_coordinates
+        self._centres = self._nodes[blank.quads].mean(axis=1)
+        self.crossings = self.folded = self.inverted = self.beyond = Tally()
+
+    def look(self, frame: SheetFrame, time: float) -> None:
+        """Look at the sheet at ``time`` [s]."""
+        blank = self._info.blank
+        pairs = self._crossings.pairs(frame.position)
+        self.crossings = self._counted(self.crossings, len(pairs), np.unique(pairs // 2), time)
+        element = folded_elements(frame.position, blank.quads)
+        onto = self._neighbours[folded_pairs(frame.position, blank.quads, self._neighbours)]
+        concerned = np.union1d(np.flatnonzero(element), onto)
+        self.folded = self._counted(self.folded, int(element.sum()) + len(onto), concerned, time)
+        inverted = np.flatnonzero(inverted_elements(frame.position, frame.director, blank))
+        self.inverted = self._counted(self.inverted, len(inverted), inverted, time)
+        beyond = beyond_symmetry(frame.position, blank, self._info.symmetry)
+        node = int(beyond.argmax())
+        self.beyond = _worse(self.beyond, float(beyond[node]), time, self._nodes[node], 0.0)
+
+    def _counted(self, last: Tally, count: int, elements: np.ndarray, time: float) -> Tally:
+        place = self._centres[elements[0]] if len(elements) else None
+        return _worse(last, float(count), time, place, len(elements) / len(self._centres))
+
+
+def _worse(last: Tally, value: float, time: float, place: np.ndarray | None, share: float) -> Tally:
+    if not value > last.most or place is None:
+        return last._replace(last=value)
+    return Tally(value, value, time, (float(place[0]), float(place[1])), share)

@@ -1,0 +1,68 @@
+"""What a run looks at of itself, at times that do not depend on its frames."""
+
+from __future__ import annotations
+
+import math
+
+from ..frame import Frame
+from ..sheet_ledger import NO_PENETRATION, Penetration
+from ..start import Prepared
+from .condition import Condition
+from .extremes import Extremes
+
+# States that are looked at in a run, evenly spaced in time.
+WATCH_COUNT = 100
+# Every so many of them the sheets are searched for parts that pass through each other, which takes longer.
+CONDITION_INTERVAL = 4
+
+
+class Watch:
+    """Shows the guards about ``WATCH_COUNT`` states of a run, and keeps their numbers.
+
+    A run with one frame looks at the same states as a run with a thousand: each ends the first block of steps at or
+    after its time.
+
+    Args:
+        prepared: the run; its state is read.
+
+    Attributes:
+        history: time, stroke and every entry of the energy ledger of all states so far.
+        penetration: the deepest of all states so far.
+        extremes: over all steps so far, kept on the device.
+        conditions: of every sheet, at every fourth of these states and at the end.
+    """
+
+    def __init__(self, prepared: Prepared) -> None:
+        self._duration, self._state = prepared.info.duration, prepared.state
+        self._ledger, self._guards = prepared.ledger, prepared.guards
+        self.extremes = Extremes(prepared.model)
+        self.conditions = tuple(Condition(sheet) for sheet in prepared.info.sheets)
+        self.history: list[dict[str, float]] = []
+        self.penetration: Penetration = NO_PENETRATION
+        self._last_step = -1
+        self._next = 1
+
+    @property
+    def next_time(self) -> float:
+        """When to look again [s]."""
+        return self._duration * self._next / WATCH_COUNT
+
+    def look(self, frame: Frame, last: bool = False) -> None:
+        """Look at a frame that the ledger has just taken; the same state is looked at once.
+
+        Args:
+            frame: of the current state.
+            last: whether the run ends here.
+        """
+        new = frame.step_count != self._last_step
+        following = max(self._next, math.floor(WATCH_COUNT * frame.time / self._duration) + 1)
+        if last or (new and following // CONDITION_INTERVAL > self._next // CONDITION_INTERVAL):
+            for condition, sheet in zip(self.conditions, frame.sheets, strict=True):
+                condition.look(sheet, frame.time)
+        if not new:
+            return
+        self._last_step, self._next = frame.step_count, following
+        self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
+        self.penetration = self.penetration.deeper(self._ledger.penetration(frame))
+        self.extremes.read(self._state, frame.time)
+        self._guards.watch(frame, self._ledger)

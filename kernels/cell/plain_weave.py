@@ -114,9 +114,13 @@ def against(diagonal: Any, stiffness: Any, inverse: Any, force: Any):
 
 
 @wp.func
-def along(force: Any, step: Any):
-    """Sum of the products of two pairs."""
-    return force[0] * step[0] + force[1] * step[1]
+def energy_change(better: Any, gradient: Any, newton: Any, extra: Any):
+    """Change of Pi in the last step, where it is taken, to the fourth order: 1/2 g d_1 + 1/3 g d_2 [J]."""
+    half = better.dtype(0.5)
+    third = better.dtype(1.0 / 3.0)
+    change1 = gradient[0] * (half * newton[0] + third * extra[0])
+    change2 = gradient[1] * (half * newton[1] + third * extra[1])
+    return where_positive(better, change1 + change2, fill(better, 0.0))
 
 
 @wp.func
@@ -138,10 +142,11 @@ def third_order_step(cell: Any, state1: Any, state2: Any, diagonal: Any, stiffne
 
 
 @wp.func
-def step_ratio(newton: Any, extra: Any):
-    """Size of what the third derivatives add to Newton's step, over the size of that."""
+def twice_squared_ratio(newton: Any, extra: Any):
+    """Size of what the third derivatives add to Newton's step, over the size of that: twice its square."""
     added = magnitude(extra[0]) + magnitude(extra[1])
-    return added / (magnitude(newton[0]) + magnitude(newton[1]) + fill(added, 1.0e-37))
+    ratio = added / (magnitude(newton[0]) + magnitude(newton[1]) + fill(added, 1.0e-37))
+    return ratio.dtype(2.0) * ratio * ratio
 
 
 @wp.func
@@ -158,13 +163,14 @@ def pair_remainder(cell: Any, state1: Any, state2: Any, w: Any, step: Any):
 
 
 @wp.func
-def pair_energy(cell: Any, state1: Any, state2: Any, closing: Any, crossover: Any):
-    """Twice Pi of the half cell where the states of its yarns were taken [J]."""
+def pair_energy(cell: Any, state1: Any, state2: Any, w: Any, crossover: Any):
+    """Pi of the half cell where the states of its yarns were taken [J]."""
+    closing = w[0] + w[1]
     bent1 = state1[MOMENT] * state1[MOMENT] * fill(closing, cell.inverse_rotation_stiffness[0])
     bent2 = state2[MOMENT] * state2[MOMENT] * fill(closing, cell.inverse_rotation_stiffness[1])
     drawn1 = state1[STIFFNESS] * state1[ELONGATION] * state1[ELONGATION]
     drawn2 = state2[STIFFNESS] * state2[ELONGATION] * state2[ELONGATION]
-    return (drawn1 + drawn2) + (bent1 + bent2) - crossover * closing
+    return closing.dtype(0.5) * ((drawn1 + drawn2) + (bent1 + bent2) - crossover * closing)
 
 
 @wp.func
@@ -250,19 +256,15 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         newton, extra, uw, uww = third_order_step(cell, state1, state2, diagonal, stiffness, inverse, gradient)
         last = newton + extra
         # residual after both: the ratio of the two parts once more, and terms beyond the third derivatives
-        ratio = step_ratio(newton, extra)
         beyond, changes = pair_remainder(cell, state1, state2, w, last)
         size_after = residual_size(sizes + changes, crossover - stiffness * (last[0] + last[1]), least)
-        remainder = (u1.dtype(2.0) * residual * size * ratio * ratio + beyond) / smaller(size, size_after)
+        remainder = (residual * size * twice_squared_ratio(newton, extra) + beyond) / smaller(size, size_after)
         better = where_positive(definite, residual - remainder, zero)
         remainder = where_positive(better, remainder, residual)
         # a NaN compares false and is caught by the caller; it must not stall the other lanes
         unfinished = where_positive(remainder - fill(u1, cell.tolerance), fill(u1, 1.0), zero)
         if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
-            # Pi beyond the evaluation: 1/2 g d_1 + 1/3 g d_2, to the fourth order
-            fall = u1.dtype(0.5) * along(gradient, newton) + u1.dtype(1.0 / 3.0) * along(gradient, extra)
-            energy = u1.dtype(0.5) * pair_energy(cell, state1, state2, w[0] + w[1], crossover)
-            energy = energy + where_positive(better, fall, zero)
+            energy = pair_energy(cell, state1, state2, w, crossover) + energy_change(better, gradient, newton, extra)
             w, force = last_step(w, last, better, by_u, uw, uww)
             residual = remainder
             break

@@ -157,6 +157,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         energies[part_count + SheetEnergy.in_plane_bending, e] = in_plane_bending * square
         energies[part_count + SheetEnergy.hourglass, e] = half * area * hourglass
         energies[part_count + SheetEnergy.snap_loss, e] = area * cell_report[CellReportRow.snap_loss, e]
+        energies[part_count + SheetEnergy.surplus, e] = area * cell_report[CellReportRow.surplus, e]
 
         fields[ElementField.shear_angle, e] = m.angle
         fields[ElementField.warp_stretch, e] = m.stretch1

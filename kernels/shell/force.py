@@ -9,7 +9,7 @@ from ..cell.law import CellLaw
 from ..lanes import fill, lane_types, scale, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
-from ..rows import ROWS_PER_CORNER, ClockEntry, CornerRow, MotionRow
+from ..rows import ROWS_PER_CORNER, CornerRow, MotionRow
 from .bending import bending_friction, resultants_struct, transverse_shear
 from .hourglass import stabilisation_function, warping_moments
 from .kinematics import (
@@ -164,7 +164,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         m = stretch_membrane(x.by1, x.by2)
 
         answer = answer_cell(sheet.cell, block, m, cell_unknowns, cell_report)
-        answer = take_back(elements, laws, block, m, real(clock[ClockEntry.step]), answer, cell_report)
+        answer = take_back(elements, laws, block, m, clock, answer, cell_report)
         # once more: reading them again is cheaper than keeping them while the cell iterates
         shape = shape_functions(elements, block, Shape())
         area = elements.area[block]

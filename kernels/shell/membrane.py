@@ -60,6 +60,8 @@ def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
             freed = snap_loss(cell, m.strain1, m.strain2, m.angle, start, unknowns)
             if lane_maximum(freed) > freed.dtype(0.0):
                 cell_report[CellReportRow.snap_loss, block] = cell_report[CellReportRow.snap_loss, block] + freed
+                # a loss that the motion does not get back
+                cell_report[CellReportRow.energy, block] = cell_report[CellReportRow.energy, block] - freed
         return answer
 
     return answer_cell
@@ -98,7 +100,7 @@ def shear_moment_function(cell: CellLaw, traits: SheetTraits):
 
 @wp.func
 def membrane_resultants(laws: Any, m: Any, answer: Any, moment: Any, shear12: Any, r: Any):
-    """Set T of the unit cell, the sheet's own compressive stiffness, and shear."""
+    """Set T of shear and of the membrane forces of the answer, which include the sheet's compressive stiffness."""
     inverse1, inverse2 = inverses(m.stretch1, m.stretch2)
     t11 = answer.warp_force * inverse1
     t22 = answer.weft_force * inverse2

@@ -109,8 +109,9 @@ def bouncing(ratio: float, share: float, cycles: float) -> np.ndarray:
     return np.array([entry["kinetic"] + entry["internal"] for entry in simulation.history]) / start
 
 
-# A single element may hold all of its energy in the surplus for a few steps; far below the stable step it has none.
-@pytest.mark.parametrize("share, largest", [(STEP_SAFETY, 1.0), (0.6, 0.5), (0.1, 0.01)])
+# All of a single element turns at once, and what that makes is on its account for a few steps: less with smaller steps.
+# Without the correction the ratio 0.38 gains 12 % of the amplitude in every step of the default size.
+@pytest.mark.parametrize("share, largest", [(STEP_SAFETY, 2.5), (0.6, 0.4), (0.1, 0.01)])
 def test_one_element_bounces_for_ever(share, largest):
     for ratio in (0.004, 0.05, 0.38, 0.7):
         energy = bouncing(ratio, share, 200.0)

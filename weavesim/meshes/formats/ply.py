@@ -132,7 +132,8 @@ def _ascii(source: Source, elements: list[_Element], start: int) -> tuple[np.nda
             f"its header promises {expected} records, one on each line, but {len(lines)} lines follow",
             "copy or export it again",
         )
-    vertices, cells, position = np.empty((0, 3)), (), 0
+    vertices, position = np.empty((0, 3)), 0
+    cells: tuple[Cells, ...] = ()
     for element in elements:
         records = lines[position : position + element.count]
         position += element.count
@@ -190,7 +191,8 @@ def _ascii_faces(source: Source, element: _Element, records: list[tuple[int, byt
 def _binary(
     source: Source, elements: list[_Element], position: int, order: str
 ) -> tuple[np.ndarray, tuple[Cells, ...]]:
-    vertices, cells = np.empty((0, 3)), ()
+    vertices = np.empty((0, 3))
+    cells: tuple[Cells, ...] = ()
     for element in elements:
         _check_left(source, element, position)
         if element.lists:

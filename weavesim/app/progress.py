@@ -60,19 +60,24 @@ class ProgressBar:
         self._progress: Progress | None = None
         self._task: TaskID | None = None
         self._handler: logging.Handler | None = None
-        self._name = ""
+        self._name = "weavesim"
         self._duration = 0.0
         self._start = 0.0
         self._line_index = -1
 
+    def listen(self) -> None:
+        """Show warnings from now on; ``start`` does it too."""
+        if self._handler is None:
+            self._handler = _Warnings(self._print)
+            logging.getLogger("weavesim").addHandler(self._handler)
+
     def start(self, info: RunInfo) -> None:
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
+        self.listen()
         self._name = info.name.replace("_", " ")
         self._duration = info.duration
         self._start = time.perf_counter()
-        self._handler = _Warnings(self._print)
-        logging.getLogger("weavesim").addHandler(self._handler)
         for warning in info.warnings:
             self._print(f"warning: {warning}")
         if self._console.is_terminal:

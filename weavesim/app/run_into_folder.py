@@ -48,6 +48,7 @@ def run_into_folder(
 
     log, bar = RunLog(folder.path, stays=True), ProgressBar(stays=True)
     summary: dict[str, Any] = {}
+    bar.listen()
     try:
         folder.check(tuple(sheet_infos(setup)))
         folder.claim()

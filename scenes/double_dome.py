@@ -68,7 +68,7 @@ class DoubleDomeParameters(RunOptions):
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
     shear_modulus: Annotated[Positive, Quantity("shear modulus")] = Field(
-        default=0.25e6, description="G_12 of the linear law [Pa]"
+        default=0.25e6, description="G_12 of the linear law, twice the stress over the angle [Pa]"
     )
     friction: Annotated[NotNegative, Quantity("friction")] = Field(
         default=0.2, description="Coulomb coefficient between sheet and tools"

@@ -27,7 +27,7 @@ class FabricTestParameters(RunOptions):
         default="curve", description="published moment curve, or the paper's linear law, equation (4)"
     )
     shear_modulus: Annotated[Positive, Quantity("shear modulus")] = Field(
-        default=0.25e6, description="G_12 of the linear law [Pa]"
+        default=0.25e6, description="G_12 of the linear law, twice the stress over the angle [Pa]"
     )
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.kernels.rows import ToolWatchRow
+from weavesim.kernels.rows import ExtremeRow, ToolWatchRow
 from weavesim.run.condition import Tally
 from weavesim.run.extremes import Extreme
 from weavesim.run.guards import Doubt, known_guards
@@ -27,6 +27,7 @@ def judged(
     own = {
         "min_stretch": Extreme(0.99), "max_stretch": Extreme(1.01), "angle": Extreme(0.5), "depth": Extreme(1e-5),
         "touched": np.zeros(0, dtype=bool),
+        "rows": np.zeros((ExtremeRow.row_count(), 1)),
     }  # fmt: skip
     fabric = glass_polypropylene().model_copy(update={"thickness": THICKNESS})
     sheet = SimpleNamespace(name="sheet", fabric=fabric, tools=())

@@ -60,7 +60,6 @@ TESTED_ELSEWHERE = {
     "weavesim/fabric/cell/tape.py": "verification/cell/test_unit_cells.py",
     "weavesim/fabric/cell/weaves.py": "unit/fabric/test_weaves.py",
     "weavesim/fabric/device.py": "unit/kernels/test_curve.py",
-    "weavesim/fabric/curve.py": "unit/kernels/test_curve.py",
     "weavesim/fabric/response.py": "verification/cell/test_cell_responses.py",
     "weavesim/output/curves.py": "unit/output/test_tables.py",
     "weavesim/output/files.py": "unit/output/test_folder.py",

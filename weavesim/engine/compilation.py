@@ -131,7 +131,10 @@ class KernelSet:
             *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
             *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
             *(element_ledger_kernel(real, law, sheet) for sheet in self.sheets),
-            element_extremes_kernel(real, lane_count),
+            *(
+                element_extremes_kernel(real, lane_count, flat)
+                for flat in dict.fromkeys(sheet.flat for sheet in self.sheets)
+            ),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
             tool_motion_kernel(real),

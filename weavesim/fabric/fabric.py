@@ -55,7 +55,9 @@ class Fabric(Parameters):
     )
     bending: SerializeAsAny[BendingLaw] = Field(kw_only=True, description="law of bending")
     transverse_shear_modulus: Annotated[NotNegative, Quantity("shear modulus")] = Field(
-        kw_only=True, description="G of equation (6) across the sheet [Pa]"
+        kw_only=True,
+        description="G of equation (6) across the sheet, stress over angle: Q = 5/6 G t gamma, gamma the angle from "
+        "the normal to the director [Pa]",
     )
     in_plane_bending_stiffness: Annotated[NotNegative, Quantity("in-plane bending")] = Field(
         default=0.0,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 
+import numpy as np
+
 from .formats.abaqus import read_abaqus
 from .formats.by_meshio import FORMATS, read_by_meshio
 from .formats.glb import read_glb
@@ -26,6 +28,9 @@ READERS = {
     ".glb": read_glb,
     **dict.fromkeys(FORMATS, read_by_meshio),
 }
+
+# No unit makes a tool of this; beyond it, areas and volumes overflow at last.
+FARTHEST = 1e15
 
 
 def read_mesh(path: str | os.PathLike[str], what: str = "mesh") -> MeshFile:
@@ -50,6 +55,10 @@ def read_mesh(path: str | os.PathLike[str], what: str = "mesh") -> MeshFile:
             f"known are {known}",
         )
     try:
-        return reader(source)
+        mesh = reader(source)
     except MemoryError:
         raise source.error("there is not enough memory for it", "export a coarser mesh") from None
+    far = np.any(np.abs(mesh.vertices) > FARTHEST, axis=1)
+    if np.any(far):
+        raise source.error(f"{int(far.sum())} vertices lie farther than {FARTHEST:g} from the origin, in any unit")
+    return mesh

@@ -72,6 +72,10 @@ class HemisphereParameters(RunOptions):
     seed: int = Field(default=0, ge=0, description="random seed of the unevenness that triggers the folds")
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
 
+    def blank_area(self) -> float:
+        """Of the cloth [m^2]."""
+        return self.side**2
+
 
 def cloth(case: str) -> Fabric:
     """A light cloth of one of the two cases; all values are assumed.

@@ -76,6 +76,10 @@ class PictureFrameParameters(FabricTestParameters):
     cycle: bool = Field(default=False, description="return to the start: loading and unloading")
     speed: Annotated[Positive, Quantity("speed")] = Field(default=0.5, description="speed of the crosshead [m/s]")
 
+    def blank_area(self) -> float:
+        """Of the specimen with its arms [m^2]."""
+        return self.side * (self.side + 4.0 * self.arm_length)
+
 
 class PictureFrame:
     """Geometry and motion of the frame.

@@ -247,6 +247,19 @@ def available_threads() -> int:
     return os.cpu_count() or 1
 
 
+def available_memory() -> float | None:
+    """Memory that this process can still get [bytes], of the system and within its container; None if unknown."""
+    found: list[float] = []
+    with suppress(OSError, ValueError, IndexError):
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        found += [1024.0 * float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
+    with suppress(OSError, ValueError):
+        folder = Path("/sys/fs/cgroup")
+        limit = float((folder / "memory.max").read_text(encoding="ascii"))  # "max" is no number
+        found.append(limit - float((folder / "memory.current").read_text(encoding="ascii")))
+    return min(found, default=None)
+
+
 def resolve_thread_counts(threads: int | None) -> tuple[int, ...]:
     """Numbers of CPU threads that a run may use: ``threads`` if given and possible, else 1, 2, 4, ... and all cores.
 

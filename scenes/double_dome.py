@@ -212,7 +212,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     if parameters.part != "full" and parameters.yarn_angle % 90.0 != 0.0:
         raise InputError(
             f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "
-            "use part = full"
+            "choose the full part"
         )
     if not (parameters.punch or parameters.die) and fabric.thickness > CLEARANCE * (1.0 + 1.0e-9):
         raise InputError(

@@ -35,6 +35,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema
 
 from .arrays import frozen
+from .documents import parse_json
 from .errors import InputError, did_you_mean
 from .input_files import shown
 
@@ -154,9 +155,9 @@ class Parameters(_Model):
             InputError: text that is not JSON, or values that are not allowed, with their place.
         """
         try:
-            content = json.loads(text)
-        except ValueError as error:
-            raise InputError(f"{cls.__name__}: not valid JSON ({error})") from None
+            content = parse_json(text)
+        except (ValueError, RecursionError) as error:
+            raise InputError(f"{cls.__name__}: not valid JSON ({shown(error)})") from None
         try:
             return cls.model_validate(content)
         except ValidationError as error:
@@ -234,7 +235,7 @@ def typed_as(names: Mapping[str, str]) -> Iterator[None]:
 
 def _of_class(cls: type, problems: str) -> str:
     # who typed options knows nothing of classes
-    return problems if _typed.get() else f"{cls.__name__}: {problems}"
+    return problems if problems.startswith("--") else f"{cls.__name__}: {problems}"
 
 
 def _problems(error: ValidationError, known: Iterable[str]) -> str:

@@ -7,9 +7,10 @@ import numpy as np
 
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.rows import ExtremeRow, ToolWatchRow
-from weavesim.run.condition import Tally
-from weavesim.run.extremes import Extreme
+from weavesim.run.frame import Outcome
 from weavesim.run.guards import Doubt, known_guards
+from weavesim.run.watch.condition import Tally
+from weavesim.run.watch.extremes import Extreme
 
 SOUND = {
     "gravity_work_ratio": 0.0, "energy_balance_error": 0.01, "kinetic_energy_ratio": 0.01,
@@ -39,7 +40,7 @@ def judged(
             tools={name: np.zeros(0) for name in ToolWatchRow.names()},
         ),
         conditions=[SimpleNamespace(**({name: Tally() for name in TALLIES} | (tallies or {})))],
-        run=SimpleNamespace(info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
+        run=SimpleNamespace(outcome=Outcome.FINISHED, info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
     )
 
 

@@ -30,7 +30,7 @@ TESTED_ELSEWHERE = {
     "kernels/shell/membrane.py": SHELL,
     "kernels/shell/shear.py": SHELL,
     "kernels/shell/thickness.py": "verification/shell/test_thickness.py",
-    "kernels/shell/extremes.py": "unit/run/test_extremes.py",
+    "kernels/shell/extremes.py": "unit/run/watch/test_extremes.py",
     "kernels/shell/frequency.py": "verification/time/test_stable_step.py",
     "kernels/shell/coupling.py": "verification/time/test_stable_step.py",
     "kernels/shell/eigenvalue.py": "verification/time/test_stable_step.py",

@@ -168,12 +168,13 @@ def scene_command(
 
     def command(**values: Any) -> None:
         given = {name: value for name, value in values.items() if value != options[name].default}
-        with typed_as({name: _flag(name) for name in options}):
+        typed = {name: _flag(name) for name in options}
+        with typed_as(typed):
             checked = parameters(**given)
         from ..engine.compilation import side_by_side
 
         try:
-            with interruption() as interrupted, side_by_side(partial(_announce_compilation, scene)):
+            with typed_as(typed), interruption() as interrupted, side_by_side(partial(_announce_compilation, scene)):
                 result = run(checked)
                 number = interrupted.signal
                 for line in closing_lines(result, checked.out, number):

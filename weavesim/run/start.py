@@ -16,7 +16,6 @@ from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..errors import InputError
 from ..fabric.cell import UnitCell
-from ..sheet.sheet import Sheet
 from ..tools.sampling import mesh_parts
 from .estimate import check_bounds, estimate
 from .frame import Frame, RunInfo, SheetFrame, SheetInfo
@@ -88,8 +87,6 @@ def prepare(setup: Setup) -> Prepared:
     frame = ledger.frame(0)
     for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
         check_cell_at_rest(sheet.fabric.unit_cell, first)
-    for sheet_ledger, sheet, first in zip(ledger.sheets, setup.sheets, frame.sheets, strict=True):
-        check_overlap(sheet, sheet_ledger.penetration(first).at_nodes)
     guards = Guards()
     doubts = guards.before(Start(model, ledger, frame))
     info = RunInfo(
@@ -131,16 +128,6 @@ def check_cell_at_rest(cell: UnitCell, frame: SheetFrame) -> None:
         raise InputError(
             f"unit cell {type(cell).__name__}: the undeformed sheet carries {found:.4g} N/m, but at stretches of "
             "1, a shear angle of 0 and its initial_unknowns a cell must be free of force: correct its energy or those"
-        )
-
-
-def check_overlap(sheet: Sheet, penetration: float) -> None:
-    """Check that no tool overlaps the blank by more than half its thickness before the run starts [m]."""
-    thickness = sheet.fabric.thickness
-    if penetration > 0.5 * thickness:
-        raise InputError(
-            f"a tool overlaps the blank by {1e3 * penetration:.3g} mm before the run starts; the sheet is "
-            f"{1e3 * thickness:.3g} mm thick: move the tool half a thickness off the mid-surface"
         )
 
 

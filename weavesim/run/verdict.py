@@ -16,9 +16,9 @@ from ..version import __version__
 from .guards.law_range import beyond_data
 
 if TYPE_CHECKING:
-    from .condition import Condition
-    from .extremes import Extremes
     from .simulation import Simulation
+    from .watch.condition import Condition
+    from .watch.extremes import Extremes
 
 # The balance error of a state is relative to the work so far, but at least to this share of the run's work.
 LEAST_WORK = 1.0e-4

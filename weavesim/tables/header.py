@@ -13,7 +13,7 @@ from ..input_files import shown
 from .numbers import is_number, not_a_number, quoted
 from .rows import SEPARATOR_NAMES, SEPARATORS, comment_of, is_blank, split_line, split_names, trimmed
 from .text import TableFault
-from .units import Unit, split_header, unit_cell
+from .units import Unit, bare_name, split_header, unit_cell
 
 # Lines above a header, lines of one header, and columns that a message lists.
 LONGEST_PREAMBLE = 1000
@@ -150,7 +150,7 @@ class _Candidate:
         """The header, given the first row below it."""
         names = self._names(len(cells))
         places, merged = self._places(wanted, names, units)
-        if places is None:
+        if places is None or all(map(is_number, names)):
             return None
         notes = []
         if self.in_comment:
@@ -179,7 +179,7 @@ class _Candidate:
         merged: list[Unit | None] = []
         for index, (_, unit) in enumerate(split):
             below = unit_cell(units[index]) if index < len(units) else None
-            if unit and below and unit.is_certain and not unit.same_as(below):
+            if unit and unit.is_known and below and not unit.same_as(below):
                 raise TableFault(
                     f"column {quoted(names[index])} has another unit in the line of units, {quoted(units[index])}",
                     self.line,
@@ -191,8 +191,11 @@ class _Candidate:
             found = [
                 index
                 for index, (other, _) in enumerate(split)
-                if fold(other) == fold(name) and (unit is None or _same_unit(merged[index], unit))
+                if fold(other) == fold(name) and (unit is None or not unit.is_known or _same_unit(merged[index], unit))
             ]
+            if not found:  # a unit that is not known may be one
+                alike = [index for index, other in enumerate(names) if fold(bare_name(other)) == fold(name)]
+                found = alike if len(alike) == 1 and unit is None else []
             if not found:
                 return None, merged
             places += found
@@ -311,5 +314,5 @@ def _not_among(above: tuple[int, str], wanted: Sequence[str], declared: str | No
     if len(names) < 2 and cell_count < 2:
         return TableFault(text, number)
     listed = ", ".join(map(quoted, names[:LISTED_COUNT])) + (", ..." if len(names) > LISTED_COUNT else "")
-    hint = did_you_mean(missing[0], [*names, *(split_header(name)[0] for name in names)])
+    hint = did_you_mean(missing[0], [*names, *map(bare_name, names)])
     return TableFault(f"{text} among {listed}{hint}", number)

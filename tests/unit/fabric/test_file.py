@@ -203,7 +203,7 @@ def test_a_measured_loop_comes_from_a_file(tmp_path):
 def test_the_documented_files_are_read(tmp_path):
     """The examples of docs/fabrics.md, with a test to go with them."""
     page = (ROOT / "docs" / "fabrics.md").read_text()
-    (tmp_path / "frame.csv").write_text("angle_deg,force_n\n0,0\n20,5\n40,20\n")
+    (tmp_path / "frame.csv").write_text("angle_deg,force [N]\n0,0\n20,5\n40,20\n")
     woven, membrane = (text.split("```")[0] for text in page.split("```toml\n")[1:])
     (tmp_path / "ours.toml").write_text(woven)
     fabric = load_fabric(tmp_path / "ours.toml")

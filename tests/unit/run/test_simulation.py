@@ -1,6 +1,7 @@
 """Every check of a run, each by a case that it refuses, and what a run does once it is allowed to start."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -69,16 +70,21 @@ def test_a_value_that_would_spoil_the_run_is_refused(given, message):
         small_run(**given)
 
 
-def test_a_tool_that_overlaps_the_blank_is_refused_with_its_depth():
+@pytest.mark.parametrize("height", [1e-3, 0.0, -0.1 * THICKNESS, -0.24 * THICKNESS])
+def test_a_tool_that_overlaps_the_blank_is_refused_with_its_depth(height):
     """Half the thickness of the sheet lies below its mid-surface; a plane 1 mm above that is 1.6 mm deep in it."""
-    with pytest.raises(InputError, match=r"overlaps the blank by 1\.6 mm .* 1\.2 mm thick: move the tool half a"):
-        small_run(tools=[plane_at(1e-3)])
+    depth = re.escape(f"{1e3 * (height + 0.5 * THICKNESS):.3g}")
+    with pytest.raises(
+        InputError, match=rf"table overlaps the blank by {depth} mm .* 1\.2 mm thick: move the tool half"
+    ):
+        small_run(tools=[plane_at(height)])
 
 
-@pytest.mark.parametrize("height", [-0.5 * THICKNESS, -0.1 * THICKNESS])
-def test_a_tool_may_touch_the_blank_and_reach_up_to_half_its_thickness_into_it(height):
-    simulation = small_run(tools=[plane_at(height)])
-    assert simulation.penetration.at_nodes == pytest.approx(height + 0.5 * THICKNESS, abs=1e-12)
+@pytest.mark.parametrize(("height", "said"), [(-0.5, False), (-0.46, False), (-0.44, True), (-0.26, True)])
+def test_a_tool_may_touch_the_blank_and_reach_a_little_into_it(height, said):
+    simulation = small_run(tools=[plane_at(height * THICKNESS)])
+    assert simulation.penetration.at_nodes == pytest.approx((height + 0.5) * THICKNESS, abs=1e-12)
+    assert [doubt.guard for doubt in simulation.doubts()] == ["start_overlap"] * said
 
 
 def test_a_mesh_must_be_sampled_beyond_the_thickness():

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..engine.model import Model
-from ..engine.sheet_model import SheetModel
-from ..engine.state import SheetState, State
-from ..kernels.rows import ExtremeRow, ToolWatchRow
+from ...engine.model import Model
+from ...engine.sheet_model import SheetModel
+from ...engine.state import SheetState, State
+from ...kernels.rows import ExtremeRow, ToolWatchRow
 
 
 class Extreme(NamedTuple):

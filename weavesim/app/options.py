@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from ..checks import Parameters, Positive
+from ..checks import Parameters, Positive, as_typed
 from ..device import LARGEST_THREAD_COUNT, Precision
 from ..engine.setup import Solver
 from ..output.writer import chosen_writers, known_writers
@@ -83,7 +83,9 @@ class RunOptions(Parameters):
         for name, need in needs.items():
             default = type(self).model_fields[name].get_default(call_default_factory=True)
             if getattr(self, name) != default and not need.is_met(self):
-                raise ValueError(f"{name} = {getattr(self, name)}: has no effect without {need.text}; leave it out")
+                raise ValueError(
+                    as_typed(f"{name} = {getattr(self, name)}: has no effect without {need.text}; leave it out")
+                )
         return self
 
     @model_validator(mode="after")

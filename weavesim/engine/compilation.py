@@ -219,7 +219,7 @@ def compile_missing(kernel_set: KernelSet | MeshKernelSet) -> None:
     ensure_room()
     if announce:
         announce(len(indices))
-        _compile_apart(kernel_set, indices, available_threads())
+        _compile(kernel_set, indices, available_threads())
 
 
 def compile_kernels(kernel_set: KernelSet | MeshKernelSet, process_count: int | None = None) -> float:
@@ -241,13 +241,13 @@ def compile_kernels(kernel_set: KernelSet | MeshKernelSet, process_count: int | 
     if indices:
         ensure_room()
     if process_count > 1:
-        _compile_apart(kernel_set, indices, process_count)
+        _compile(kernel_set, indices, process_count)
     for index in indices:
         _load(kernel_set, index)
     return time.perf_counter() - started
 
 
-def _compile_apart(kernel_set: KernelSet | MeshKernelSet, indices: list[int], process_count: int) -> None:
+def _compile(kernel_set: KernelSet | MeshKernelSet, indices: list[int], process_count: int) -> None:
     """Compile in processes that end when this one ends, in whatever way, or when it is interrupted.
 
     What they fail to do is left to ``load_kernel``, which also says why.

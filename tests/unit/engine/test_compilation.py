@@ -220,5 +220,5 @@ def test_what_processes_fail_to_compile_is_left_to_the_run(monkeypatch, caplog):
             raise OSError("no more processes")
 
     monkeypatch.setattr(compilation, "ProcessPoolExecutor", Broken)
-    compilation._compile_apart(SMALL, [0], 2)
+    compilation._compile(SMALL, [0], 2)
     assert "kernels could not be compiled side by side: OSError: no more processes" in caplog.messages

@@ -47,7 +47,7 @@ BLANK_WIDTH = 0.270
 PUNCH_RADIUS = 0.060
 DOME_DISTANCE = 0.170
 DIE_ENTRY_RADIUS = 0.010
-CLEARANCE = 0.0012
+SMALLEST_CLEARANCE = 0.0012
 # For the whole holder; a quarter of the blank carries a quarter.
 BLANK_HOLDER_MASS = 2.0
 BLANK_HOLDER_PRESSURE = 20.0e3
@@ -131,17 +131,33 @@ class DoubleDomeParameters(RunOptions):
         return BLANK_LENGTH * BLANK_WIDTH * {"quarter": 0.25, "half": 0.5, "full": 1.0}[self.part]
 
 
-def blank_holder_area() -> float:
-    """Flat area of the undeformed blank between die and holder [m^2]."""
-    rim = PUNCH_RADIUS + CLEARANCE + DIE_ENTRY_RADIUS
+def clearance(fabric: Fabric) -> float:
+    """Between the default punch and die [m]: a thicker fabric gets an opening that is made for it."""
+    return max(SMALLEST_CLEARANCE, fabric.thickness)
+
+
+def blank_holder_area(fabric: Fabric) -> float:
+    """Flat area of the undeformed blank between die and holder [m^2].
+
+    Raises:
+        InputError: there is none, since the fabric is too thick for these tools.
+    """
+    rim = PUNCH_RADIUS + clearance(fabric) + DIE_ENTRY_RADIUS
+    if rim > 0.5 * BLANK_WIDTH:
+        raise InputError(
+            f"double dome: the fabric is {1e3 * fabric.thickness:.3g} mm thick, and an opening made for it is wider "
+            f"than the blank; at most {1e3 * (0.5 * BLANK_WIDTH - PUNCH_RADIUS - DIE_ENTRY_RADIUS):.3g} mm is allowed"
+        )
     return BLANK_LENGTH * BLANK_WIDTH - (math.pi * rim**2 + 2.0 * rim * DOME_DISTANCE)
 
 
-def tool_shapes(parameters: DoubleDomeParameters, symmetry: tuple[str, ...]) -> tuple[Shape, Shape, Shape]:
+def tool_shapes(
+    parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple[str, ...]
+) -> tuple[Shape, Shape, Shape]:
     """Punch, die and blank holder closed on a sheet of zero thickness at z = 0: the user's meshes, or the defaults."""
     half_length = 0.5 * DOME_DISTANCE
     opening = DomeOpening(
-        radius=PUNCH_RADIUS + CLEARANCE,
+        radius=PUNCH_RADIUS + clearance(fabric),
         half_length=half_length,
         edge_radius=DIE_ENTRY_RADIUS,
         display_size=(0.52, 0.32),
@@ -166,7 +182,7 @@ def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple
     half = 0.5 * fabric.thickness
     down = (0.0, 0.0, -1.0)
     share = 0.5 ** len(symmetry)
-    punch, die, blank_holder = tool_shapes(parameters, symmetry)
+    punch, die, blank_holder = tool_shapes(parameters, fabric, symmetry)
     holder_motion: Motion
     gap = 0.0
     if parameters.blank_holder_gap is not None:
@@ -174,7 +190,7 @@ def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple
     else:
         force = parameters.blank_holder_force
         if force is None:
-            force = BLANK_HOLDER_PRESSURE * blank_holder_area()
+            force = BLANK_HOLDER_PRESSURE * blank_holder_area(fabric)
         holder_motion = ForceDriven.constant(force * share, BLANK_HOLDER_MASS * share, BLANK_HOLDER_RAMP)
     return (
         Tool(
@@ -214,11 +230,6 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "
             "choose the full part"
         )
-    if not (parameters.punch or parameters.die) and fabric.thickness > CLEARANCE * (1.0 + 1.0e-9):
-        raise InputError(
-            f"fabric {fabric.name}: it is {1e3 * fabric.thickness:.4g} mm thick, but punch and die leave "
-            f"{1e3 * CLEARANCE:.4g} mm between them; use a thinner fabric, or your own tools (punch, die)"
-        )
     lower = (0.0 if "x" in symmetry else -0.5 * BLANK_LENGTH, 0.0 if "y" in symmetry else -0.5 * BLANK_WIDTH)
     blank = Blank.rectangle(
         lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
@@ -257,12 +268,13 @@ def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -
     """
     if parameters.has_meshes or parameters.yarn_angle % 90.0 != 0.0:
         return {}
-    thickness = simulation.setup.sheet.fabric.thickness
+    fabric = simulation.setup.sheet.fabric
+    thickness = fabric.thickness
     depth = simulation.frame.stroke - thickness
     if not 0.0 < depth <= PUNCH_RADIUS:
         return {}
     try:
-        taut = taut_path_draw_in(PUNCH_RADIUS, DIE_ENTRY_RADIUS, depth, thickness, CLEARANCE)
+        taut = taut_path_draw_in(PUNCH_RADIUS, DIE_ENTRY_RADIUS, depth, thickness, clearance(fabric))
     except InputError as error:  # a comparison, which the results do not need
         logger.info("there is no taut path to compare with: %s", error)
         return {}

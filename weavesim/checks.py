@@ -240,7 +240,8 @@ def _of_class(cls: type, problems: str) -> str:
 
 def _problems(error: ValidationError, known: Iterable[str]) -> str:
     lines: dict[str, str] = {}
-    for problem in error.errors():
+    # unknown names first: the one that is missing is often among them, misspelt
+    for problem in sorted(error.errors(), key=lambda problem: problem["type"] != "extra_forbidden"):
         # a field that allows several types has one problem per type: the first is enough
         field, *rest = problem["loc"] or ("",)
         field = (_typed.get() or {}).get(str(field), field)

@@ -20,6 +20,7 @@ LONGEST_PREAMBLE = 1000
 LONGEST_HEADER = 5
 LISTED_COUNT = 12
 LARGEST_COLUMN_COUNT = 2000
+_INVISIBLE = re.compile("[\u00ad\u200b-\u200f\u202a-\u202e\u2060-\u2064\ufeff]")
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,8 @@ class Header:
 
 def fold(name: str) -> str:
     """A name without what does not tell names apart: case, blanks, underscores."""
-    return re.sub(r"[\s_-]+", " ", unicodedata.normalize("NFKC", name).casefold()).strip()
+    visible = _INVISIBLE.sub("", unicodedata.normalize("NFKC", name))
+    return re.sub(r"[\s_-]+", " ", visible.casefold()).strip()
 
 
 def find_header(lines: list[str], wanted: Sequence[str]) -> Header:
@@ -141,7 +143,7 @@ class _Candidate:
             if not units and _are_units(cells):
                 units = cells
                 continue
-            return self._above(cells, number, units, wanted)
+            return self._above(cells, number, units or self._units_above(lines), wanted)
         if self._places(wanted, self._names(0), [])[0] is None:
             return None
         raise TableFault("no rows below the header", self.line)
@@ -165,6 +167,14 @@ class _Candidate:
                 raise not_a_number(cells[place], quoted(names[place]), number)
         return header
 
+    def _units_above(self, lines: list[str]) -> list[str]:
+        """The cells of a line of units directly above the header; [] if there is none."""
+        line = lines[self.line - 2] if self.line > 1 else ""
+        if not line or is_blank(line) or '"' in self.text or comment_of(line, self.separator) is not None:
+            return []
+        cells = trimmed(split_line(line, self.separator, self.line - 1))
+        return cells if _are_units(cells) and len(cells) == len(self._names(len(cells))) else []
+
     def _names(self, cell_count: int) -> list[str]:
         names = trimmed(split_names(self.text, self.separator, self.line, cell_count))
         if len(names) > LARGEST_COLUMN_COUNT:
@@ -178,7 +188,8 @@ class _Candidate:
         split = [split_header(name) for name in names]
         merged: list[Unit | None] = []
         for index, (_, unit) in enumerate(split):
-            below = unit_cell(units[index]) if index < len(units) else None
+            cell = units[index] if index < len(units) else ""
+            below = (unit_cell(cell) or Unit(cell, is_known=False)) if cell else None
             if unit and unit.is_known and below and not unit.same_as(below):
                 raise TableFault(
                     f"column {quoted(names[index])} has another unit in the line of units, {quoted(units[index])}",

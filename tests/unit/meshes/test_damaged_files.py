@@ -21,6 +21,7 @@ from weavesim.meshes import read_mesh
 
 from .formats.test_abaqus import CAE
 from .formats.test_by_meshio import WRITERS, write
+from .formats.test_nastran import free, large, small
 from .formats.test_off import off
 from .formats.test_ply import as_bytes, as_text
 from .formats.test_threemf import ONE, archive
@@ -47,6 +48,9 @@ def good_files() -> dict[str, bytes]:
         "a.off": off([[0, 1, 2], [2, 3, 4, 5], [5, 6, 7, 8, 9]]).encode(),
         "a.inp": DECK.encode(),
         "cae.inp": CAE.format(place="1., 2., 3.\n0., 0., 0., 0., 0., 1., 30.\n").encode(),
+        "a.bdf": free().encode(),
+        "a.nas": large().encode(),
+        "a.fem": small().encode(),
         "a.3mf": archive(ONE),
         "a.glb": glb,
     }

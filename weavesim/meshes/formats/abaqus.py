@@ -16,7 +16,7 @@ from ..kinds import is_text, looks_like
 from ..mesh_file import Cells, MeshFile
 from ..source import LARGEST_COUNT, Source, counted, listed, number, numbers, whole
 from .abaqus_elements import AXISYMMETRIC, kind_of
-from .abaqus_grid import Block, Grid, Placement
+from .grid import Block, Grid, Placement
 
 # Keywords that make or move nodes and elements in ways that are not followed here, with what to do.
 _REFUSED = {

@@ -83,7 +83,8 @@ class PictureFrameParameters(FabricTestParameters):
         if self.misalignment != 0.0 and round(self.side / self.mesh_size) < SMALLEST_ELEMENT_COUNT:
             raise ValueError(
                 f"mesh_size = {self.mesh_size} m: with misaligned yarns at least {SMALLEST_ELEMENT_COUNT} elements "
-                f"along the side of {self.side} m are needed; at most {self.side / SMALLEST_ELEMENT_COUNT:.4g} m is allowed"
+                f"along the side of {self.side} m are needed; at most "
+                f"{self.side / SMALLEST_ELEMENT_COUNT:.4g} m is allowed"
             )
         return self
 

@@ -16,7 +16,7 @@ SCENES = {name: found.load() for name, found in known_scenes().items()}
 OF_THE_FOLDER = {"out", "write", "without", "overwrite", "accept_unusual"}
 # Coarse, so that a set-up is made at once.
 COARSE = {
-    "double-dome": {"mesh_size": 0.03}, "hemisphere": {"mesh_size": 0.05}, "picture-frame": {"mesh_size": 0.05},
+    "double-dome": {"mesh_size": 0.03}, "hemisphere": {"mesh_size": 0.018}, "picture-frame": {"mesh_size": 0.02},
     "bias-extension": {"mesh_size": 0.0125}, "cantilever": {"mesh_size": 0.0125},
 }  # fmt: skip
 # Other values of options whose range or meaning does not allow just any.

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..errors import InputError
+from ..input_files import shown
 from ..run.frame import Frame, Outcome, RunInfo
 from .terminal import SteadyStream
 
@@ -207,6 +208,7 @@ class RunLog:
                 f"blank: {blank.element_count} elements, {blank.node_count} nodes",
                 f"mirrored at: {', '.join(sheet.symmetry.planes) or 'no plane'}",
                 f"fabric: {fabric.name}, {fabric.areal_density:g} kg/m^2, thickness {fabric.thickness:g} m",
+                f"source of its values: {textwrap.shorten(shown(fabric.source), 300) or 'none given'}",
             ]
         for tool in info.tools:
             # A stroke or a mesh may contain thousands of numbers.

@@ -76,6 +76,10 @@ class BiasExtensionParameters(FabricTestParameters):
             )
         return self
 
+    def blank_area(self) -> float:
+        """Of the strip [m^2]."""
+        return self.length * self.width
+
     @property
     def zone_length(self) -> float:
         """D = length - width: diagonal of the trellis that the central zone is part of [m]."""
@@ -206,7 +210,7 @@ def findings(curves: Curves) -> dict[str, Any]:
         "kinematic_angle_deg": c["kinematic_angle_deg"],
         "force_n": force,
         "closed_form_force_n": c["closed_form_force_n"],
-        "force_ratio": force / c["closed_form_force_n"],
+        "force_ratio": force / c["closed_form_force_n"] if c["closed_form_force_n"] else None,
     }
 
 

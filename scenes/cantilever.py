@@ -72,6 +72,10 @@ class CantileverParameters(FabricTestParameters):
         default=None, description="mass-proportional damping rate [1/s]; the default is critical for the first mode"
     )
 
+    def blank_area(self) -> float | None:
+        """Of the strip [m^2], if its length is given."""
+        return None if self.length is None else self.length * self.width
+
 
 def strip_stiffness(fabric: Fabric, yarn: YarnName) -> float:
     """Bending stiffness D per width [N m] of a strip along ``yarn`` that is free to bend across.

@@ -88,6 +88,10 @@ class PictureFrameParameters(FabricTestParameters):
             )
         return self
 
+    def blank_area(self) -> float:
+        """Of the specimen with its arms [m^2]."""
+        return self.side * (self.side + 4.0 * self.arm_length)
+
 
 class PictureFrame:
     """Geometry and motion of the frame.

@@ -9,7 +9,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import ArrayLike
 
-from ..device import exclusive, initialise, resolve_device, resolve_precision
+from ..device import exclusive, initialise, load_kernel, resolve_device, resolve_precision
 from ..errors import InputError
 from ..kernels.cell.response import response_struct, unit_cell_response_kernel
 from ..kernels.rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
@@ -109,8 +109,10 @@ def respond(
     response = response_struct(real)()
     for name, row_count in row_counts.items():
         setattr(response, name, wp.zeros((row_count, count), dtype=real, device=wp_device))
+    kernel = unit_cell_response_kernel(real, law)
+    load_kernel(kernel, wp_device)
     wp.launch(
-        unit_cell_response_kernel(real, law),
+        kernel,
         dim=count,
         inputs=[
             wp.array(

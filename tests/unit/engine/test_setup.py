@@ -201,7 +201,7 @@ HELD = SHEET.model_copy(update={"supports": (Support("grip", [1]),)})
             "supports: the name 'grip' of entry 1",
         ),
         (lambda: World([SHEET], [Tool("table", Plane())] * 2), "tools: the name 'table' of entry 1"),
-        (lambda: World([SHEET], [Tool("", Plane())]), "tools: the name '' of entry 0 is empty"),
+        (lambda: World([SHEET], [Tool("", Plane())]), "Tool: name = '': a name is needed"),
         (lambda: World([SHEET], symmetry=("x", "x")), "list each plane once"),
         (
             lambda: World([Sheet(Blank.rectangle((0.1, 0.0), (0.2, 0.1), 0.05), glass_polypropylene())], symmetry="x"),

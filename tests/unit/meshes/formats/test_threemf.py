@@ -143,8 +143,8 @@ def test_a_damaged_part_is_refused(tmp_path):
 
 
 def test_a_bomb_is_not_unpacked(tmp_path, monkeypatch):
-    """64 MiB of blanks in 64 KiB; the limit is lowered from 2 GiB to 16 MiB."""
-    monkeypatch.setattr(threemf, "LARGEST_FILE", 2**24)
+    """64 MiB of blanks in 64 KiB; the limit is lowered from 512 MiB to 16 MiB."""
+    monkeypatch.setattr(threemf, "LARGEST_TEXT", 2**24)
     with pytest.raises(InputError, match=r"unpacks to 64\S* MiB; at most 16 MiB"):
         read(tmp_path, archive(ONE, {"bomb": b" " * 2**26}))
 

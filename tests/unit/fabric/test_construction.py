@@ -59,6 +59,7 @@ def test_unknown_kinds_are_refused(kind, message):
         ("BendingCurve", {"self": 1}, "."),
     ],
 )
+@pytest.mark.filterwarnings("ignore:overflow")
 def test_bad_arguments_are_refused_by_name(kind, values, message):
     cls, make = chosen(kind, CURVES)
     with pytest.raises(InputError, match=message) as raised:

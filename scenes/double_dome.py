@@ -87,9 +87,8 @@ class DoubleDomeParameters(RunOptions):
         default="initial", description="sheet thickness used for contact with the tools"
     )
     punch_speed: Annotated[Positive, Quantity("speed")] = Field(default=0.5, description="[m/s]")
-    stroke: Annotated[Positive, Quantity("displacement")] = Field(
+    stroke: Annotated[Positive, Quantity("displacement", at_most=0.3)] = Field(
         default=0.0612,
-        le=0.3,
         description="travel of the punch from first contact [m]; by default 60 mm below the die face, plus thickness",
     )
     damping: Annotated[NotNegative, Quantity("damping rate")] = Field(

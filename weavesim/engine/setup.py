@@ -132,7 +132,7 @@ class World(Parameters):
 
     def disproportions(self) -> Iterator[str]:
         for sheet in self.sheets:
-            yield from disproportionate_tools(sheet, self.tools)
+            yield from disproportionate_tools(sheet, self.tools, self.symmetry)
 
 
 class Setup(Parameters):

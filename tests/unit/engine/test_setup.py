@@ -57,6 +57,7 @@ def every_tool() -> Setup:
     assert {type(tool.motion) for tool in tools} | {SmoothStroke} == kinds_of_weavesim(Motion)
     return Setup(
         "tools", sheets=[Sheet(BLANK, glass_polypropylene())], tools=tools, duration=1.0, leading_tool=3,
+        accept_unusual=True,
         solver=Solver(precision="float64", threads=2, lane_count=1, time_step=1e-7, target_step=1e-6, step_safety=0.3),
     )  # fmt: skip
 

@@ -64,7 +64,7 @@ def read_document(path: str | Path, what: str) -> Document:
     if is_toml and (line := _long_key(text)):
         raise InputError(f"{where}, line {line}: more than {LONGEST_KEY} points in a key or a value")
     try:
-        values = tomllib.loads(text) if is_toml else _json(text)
+        values = tomllib.loads(text) if is_toml else parse_json(text)
     except RecursionError:
         raise InputError(f"{where}: nested too deeply") from None
     except ValueError as error:
@@ -86,7 +86,14 @@ def dotted(keys: Iterable[object]) -> str:
     return shown(".".join(str(key) for key in keys))[:120]
 
 
-def _json(text: str) -> Any:
+def parse_json(text: str | bytes) -> Any:
+    """What a JSON text says, if it says it once and in finite numbers.
+
+    Raises:
+        ValueError: no JSON, a key that occurs twice in one table, NaN or infinity.
+        RecursionError: nested too deeply.
+    """
+
     def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         result: dict[str, Any] = {}
         for key, value in pairs:

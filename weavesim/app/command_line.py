@@ -16,10 +16,12 @@ Exit codes:
 from __future__ import annotations
 
 import inspect
+import re
 import signal
 import sys
 import types
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin
@@ -158,7 +160,6 @@ def scene_command(
     The command passes on the options that differ from their defaults, runs, prints where the results are, and exits
     with a code.
     """
-    from ..checks import typed_as
     from .options import RunOptions
 
     options = {
@@ -168,12 +169,16 @@ def scene_command(
 
     def command(**values: Any) -> None:
         given = {name: value for name, value in values.items() if value != options[name].default}
-        with typed_as({name: _flag(name) for name in options}):
+        with _typed(options, parameters):
             checked = parameters(**given)
         from ..engine.compilation import side_by_side
 
         try:
-            with interruption() as interrupted, side_by_side(partial(_announce_compilation, scene)):
+            with (
+                _typed(options, parameters),
+                interruption() as interrupted,
+                side_by_side(partial(_announce_compilation, scene)),
+            ):
                 result = run(checked)
                 number = interrupted.signal
                 for line in closing_lines(result, checked.out, number):
@@ -196,6 +201,28 @@ def _announce_compilation(scene: str, kernel_count: int) -> None:
     kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
     text = f"{scene}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
     say(text, error=True)
+
+
+@contextmanager
+def _typed(options: Iterable[str], parameters: type) -> Iterator[None]:
+    """Have messages about bad input name options as they are typed, also where only sentences name them."""
+    from ..checks import typed_as
+    from ..ranges import ACCEPTING
+
+    flags = {name: _flag(name) for name in options}
+    try:
+        with typed_as(flags):
+            yield
+    except InputError as error:
+        text = str(error).removeprefix(f"{parameters.__name__}: ")
+        text = text.replace(ACCEPTING, "If this is meant, give --accept-unusual.")
+        if text.startswith("fabric file"):  # its keys are names of their own
+            raise InputError(text) from None
+        # not within the name of a file
+        names = "|".join(name for name in flags if "_" in name)
+        raise InputError(
+            re.sub(rf"(?<![\w./\\'\"-])(?:{names})(?![\w/\\'\"]|\.\w)", lambda match: flags[match[0]], text)
+        ) from None
 
 
 def _flag(name: str) -> str:

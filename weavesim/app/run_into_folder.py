@@ -42,17 +42,21 @@ def run_into_folder(
         InputError: bad input, before anything is written.
         RunError: the run had to stop; results up to the last good frame are written first.
     """
+    from ..run.estimate import check_room
     from ..run.interruption import interruption
     from ..run.simulation import Simulation
     from ..run.start import sheet_infos
 
     log, bar = RunLog(folder.path, stays=True), ProgressBar(stays=True)
     summary: dict[str, Any] = {}
+    bar.listen()
     try:
         folder.check(tuple(sheet_infos(setup)))
         folder.claim()
         simulation = Simulation(setup)
-        simulation.prepare()
+        info = simulation.prepare().info
+        if info.expected is not None:
+            check_room(info.expected, setup, folder.path)
         _rehearse(simulation, measure)
         with interruption() as interrupted, interrupted.held():
             try:

@@ -20,6 +20,7 @@ from .presets import PRESETS
 logger = logging.getLogger(__name__)
 
 FABRIC_HELP = f"one of {', '.join(PRESETS)}, or a .toml or .json file"
+LONGEST_NAME = 100
 SUFFIXES = (".toml", ".json")
 
 
@@ -92,7 +93,7 @@ class _Reader:
         values = {
             name: self._converted(value, (name,), Fabric) for name, value in self._values.items() if name != "based_on"
         }
-        values.setdefault("name", shown(self.path.stem))
+        values.setdefault("name", shown(self.path.stem).strip()[:LONGEST_NAME] or "fabric")
         if based_on is not None:
             values.setdefault("source", f"{shown(self.path.name)}, based on the preset {based_on}")
         if self.columns.notes and isinstance(values.get("source", ""), str):

@@ -22,7 +22,7 @@ from .ledger import Ledger
 from .sheet_ledger import Penetration
 from .start import Prepared, prepare
 from .verdict import Judged, summary
-from .watch import Watch
+from .watch.watch import Watch
 
 logger = logging.getLogger(__name__)
 

@@ -13,11 +13,12 @@ import numpy as np
 from ..measures.findings import SHEET_FINDINGS, Finding, FormedSheet, found
 from ..measures.units import DEGREES, JOULES, MILLIMETRES, NEWTONS, PER_SECOND, PURE, SECONDS
 from ..version import __version__
+from .guards.law_range import beyond_data
 
 if TYPE_CHECKING:
-    from .condition import Condition
-    from .extremes import Extremes
     from .simulation import Simulation
+    from .watch.condition import Condition
+    from .watch.extremes import Extremes
 
 # The balance error of a state is relative to the work so far, but at least to this share of the run's work.
 LEAST_WORK = 1.0e-4
@@ -198,6 +199,14 @@ RUN_FINDINGS = (
     Finding(
         "max_stretch_of_run", PURE, "largest yarn stretch at any time",
         lambda judged: max(_furthest(judged, "max_stretch")),
+    ),
+    Finding(
+        "share_beyond_data", PURE, "largest share of the elements of a sheet that left the measured range of a law",
+        lambda judged: max(
+            (entry.share for info, sheet in zip(judged.run.info.sheets, judged.extremes.sheets, strict=False)
+             for entry in beyond_data(info.fabric, sheet.rows)),
+            default=0.0,
+        ),
     ),
     Finding(
         "hourglass_energy_ratio", PURE, "hourglass over internal energy, the largest",

@@ -13,13 +13,14 @@ from ..input_files import shown
 from .numbers import is_number, not_a_number, quoted
 from .rows import SEPARATOR_NAMES, SEPARATORS, comment_of, is_blank, split_line, split_names, trimmed
 from .text import TableFault
-from .units import Unit, split_header, unit_cell
+from .units import Unit, bare_name, split_header, unit_cell
 
 # Lines above a header, lines of one header, and columns that a message lists.
 LONGEST_PREAMBLE = 1000
 LONGEST_HEADER = 5
 LISTED_COUNT = 12
 LARGEST_COLUMN_COUNT = 2000
+_INVISIBLE = re.compile("[\u00ad\u200b-\u200f\u202a-\u202e\u2060-\u2064\ufeff]")
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,8 @@ class Header:
 
 def fold(name: str) -> str:
     """A name without what does not tell names apart: case, blanks, underscores."""
-    return re.sub(r"[\s_-]+", " ", unicodedata.normalize("NFKC", name).casefold()).strip()
+    visible = _INVISIBLE.sub("", unicodedata.normalize("NFKC", name))
+    return re.sub(r"[\s_-]+", " ", visible.casefold()).strip()
 
 
 def find_header(lines: list[str], wanted: Sequence[str]) -> Header:
@@ -141,7 +143,7 @@ class _Candidate:
             if not units and _are_units(cells):
                 units = cells
                 continue
-            return self._above(cells, number, units, wanted)
+            return self._above(cells, number, units or self._units_above(lines), wanted)
         if self._places(wanted, self._names(0), [])[0] is None:
             return None
         raise TableFault("no rows below the header", self.line)
@@ -150,7 +152,7 @@ class _Candidate:
         """The header, given the first row below it."""
         names = self._names(len(cells))
         places, merged = self._places(wanted, names, units)
-        if places is None:
+        if places is None or all(map(is_number, names)):
             return None
         notes = []
         if self.in_comment:
@@ -165,6 +167,14 @@ class _Candidate:
                 raise not_a_number(cells[place], quoted(names[place]), number)
         return header
 
+    def _units_above(self, lines: list[str]) -> list[str]:
+        """The cells of a line of units directly above the header; [] if there is none."""
+        line = lines[self.line - 2] if self.line > 1 else ""
+        if not line or is_blank(line) or '"' in self.text or comment_of(line, self.separator) is not None:
+            return []
+        cells = trimmed(split_line(line, self.separator, self.line - 1))
+        return cells if _are_units(cells) and len(cells) == len(self._names(len(cells))) else []
+
     def _names(self, cell_count: int) -> list[str]:
         names = trimmed(split_names(self.text, self.separator, self.line, cell_count))
         if len(names) > LARGEST_COLUMN_COUNT:
@@ -178,8 +188,9 @@ class _Candidate:
         split = [split_header(name) for name in names]
         merged: list[Unit | None] = []
         for index, (_, unit) in enumerate(split):
-            below = unit_cell(units[index]) if index < len(units) else None
-            if unit and below and unit.is_certain and not unit.same_as(below):
+            cell = units[index] if index < len(units) else ""
+            below = (unit_cell(cell) or Unit(cell, is_known=False)) if cell else None
+            if unit and unit.is_known and below and not unit.same_as(below):
                 raise TableFault(
                     f"column {quoted(names[index])} has another unit in the line of units, {quoted(units[index])}",
                     self.line,
@@ -191,8 +202,11 @@ class _Candidate:
             found = [
                 index
                 for index, (other, _) in enumerate(split)
-                if fold(other) == fold(name) and (unit is None or _same_unit(merged[index], unit))
+                if fold(other) == fold(name) and (unit is None or not unit.is_known or _same_unit(merged[index], unit))
             ]
+            if not found:  # a unit that is not known may be one
+                alike = [index for index, other in enumerate(names) if fold(bare_name(other)) == fold(name)]
+                found = alike if len(alike) == 1 and unit is None else []
             if not found:
                 return None, merged
             places += found
@@ -311,5 +325,5 @@ def _not_among(above: tuple[int, str], wanted: Sequence[str], declared: str | No
     if len(names) < 2 and cell_count < 2:
         return TableFault(text, number)
     listed = ", ".join(map(quoted, names[:LISTED_COUNT])) + (", ..." if len(names) > LISTED_COUNT else "")
-    hint = did_you_mean(missing[0], [*names, *(split_header(name)[0] for name in names)])
+    hint = did_you_mean(missing[0], [*names, *map(bare_name, names)])
     return TableFault(f"{text} among {listed}{hint}", number)

@@ -72,4 +72,4 @@ def split_names(line: str, separator: str, number: int, cell_count: int) -> list
         return split_line(line, separator, number)
     wide = [name.strip('"') for name in re.split(r"\s{2,}", line.strip())]
     joined = split_line(re.sub(r"\s+(?=[\[({<])", "", line), separator, number)
-    return wide if len(wide) == cell_count else joined
+    return wide if 1 < len(wide) == cell_count else joined

@@ -151,8 +151,6 @@ def _scale(wanted: Wanted, header: Header, place: int) -> tuple[float, str]:
     """Factor from the numbers in a column to the wanted unit, and a note if that is a conversion."""
     name, unit = quoted(header.names[place]), header.units[place]
     target = parse_unit(wanted.unit) if wanted.unit else None
-    if unit and not unit.is_certain and target and unit.dimension != target.dimension:
-        unit = None  # "test_n" is no force
     if unit is None:
         if wanted.needs_unit:
             raise TableFault(

@@ -44,6 +44,7 @@ def text_lines(content: bytes) -> tuple[list[str], tuple[str, ...]]:
     if content.count(b"\n") + content.count(b"\r") > 2 * LARGEST_LINE_COUNT:
         raise TableFault(f"more than {LARGEST_LINE_COUNT} lines")
     text, note = _decoded(content)
+    text = text.removesuffix("\x1a")  # the end of a file in old systems
     if wrong := _CONTROL.search(text):
         above = len(re.findall(r"\r\n|\n|\r", text[: wrong.start()]))
         raise TableFault("it contains characters that no text has: it is binary, or damaged", above + 1)

@@ -41,28 +41,9 @@ _WRITTEN = {
 }  # fmt: skip
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _FACTOR = re.compile(r"(?P<symbol>[^\W\d_]+|[°º˚]|%|-|1)(?:\^?(?P<power>[+-]?[1-9]))?")
-# At the end of a name, after an underscore; one letter is a unit only where the quantity fits.
+# At the end of a name, after an underscore; a single letter may mean anything ("force_m" is a mean).
 _SUFFIX = re.compile(r"(?P<name>.+)_(?P<unit>[^\W\d_]+)")
-_SUFFIXES = {
-    "deg",
-    "rad",
-    "mrad",
-    "n",
-    "kn",
-    "mm",
-    "cm",
-    "um",
-    "m",
-    "pa",
-    "kpa",
-    "mpa",
-    "gpa",
-    "mN",
-    "MN",
-    "cN",
-    "s",
-    "ms",
-}
+_SUFFIXES = {"deg", "rad", "mrad", "kn", "mN", "MN", "cN", "mm", "cm", "um", "kpa", "mpa", "gpa", "ms"}
 _BRACKETS = re.compile(r"(?P<name>.*\S)\s*(?:\[(?P<a>[^\[\]]*)\]|\((?P<b>[^()]*)\)|\{(?P<c>[^{}]*)\}|<(?P<d>[^<>]*)>)")
 _WHOLE_BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>")
 
@@ -75,7 +56,6 @@ class Unit:
     dimension: Dimension = _NONE
     factor: float = 1.0
     is_known: bool = True
-    is_certain: bool = True
 
     def same_as(self, other: Unit) -> bool:
         """True for two ways to write one unit."""
@@ -87,7 +67,7 @@ class Unit:
 def parse_unit(text: str) -> Unit | None:
     """The unit that ``text`` is, such as "kN", "N/mm", "N·m/m", "gf·cm²/cm", "1/m" or "mm^-1"; None if it is none."""
     rest = text.strip().translate(_SUPERSCRIPTS).replace("**", "^").removesuffix(".")
-    if not rest or len(rest) > 40:
+    if not rest or rest == "1" or len(rest) > 40:
         return None
     powers, factor = [0, 0, 0, 0], 1.0
     for index, part in enumerate(rest.split("/")):
@@ -106,14 +86,15 @@ def parse_unit(text: str) -> Unit | None:
 def split_header(header: str) -> tuple[str, Unit | None]:
     """Name and unit of a column: from "force [kN]", "force (kN)", "force / kN", "force in kN", "force, kN", "force_kn".
 
-    Text in brackets is taken for a unit even if it is not known.
+    Other text in brackets stays part of the name, with a unit that is not known.
     """
     text = " ".join(header.split())
     if len(text) > LONGEST_NAME:
         return text, None
     if match := _BRACKETS.fullmatch(text):
         inside = next(part for part in match.group("a", "b", "c", "d") if part is not None)
-        return match["name"], parse_unit(inside) or Unit(inside, is_known=False)
+        unit = parse_unit(inside)
+        return (match["name"], unit) if unit else (text, Unit(inside, is_known=False))
     for mark in (r"\s*/\s*", r"\s+in\s+", r"\s*,\s*"):
         for found in re.finditer(mark, text):
             unit = parse_unit(text[found.end() :])
@@ -122,13 +103,19 @@ def split_header(header: str) -> tuple[str, Unit | None]:
     if text[:-1].strip() and text[-1] in "°º˚":
         return text[:-1].strip(), parse_unit(text[-1])
     if (match := _SUFFIX.fullmatch(text)) and match["unit"] == "mn":  # milli or mega
-        return match["name"], Unit("mn", is_known=False)
+        return text, Unit("mn", is_known=False)
     if (match := _SUFFIX.fullmatch(text)) and (match["unit"] in _SUFFIXES or match["unit"].lower() in _SUFFIXES):
-        unit = parse_unit(match["unit"]) or parse_unit(match["unit"].upper()) or parse_unit(match["unit"].capitalize())
-        if unit:
-            certain = len(match["unit"]) > 1
-            return match["name"], Unit(unit.text, unit.dimension, unit.factor, is_certain=certain)
+        return match["name"], parse_unit(match["unit"])
     return text, None
+
+
+def bare_name(header: str) -> str:
+    """The name without what may be a unit, known or not."""
+    name, unit = split_header(header)
+    if unit is None or unit.is_known or len(name) > LONGEST_NAME:
+        return name
+    match = _BRACKETS.fullmatch(name) or _SUFFIX.fullmatch(name)
+    return match["name"] if match else name
 
 
 def unit_cell(cell: str) -> Unit | None:

@@ -70,8 +70,8 @@ def test_lines_are_counted_as_an_editor_counts_them(tmp_path, content, lines):
         ("force", "N/m", 2.0, [0.0, 5.0]),
         ("plain", "N", 3.0, [0.0, 12.0]),
         ("plain", "N", None, [0.0, 4.0]),
-        ("odd", "N", 2.0, [0.0, 2.0]),
         ("test_n", "rad", None, [0.0, 7.0]),
+        ("odd [counts]", "N", 2.0, [0.0, 2.0]),
     ],
 )
 def test_units_are_converted_or_the_scale_is_taken(tmp_path, column, unit, scale, values):
@@ -86,8 +86,9 @@ def test_units_are_converted_or_the_scale_is_taken(tmp_path, column, unit, scale
         ("angle", "rad", 1.0, "values times 0.0174532925 are wanted, but scale = 1 is given"),
         ("angle", "rad", 1000.0, "scale = 1000 is given"),
         ("force", "N", 1.0, "times 1000 are wanted, but scale = 1"),
-        ("odd", "N", None, "'counts' is not known as a unit.*or give scale"),
+        ("odd [counts]", "N", None, "'counts' is not known as a unit.*or give scale"),
         ("force [N]", "N", None, "no column force"),
+        ("odd", "N", None, "'counts' is not known as a unit"),
     ],
 )
 def test_a_scale_must_not_contradict_the_header(tmp_path, column, unit, scale, message):

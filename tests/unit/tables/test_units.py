@@ -48,7 +48,7 @@ def test_units_have_their_factors(text, factor, dimension):
 
 
 @pytest.mark.parametrize(
-    "text", ["", " ", "lbs", "grad", "mPa", "n", "furlong", "N/", "/m", "m^0", "m^99", "x" * 1000, "N//m"]
+    "text", ["", " ", "lbs", "grad", "mPa", "n", "furlong", "N/", "/m", "1", "m^0", "m^99", "x" * 1000, "N//m"]
 )
 def test_what_is_no_unit(text):
     assert parse_unit(text) is None
@@ -70,6 +70,8 @@ def test_what_is_no_unit(text):
         ("loading/unloading", "loading/unloading", None),
         ("angle", "angle", None),
         ("force_mean", "force_mean", None),
+        ("force_n", "force_n", None),
+        ("force_MPA", "force", "MPA"),
         ("in", "in", None),
         ("x" * 500 + " [N]", "x" * 500 + " [N]", None),
         ("[N]", "[N]", None),
@@ -81,6 +83,7 @@ def test_headers_are_split(header, name, unit):
 
 
 def test_text_in_brackets_is_an_unknown_unit():
-    for header in ("force [lbs]", "force (mean)", "force []"):
-        assert split_header(header)[1].is_known is False
+    for header in ("force [lbs]", "force (mean)", "force []", "force_mn", "force (1)"):
+        name, unit = split_header(header)
+        assert name == header and unit.is_known is False
     assert unit_cell("(mean)").is_known is False and unit_cell("mean") is None and unit_cell("[kN]").factor == 1e3

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import re
 import struct
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -20,6 +22,10 @@ FORMATS = {
     ".msh": ("gmsh", "Gmsh", b"$"),
     ".mesh": ("medit", "Medit", b""),
 }
+# Bounds of the process that reads: memory in bytes, and per byte of the file; time in seconds.
+_LEAST_MEMORY = 2**30
+_MEMORY_PER_BYTE = 24
+_LONGEST = 600
 _WITHOUT_SURFACE = re.compile(r"vertex|line\d*|empty")
 _VOLUMES = re.compile(r"(tetra|hexahedron|wedge|pyramid|polyhedron|penta_prism|hexa_prism)\d*")
 
@@ -91,22 +97,33 @@ def _mesh(source: Source, name: str, vertices: np.ndarray, blocks: list[tuple[st
 
 
 def _blocks(source: Source, ending: str, name: str) -> tuple[np.ndarray, list[tuple[str, np.ndarray]]]:
-    """Points, and cells by kind in the order of the file, without a word from meshio on the terminal."""
-    import meshio
-
-    silent = io.StringIO()
-    try:
-        with contextlib.redirect_stdout(silent), contextlib.redirect_stderr(silent), np.errstate(all="ignore"):
-            mesh = meshio.read(source.path, ending)
-        blocks = [(block.type, np.asarray(block.data)) for block in mesh.cells]
-        if any(nodes.ndim != 2 or nodes.dtype.kind not in "iu" for _, nodes in blocks):
-            raise ValueError
-        points = np.asarray(mesh.points)
-    except (Exception, SystemExit):  # whatever a damaged file makes of it; its words may quote the file
-        raise source.error(
-            f"it is damaged, or uses a part of {name} that meshio does not know, like strips or pixels"
-        ) from None
+    """Points, and cells by kind in the order of the file; read in a process of its own (``meshio_process.py``)."""
+    code, content = _read_apart(source, ending)
+    if code == 3:
+        raise source.error("it needs far more memory than a file of its size should: it is damaged")
+    if code:
+        raise source.error(f"it is damaged, or uses a part of {name} that meshio does not know, like strips or pixels")
+    with np.load(io.BytesIO(content), allow_pickle=False) as found:
+        points = found["points"]
+        blocks = [(str(kind), found[f"nodes_{k}"]) for k, kind in enumerate(found["kinds"])]
+    if any(nodes.ndim != 2 or nodes.dtype.kind not in "iu" for _, nodes in blocks):
+        raise source.error(f"it contains cells without a fixed number of corners, which are not read from {name}")
     return points, [(kind, nodes.astype(np.int64)) for kind, nodes in blocks]
+
+
+def _read_apart(source: Source, ending: str) -> tuple[int, bytes]:
+    """Exit code and output of ``meshio_process.py``."""
+    memory = _LEAST_MEMORY + _MEMORY_PER_BYTE * len(source.data)
+    program = Path(__file__).with_name("meshio_process.py")
+    # -P: modules beside the program must not hide those of the library
+    command = [sys.executable, "-P", str(program), str(source.path.absolute()), ending, str(memory), str(_LONGEST)]
+    try:
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=_LONGEST)
+    except subprocess.TimeoutExpired:
+        raise source.error(f"meshio takes longer than {_LONGEST} s for it", "convert it to STL, PLY or OBJ") from None
+    except OSError as error:
+        raise source.error(f"meshio cannot be started ({error.strerror})", "convert it to STL, PLY or OBJ") from None
+    return done.returncode, done.stdout
 
 
 # --- what files promise -----------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import struct
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import InputError
 from ..kinds import looks_like
 from ..mesh_file import TRIANGLE, Cells, MeshFile, check_finite, check_references
 from ..source import LARGEST_COUNT, Source
@@ -22,9 +24,9 @@ def read_glb(source: Source) -> MeshFile:
     description = _description(source)
     try:
         expected, left_out, bodies = _promised(source, description)
-    except (KeyError, IndexError, TypeError, AttributeError, ValueError, RecursionError) as error:
-        if type(error) is not ValueError and not isinstance(error, (KeyError, IndexError, TypeError, AttributeError)):
-            raise
+    except InputError:
+        raise
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError, OverflowError):
         raise source.error("its description is damaged") from None
     if expected > LARGEST_COUNT:
         raise source.error(f"it promises {expected} triangles, more than a file of this size can have")
@@ -70,6 +72,8 @@ def _promised(source: Source, description: dict[str, Any]) -> tuple[int, int, in
     if any("uri" in buffer for buffer in description.get("buffers", [])):
         raise source.error("its numbers are in another file or in text", "export one binary file")
     nodes, meshes, accessors = (description.get(key, []) for key in ("nodes", "meshes", "accessors"))
+    if any(int(accessor["count"]) > len(source.data) for accessor in accessors):
+        raise source.error("it promises more numbers than a file of its size can have")
     scenes = description.get("scenes", [])
     if not scenes:
         raise source.error("it has no scene")
@@ -100,10 +104,12 @@ def _promised(source: Source, description: dict[str, Any]) -> tuple[int, int, in
 def _taken(source: Source) -> tuple[np.ndarray, np.ndarray]:
     import trimesh
 
+    silent = io.StringIO()
     try:
-        scene = trimesh.load_scene(
-            io.BytesIO(source.data), file_type="glb", process=False, skip_materials=True, resolver=None
-        )
+        with contextlib.redirect_stdout(silent), contextlib.redirect_stderr(silent):
+            scene = trimesh.load_scene(
+                io.BytesIO(source.data), file_type="glb", process=False, skip_materials=True, resolver=None
+            )
         vertices, triangles, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
         for node in scene.graph.nodes_geometry:
             place, name = scene.graph[node]

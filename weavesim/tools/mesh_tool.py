@@ -281,7 +281,9 @@ class MeshShape(Shape):
         mesh = read_mesh(path, "tool mesh")
         faces, notes = mesh.triangles()
         mesh.check_unit(unit_scale)
-        check_size(mesh.name, mesh.vertices[np.unique(faces)], unit_scale)
+        used = np.zeros(len(mesh.vertices), dtype=bool)
+        used[faces] = True
+        check_size(mesh.name, mesh.vertices[used], unit_scale)
         options = {"name": mesh.name, "path": str(path), "source_notes": notes, **options}
         return cls.from_triangles(unit_scale * mesh.vertices, faces, **options)
 

@@ -113,8 +113,8 @@ class ResultFolder:
         self.history.start(info)
         self._record = RunRecord(self.path, info, self._options)
         self._try("run.json", self._record.write)
-        if info.setup is not None:
-            self._try(SETUP_NAME, lambda: write_text(self.path / SETUP_NAME, info.setup.to_json() + "\n"))
+        if (setup := info.setup) is not None:
+            self._try(SETUP_NAME, lambda: write_text(self.path / SETUP_NAME, setup.to_json() + "\n"))
         if self._wanted.curves:
             self._wanted.curves.start(info)
         self._writers = [kind(self.path, self.warnings, self.history) for kind in self._kinds]

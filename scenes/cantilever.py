@@ -67,10 +67,16 @@ class CantileverParameters(FabricTestParameters):
     length: Annotated[Positive, Quantity("length")] | None = Field(
         default=None, description="length of the overhang [m]; by default the chord reaches about 41.5 degrees"
     )
-    width: Annotated[Positive, Quantity("length")] = Field(default=0.025, le=1.0, description="width of the strip [m]")
+    width: Annotated[Positive, Quantity("length", at_most=1.0)] = Field(
+        default=0.025, description="width of the strip [m]"
+    )
     damping: Annotated[NotNegative, Quantity("damping rate")] | None = Field(
         default=None, description="mass-proportional damping rate [1/s]; the default is critical for the first mode"
     )
+
+    def blank_area(self) -> float | None:
+        """Of the strip [m^2], if its length is given."""
+        return None if self.length is None else self.length * self.width
 
 
 def strip_stiffness(fabric: Fabric, yarn: YarnName) -> float:

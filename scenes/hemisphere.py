@@ -85,6 +85,10 @@ class HemisphereParameters(RunOptions):
             )
         return self
 
+    def blank_area(self) -> float:
+        """Of the cloth [m^2]."""
+        return self.side**2
+
 
 def cloth(case: str) -> Fabric:
     """A light cloth of one of the two cases; all values are assumed.

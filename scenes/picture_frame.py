@@ -57,8 +57,8 @@ class PictureFrameParameters(FabricTestParameters):
         default=10.0, description="mass-proportional damping rate [1/s]"
     )
     out: Path = Field(default=Path("out/picture_frame"), description="folder for the results")
-    side: Annotated[Positive, Quantity("frame side")] = Field(
-        default=0.2, le=2.0, description="side of the square inner area [m]"
+    side: Annotated[Positive, Quantity("frame side", at_most=2.0)] = Field(
+        default=0.2, description="side of the square inner area [m]"
     )
     arm_length: Annotated[NotNegative, Quantity("length")] = Field(
         default=0.0,
@@ -87,6 +87,10 @@ class PictureFrameParameters(FabricTestParameters):
                 f"{self.side / SMALLEST_ELEMENT_COUNT:.4g} m is allowed"
             )
         return self
+
+    def blank_area(self) -> float:
+        """Of the specimen with its arms [m^2]."""
+        return self.side * (self.side + 4.0 * self.arm_length)
 
 
 class PictureFrame:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -231,6 +232,13 @@ def typed_as(names: Mapping[str, str]) -> Iterator[None]:
         yield
     finally:
         _typed.reset(token)
+
+
+def as_typed(text: str) -> str:
+    """``text`` with the names of fields as the user typed them."""
+    for name, typed in (_typed.get() or {}).items():
+        text = re.sub(rf"\b{name}\b", typed, text)
+    return text
 
 
 def _of_class(cls: type, problems: str) -> str:

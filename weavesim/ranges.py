@@ -70,7 +70,7 @@ QUANTITIES: dict[str, Row] = {
     # the sheet
     "sheet thickness": Row("thickness of a sheet", "m", (1.0e-6, 0.05), (2.0e-5, 0.02)),
     "areal density": Row("mass per area of a sheet", "kg/m^2", (1.0e-4, 50.0), (0.01, 20.0)),
-    "fibre density": Row("density of fibres", "kg/m^3", (1.0, 3.0e4), (500.0, 9.0e3)),
+    "fibre density": Row("density of fibres", "kg/m^3", (100.0, 3.0e4), (500.0, 9.0e3)),
     "sheet modulus": Row("modulus of a sheet in bending", "Pa", (0.0, 1.0e13), (1.0e3, 1.0e12)),
     "shear modulus": Row("modulus of a sheet in shear", "Pa", (0.0, 1.0e13), (10.0, 1.0e11)),
     "membrane stiffness": Row("yarn stiffness per width", "N/m", (0.0, 1.0e13), (1.0, 1.0e9)),
@@ -123,18 +123,25 @@ QUANTITIES: dict[str, Row] = {
 class Quantity:
     """Annotation of a number, a list or an array as a quantity of the table: ``Annotated[Positive, Quantity("mass")]``.
 
+    Args:
+        name: of the row.
+        at_most: a largest size of this field alone.
+
     Raises:
         KeyError: no such row.
     """
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    def __init__(self, name: str, *, at_most: float | None = None) -> None:
+        self.name, self.at_most = name, at_most
         self.row  # noqa: B018
 
     @property
     def row(self) -> Row:
-        """Of the table."""
-        return QUANTITIES[self.name]
+        """Of the table, with the field's own limit."""
+        row, most = QUANTITIES[self.name], self.at_most
+        if most is None:
+            return row
+        return row._replace(legal=(row.legal[0], most), plausible=(row.plausible[0], min(row.plausible[1], most)))
 
     def __repr__(self) -> str:
         return f"Quantity({self.name!r})"

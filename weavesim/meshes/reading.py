@@ -46,7 +46,7 @@ def read_mesh(path: str | os.PathLike[str], what: str = "mesh") -> MeshFile:
         InputError: a file that is missing, too large, damaged, of an unknown format, or holds something that cannot be
             taken: curved surfaces, volumes, references to other files.
     """
-    source = opened(path, what)
+    source = opened(path, what, (".stl", ".ply", ".glb"))
     reader = READERS.get(source.suffix)
     if reader is None:
         kind = looks_like(source.data)

@@ -29,6 +29,8 @@ from .topology import checked_distortion
 _UNIT_TOLERANCE = 1.0e-6
 _PLANE_TOLERANCE = 1.0e-3
 _LEAST_YARN_SINE = 1.0e-3
+# Size of the elements of a rectangle over its longer side, with room for blanks of one element.
+LARGEST_ELEMENT_SHARE = 2.0
 
 
 class Blank(Parameters):
@@ -140,6 +142,11 @@ class Blank(Parameters):
             raise InputError(
                 f"blank from {lower} to {upper} m with elements of {element_size} m: sides and element size must be "
                 "finite and positive"
+            )
+        if size.min() > LARGEST_ELEMENT_SHARE * extent.max():
+            raise InputError(
+                f"blank from {lower} to {upper} m with elements of {element_size} m: elements are larger than the "
+                "blank; write 0.005 for 5 mm"
             )
         count = np.maximum(1, np.rint(extent / size)).astype(int)
         x, y = (np.linspace(lower[i], upper[i], count[i] + 1) for i in range(2))

@@ -26,6 +26,7 @@ _REFUSED = {
     **dict.fromkeys(("INCLUDE", "MANIFEST"), "copy the content of the other file to this place in the deck"),
     "IMPERFECTION": "write the deck with the nodes where they are",
     "PARAMETER": "write the deck with numbers in place of the parameters",
+    "RIGID SURFACE": "mesh the tool with rigid elements, or export it as STL",
     "IMPORT": "write the deck with all nodes and elements",
 }
 _TYPE_NAME = re.compile(r"[A-Z0-9]{1,12}\Z")
@@ -276,12 +277,12 @@ def _assembled(deck: _Deck) -> MeshFile:
     placed = [(Placement(), deck.grid)]
     notes = []
     used = {part for _, part, _ in deck.instances}
-    for place, part, own in deck.instances:
-        placed.append((place, deck.parts[part].with_more(own)))
-    for number_, (name, part) in enumerate(deck.parts.items(), 1):
+    for place, name, own in deck.instances:
+        placed.append((place, deck.parts[name].with_more(own)))
+    for row, (name, part) in enumerate(deck.parts.items(), 1):
         count = sum(len(block.ids) for block in part.blocks)
         if deck.has_assembly and name not in used and count:
-            notes.append(f"part {number_} with {count} elements has no instance in the assembly: left out")
+            notes.append(f"part {row} with {count} elements has no instance in the assembly: left out")
         elif not deck.has_assembly:
             placed.append((Placement(), part))
     if len(deck.instances) > 1:

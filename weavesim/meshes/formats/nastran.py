@@ -82,8 +82,8 @@ def _mesh(
 ) -> MeshFile:
     notes = []
     if left_out:
-        found = listed([f"{count} {name}" for name, count in left_out.items()], 10)
-        notes.append(f"elements that bound no surface left out: {found}")
+        what = listed([f"{count} {name}" for name, count in left_out.items()], 10)
+        notes.append(f"elements that bound no surface left out: {what}")
     if not rows:
         kind = looks_like(source.data)
         raise source.error(

@@ -13,6 +13,7 @@ from tests.support.processes import environment
 from weavesim import kernel_cache
 from weavesim.kernel_cache import SEAL_NAME, damage
 
+SLOW = pytest.mark.slow
 LAUNCH = """
 import warp as wp
 from weavesim.device import initialise, load_kernel
@@ -83,7 +84,13 @@ def test_damage_is_found(whole, tmp_path, name):
     assert damage(folder) != ""
 
 
-@pytest.mark.parametrize("name", ["object is cut", "object is zero", "description is garbage", "a bit has flipped"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "object is cut",
+        *(pytest.param(one, marks=SLOW) for one in ("object is zero", "description is garbage", "a bit has flipped")),
+    ],
+)
 def test_a_damaged_kernel_is_compiled_again_and_said(whole, tmp_path, name):
     cache = shutil.copytree(whole, tmp_path / "cache")
     place, break_it = DAMAGES[name]
@@ -95,6 +102,7 @@ def test_a_damaged_kernel_is_compiled_again_and_said(whole, tmp_path, name):
     assert again.returncode == 0 and again.stderr == ""
 
 
+@SLOW
 @pytest.mark.parametrize("name", ["object is half", "object is zero", "object is text"])
 def test_a_kernel_without_a_seal_heals_too(whole, tmp_path, name):
     cache = shutil.copytree(whole, tmp_path / "cache")
@@ -105,6 +113,7 @@ def test_a_kernel_without_a_seal_heals_too(whole, tmp_path, name):
     assert done.returncode == 0 and "is damaged" in done.stderr and "Traceback" not in done.stderr
 
 
+@SLOW
 def test_a_kernel_without_a_seal_is_sealed(whole, tmp_path):
     cache = shutil.copytree(whole, tmp_path / "cache")
     object_file, description, seal = parts(cache)
@@ -158,6 +167,7 @@ def test_a_cache_with_room_is_kept(other_cache, caplog):
     assert other_cache.kernel_cache_dir == before and caplog.messages == [] and os.listdir(before) == []
 
 
+@SLOW
 def test_no_room_anywhere_is_an_input_error(tmp_path):
     done = launch(tmp_path, preexec_fn=no_room)
     assert done.returncode == 0 or ("InputError" in done.stderr and "free some space" in done.stderr)

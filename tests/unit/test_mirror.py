@@ -69,7 +69,6 @@ TESTED_ELSEWHERE = {
     "weavesim/run/sheet_ledger.py": "verification/time/test_ledger_entries.py",
     "weavesim/run/start.py": "unit/run/test_simulation.py",
     "weavesim/tools/mesh_repair.py": "unit/tools/test_mesh_shape.py",
-    "weavesim/tools/sampling.py": "unit/tools/test_mesh_shape.py",
     "weavesim/tools/mesh_tool.py": "unit/tools/test_mesh_shape.py",
     "weavesim/tools/tool.py": "unit/tools/test_shapes.py",
 }

@@ -22,7 +22,12 @@ import warp as wp
 from ..device import Precision, available_threads, initialise, is_compiled, load_kernel, resolve_device
 from ..fabric.cell import UnitCell
 from ..kernel_cache import ensure_room
-from ..kernels.contact.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
+from ..kernels.contact.mesh_distance import (
+    doubt_cells_kernel,
+    fill_tiles_kernel,
+    mesh_distance_kernel,
+    sampled_distance_kernel,
+)
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
@@ -175,7 +180,7 @@ class MeshKernelSet:
 
 def mesh_kernels() -> list[wp.Kernel]:
     """Kernels that sample the distance to a triangle mesh."""
-    return [mesh_distance_kernel, volume_distance_kernel, fill_tiles_kernel]
+    return [mesh_distance_kernel, sampled_distance_kernel, fill_tiles_kernel, doubt_cells_kernel]
 
 
 def missing(kernel_set: KernelSet | MeshKernelSet) -> list[int]:

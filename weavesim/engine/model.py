@@ -116,8 +116,10 @@ def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
         compile_missing(MeshKernelSet(device))
         for kernel in mesh_kernels():
             load_kernel(kernel, resolve_device(device))
+    thinnest = min(sheet.fabric.thickness for sheet in setup.sheets)
     for world in setup.worlds:
-        samples |= sample_meshes(world.tools, device, max(sheet.fabric.thickness for sheet in world.sheets))
+        thickness = max(sheet.fabric.thickness for sheet in world.sheets)
+        samples |= sample_meshes(world.tools, device, thickness, thinnest)
     return samples
 
 

@@ -14,6 +14,8 @@ from .topology import part_of_nodes
 _LARGEST_EXTENT_M = QUANTITIES["length"].legal[1]
 # Nodes closer than this share of the shortest edge coincide.
 _COINCIDENT = 1.0e-3
+# Elements meet at a place in fours; this many nodes there are a mistake.
+_MOST_AT_ONE_PLACE = 64
 
 
 @dataclass(frozen=True)
@@ -144,8 +146,7 @@ def check_coincident(position: np.ndarray, quads: np.ndarray, names: Names = ROW
     Raises:
         InputError: some do.
     """
-    edge = position[quads] - position[np.roll(quads, -1, axis=1)]
-    tolerance = _COINCIDENT * float(np.linalg.norm(edge, axis=2).min())
+    tolerance = _COINCIDENT * _shortest_edge(position, quads)
     border = np.unique(_border_edges(quads, len(position)))
     pairs = border[close_pairs(position[border], tolerance)]
     if len(pairs):
@@ -164,7 +165,16 @@ def merged_nodes(position: np.ndarray, quads: np.ndarray, distance: float) -> tu
 
     Returns:
         positions (n', 3), quads in terms of these (m, 4), rows of ``position`` that were kept (n',).
+
+    Raises:
+        InputError: a distance as long as an edge, or dozens of nodes at one place.
     """
+    shortest = _shortest_edge(position, quads)
+    if distance >= shortest > 0.0:
+        raise InputError(
+            f"merge_nodes = {distance:g}: must be below {shortest:.4g} m, the shortest edge of an element, or elements "
+            "lose their edges"
+        )
     pairs = close_pairs(position, distance)
     lowest = np.arange(len(position))
     while True:
@@ -180,7 +190,11 @@ def merged_nodes(position: np.ndarray, quads: np.ndarray, distance: float) -> tu
 
 
 def close_pairs(position: np.ndarray, distance: float) -> np.ndarray:
-    """Pairs of rows of ``position`` (n, 3) at most ``distance`` apart, (k, 2)."""
+    """Pairs of rows of ``position`` (n, 3) at most ``distance`` apart, (k, 2).
+
+    Raises:
+        InputError: dozens of nodes at one place.
+    """
     if len(position) < 2 or not distance > 0.0:
         return np.empty((0, 2), dtype=np.int64)
     scaled = (position - position.min(axis=0)) / (2.0 * distance)
@@ -195,6 +209,12 @@ def close_pairs(position: np.ndarray, distance: float) -> np.ndarray:
             same = np.all(cells[step:] == cells[:-step], axis=1)
             if not np.any(same):
                 break
+            if step > _MOST_AT_ONE_PLACE:
+                x, y, z = position[order[int(np.argmax(same))]]
+                raise InputError(
+                    f"blank mesh: more than {_MOST_AT_ONE_PLACE} nodes lie within {distance:.3g} m of each other near "
+                    f"({x:.4g}, {y:.4g}, {z:.4g}) m: remove what is there more than once"
+                )
             found.append(np.column_stack([order[:-step][same], order[step:][same]]))
             step += 1
     if not found:
@@ -202,6 +222,11 @@ def close_pairs(position: np.ndarray, distance: float) -> np.ndarray:
     pairs = np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
     return pairs[gap <= distance]
+
+
+def _shortest_edge(position: np.ndarray, quads: np.ndarray) -> float:
+    edge = position[quads] - position[np.roll(quads, -1, axis=1)]
+    return float(np.linalg.norm(edge, axis=2).min())
 
 
 def _border_edges(quads: np.ndarray, node_count: int) -> np.ndarray:

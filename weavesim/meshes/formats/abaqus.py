@@ -26,6 +26,7 @@ _REFUSED = {
     **dict.fromkeys(("INCLUDE", "MANIFEST"), "copy the content of the other file to this place in the deck"),
     "IMPERFECTION": "write the deck with the nodes where they are",
     "PARAMETER": "write the deck with numbers in place of the parameters",
+    "RIGID SURFACE": "mesh the tool with rigid elements, or export it as STL",
     "IMPORT": "write the deck with all nodes and elements",
 }
 _TYPE_NAME = re.compile(r"[A-Z0-9]{1,12}\Z")

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ...tools.sampling import DOUBTFUL_ERROR, ERROR_ADVICE, error_in_words, mesh_parts
 from .guard import Doubt, Guard, Level, Start
 
 # With fewer elements along a quarter turn of an edge, the sheet sags over it.
@@ -63,6 +64,26 @@ class SharpEdges(Guard):
                             "through between them: round it, or use a finer mesh",
                             sheet=sheet.name if len(start.model.sheets) > 1 else None,
                         )
+
+
+class ToolMeshes(Guard):
+    """Leftovers in triangle meshes, and errors of their sampled distances beside the thickness of the sheet."""
+
+    name = "tool_meshes"
+    watches = "errors of the sampled distances of the tools, and parts far from the rest"
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Meshes whose distance errs by more than a share of the thickness; beyond a larger one no run starts."""
+        setup = start.model.setup
+        thickness = min((sheet.fabric.thickness for sheet in setup.sheets), default=0.0)
+        for name, surface in mesh_parts(setup.tools).items():
+            for warning in surface.warnings:
+                yield self.doubt(Level.WARNING, warning)
+            sampled = start.model.samples[surface]
+            share = sampled.usual_error / thickness
+            if share > DOUBTFUL_ERROR:
+                text = f"{name}: {error_in_words(sampled, thickness)}"
+                yield self.doubt(Level.WARNING, text, ERROR_ADVICE, value=share, limit=DOUBTFUL_ERROR)
 
 
 class BendingLength(Guard):

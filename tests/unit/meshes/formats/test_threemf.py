@@ -160,6 +160,12 @@ def test_bodies_that_multiply_are_refused(tmp_path):
         read(tmp_path, archive(model(small + groups, '<item objectid="10"/>')))
 
 
+def test_deep_nesting_is_refused_or_passed_over(tmp_path):
+    for text in (200_000 * "<a>" + 200_000 * "</a>", 200_000 * "<a>"):
+        with pytest.raises(InputError, match="cannot be read"):
+            read(tmp_path, archive(f"<model {CORE}>{text}</model>"))
+
+
 def test_entities_do_not_multiply(tmp_path):
     bomb = "".join(f'<!ENTITY e{k} "{10 * f"&e{k - 1};"}">' for k in range(1, 12))
     text = f'<?xml version="1.0"?><!DOCTYPE model [<!ENTITY e0 "0123456789">{bomb}]><model {CORE}>&e11;</model>'

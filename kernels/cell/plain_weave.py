@@ -80,7 +80,7 @@ def exact_closing(cell: Any, u1: Any, u2: Any, w: Any):
     by_u, by_w, hessian, elastic, sizes, state1, state2 = yarn_pair(cell, u1, u2, w)
     stiffness = contact_stiffness(cell, closing)
     own, definite = regular_parts(cell, hessian, elastic, stiffness)
-    inverse = fill(u1, 1.0) / (own[0] * own[1] + stiffness * (own[0] + own[1]))
+    inverse = fill(u1, 1.0) / larger(own[0] * own[1] + stiffness * (own[0] + own[1]), fill(u1, 1.0e-36))
     known = magnitude(closing) - u1.dtype(1.0e3) * cell.resolution * (magnitude(w[0]) + magnitude(w[1]))
     return where_positive(known, closing, settled_closing(own, inverse, by_w, closing))
 
@@ -106,7 +106,7 @@ def condensed_tangent(cell: Any, u1: Any, u2: Any, w: Any, in_tension: bool):
     stiffness = contact_stiffness(cell, rounded_closing(cell, w))
     determinant = ww1 * ww2 + stiffness * (ww1 + ww2)
     # straight yarns without bending stiffness: w has no stiffness and is not coupled to u
-    free = magnitude(determinant)
+    free = magnitude(determinant) - fill(determinant, 1.0e-36)
     inverse = fill(determinant, 1.0) / where_positive(free, determinant, fill(determinant, 1.0))
     k11 = where_positive(free, determinant1 * ((ww2 + stiffness) * inverse) + uu1 * (stiffness * ww2 * inverse), uu1)
     k22 = where_positive(free, determinant2 * ((ww1 + stiffness) * inverse) + uu2 * (stiffness * ww1 * inverse), uu2)

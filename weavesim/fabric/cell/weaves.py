@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 # Glass/polypropylene weave of the double-dome benchmark (the preset of that name cites the source).
 GLASS_PITCH = 5.2e-3  # yarn spacing [m]
 GLASS_YARN_STIFFNESS = 31.8e3  # E A [N]
+# Smallest force over E A that a residual is compared with. Tolerance times this is at most 1e-17 E A across the yarn; a
+# slightly crimped yarn multiplies it.
+FORCE_FLOOR = {"float32": 1.0e-12, "float64": 1.0e-9}
 
 
 class CrossedYarns(UnitCell):
@@ -212,7 +215,7 @@ class PlainWeave(CrossedYarns):
         cell.tolerance = UNIT_CELL_TOLERANCE[precision.value]
         cell.resolution = 2.0 * np.finfo(precision.numpy).eps
         cell.stiffness_floor = 1.0e-9 * max(self.axial_stiffness) / length.max() / stiffness_unit
-        cell.force_floor = 1.0e-9 * max(self.axial_stiffness) / (stiffness_unit * length_unit)
+        cell.force_floor = FORCE_FLOOR[precision.value] * max(self.axial_stiffness) / (stiffness_unit * length_unit)
         return cell
 
     @property

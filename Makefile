@@ -13,7 +13,7 @@ WORKERS ?= 2
 .PHONY: demo test test-fast verify lint clean
 
 demo: $(VENV)/.installed
-	$(PYTHON_IN_VENV) scripts/double_dome.py
+	$(PYTHON_IN_VENV) scripts/double_dome.py --overwrite
 
 test: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m pytest --numprocesses $(WORKERS) --dist loadfile

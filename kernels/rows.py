@@ -158,6 +158,8 @@ class ExtremeRow(Rows):
     min_weft = "1", "smallest strain of the weft"
     max_weft = "1", "largest strain of the weft"
     angle = "rad", "largest absolute shear angle"
+    warp_curvature = "1/m", "largest absolute curvature of the warp, out of the sheet"
+    weft_curvature = "1/m", "largest absolute curvature of the weft, out of the sheet"
 
 
 class ClockEntry(Rows):

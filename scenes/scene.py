@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -62,21 +63,34 @@ class Scene:
             InputError: bad input, before anything runs.
             RunError: a run had to stop; results up to its last good frame are written first.
         """
+        from weavesim.names import file_name
         from weavesim.output import ResultFolder
         from weavesim.output.results import Wanted
+        from weavesim.run.interruption import interruption
 
         setups = self.setups(parameters)
         wanted = {case: self.wanted(parameters, s) if self.wanted else Wanted() for case, s in setups.items()}
         folders = {
-            case: ResultFolder(parameters.out / case, writers=parameters.writers, **vars(shown))
+            case: ResultFolder(
+                parameters.out / file_name("case", case) if case else parameters.out,
+                writers=parameters.writers,
+                overwrite=parameters.overwrite,
+                options=parameters.model_dump(mode="json") | ({"case": case} if case else {}),
+                **vars(shown),
+            )
             for case, shown in wanted.items()
         }
         summaries: dict[str, Any] = {}
-        for case, setup in setups.items():
-            summaries[case] = self._run_case(parameters, case, setup, folders[case], wanted[case])
-            summaries["outcome"] = summaries[case].get("outcome")
-            if summaries["outcome"] != "finished":
-                break
+        with ExitStack() as stack:
+            interrupted = stack.enter_context(interruption())
+            for folder in folders.values():
+                stack.callback(folder.release)
+                folder.claim()
+            for case, setup in setups.items():
+                summaries[case] = self._run_case(parameters, case, setup, folders[case], wanted[case])
+                summaries["outcome"] = summaries[case].get("outcome")
+                if summaries["outcome"] != "finished" or interrupted.is_set():
+                    break
         return summaries[""] if self.cases is None else summaries
 
     def _run_case(

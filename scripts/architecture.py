@@ -31,13 +31,15 @@ INK, GREY, PALE = "#23262d", "#6b7280", "#b4bac4"
 FEW_IMPORTS = 2
 EVERYWHERE = "base"  # imported by all above it, so its arrows are not informative
 RESOLUTION = 130
-WIDTH, HEIGHT = 12.0, 11.0  # [inches], which are the coordinates of the drawing
+WIDTH, HEIGHT = 12.0, 12.0  # [inches], which are the coordinates of the drawing
 FONT = 12.0
 
 # What each room holds, and its colour.
 ROOMS = {
     "kernels": ("device code", "#4a5568"),
     "base": ("errors, checks, device: all use it", "#7a7f8a"),
+    "tables": ("tables of measured values", "#2f6fb0"),
+    "meshes": ("mesh files, cell by cell", "#2f6fb0"),
     "fabric": ("laws, cells, presets, files", "#2f6fb0"),
     "process": ("strokes, supports, loads, dynamics", "#2f6fb0"),
     "sheet": ("blank, symmetry, geometry", "#2f6fb0"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -35,6 +36,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema
 
 from .arrays import frozen
+from .documents import parse_json
 from .errors import InputError, did_you_mean
 from .input_files import shown
 
@@ -154,9 +156,9 @@ class Parameters(_Model):
             InputError: text that is not JSON, or values that are not allowed, with their place.
         """
         try:
-            content = json.loads(text)
-        except ValueError as error:
-            raise InputError(f"{cls.__name__}: not valid JSON ({error})") from None
+            content = parse_json(text)
+        except (ValueError, RecursionError) as error:
+            raise InputError(f"{cls.__name__}: not valid JSON ({shown(error)})") from None
         try:
             return cls.model_validate(content)
         except ValidationError as error:
@@ -232,14 +234,22 @@ def typed_as(names: Mapping[str, str]) -> Iterator[None]:
         _typed.reset(token)
 
 
+def as_typed(text: str) -> str:
+    """``text`` with the names of fields as the user typed them."""
+    for name, typed in (_typed.get() or {}).items():
+        text = re.sub(rf"\b{name}\b", typed, text)
+    return text
+
+
 def _of_class(cls: type, problems: str) -> str:
     # who typed options knows nothing of classes
-    return problems if _typed.get() else f"{cls.__name__}: {problems}"
+    return problems if problems.startswith("--") else f"{cls.__name__}: {problems}"
 
 
 def _problems(error: ValidationError, known: Iterable[str]) -> str:
     lines: dict[str, str] = {}
-    for problem in error.errors():
+    # unknown names first: the one that is missing is often among them, misspelt
+    for problem in sorted(error.errors(), key=lambda problem: problem["type"] != "extra_forbidden"):
         # a field that allows several types has one problem per type: the first is enough
         field, *rest = problem["loc"] or ("",)
         field = (_typed.get() or {}).get(str(field), field)

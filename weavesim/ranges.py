@@ -55,7 +55,7 @@ class Row(NamedTuple):
     Attributes:
         meaning: for readers.
         unit: of all its values; "1" for a pure number.
-        legal, plausible: smallest and largest size, zero apart.
+        legal, plausible: smallest and largest size, zero apart. Where zero makes sense, no small size is illegal.
     """
 
     meaning: str
@@ -70,32 +70,32 @@ QUANTITIES: dict[str, Row] = {
     # the sheet
     "sheet thickness": Row("thickness of a sheet", "m", (1.0e-6, 0.05), (2.0e-5, 0.02)),
     "areal density": Row("mass per area of a sheet", "kg/m^2", (1.0e-4, 50.0), (0.01, 20.0)),
-    "fibre density": Row("density of fibres", "kg/m^3", (1.0, 3.0e4), (500.0, 9.0e3)),
-    "sheet modulus": Row("modulus of a sheet in bending", "Pa", (1.0e-3, 1.0e13), (1.0e3, 1.0e12)),
-    "shear modulus": Row("modulus of a sheet in shear", "Pa", (1.0e-3, 1.0e13), (10.0, 1.0e11)),
-    "membrane stiffness": Row("yarn stiffness per width", "N/m", (1.0e-6, 1.0e13), (1.0, 1.0e9)),
-    "compressive stiffness": Row("stiffness in compression, per width", "N/m", (1.0e-9, 1.0e13), (1.0e-3, 1.0e8)),
-    "bending stiffness": Row("bending stiffness per width", "N m", (1.0e-15, 1.0e6), (1.0e-8, 10.0)),
-    "in-plane bending": Row("in-plane bending stiffness", "N m", (1.0e-15, 1.0e6), (1.0e-9, 10.0)),
-    "bending moment": Row("bending moment per width", "N", (1.0e-15, 1.0e9), (1.0e-7, 1.0e4)),
+    "fibre density": Row("density of fibres", "kg/m^3", (100.0, 3.0e4), (500.0, 9.0e3)),
+    "sheet modulus": Row("modulus of a sheet in bending", "Pa", (0.0, 1.0e13), (1.0e3, 1.0e12)),
+    "shear modulus": Row("modulus of a sheet in shear", "Pa", (0.0, 1.0e13), (10.0, 1.0e11)),
+    "membrane stiffness": Row("yarn stiffness per width", "N/m", (0.0, 1.0e13), (1.0, 1.0e9)),
+    "compressive stiffness": Row("stiffness in compression, per width", "N/m", (0.0, 1.0e13), (1.0e-3, 1.0e8)),
+    "bending stiffness": Row("bending stiffness per width", "N m", (0.0, 1.0e6), (1.0e-8, 10.0)),
+    "in-plane bending": Row("in-plane bending stiffness", "N m", (0.0, 1.0e6), (1.0e-9, 10.0)),
+    "bending moment": Row("bending moment per width", "N", (0.0, 1.0e9), (1.0e-7, 1.0e4)),
     "curvature": Row("curvature of a sheet", "1/m", (1.0e-6, 1.0e7), (0.1, 1.0e4)),
     "shear angle": Row("shear angle of a sheet", "rad", (0.0, _RIGHT_ANGLE), (0.01, _RIGHT_ANGLE)),
     "locking width": Row("angle over which locking builds up", "rad", (1.0e-6, _RIGHT_ANGLE), (1.0e-3, 0.8)),
-    "shear moment": Row("shear moment per area", "N/m", (1.0e-12, 1.0e9), (1.0e-4, 1.0e6)),
-    "shear stiffness": Row("slope of the shear moment over the angle", "N/m", (1.0e-9, 1.0e12), (1.0e-3, 1.0e8)),
-    "friction length": Row("friction coefficient times contact radius", "m", (1.0e-9, 0.02), (1.0e-7, 5.0e-3)),
+    "shear moment": Row("shear moment per area", "N/m", (0.0, 1.0e9), (1.0e-4, 1.0e6)),
+    "shear stiffness": Row("slope of the shear moment over the angle", "N/m", (0.0, 1.0e12), (1.0e-3, 1.0e8)),
+    "friction length": Row("friction coefficient times contact radius", "m", (0.0, 0.02), (1.0e-7, 5.0e-3)),
     # yarns and crossovers
     "yarn modulus": Row("modulus of a yarn", "Pa", (1.0e-3, 1.0e18), (1.0e5, 1.5e12)),
     "contact modulus": Row("modulus of a crossover", "Pa", (1.0e-3, 1.0e18), (1.0e2, 1.5e12)),
     "cross-section": Row("cross-section of a yarn or a crossover", "m^2", (1.0e-20, 0.01), (1.0e-11, 1.0e-3)),
-    "second moment": Row("second moment of area of a yarn", "m^4", (1.0e-40, 1.0e-6), (1.0e-27, 1.0e-10)),
+    "second moment": Row("second moment of area of a yarn", "m^4", (0.0, 1.0e-6), (1.0e-27, 1.0e-10)),
     "yarn spacing": Row("distance between yarns, or half of it", "m", (1.0e-6, 0.2), (2.0e-5, 0.05)),
-    "crossover height": Row("distance of the yarn axes at a crossover", "m", (1.0e-8, 0.05), (1.0e-6, 0.01)),
-    "yarn stiffness": Row("E A of a yarn", "N", (1.0e-9, 1.0e12), (1.0e-6, 1.0e8)),
+    "crossover height": Row("distance of the yarn axes at a crossover", "m", (0.0, 0.05), (1.0e-6, 0.01)),
+    "yarn stiffness": Row("E A of a yarn", "N", (0.0, 1.0e12), (1.0e-6, 1.0e8)),
     "contact stiffness": Row("force over approach of a crossover", "N/m", (1.0e-6, 1.0e15), (1.0, 1.0e11)),
-    "strain": Row("strain", "1", (1.0e-9, 1.0), (1.0e-6, 0.3)),
+    "strain": Row("strain", "1", (0.0, 1.0), (1.0e-6, 0.3)),
     # process
-    "length": Row("size of a tool or specimen", "m", (1.0e-5, 20.0), (2.0e-4, 5.0)),
+    "length": Row("size of a tool or specimen", "m", (0.0, 20.0), (2.0e-4, 5.0)),
     "position": Row("coordinate", "m", (0.0, 1.0e5), (0.0, 20.0)),
     "mesh size": Row("edge length of an element", "m", (1.0e-4, 0.5), (2.0e-4, 0.1)),
     "frame side": Row("side of a picture frame or its specimen", "m", (1.0e-3, 5.0), (0.01, 2.0)),
@@ -123,18 +123,25 @@ QUANTITIES: dict[str, Row] = {
 class Quantity:
     """Annotation of a number, a list or an array as a quantity of the table: ``Annotated[Positive, Quantity("mass")]``.
 
+    Args:
+        name: of the row.
+        at_most: a largest size of this field alone.
+
     Raises:
         KeyError: no such row.
     """
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    def __init__(self, name: str, *, at_most: float | None = None) -> None:
+        self.name, self.at_most = name, at_most
         self.row  # noqa: B018
 
     @property
     def row(self) -> Row:
-        """Of the table."""
-        return QUANTITIES[self.name]
+        """Of the table, with the field's own limit."""
+        row, most = QUANTITIES[self.name], self.at_most
+        if most is None:
+            return row
+        return row._replace(legal=(row.legal[0], most), plausible=(row.plausible[0], min(row.plausible[1], most)))
 
     def __repr__(self) -> str:
         return f"Quantity({self.name!r})"

@@ -6,17 +6,27 @@ import warp as wp
 
 from ..lanes import lane_types, larger, magnitude, smaller
 from ..operators import div, mul  # noqa: F401
-from ..rows import ExtremeRow
-from .kinematics import element_struct, membrane_function, shape_functions, shape_struct, vectors_functions
+from ..rows import ExtremeRow, MotionRow
+from .kinematics import (
+    bend_function,
+    element_struct,
+    membrane_function,
+    shape_functions,
+    shape_struct,
+    vectors_functions,
+)
 
 
 @cache
-def element_extremes_kernel(real: type, lane_count: int):
-    """Kernel, launched once per block of steps: extremes of stretches and shear angle."""
+def element_extremes_kernel(real: type, lane_count: int, flat: bool):
+    """Kernel, launched once per block of steps: extremes of stretches, shear angle and curvatures.
+
+    ``flat``: as in ``SheetTraits``.
+    """
     lanes, layout = lane_types(real, lane_count).lanes, (real, lane_count)
     Elements, Shape = element_struct(*layout), shape_struct(*layout)
-    positions, _ = vectors_functions(*layout)
-    stretch_membrane = membrane_function(*layout)
+    positions, vectors = vectors_functions(*layout)
+    stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, flat, False)
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_extremes(
@@ -31,10 +41,14 @@ def element_extremes_kernel(real: type, lane_count: int):
         shape = shape_functions(elements, block, Shape())
         x = positions(elements, block, shape, motion)
         m = stretch_membrane(x.by1, x.by2)
+        b = bend(elements, block, shape, x, vectors(elements, block, shape, motion, MotionRow.director))
         extremes[ExtremeRow.min_warp, block] = smaller(extremes[ExtremeRow.min_warp, block], m.strain1)
         extremes[ExtremeRow.max_warp, block] = larger(extremes[ExtremeRow.max_warp, block], m.strain1)
         extremes[ExtremeRow.min_weft, block] = smaller(extremes[ExtremeRow.min_weft, block], m.strain2)
         extremes[ExtremeRow.max_weft, block] = larger(extremes[ExtremeRow.max_weft, block], m.strain2)
         extremes[ExtremeRow.angle, block] = larger(extremes[ExtremeRow.angle, block], magnitude(m.angle))
+        warp, weft = magnitude(b.k11) / m.m11, magnitude(b.k22) / m.m22
+        extremes[ExtremeRow.warp_curvature, block] = larger(extremes[ExtremeRow.warp_curvature, block], warp)
+        extremes[ExtremeRow.weft_curvature, block] = larger(extremes[ExtremeRow.weft_curvature, block], weft)
 
     return element_extremes

@@ -19,6 +19,7 @@ RENAMED: dict[str, str] = {}
 # Summary entries that differ from run to run.
 OF_THE_CLOCK = {
     "wall_time_s", "stepping_time_s", "output_time_s", "element_steps_per_second", "threads", "weavesim_version",
+    "run_id",
 }  # fmt: skip
 
 # Files that are compared byte by byte, and only reported.

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.kernels.rows import ToolWatchRow
-from weavesim.run.condition import Tally
-from weavesim.run.extremes import Extreme
+from weavesim.kernels.rows import ExtremeRow, ToolWatchRow
+from weavesim.run.frame import Outcome
 from weavesim.run.guards import Doubt, known_guards
+from weavesim.run.watch.condition import Tally
+from weavesim.run.watch.extremes import Extreme
 
 SOUND = {
     "gravity_work_ratio": 0.0, "energy_balance_error": 0.01, "kinetic_energy_ratio": 0.01,
@@ -27,6 +28,7 @@ def judged(
     own = {
         "min_stretch": Extreme(0.99), "max_stretch": Extreme(1.01), "angle": Extreme(0.5), "depth": Extreme(1e-5),
         "touched": np.zeros(0, dtype=bool),
+        "rows": np.zeros((ExtremeRow.row_count(), 1)),
     }  # fmt: skip
     fabric = glass_polypropylene().model_copy(update={"thickness": THICKNESS})
     sheet = SimpleNamespace(name="sheet", fabric=fabric, tools=())
@@ -38,7 +40,7 @@ def judged(
             tools={name: np.zeros(0) for name in ToolWatchRow.names()},
         ),
         conditions=[SimpleNamespace(**({name: Tally() for name in TALLIES} | (tallies or {})))],
-        run=SimpleNamespace(info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
+        run=SimpleNamespace(outcome=Outcome.FINISHED, info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
     )
 
 

@@ -138,6 +138,11 @@ def test_flags_survive_json(flags):
         (lambda: Box(Ball(1.0), [1.0], nodes=[2**40]), "out of range of int32"),
         (lambda: Box(Ball(1.0), {"shape": [3], "base64": "AAAA"}), "in base64"),
         (lambda: Box.from_json("{"), "not valid JSON"),
+        (lambda: Box.from_json("[" * 100_000), "not valid JSON"),
+        (lambda: Box.from_json('{"values": ' + "1" * 5000 + "}"), "not valid JSON"),
+        (lambda: Ball.from_json('{"kind": "Ball", "radius": 1, "radius": 2}'), "'radius' occurs twice"),
+        (lambda: Ball.from_json('{"kind": "Ball", "radius": NaN}'), "NaN: a finite number"),
+        (lambda: Ball.from_json('{"kind": "Ball", "radius": 1e999}'), "radius = inf: a finite number"),
         (
             lambda: Box.from_json(box().to_json().replace('"radius": 2.0', '"radius": -2.0')),
             "Box: body: Pile: bodies.1: Pile: bodies.0: Ball: radius = -2.0",

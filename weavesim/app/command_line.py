@@ -3,15 +3,25 @@
 A scene's options are generated from its parameter class, so name, type, default, limits and help are written once. A
 scene is imported only when it is used, which keeps ``weavesim --help`` fast.
 
-Exit codes: 0 finished, 1 the run had to stop, 2 bad input, 130 interrupted.
+Exit codes:
+
+- 0: finished, everything is written;
+- 1: the run had to stop; results up to its last good frame are written;
+- 2: bad input, nothing has been run;
+- 3: finished, but the verdict is "do not use";
+- 4: finished, but some results could not be written or computed;
+- 128 plus the number of the signal: interrupted, results so far are written: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP.
 """
 
 from __future__ import annotations
 
 import inspect
+import re
+import signal
 import sys
 import types
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin
@@ -21,14 +31,12 @@ import typer
 from .. import __version__
 from ..device import Precision
 from ..errors import InputError, RunError
-from ..run.frame import Outcome
+from ..run.interruption import Interrupted, interruption
+from .ending import ExitCode, closing_lines, exit_code, interrupted_code
+from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup
-
-EXIT_CODE_RUN_ERROR = 1
-EXIT_CODE_INPUT_ERROR = 2
-EXIT_CODE_INTERRUPTED = 130
 
 
 application = typer.Typer(
@@ -41,17 +49,22 @@ application = typer.Typer(
 
 def main(*leading: str) -> None:
     """Run the command line with the ``leading`` arguments followed by those of the process; exits with a code."""
+    hold_standard_streams()
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of a script: kill -INT ends it too
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         application(args=[*leading, *sys.argv[1:]], prog_name="weavesim")
     except InputError as error:
-        _fail(error, EXIT_CODE_INPUT_ERROR)
+        _fail(error, ExitCode.INPUT_ERROR)
     except RunError as error:
-        _fail(error, EXIT_CODE_RUN_ERROR)
+        _fail(error, ExitCode.RUN_ERROR)
+    finally:
+        let_go_of_standard_streams()
 
 
-def _fail(error: Exception, exit_code: int) -> None:
-    print(f"weavesim: {error}", file=sys.stderr)
-    sys.exit(exit_code)
+def _fail(error: object, code: int) -> None:
+    say(f"weavesim: {error}", error=True)
+    sys.exit(int(code))
 
 
 def _print_version(wanted: bool) -> None:
@@ -147,7 +160,6 @@ def scene_command(
     The command passes on the options that differ from their defaults, runs, prints where the results are, and exits
     with a code.
     """
-    from ..checks import typed_as
     from .options import RunOptions
 
     options = {
@@ -157,23 +169,27 @@ def scene_command(
 
     def command(**values: Any) -> None:
         given = {name: value for name, value in values.items() if value != options[name].default}
-        with typed_as({name: _flag(name) for name in options}):
+        with _typed(options, parameters):
             checked = parameters(**given)
         from ..engine.compilation import side_by_side
 
         try:
-            with side_by_side(partial(_announce_compilation, scene)):
-                outcome = run(checked).get("outcome", Outcome.FINISHED.value)
-        except KeyboardInterrupt:
-            outcome = Outcome.INTERRUPTED.value
-        ending = {Outcome.FINISHED.value: "", Outcome.INTERRUPTED.value: "Interrupted; results so far are kept. "}
-        print(f"{ending.get(outcome, 'Stopped early. ')}Results are in {checked.out}.")
-        for report in sorted(checked.out.rglob("report.html")):
-            print(f"Open {report} in a browser.")
-        if outcome == Outcome.INTERRUPTED.value:
-            raise typer.Exit(EXIT_CODE_INTERRUPTED)
-        if outcome != Outcome.FINISHED.value:
-            raise typer.Exit(EXIT_CODE_RUN_ERROR)
+            with (
+                _typed(options, parameters),
+                interruption() as interrupted,
+                side_by_side(partial(_announce_compilation, scene)),
+            ):
+                result = run(checked)
+                number = interrupted.signal
+                for line in closing_lines(result, checked.out, number):
+                    say(line)
+        except KeyboardInterrupt as error:
+            # before the run, or while its results were written for somebody who did not wait
+            number = error.signal if isinstance(error, Interrupted) else signal.SIGINT
+            say(f"Interrupted by {signal.Signals(number).name}.")
+            raise typer.Exit(interrupted_code(number)) from None
+        if code := exit_code(result, number):
+            raise typer.Exit(code)
 
     # Typer reads a command's options from its signature.
     command.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
@@ -184,7 +200,29 @@ def scene_command(
 def _announce_compilation(scene: str, kernel_count: int) -> None:
     kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
     text = f"{scene}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
-    print(text, file=sys.stderr, flush=True)
+    say(text, error=True)
+
+
+@contextmanager
+def _typed(options: Iterable[str], parameters: type) -> Iterator[None]:
+    """Have messages about bad input name options as they are typed, also where only sentences name them."""
+    from ..checks import typed_as
+    from ..ranges import ACCEPTING
+
+    flags = {name: _flag(name) for name in options}
+    try:
+        with typed_as(flags):
+            yield
+    except InputError as error:
+        text = str(error).removeprefix(f"{parameters.__name__}: ")
+        text = text.replace(ACCEPTING, "If this is meant, give --accept-unusual.")
+        if text.startswith("fabric file"):  # its keys are names of their own
+            raise InputError(text) from None
+        # not within the name of a file
+        names = "|".join(name for name in flags if "_" in name)
+        raise InputError(
+            re.sub(rf"(?<![\w./\\'\"-])(?:{names})(?![\w/\\'\"]|\.\w)", lambda match: flags[match[0]], text)
+        ) from None
 
 
 def _flag(name: str) -> str:

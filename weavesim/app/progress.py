@@ -6,14 +6,18 @@ import contextlib
 import logging
 import logging.handlers
 import platform
+import sys
 import textwrap
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, cast
 
 from .. import __version__
 from ..errors import InputError
+from ..input_files import shown
 from ..run.frame import Frame, Outcome, RunInfo
+from .terminal import SteadyStream
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -41,31 +45,44 @@ class ProgressBar:
     """Shows stroke, time left and energies during a run; without a terminal, occasional plain lines.
 
     Shows the warnings of the run too. Writes to standard error, which keeps standard output free for results.
+
+    Args:
+        console: where to show it.
+        stays: show warnings until ``close`` is called, not only until ``finish``: results are written after it.
     """
 
-    def __init__(self, console: Console | None = None) -> None:
+    def __init__(self, console: Console | None = None, *, stays: bool = False) -> None:
         from rich.console import Console
 
-        self._console = console or Console(stderr=True, highlight=False)
+        self._stays = stays
+
+        # rich would end the program at a broken pipe
+        self._console = console or Console(file=cast("IO[str]", SteadyStream(sys.stderr)), highlight=False)
         self._progress: Progress | None = None
         self._task: TaskID | None = None
         self._handler: logging.Handler | None = None
-        self._name = ""
+        self._name = "weavesim"
         self._duration = 0.0
         self._start = 0.0
         self._line_index = -1
 
+    def listen(self) -> None:
+        """Show warnings from now on; ``start`` does it too."""
+        if self._handler is None:
+            self._handler = _Warnings(self._print)
+            logging.getLogger("weavesim").addHandler(self._handler)
+
     def start(self, info: RunInfo) -> None:
-        from rich.logging import RichHandler
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
+        self.listen()
         self._name = info.name.replace("_", " ")
         self._duration = info.duration
         self._start = time.perf_counter()
-        self._handler = RichHandler(logging.WARNING, self._console, show_time=False, show_path=False)
-        logging.getLogger("weavesim").addHandler(self._handler)
         for warning in info.warnings:
             self._print(f"warning: {warning}")
+        if info.expected:
+            self._print(str(info.expected))
         if self._console.is_terminal:
             self._progress = Progress(
                 TextColumn("{task.description}"),
@@ -100,6 +117,11 @@ class ProgressBar:
             self._progress.stop()
             self._progress = None
         self._print(text)
+        if not self._stays:
+            self.close()
+
+    def close(self) -> None:
+        """Show no more warnings."""
         if self._handler is not None:
             logging.getLogger("weavesim").removeHandler(self._handler)
             self._handler = None
@@ -118,6 +140,30 @@ class ProgressBar:
         return ", ".join(parts)
 
 
+class _Warnings(logging.Handler):
+    """Prints warnings."""
+
+    def __init__(self, show: Callable[[str], None]) -> None:
+        super().__init__(logging.WARNING)
+        self._show = show
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._show(f"warning: {one_line(record.getMessage())}")
+
+
+class _OneLine(logging.Formatter):
+    """Keeps every message on one line: a name with line breaks in it must not look like several messages."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:
+        record.message = one_line(record.message)
+        return super().formatMessage(record)
+
+
+def one_line(text: str) -> str:
+    """``text`` with control characters escaped."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 class RunLog:
     """Writes ``run.log``: set-up, frames, warnings and the outcome of a run.
 
@@ -126,21 +172,28 @@ class RunLog:
 
     Args:
         folder: an existing folder.
+        stays: log until ``close`` is called, not only until ``finish``: results are written after it.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, stays: bool = False) -> None:
+        self._stays = stays
         self.path = Path(folder) / LOG_NAME
         self._logger = logging.getLogger("weavesim")
         self._level_before = self._logger.level
         self._logger.setLevel(logging.INFO)
-        self._file: logging.Handler | None = None
+        self._file: _PatientFileHandler | None = None
         self._memory: logging.handlers.MemoryHandler | None = logging.handlers.MemoryHandler(
             capacity=10_000, flushLevel=logging.CRITICAL + 1, flushOnClose=False
         )
         self._logger.addHandler(self._memory)
 
+    @property
+    def failed(self) -> bool:
+        """Whether the log could not be written to its end."""
+        return self._file is not None and self._file.failed
+
     def start(self, info: RunInfo) -> None:
-        self._begin_file()
+        self._begin_file(f"run {info.run_id}")
         lines = [
             f"weavesim {__version__}, Python {platform.python_version()}, {platform.platform()}",
             f"{info.name}: {info.precision} on {info.device} with "
@@ -155,6 +208,7 @@ class RunLog:
                 f"blank: {blank.element_count} elements, {blank.node_count} nodes",
                 f"mirrored at: {', '.join(sheet.symmetry.planes) or 'no plane'}",
                 f"fabric: {fabric.name}, {fabric.areal_density:g} kg/m^2, thickness {fabric.thickness:g} m",
+                f"source of its values: {textwrap.shorten(shown(fabric.source), 300) or 'none given'}",
             ]
         for tool in info.tools:
             # A stroke or a mesh may contain thousands of numbers.
@@ -187,10 +241,11 @@ class RunLog:
 
     def finish(self, outcome: Outcome) -> None:
         self._logger.info("%s after %.2f s", outcome.value, time.perf_counter() - self._start)
-        self.close()
+        if not self._stays:
+            self.close()
 
     def close(self) -> None:
-        """Stop logging; ``finish`` calls it, so only a run that never started needs it."""
+        """Stop logging; unless the log stays, ``finish`` calls it, and only a run that never started needs it."""
         for handler in (self._memory, self._file):
             if handler is not None:
                 self._logger.removeHandler(handler)
@@ -199,17 +254,18 @@ class RunLog:
         self._memory = self._file = None
         self._logger.setLevel(self._level_before)
 
-    def _begin_file(self) -> None:
+    def _begin_file(self, first: str) -> None:
         try:
             self._file = _PatientFileHandler(self.path, mode="w", encoding="utf-8")
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror}. Choose another folder.") from error
-        self._file.setFormatter(logging.Formatter("%(asctime)s %(levelname)-7s %(message)s"))
+        self._file.setFormatter(_OneLine("%(asctime)s %(levelname)-7s %(message)s"))
+        self._file.handle(self._logger.makeRecord(self._logger.name, logging.INFO, "", 0, first, (), None))
         self._logger.addHandler(self._file)
         if self._memory is not None:
+            self._logger.removeHandler(self._memory)
             self._memory.setTarget(self._file)
             self._memory.flush()
-            self._logger.removeHandler(self._memory)
             self._memory.close()
             self._memory = None
 
@@ -217,7 +273,16 @@ class RunLog:
 class _PatientFileHandler(logging.FileHandler):
     """Abandons its file, but not the run, when the disk is full."""
 
+    failed = False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if not self.failed:
+            super().emit(record)
+
     def handleError(self, record: logging.LogRecord) -> None:
+        if self.failed:
+            return
+        self.failed = True
         logger = logging.getLogger("weavesim")
         logger.removeHandler(self)
         logger.warning("%s can no longer be written; the run continues without it.", self.baseFilename)

@@ -45,7 +45,7 @@ class SheetKernels:
             forces=element_force_kernel(real, lane_count, sheet.cell_law, sheet.sheet_traits),
             nodes=node_motion_kernel(real, lane_count, sheet.node_traits),
             frequencies=element_frequency_kernel(real, frequency_lanes, sheet.cell_law, sheet.sheet_traits),
-            extremes=element_extremes_kernel(real, lane_count),
+            extremes=element_extremes_kernel(real, lane_count, sheet.sheet_traits.flat),
             frequency_lane_count=frequency_lanes,
         )
 

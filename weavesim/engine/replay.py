@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 import warp as wp
 
+from ..device import exclusive
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
 
 
@@ -36,6 +37,7 @@ class Replay:
         if thread_count > 1:
             wp.launch(barrier, dim=1, inputs=[self._counter, thread_count], device=self._device)
 
+    @exclusive()
     def record(self, launch: Callable[[], None], thread: int = 0) -> wp.Graph:
         """Record the launches of ``launch``, for replay on one thread; subnormal numbers are flushed to zero."""
         flushes = self._device.is_cpu

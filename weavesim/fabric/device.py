@@ -11,12 +11,9 @@ from ..device import Precision
 from ..kernels.curve import curve_struct
 from ..kernels.lanes import lane_types
 from ..kernels.shell.laws import SheetTraits, sheet_laws_struct
-from .curve import tabulate
+from .curve import CURVE_PIECE_COUNT, tabulate
 from .device_form import DeviceForm, Tabulated
 from .fabric import Fabric
-
-# Cubic pieces of a measured curve on the device.
-CURVE_PIECE_COUNT = 512
 
 
 def law_traits(fabric: Fabric) -> dict[str, Any]:

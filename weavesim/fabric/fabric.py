@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, SerializeAsAny, model_validator
 
 from ..checks import NotNegative, Parameters, Positive
+from ..names import Label
 from ..ranges import Quantity, unusual_values
 from .bending import BendingLaw
 from .cell import UnitCell
@@ -43,7 +44,7 @@ class Stabilisation(Parameters):
 class Fabric(Parameters):
     """A woven fabric: the material of a sheet."""
 
-    name: str = Field(description="name of the fabric, for reports")
+    name: Label = Field(description="name of the fabric, for reports")
     areal_density: Annotated[Positive, Quantity("areal density")] = Field(
         description="mass per reference area [kg/m^2]"
     )
@@ -55,7 +56,9 @@ class Fabric(Parameters):
     )
     bending: SerializeAsAny[BendingLaw] = Field(kw_only=True, description="law of bending")
     transverse_shear_modulus: Annotated[NotNegative, Quantity("shear modulus")] = Field(
-        kw_only=True, description="G of equation (6) across the sheet [Pa]"
+        kw_only=True,
+        description="G of equation (6) across the sheet, stress over angle: Q = 5/6 G t gamma, gamma the angle from "
+        "the normal to the director [Pa]",
     )
     in_plane_bending_stiffness: Annotated[NotNegative, Quantity("in-plane bending")] = Field(
         default=0.0,

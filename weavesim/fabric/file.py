@@ -1,25 +1,27 @@
-"""Fabrics from a file: TOML or JSON, with the parameters' own names, and columns of test data read from CSV."""
+"""Fabrics from a file: TOML or JSON, with the parameters' own names, and columns of test data read from tables."""
 
 from __future__ import annotations
 
-import csv
-import json
-import math
-import tomllib
-from collections.abc import Callable
+import logging
 from pathlib import Path
 from typing import Any
 
 from ..checks import Parameters
-from ..errors import InputError
+from ..documents import Document, dotted, read_document
+from ..errors import InputError, did_you_mean
+from ..input_files import shown
 from ..ranges import check_usual
+from .columns import ColumnReader, is_reference, unit_of
+from .construction import MISTAKES, chosen, constructed, without_python
 from .fabric import Fabric
-from .families import constructors, implied_kind, kinds_of_field, kinds_within
+from .families import implied_kind, kinds_of_field, kinds_within
 from .presets import PRESETS
 
+logger = logging.getLogger(__name__)
+
 FABRIC_HELP = f"one of {', '.join(PRESETS)}, or a .toml or .json file"
-# Exceptions that a constructor may raise for bad values.
-_MISTAKES = (TypeError, ValueError, ArithmeticError)
+LONGEST_NAME = 100
+SUFFIXES = (".toml", ".json")
 
 
 def resolve_fabric(name_or_path: str, *, accept_unusual: bool = False) -> Fabric:
@@ -30,10 +32,11 @@ def resolve_fabric(name_or_path: str, *, accept_unusual: bool = False) -> Fabric
     """
     if name_or_path in PRESETS:
         return PRESETS[name_or_path]()
-    if Path(name_or_path).suffix.lower() in (".toml", ".json"):
+    if Path(name_or_path).suffix.lower() in SUFFIXES:
         return load_fabric(name_or_path, accept_unusual=accept_unusual)
+    hint = did_you_mean(name_or_path, PRESETS)
     raise InputError(
-        f"fabric {name_or_path!r} is unknown: choose one of {', '.join(PRESETS)}, or give a .toml or .json file"
+        f"fabric {name_or_path!r} is unknown: choose one of {', '.join(PRESETS)}, or give a .toml or .json file{hint}"
     )
 
 
@@ -43,96 +46,107 @@ def load_fabric(path: str | Path, *, accept_unusual: bool = False) -> Fabric:
     Keys are the names of the parameters of ``Fabric``, in SI units, as ``Fabric.to_json`` writes them; ``based_on``
     names a preset that supplies all values that the file does not give. A table chooses its law by ``kind``, such as
     "TwillWeave", or "MomentCurve.from_picture_frame" to call a constructor; tables may be nested. In place of a
-    list of numbers, ``{csv = "test.csv", column = "force", scale = 1000.0}`` reads a column of a CSV file with a
-    header, relative to the fabric's file, and multiplies it by the scale (default 1).
+    list of numbers, ``{csv = "test.csv", column = "force"}`` reads a column of a table in the folder of the file or
+    below it, converted from the unit in its header; ``scale = 1000.0`` multiplies the numbers instead.
 
     ``accept_unusual`` takes values outside their plausible range as meant (docs/fabrics.md).
 
     Raises:
-        InputError: a file that is missing or unreadable, an unknown kind, or values that are not allowed or unusual.
+        InputError: a file that is missing or unreadable, an unknown kind, or values that are not allowed or
+            unusual; with the key, and its line where that is known.
     """
-    path = Path(path)
+    document = read_document(path, "fabric file")
+    reader = _Reader(document)
     try:
-        text = path.read_text(encoding="utf-8")
-        values = tomllib.loads(text) if path.suffix.lower() == ".toml" else json.loads(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"fabric file {path}: cannot be read ({error})") from None
-    except (tomllib.TOMLDecodeError, json.JSONDecodeError) as error:
-        raise InputError(f"fabric file {path}: {error}") from None
-    if not isinstance(values, dict):
-        raise InputError(f"fabric file {path}: a table of parameters is needed, not {type(values).__name__}")
-    based_on = values.pop("based_on", None)
-    if based_on is not None and based_on not in PRESETS:
-        raise InputError(f"fabric file {path}: based_on = {based_on!r}: one of {', '.join(PRESETS)} is needed")
-    try:
-        values = {name: _converted(value, name, Fabric, path.parent) for name, value in values.items()}
-        values.setdefault("name", path.stem)
-        if based_on is None:
-            fabric = Fabric(**values)
-        else:
-            values.setdefault("source", f"{path.name}, based on the preset {based_on}")
-            fabric = PRESETS[based_on]().model_copy(update=values)
-        if not accept_unusual:
-            check_usual(fabric)
-        return fabric
-    except (InputError, *_MISTAKES) as error:
-        raise InputError(f"fabric file {path}: {error}") from None
+        fabric = reader.fabric(accept_unusual)
+    except _Mistake as mistake:
+        line = document.line_of(mistake.keys)
+        place = f", line {line}" if line else ""
+        raise InputError(f"fabric file {shown(path)}{place}: {mistake}") from None
+    for note in reader.columns.notes:
+        logger.info("fabric file %s: %s", shown(path), note)
+    return fabric
 
 
-def _converted(value: Any, name: str, owner: type[Parameters] | None, folder: Path) -> Any:
-    """Convert tables to parameters or columns, lists to tuples; ``name`` is a field of ``owner``, if that is known."""
-    if isinstance(value, list):
-        return tuple(_converted(item, name, owner, folder) for item in value)
-    if not isinstance(value, dict):
-        return value
-    if "csv" in value:
-        return _column(value, name, folder)
-    # arguments of constructors accept any kind
-    field_of = owner if owner is not None and name in owner.model_fields else None
-    allowed = kinds_of_field(field_of, name) if field_of else kinds_within(Fabric)
-    if not allowed:
-        raise InputError(f"{name}: a value is needed, not a table")
-    given = value.get("kind", implied_kind(field_of, name) if field_of else None)
-    if given is None:
-        raise InputError(f"[{name}] has no kind; one of {', '.join(allowed)} is needed")
-    kind, _, constructor = str(given).partition(".")
-    if kind not in allowed:
-        raise InputError(f"[{name}] kind = {given!r}: one of {', '.join(allowed)} is needed")
-    make: Callable[..., Parameters] = allowed[kind]
-    if constructor:
-        known = constructors(allowed[kind])
-        if constructor not in known:
-            raise InputError(f"[{name}] kind = {given!r}: {kind} has the constructors {', '.join(known) or 'none'}")
-        make = known[constructor]
-    values = {key: _converted(item, key, allowed[kind], folder) for key, item in value.items() if key != "kind"}
-    try:
-        return make(**values)
-    except (InputError, *_MISTAKES) as error:
-        text = str(error).removeprefix(f"{kind}: ")
-        raise InputError(f"[{name}] {given}: {text}") from None
+class _Mistake(ValueError):
+    """What is wrong, and the keys of the place."""
+
+    def __init__(self, keys: tuple[str, ...], message: str) -> None:
+        super().__init__(message)
+        self.keys = keys
 
 
-def _column(value: dict[str, Any], name: str, folder: Path) -> tuple[float, ...]:
-    unknown = set(value) - {"csv", "column", "scale"}
-    if unknown or "column" not in value:
-        raise InputError(f"{name}: a CSV column needs csv and column, optionally scale; got {sorted(value)}")
-    path = folder / str(value["csv"])
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.DictReader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{name}: {path} cannot be read ({error})") from None
-    if not rows or value["column"] not in rows[0]:
-        raise InputError(f"{name}: {path} has the columns {sorted(rows[0]) if rows else []}, not {value['column']!r}")
-    scale = value.get("scale", 1.0)
-    if isinstance(scale, bool) or not isinstance(scale, int | float) or not math.isfinite(scale):
-        raise InputError(f"{name}: scale = {scale!r}: a finite number is needed")
-    result = []
-    for line, row in enumerate(rows, start=2):
+class _Reader:
+    """Makes the fabric of a document."""
+
+    def __init__(self, document: Document) -> None:
+        self.path, self._values = document.path, document.values
+        self.columns = ColumnReader(document.path.parent)
+
+    def fabric(self, accept_unusual: bool) -> Fabric:
+        based_on = self._values.get("based_on")
+        if "based_on" in self._values and (not isinstance(based_on, str) or based_on not in PRESETS):
+            hint = did_you_mean(based_on, PRESETS) if isinstance(based_on, str) else ""
+            raise _Mistake(
+                ("based_on",), f"based_on = {_short(based_on)}: a preset, one of {', '.join(PRESETS)}, is needed{hint}"
+            )
+        values = {
+            name: self._converted(value, (name,), Fabric) for name, value in self._values.items() if name != "based_on"
+        }
+        values.setdefault("name", shown(self.path.stem).strip()[:LONGEST_NAME] or "fabric")
+        if based_on is not None:
+            values.setdefault("source", f"{shown(self.path.name)}, based on the preset {based_on}")
+        if self.columns.notes and isinstance(values.get("source", ""), str):
+            values["source"] = "; ".join([*filter(None, [values.get("source")]), *self.columns.notes])
         try:
-            result.append(scale * float(row[value["column"]]))
-        except (TypeError, ValueError):
-            raise InputError(
-                f"{name}: {path}, line {line}: {row[value['column']]!r} is not a number (use a point, not a comma)"
-            ) from None
-    return tuple(result)
+            fabric = Fabric(**values) if based_on is None else PRESETS[based_on]().model_copy(update=values)
+            if not accept_unusual:
+                check_usual(fabric)
+            return fabric
+        except MISTAKES as error:
+            text = str(error) if isinstance(error, ValueError) else without_python(error)
+            raise _Mistake(self._wrong_key(values, text), text) from None
+
+    def _converted(self, value: Any, keys: tuple[str, ...], owner: type[Parameters] | None) -> Any:
+        """Convert tables to parameters or columns, lists to tuples; the last key is a field of ``owner`` if known."""
+        if isinstance(value, list):
+            return tuple(self._converted(item, keys, owner) for item in value)
+        if not isinstance(value, dict):
+            return value
+        name = keys[-1]
+        if is_reference(value):
+            try:
+                return self.columns.read(value, name, unit_of(owner, name))
+            except InputError as error:
+                raise _Mistake(keys, f"{dotted(keys)}: {error}") from None
+        # arguments of constructors accept any kind
+        field_of = owner if owner is not None and name in owner.model_fields else None
+        allowed = kinds_of_field(field_of, name) if field_of else kinds_within(Fabric)
+        if owner is Fabric and field_of is None:
+            hint = did_you_mean(name, Fabric.model_fields)
+            raise _Mistake(keys, f"[{dotted(keys)}] unknown name{hint or '; a fabric has no such table'}")
+        if not allowed:
+            raise _Mistake(keys, f"{dotted(keys)}: a value is needed, not a table")
+        given = value.get("kind", implied_kind(field_of, name) if field_of else None)
+        if given is None:
+            raise _Mistake(keys, f"[{dotted(keys)}] has no kind; one of {', '.join(allowed)} is needed")
+        try:
+            kind, make = chosen(given, allowed)
+        except InputError as error:
+            raise _Mistake(keys, f"[{dotted(keys)}] {error}") from None
+        values = {key: self._converted(item, (*keys, key), kind) for key, item in value.items() if key != "kind"}
+        try:
+            return constructed(kind, make, values)
+        except InputError as error:
+            raise _Mistake(self._wrong_key(values, str(error), keys), f"[{dotted(keys)}] {given}: {error}") from None
+
+    @staticmethod
+    def _wrong_key(values: dict[str, Any], message: str, table: tuple[str, ...] = ()) -> tuple[str, ...]:
+        """The key that a message begins with, behind the name of a class; that of the table if it does not."""
+        name = message.removeprefix("Fabric: ").split(" ")[0].rstrip(":")
+        return (*table, name) if name in values else table
+
+
+def _short(value: Any) -> str:
+    text = repr(value) if isinstance(value, str | int | float | bool) else f"a {type(value).__name__}"
+    return text[:80]

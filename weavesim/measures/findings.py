@@ -50,9 +50,25 @@ class Finding:
         return self.unit.named(self.name)
 
 
-def found(findings: tuple[Finding, ...], subject: Any) -> dict[str, Any]:
-    """Numbers of ``subject`` by key, without those that have no meaning for it."""
-    values = {finding.key: finding.compute(subject) for finding in findings}
+def found(
+    findings: tuple[Finding, ...], subject: Any, failed: Callable[[str, Exception], object] | None = None
+) -> dict[str, Any]:
+    """Numbers of ``subject`` by key, without those that have no meaning for it.
+
+    Args:
+        findings: to compute.
+        subject: of which.
+        failed: called with the key and the exception of a finding that fails, which then is left out; without it the
+            exception is raised.
+    """
+    values = {}
+    for finding in findings:
+        try:
+            values[finding.key] = finding.compute(subject)
+        except Exception as error:
+            if failed is None:
+                raise
+            failed(finding.key, error)
     return {key: value for key, value in values.items() if value is not None}
 
 

@@ -39,15 +39,20 @@ class Curves:
         name: of the CSV, without extension.
         measure: returns the numbers of a frame by name; names are the CSV header, so they end in their unit.
         charts: to draw from them.
+
+    Attributes:
+        failed: whether ``measure`` has raised something; then no more frames are recorded.
     """
 
     def __init__(self, name: str, measure: Callable[[Frame], Mapping[str, float]], charts: Sequence[Chart]) -> None:
         self.name, self.charts = name, tuple(charts)
+        self.failed = False
         self._measure = measure
         self._rows: list[dict[str, float]] = []
 
     def start(self, info: RunInfo) -> None:
         self._rows.clear()
+        self.failed = False
 
     def frame(self, frame: Frame) -> None:
         self._rows.append({name: float(value) for name, value in self._measure(frame).items()})

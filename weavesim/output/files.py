@@ -7,8 +7,9 @@ import math
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,27 @@ import numpy as np
 
 from ..errors import InputError
 from ..run.frame import RunInfo, unique_names
+
+_LONGEST_NAME = 150
+
+# Is told every file before it is written; None outside the folder of a run.
+_told: ContextVar[Callable[[Path], object] | None] = ContextVar("_told", default=None)
+
+
+@contextmanager
+def noting(tell: Callable[[Path], object]) -> Iterator[None]:
+    """Inside this context ``tell`` receives the name of every file before it is written."""
+    token = _told.set(tell)
+    try:
+        yield
+    finally:
+        _told.reset(token)
+
+
+def note(path: Path) -> None:
+    """Tell that a file is about to be written; ``replacing`` does it."""
+    if (tell := _told.get()) is not None:
+        tell(path)
 
 
 def temporary_name(path: Path) -> Path:
@@ -26,6 +48,7 @@ def temporary_name(path: Path) -> Path:
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """Yield a temporary name to write to; it replaces ``path`` if nothing is raised, else it is removed."""
+    note(path)
     temporary = temporary_name(path)
     try:
         yield temporary
@@ -38,17 +61,32 @@ def check_writable(folder: Path) -> None:
     """Create the folder if necessary, and check that it can be written to.
 
     Raises:
-        InputError: it cannot be created, is a file, or cannot be written to.
+        InputError: it cannot be created, is a file or a link to nowhere, cannot be written to, or has a name that is
+            no text.
     """
+    shown = os.fsencode(folder).decode("utf-8", "backslashreplace")
     try:
+        str(folder.absolute()).encode("utf-8")
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=folder, prefix=".weavesim"):
+        # as long as the longest name of a result
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".weavesim".ljust(_LONGEST_NAME, "_")):
             pass
-    except OSError as error:
+    except UnicodeEncodeError:
         raise InputError(
-            f"output folder {folder}: cannot be written to ({error.strerror or error}); "
-            "give a folder that you may write to"
+            f"output folder {shown}: its name is not valid UTF-8, which films and tables need; rename it, or give "
+            "another folder"
         ) from None
+    except OSError as error:
+        reason = error.strerror or str(error)
+        if os.path.isfile(folder):
+            reason = "it is a file"
+        elif os.path.islink(folder) and not os.path.exists(folder):
+            reason = f"it is a link to {os.readlink(folder)}, which does not exist"
+        raise InputError(
+            f"output folder {shown}: cannot be written to ({reason}); give a folder that you may write to"
+        ) from None
+    except ValueError as error:  # a null character
+        raise InputError(f"output folder {shown!r}: {error}; give another name") from None
 
 
 def file_endings(info: RunInfo) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,10 @@ from ..errors import InputError
 from ..measures.angles import smoothed, smoothing_weights
 from ..run.fields import FIELDS
 from ..run.frame import Frame, Outcome, RunInfo, SheetFrame, SheetInfo, unique_names
+from ..version import __version__
 from .colours import shear_colours
-from .files import temporary_name
+from .files import note, temporary_name
+from .pace import Pace
 from .usd import bind, define_camera, define_light, define_mesh, define_tool, node_normals, sheet_material, usd_errors
 
 FRAMES_PER_SECOND = 24
@@ -26,6 +29,8 @@ _OPACITY_ABOVE, _OPACITY_BELOW = 0.22, 1.0
 
 class Film:
     """Observer that writes a USD film: sheets, moving tools, materials, camera and light.
+
+    From time to time the film so far is saved under its name, so that a killed run leaves one.
 
     Frame i is at time code i. Positions are in metres, Z up. The sheet of a run is the mesh ``/World/sheet``, or
     ``/World/sheet_NAME`` if it has its own name. With symmetry, mirrored copies reference it, so that the whole part
@@ -54,8 +59,10 @@ class Film:
     def start(self, info: RunInfo) -> None:
         from pxr import Kind, Usd, UsdGeom
 
+        note(self.path)
         temporary = temporary_name(self.path)
         temporary.unlink(missing_ok=True)
+        self._pace = Pace()
         with usd_errors():
             self._stage = stage = Usd.Stage.CreateNew(str(temporary))
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
@@ -67,9 +74,11 @@ class Film:
         stage.SetDefaultPrim(world)
         fabrics = dict.fromkeys(sheet.fabric.name for sheet in info.sheets)
         stage.GetRootLayer().comment = f"weavesim: {info.name}, {', '.join(fabrics)}"
+        stage.GetRootLayer().customLayerData = {"weavesim": {"run_id": info.run_id, "version": __version__}}
         names = prim_names("sheet" if sheet.name == "sheet" else f"sheet_{sheet.name}" for sheet in info.sheets)
         self._sheets = [_FilmedSheet(stage, *pair) for pair in zip(names, info.sheets, strict=True)]
         self._define_tools(stage, info)
+        define_light(stage)
         self._frames: list[int] = []
 
     def _define_tools(self, stage: Any, info: RunInfo) -> None:
@@ -90,7 +99,16 @@ class Film:
         for tool, move, distance in zip(self._tools, self._moves, frame.tool_displacement, strict=True):
             move.Set(Gf.Vec3d(*(float(distance) * np.asarray(tool.axis, dtype=float)).tolist()), float(frame.index))
         self._frames.append(frame.index)
-        if len(self._frames) % _FRAMES_PER_FLUSH == 0:
+        if self._pace.due():
+            self._complete()
+            copy = temporary_name(self.path.with_stem(f"{self.path.stem}.saved"))
+            try:
+                shutil.copyfile(temporary_name(self.path), copy)
+                os.replace(copy, self.path)
+            finally:
+                copy.unlink(missing_ok=True)
+            self._pace.done()
+        elif len(self._frames) % _FRAMES_PER_FLUSH == 0:
             with usd_errors():
                 self._stage.Save()
 
@@ -98,19 +116,22 @@ class Film:
         if self._stage is None or not self._frames:
             self.discard()
             return
-        stage, temporary = self._stage, temporary_name(self.path)
+        self._complete()
+        self._release()
+        os.replace(temporary_name(self.path), self.path)
+
+    def _complete(self) -> None:
+        """Save what makes the frames so far a film."""
+        stage = self._stage
         stage.SetStartTimeCode(float(self._frames[0]))
         stage.SetEndTimeCode(float(self._frames[-1]))
         extents = [sheet.extent_of_all() for sheet in self._sheets]
         define_camera(stage, np.min([e[0] for e in extents], axis=0), np.max([e[1] for e in extents], axis=0))
-        define_light(stage)
         with usd_errors():
             stage.Save()
-        self._release()
-        os.replace(temporary, self.path)
 
     def discard(self) -> None:
-        """Abandon the film and remove what was written."""
+        """Abandon the film; what was saved under its name stays."""
         self._release()
         temporary_name(self.path).unlink(missing_ok=True)
 

@@ -11,32 +11,40 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..run.frame import Frame, Outcome, RunInfo
+from ..names import file_name
+from ..run.frame import Frame, Outcome, RunInfo, SheetInfo
+from .claim.lock import FolderLock
+from .claim.record import SETUP_NAME, RunRecord
+from .claim.remains import check_free, remove_results
 from .curves import Curves
-from .files import check_writable, plain
+from .files import check_writable, noting, plain, write_text
 from .history import History
 from .results import Results, Wanted, run_summary, sheet_results
-from .writer import Writer, chosen_writers
+from .writer import Failures, Writer, chosen_writers
 
 
 class ResultFolder:
-    """Observer of a run that writes everything to one folder.
+    """Observer of a run that writes everything to one folder, which it locks.
 
-    Film and series are written during the run; ``write`` adds tables, pictures, report and summary. A file that
-    cannot be written, for example on a full disk, is abandoned with a warning, and the run continues.
+    Record, set-up, film, series, history and a first summary are written during the run; ``write`` adds the summary,
+    tables, pictures and report. What cannot be written, for example on a full disk, is abandoned with a warning, and
+    the others and the run continue.
 
     Attributes:
         path: the folder; created if necessary. Its contents are not touched before the run starts.
         history: scalars of all frames, and the last frame.
-        warnings: what could not be written, for the report.
+        warnings: what could not be written or computed.
 
     Args:
         path: the folder.
         points, measured_angles, measured_outline, curves, draw_in: what the scene wants to show, see ``Wanted``.
         writers: names of the writers to use; None uses all known ones.
+        overwrite: remove the results of an earlier run from the folder; files that are no results stay.
+        options: given by the user, by name, for the record of the run.
 
     Raises:
-        InputError: the folder cannot be written to, a writer is unknown, or there are measured angles but no points.
+        InputError: the folder cannot be written to, has results already, is in use by another run; a writer is
+            unknown; or there are measured angles but no points.
     """
 
     def __init__(
@@ -49,70 +57,158 @@ class ResultFolder:
         curves: Curves | None = None,
         draw_in: bool = True,
         writers: Sequence[str] | None = None,
+        overwrite: bool = False,
+        options: Mapping[str, Any] | None = None,
     ) -> None:
         self.path = Path(path)
         self.history = History()
-        self.warnings: list[str] = []
+        self.warnings = Failures()
         self._wanted = Wanted(points, measured_angles, measured_outline, curves, draw_in)
         self._kinds = chosen_writers(writers)
+        self._overwrite, self._options = overwrite, dict(options or {})
         self._writers: list[Writer] = []
         self._outcome: Outcome | None = None
+        self._record: RunRecord | None = None
         check_writable(self.path)
+        self._lock = FolderLock(self.path)
+        if not overwrite:
+            check_free(self.path)
         for kind in self._kinds:
             kind.load()
+
+    # ------------------------------------------------------------------------------------------------ before a run
+
+    def claim(self) -> None:
+        """Lock the folder for one run; ``start`` does it too.
+
+        Raises:
+            InputError: another run writes to it, or it has results that must not be overwritten.
+        """
+        self._lock.acquire()
+        if not self._overwrite:
+            check_free(self.path)
+
+    def release(self) -> None:
+        """Give the folder back; ``write`` does it at the end of a run."""
+        self._lock.release()
+
+    def check(self, sheets: Sequence[SheetInfo]) -> None:
+        """Check that what the scene wants to show can be had from these sheets; ``start`` does it too.
+
+        Raises:
+            InputError: a point outside a sheet.
+        """
+        self._wanted.check(sheets)
 
     # ------------------------------------------------------------------------------------------------ during a run
 
     def start(self, info: RunInfo) -> None:
-        self._wanted.check(info)
+        file_name("name of the run", info.name)
+        self._wanted.check(info.sheets)
+        self.claim()
+        remove_results(self.path)
         self._info = info
         self._outcome = None
         self.warnings.clear()
         self.history.start(info)
+        self._record = RunRecord(self.path, info, self._options)
+        self._try("run.json", self._record.write)
+        if (setup := info.setup) is not None:
+            self._try(SETUP_NAME, lambda: write_text(self.path / SETUP_NAME, setup.to_json() + "\n"))
         if self._wanted.curves:
             self._wanted.curves.start(info)
-        self._writers = [kind(self.path, self.warnings) for kind in self._kinds]
+        self._writers = [kind(self.path, self.warnings, self.history) for kind in self._kinds]
         self._inform(lambda writer: writer.start(info))
 
     def frame(self, frame: Frame) -> None:
         self.history.frame(frame)
-        if self._wanted.curves:
-            self._wanted.curves.frame(frame)
+        if (curves := self._wanted.curves) and not curves.failed:
+            curves.failed = not self._try(f"{curves.name}.csv", lambda: curves.frame(frame), "computed")
         self._inform(lambda writer: writer.frame(frame))
 
     def finish(self, outcome: Outcome) -> None:
         self._outcome = outcome
         self._inform(lambda writer: writer.finish(outcome))
 
+    def add(self, path: Path) -> None:
+        """Record a file that something else writes to the folder, such as a log."""
+        if self._record is not None:
+            self._try("run.json", partial(self._record.add, path))
+
     def _inform(self, message: Callable[[Writer], None]) -> None:
         """Pass ``message`` to every writer; one that cannot write is abandoned."""
         for writer in list(self._writers):
-            if not writer.attempt(writer.title, partial(message, writer)):
+            with noting(self.add):
+                told = writer.attempt(writer.title, partial(message, writer))
+            if not told:
                 self._writers.remove(writer)
-                with suppress(OSError):
+                with suppress(Exception):
                     writer.discard()
+
+    def _try(self, what: str, action: Callable[[], object], verb: str = "written") -> bool:
+        """Run ``action``; a failure is noted once and costs nothing else."""
+        if what in self.warnings.names:
+            return False
+        try:
+            with noting(self.add):
+                action()
+        except Exception as error:
+            self.warnings.add(what, error, verb)
+            return False
+        return True
 
     # ------------------------------------------------------------------------------------------------- after a run
 
+    def measure(self, what: str, compute: Callable[[], Mapping[str, Any]]) -> Mapping[str, Any]:
+        """Numbers for ``write``; if they cannot be computed, that is noted, and there are none."""
+        try:
+            return compute()
+        except Exception as error:
+            self.warnings.add(what, error, "computed")
+            return {}
+
     def write(self, summary: Mapping[str, Any], *, setup: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Write the results of the run so far.
+        """Write the results of the run so far: the summary first, and again when all others have been written.
 
         Args:
             summary: numbers of the run; they take precedence over those computed here with the same name.
-            setup: additional information about the run for the report, by name.
+            setup: additional information about the run for the report, by name; by default the options.
 
         Returns:
-            The whole summary, as written.
+            The whole summary, as written; its ``missing`` names what could not be.
 
         Raises:
             InputError: no run was started.
         """
         frame = self.history.last_frame
-        if frame is None:
+        if frame is None or self._record is None:
             raise InputError("results: there is no frame to write; run the simulation with this folder as observer")
         sheets = sheet_results(self._info, self._wanted, frame)
-        numbers = run_summary(sheets, self._outcome, self.history.frame_count, summary)
-        results = Results(self._info, self._wanted, self.history, sheets, numbers, setup or {}, self.warnings)
-        for writer in self._writers:
-            writer.attempt(writer.title, partial(writer.write, results))
+        given = {"run_id": self._info.run_id, **summary}
+        failed = partial(self.warnings.add, verb="computed")
+        numbers = run_summary(sheets, self._outcome, self.history.frame_count, given, failed)
+        shown = self._options if setup is None else setup
+        results = Results(
+            self._info, self._wanted, self.history, sheets, numbers, shown, self.warnings, self.warnings.names
+        )
+        with noting(self.add):
+            for writer in self._writers:
+                writer.save(writer.title, partial(writer.precede, results))
+            for writer in self._writers:
+                writer.attempt(writer.title, partial(writer.write, results))
+            if self._outcome is not None:
+                self._verify()
+            for writer in self._writers:
+                writer.attempt(writer.title, partial(writer.conclude, results))
+        if self._outcome is not None:
+            ending = partial(self._record.finish, outcome=self._outcome.value, missing=results.whole_summary["missing"])
+            self._try("run.json", ending)
+            self.release()
         return plain(results.whole_summary)
+
+    def _verify(self) -> None:
+        """Note the files that are not there although nobody has said so."""
+        assert self._record is not None
+        for name in self._record.missing():
+            if name not in self.warnings.names:
+                self.warnings.note(name, f"{name} is missing or empty")

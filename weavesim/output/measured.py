@@ -2,73 +2,55 @@
 
 from __future__ import annotations
 
-import csv
-import math
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import InputError
+from ..input_files import shown
+from ..tables import Wanted, read_table
+
+# A larger number is no number of a point.
+LARGEST_POINT = 1_000_000
 
 
 def load_measured_angles(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
-    """Measured shear angles from a CSV with the columns point and angle_deg: point numbers (k,), angles (k,) [degrees].
+    """Measured shear angles from a table with the columns point and angle: point numbers (k,), angles (k,) [degrees].
+
+    The header says the unit of the angles: "angle_deg", "angle [deg]", "angle [rad]".
 
     Raises:
-        InputError: missing or unreadable file, missing columns, no rows, or an entry that is not a number.
+        InputError: missing or unreadable file, missing columns, no rows, an entry that is not a number, or angles
+            without a unit.
     """
-    table = _load_columns(path, ("point", "angle_deg"))
-    numbers, angles = table.T
-    if np.any(numbers != np.rint(numbers)) or np.any(numbers < 1) or len(np.unique(numbers)) < len(numbers):
-        raise InputError(f"measured angles {path}: point numbers must be integers from 1, each once; got {numbers}")
-    if np.any(np.abs(angles) >= 90.0):
-        raise InputError(f"measured angles {path}: {angles[np.argmax(np.abs(angles))]:g} degrees; must be below 90")
+    table = read_table(path, "measured angles")
+    columns = table.columns(Wanted("point"), Wanted("angle", unit="deg", needs_unit=True))
+    numbers, angles = columns.values
+    seen: set[float] = set()
+    for number, angle, line in zip(numbers.tolist(), angles.tolist(), columns.lines.tolist(), strict=True):
+        place = f"measured angles {shown(path)}, line {line}"
+        if number != round(number) or not 1.0 <= number <= LARGEST_POINT or number in seen:
+            raise InputError(f"{place}: point {number:g}; point numbers must be integers from 1, each once")
+        if abs(angle) >= 90.0:
+            raise InputError(f"{place}: {angle:g} degrees; must be below 90")
+        seen.add(number)
     return numbers.astype(int), angles
 
 
 def load_measured_outline(path: str | Path) -> np.ndarray:
-    """A measured outline from a CSV with the columns x_mm and y_mm, in plan view and in order, (k, 2) [m].
+    """A measured outline from a table with the columns x and y, in plan view and in order, (k, 2) [m].
+
+    The header says their unit: "x_mm" and "y_mm", "x [mm]" and "y [mm]", "x [m]" and "y [m]".
 
     Raises:
-        InputError: missing or unreadable file, missing columns, no rows, or an entry that is not a number.
+        InputError: missing or unreadable file, missing columns, no rows, an entry that is not a number, or
+            coordinates without a unit.
     """
-    points = 1.0e-3 * _load_columns(path, ("x_mm", "y_mm"))
+    wanted = [Wanted(name, unit="m", needs_unit=True) for name in ("x", "y")]
+    points = np.column_stack(read_table(path, "measured outline").columns(*wanted).values)
+    place = f"measured outline {shown(path)}"
     if len(points) < 2:
-        raise InputError(f"measured outline {path}: only one point; give two or more, in order along the outline")
+        raise InputError(f"{place}: only one point; give two or more, in order along the outline")
     if np.abs(points).max() > 20.0:
-        raise InputError(
-            f"measured outline {path}: it extends {np.abs(points).max():g} m from the origin; give millimetres"
-        )
+        raise InputError(f"{place}: it extends {np.abs(points).max():g} m from the origin; give the right unit")
     return points
-
-
-def _load_columns(path: str | Path, names: Sequence[str]) -> np.ndarray:
-    wanted = ",".join(names)
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            reader = csv.DictReader(file, skipinitialspace=True)
-            given = [(name or "").strip() for name in reader.fieldnames or []]
-            if missing := [name for name in names if name not in given]:
-                raise InputError(
-                    f"measured data {path}: no column {', '.join(missing)} among {given}; "
-                    f"the first line must be {wanted}"
-                )
-            reader.fieldnames = given
-            table = []
-            for row in reader:
-                entries = [row[name] for name in names]
-                if not any(str(entry or "").strip() for entry in entries):
-                    continue
-                try:
-                    table.append([float(entry) for entry in entries])
-                except (TypeError, ValueError):
-                    table.append([math.nan])
-                if not all(map(math.isfinite, table[-1])):
-                    raise InputError(f"measured data {path}, line {reader.line_num}: {entries} are not finite numbers")
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"measured data {path}: cannot be read ({reason}); give a CSV file with {wanted}") from None
-    if not table:
-        raise InputError(f"measured data {path}: no rows below the header {wanted}")
-    return np.array(table)

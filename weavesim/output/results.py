@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -49,14 +49,14 @@ class Wanted:
                     "points"
                 )
 
-    def check(self, info: RunInfo) -> None:
+    def check(self, sheets: Iterable[SheetInfo]) -> None:
         """Check before a run that its sheets contain the points.
 
         Raises:
             InputError: a point outside a sheet.
         """
         if self.points is not None:
-            for sheet in info.sheets:
+            for sheet in sheets:
                 locate(sheet.blank, self.points)
 
 
@@ -81,10 +81,9 @@ class SheetResult:
         path = Path(name)
         return f"{path.stem}{self.ending}{path.suffix}"
 
-    @property
-    def findings(self) -> dict[str, Any]:
-        """Numbers of the sheet, by key."""
-        return found(SHEET_FINDINGS, self.formed)
+    def findings(self, failed: Callable[[str, Exception], object] | None = None) -> dict[str, Any]:
+        """Numbers of the sheet, by key; ``failed`` is told those that fail."""
+        return found(SHEET_FINDINGS, self.formed, failed)
 
 
 @dataclass
@@ -98,7 +97,8 @@ class Results:
         sheets: at the last frame.
         summary: all numbers, without the warnings of the writers.
         setup: the options given by the user, by name, for the report.
-        failures: messages about files that could not be written; writers add to it.
+        failures: messages about what could not be written; writers add to it.
+        missing: names of what could not be written.
         pictures: files that were drawn, with captions; writers add to it.
     """
 
@@ -109,6 +109,7 @@ class Results:
     summary: dict[str, Any]
     setup: Mapping[str, Any]
     failures: list[str]
+    missing: list[str] = field(default_factory=list)
     pictures: list[tuple[Path, str]] = field(default_factory=list)
 
     @property
@@ -118,8 +119,8 @@ class Results:
 
     @property
     def whole_summary(self) -> dict[str, Any]:
-        """``summary`` with all warnings."""
-        return {**self.summary, "warnings": self.warnings}
+        """``summary`` with all warnings, and what is missing."""
+        return {**self.summary, "missing": list(dict.fromkeys(self.missing)), "warnings": self.warnings}
 
 
 def sheet_results(info: RunInfo, wanted: Wanted, frame: Frame) -> tuple[SheetResult, ...]:
@@ -139,10 +140,17 @@ def _sheet_result(
 
 
 def run_summary(
-    sheets: tuple[SheetResult, ...], outcome: Outcome | None, frame_count: int, given: Mapping[str, Any]
+    sheets: tuple[SheetResult, ...],
+    outcome: Outcome | None,
+    frame_count: int,
+    given: Mapping[str, Any],
+    failed: Callable[[str, Exception], object] | None = None,
 ) -> dict[str, Any]:
-    """Findings of the sheet and ``given`` numbers of the run; several sheets are in a list ``sheets``."""
+    """Findings of the sheet and ``given`` numbers of the run; several sheets are in a list ``sheets``.
+
+    ``failed`` is told the findings that fail.
+    """
     own: dict[str, Any] = {"outcome": outcome.value if outcome else "running", "frame_count": frame_count}
     if len(sheets) == 1:
-        return {**own, **sheets[0].findings, **given}
-    return {**own, **given, "sheets": [{"name": sheet.info.name, **sheet.findings} for sheet in sheets]}
+        return {**own, **sheets[0].findings(failed), **given}
+    return {**own, **given, "sheets": [{"name": sheet.info.name, **sheet.findings(failed)} for sheet in sheets]}

@@ -50,7 +50,8 @@ class ParaViewSeries:
     def start(self, info: RunInfo) -> None:
         names = file_endings(info)
         parts = zip(range(len(names)), names, info.sheets, strict=True)
-        self._sheets = [_SheetFiles(self.folder, *part) for part in parts]
+        self._run_id = info.run_id
+        self._sheets = [_SheetFiles(self.folder, info.run_id, *part) for part in parts]
         self._interval = info.duration / 30.0
         self._next_time = 0.0
         self._written: list[tuple[float, int]] = []
@@ -85,7 +86,8 @@ class ParaViewSeries:
         )
         write_text(
             self.folder / "series.pvd",
-            '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
+            f'<?xml version="1.0"?>\n{run_comment(self._run_id)}\n'
+            '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
             f"  <Collection>\n{entries}\n  </Collection>\n</VTKFile>\n",
         )
 
@@ -101,8 +103,8 @@ class _SheetFiles:
         part: what identifies them in the series, where there are several sheets.
     """
 
-    def __init__(self, folder: Path, place: int, ending: str, info: SheetInfo) -> None:
-        self._folder, self._ending, self._blank = folder, ending, info.blank
+    def __init__(self, folder: Path, run_id: str, place: int, ending: str, info: SheetInfo) -> None:
+        self._folder, self._run_id, self._ending, self._blank = folder, run_id, ending, info.blank
         # ParaView identifies parts by number
         self.part = f' part="{place}" name={quoteattr(info.name)}' if ending else ""
         self._yarn_components = yarn_components(info.blank)
@@ -124,7 +126,13 @@ class _SheetFiles:
             self._blank.quads,
             {name: values.astype(real) for name, values in points.items()},
             {name: values.astype(real) for name, values in cells.items()},
+            self._run_id,
         )
+
+
+def run_comment(run_id: str) -> str:
+    """A comment in XML that tells the run."""
+    return f"<!-- weavesim run {run_id} -->"
 
 
 def write_quads(
@@ -133,6 +141,7 @@ def write_quads(
     quads: np.ndarray,
     point_data: Mapping[str, np.ndarray],
     cell_data: Mapping[str, np.ndarray],
+    run_id: str = "",
 ) -> None:
     """Write quadrilaterals as VTU, with all numbers as raw binary data after the XML.
 
@@ -143,6 +152,7 @@ def write_quads(
         points: (node_count, 3).
         quads: (element_count, 4).
         point_data, cell_data: by name, (count,) or (count, component_count); float32 or float64.
+        run_id: goes into a comment, which every reader of XML skips.
     """
     count = len(quads)
     cells: dict[str, np.ndarray] = {
@@ -154,6 +164,7 @@ def write_quads(
     declarations, blocks = _appended(sections)
     lines = [
         '<?xml version="1.0"?>',
+        *([run_comment(run_id)] if run_id else []),
         f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{_BYTE_ORDER}" header_type="UInt64">',
         f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">',
         *declarations,

@@ -15,6 +15,7 @@ from typing import ClassVar
 
 from ..errors import InputError
 from ..run.frame import Frame, Outcome, RunInfo
+from .history import History
 from .results import Results
 
 logger = logging.getLogger(__name__)
@@ -22,11 +23,41 @@ logger = logging.getLogger(__name__)
 _known: dict[str, type[Writer]] = {}
 
 
-class Writer:
-    """Base class of all writers. A subclass overrides what it needs of ``start``, ``frame``, ``finish`` and ``write``.
+class Failures(list[str]):
+    """Messages about what could not be written or computed.
 
-    After an OSError, for example on a full disk, the writer or the file is abandoned with a warning, and the run
-    continues.
+    Attributes:
+        names: of what is missing, in the same order.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: list[str] = []
+
+    def add(self, what: str, error: Exception, verb: str = "written") -> None:
+        """Note a failure, and say it at once; the log keeps the traceback of what is not the file system's fault."""
+        reason = error.strerror or error if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
+        self.note(what, f"{what} could not be {verb} and is given up: {reason}")
+        if not isinstance(error, OSError):
+            logger.info("%s", what, exc_info=error)
+
+    def note(self, what: str, text: str) -> None:
+        """Note that ``what`` is missing, for a reason, and say it at once."""
+        self.append(text)
+        self.names.append(what)
+        logger.warning("%s", text)
+
+    def clear(self) -> None:
+        super().clear()
+        self.names.clear()
+
+
+class Writer:
+    """Base class of all writers. A subclass overrides what it needs of ``start``, ``frame``, ``finish``, ``precede``,
+    ``write`` and ``conclude``.
+
+    A writer that raises anything, for example on a full disk, is abandoned with a warning; the others and the run
+    continue.
 
     Attributes:
         name: selects the writer; a class without a name is not a writer itself.
@@ -36,7 +67,8 @@ class Writer:
 
     Args:
         folder: of the run; it exists.
-        failures: messages about what could not be written are added to it.
+        failures: what could not be written is added to it.
+        history: scalars of all frames so far.
     """
 
     name: ClassVar[str] = ""
@@ -51,9 +83,10 @@ class Writer:
             raise TypeError(f"writer {cls.name}: {other.__module__} already has one of this name")
         _known[cls.name] = cls
 
-    def __init__(self, folder: Path, failures: list[str]) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, failures: Failures, history: History) -> None:
+        self.folder, self.history = folder, history
         self._failures = failures
+        self._said = False
 
     @classmethod
     def load(cls) -> None:
@@ -71,17 +104,30 @@ class Writer:
     def discard(self) -> None:
         """Remove incomplete output; called once, after ``start``, ``frame`` or ``finish`` failed."""
 
+    def precede(self, results: Results) -> None:
+        """Write what must be there whatever happens to the rest; called before any ``write``."""
+
     def write(self, results: Results) -> None:
         """Write the results of the whole run."""
 
-    def attempt(self, what: str, action: Callable[[], object]) -> bool:
-        """Run ``action`` and return whether it could write; a failure is reported once."""
+    def conclude(self, results: Results) -> None:
+        """Called when all have written, successfully or not."""
+
+    def save(self, what: str, action: Callable[[], object]) -> None:
+        """Run ``action``, which saves what there is so far; a failure is only logged, since the end tries again."""
         try:
             action()
-        except OSError as error:
-            text = f"{what} could not be written and is given up: {error.strerror or error}"
-            self._failures.append(text)
-            logger.warning("%s", text)
+        except Exception as error:
+            text = "%s could not be saved during the run, and is tried again at its end: %s"
+            logger.log(logging.INFO if self._said else logging.WARNING, text, what, error)
+            self._said = True
+
+    def attempt(self, what: str, action: Callable[[], object]) -> bool:
+        """Run ``action`` and return whether it succeeded; a failure is reported once."""
+        try:
+            action()
+        except Exception as error:  # another writer must not suffer from it
+            self._failures.add(what, error)
             return False
         return True
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from enum import Enum
 from itertools import count
 from typing import TYPE_CHECKING, Protocol, TypeVar
+from uuid import uuid4
 
 import numpy as np
 
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from ..sheet.blank import Blank
     from ..sheet.symmetry import Symmetry
     from ..tools.tool import Tool
+    from .estimate import Estimate
 
 
 OfSheet = TypeVar("OfSheet")
@@ -63,6 +66,8 @@ class RunInfo:
         warnings: for the user; the run adds to this list until it ends.
         notes: findings about the input.
         setup: the input of the run.
+        expected: what the run will take.
+        run_id: unlike that of any other run; every result tells it.
     """
 
     name: str
@@ -78,6 +83,8 @@ class RunInfo:
     warnings: list[str] = field(default_factory=list)
     notes: tuple[str, ...] = ()
     setup: Setup | None = None
+    expected: Estimate | None = None
+    run_id: str = field(default_factory=lambda: new_run_id())
 
     @property
     def sheet(self) -> SheetInfo:
@@ -182,6 +189,11 @@ class Frame:
     def fields(self) -> dict[str, np.ndarray]:
         """``fields`` of the only sheet."""
         return self.sheet.fields
+
+
+def new_run_id() -> str:
+    """Start in UTC, and 32 random bits: "20260704T120000Z-1f3a9c2e". Later runs sort after earlier ones."""
+    return f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}-{uuid4().hex[:8]}"
 
 
 def unique_names(names: Iterable[str]) -> tuple[str, ...]:

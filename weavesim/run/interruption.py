@@ -1,28 +1,99 @@
-"""Orderly end of a run on Ctrl-C."""
+"""Orderly end of a run on Ctrl-C, on SIGTERM, and when its terminal closes (SIGHUP)."""
 
 from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+# A Ctrl-C this long after the first signal [s], or the third Ctrl-C, stops even the writing of results.
+PATIENCE = 10.0
+LAST_PRESS = 3
+
+
+class Interrupted(KeyboardInterrupt):
+    """A signal came while there was nothing to lose.
+
+    Attributes:
+        signal: which.
+    """
+
+    def __init__(self, number: signal.Signals) -> None:
+        super().__init__(number.name)
+        self.signal = number
+
+
+class Interruption:
+    """The signals that a run has received.
+
+    While it is ``held``, a signal is only noted, so that the run can end and write its results. Otherwise it raises
+    ``Interrupted`` at once.
+
+    Attributes:
+        signal: the first one; None before.
+    """
+
+    def __init__(self) -> None:
+        self.signal: signal.Signals | None = None
+        self._holds = 0
+        self._presses = 0
+        self._since = 0.0
+
+    def is_set(self) -> bool:
+        """Whether there was a signal."""
+        return self.signal is not None
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Inside this context signals are noted and raise nothing, but for an impatient Ctrl-C."""
+        self._holds += 1
+        try:
+            yield
+        finally:
+            self._holds -= 1
+
+    def handle(self, number: int, stack: object) -> None:
+        """The handler of all signals."""
+        first = self.signal is None
+        if first:
+            self.signal, self._since = signal.Signals(number), time.monotonic()
+        if not self._holds:
+            raise Interrupted(signal.Signals(number))
+        if number == signal.SIGINT:
+            self._presses += 1
+            if self._presses >= LAST_PRESS or (not first and time.monotonic() - self._since > PATIENCE):
+                raise KeyboardInterrupt
+
+
+_current: Interruption | None = None
+
 
 @contextmanager
-def interruption() -> Iterator[threading.Event]:
-    """Yield an event that Ctrl-C sets, so that a run stops between turns of steps; a second Ctrl-C stops at once."""
-    event = threading.Event()
+def interruption() -> Iterator[Interruption]:
+    """Take the signals of this process, and yield what notes them; within another such context, the one of that.
+
+    Only the main thread can: elsewhere what is yielded is never set. A process that ignores SIGHUP, as ``nohup``
+    makes it, goes on ignoring it.
+    """
+    global _current
     if threading.current_thread() is not threading.main_thread():
-        yield event
+        yield Interruption()
         return
-    previous = signal.getsignal(signal.SIGINT)
-
-    def handle(signal_number: int, stack: object) -> None:
-        event.set()
-        signal.signal(signal.SIGINT, previous)
-
-    signal.signal(signal.SIGINT, handle)
+    if _current is not None:
+        yield _current
+        return
+    _current = Interruption()
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    taken = [number for number in SIGNALS if number == signal.SIGINT or before[number] is not signal.SIG_IGN]
     try:
-        yield event
+        for number in taken:
+            signal.signal(number, _current.handle)
+        yield _current
     finally:
-        signal.signal(signal.SIGINT, previous)
+        _current = None
+        for number in taken:
+            # None: installed outside Python, which cannot restore it
+            signal.signal(number, before[number] or signal.SIG_DFL)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..device import exclusive
 from ..engine.sheet_model import SheetModel
 from ..engine.state import SheetState, State
 from ..errors import InputError, RunError
@@ -34,6 +35,7 @@ class Equilibrium:
     frequency: float
 
 
+@exclusive()
 def relax(simulation: Simulation, *, tolerance: float = 1.0e-3, largest_step_count: int = 500_000) -> Equilibrium:
     """Bring a simulation to rest under the current loads, supports and tools.
 

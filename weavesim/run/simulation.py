@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-import threading
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from typing import Any
 
+from ..device import exclusive
 from ..engine.model import Model
 from ..engine.setup import Setup
 from ..engine.state import State
@@ -17,18 +17,21 @@ from ..errors import RunError
 from .diagnosis import find_failure
 from .frame import Frame, Observer, Outcome, RunInfo
 from .guards import Doubt, Level, verdict_of
-from .interruption import interruption
+from .interruption import Interruption, interruption
 from .ledger import Ledger
 from .sheet_ledger import Penetration
 from .start import Prepared, prepare
 from .verdict import Judged, summary
-from .watch import Watch
+from .watch.watch import Watch
 
 logger = logging.getLogger(__name__)
 
 
 class Simulation:
     """One run: ``prepare()`` makes it ready, ``run()`` executes it, ``frame`` is the last frame taken.
+
+    Simulations in several threads wait for each other: Warp computes in one thread at a time. Use processes to compute
+    several at once.
 
     Construction is cheap. The first access to device data, such as ``frame`` or ``state``, prepares the run, which
     compiles kernels that are not cached.
@@ -40,20 +43,27 @@ class Simulation:
         setup: as given.
         history: time, stroke and every entry of the ledger, of all frames of the run.
         outcome: how the run ended; None before its end.
+        interrupted_by: name of the signal that ended it; None if none did.
         failure: why the state became non-finite; None if it did not.
         stepping_time, wall_time: of the run [s].
     """
 
     def __init__(self, setup: Setup) -> None:
-        self.setup, self.name = setup, setup.name
+        self.setup = setup
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
+        self.interrupted_by: str | None = None
         self.failure: str | None = None
         self.stepping_time = 0.0
         self.wall_time = 0.0
         self._prepared: Prepared | None = None
         self._frame: Frame | None = None
         self._watch: Watch | None = None
+
+    @property
+    def name(self) -> str:
+        """Of the set-up; result files are named after it."""
+        return self.setup.name
 
     # --- device data -------------------------------------------------------------------------------------------------
 
@@ -64,7 +74,8 @@ class Simulation:
             InputError: bad input that can only be detected on the device, such as an unstable step.
         """
         if self._prepared is None:
-            self._prepared = prepare(self.setup)
+            with exclusive():
+                self._prepared = prepare(self.setup)
         return self._prepared
 
     @property
@@ -118,10 +129,10 @@ class Simulation:
     # --- the run -----------------------------------------------------------------------------------------------------
 
     def run(self, observers: Sequence[Observer] = ()) -> Outcome:
-        """Run until the end, until rest, until Ctrl-C, or until the state is no longer finite.
+        """Run until the end, until rest, until a signal, or until the state is no longer finite.
 
-        Ctrl-C stops a run within about a tenth of a second on a CPU (or a block of steps, if that takes longer), and at
-        the next frame on a GPU.
+        Ctrl-C, SIGTERM and SIGHUP stop a run within about a tenth of a second on a CPU (or a block of steps, if that
+        takes longer), and at the next frame on a GPU.
 
         Every observer receives all frames, and ``finish`` however the run ends. Doubts about the result are added to
         ``warnings``.
@@ -135,14 +146,18 @@ class Simulation:
             raise RunError("this simulation has been run: make a new one, since runs start from the undeformed blank")
         self.prepare()
         started = time.perf_counter()
-        with ExitStack() as at_end, interruption() as interrupted:
+        with exclusive(), interruption() as interrupted, interrupted.held(), ExitStack() as at_end:
             self.outcome = Outcome.INTERRUPTED
             for observer in observers:
                 observer.start(self.info)
                 at_end.callback(self._finish, observer)
             self._publish(self.frame, observers)
             self.outcome = self._run_frames(observers, interrupted, started)
-            self._report_doubts()
+            try:
+                self._report_doubts()
+            except Exception as error:  # the results are still worth having
+                self.warnings.append(f"the result could not be judged: {type(error).__name__}: {error}")
+                logger.warning("%s", self.warnings[-1], exc_info=error)
             if self.failure:
                 logger.info("%s", self.failure)
         self.wall_time = time.perf_counter() - started
@@ -150,7 +165,7 @@ class Simulation:
             raise RunError(self.failure)
         return self.outcome
 
-    def _run_frames(self, observers: Sequence[Observer], interrupted: threading.Event, started: float) -> Outcome:
+    def _run_frames(self, observers: Sequence[Observer], interrupted: Interruption, started: float) -> Outcome:
         setup, watch = self.setup, self.watch
         while True:
             index = self.frame.index + 1
@@ -158,27 +173,33 @@ class Simulation:
             running = self._advance_to(min(target, watch.next_time), interrupted)
             if self.failure:
                 return Outcome.NOT_FINITE
-            frame = self.ledger.frame(index)
+            # a signal during a frame leaves no steps between it and the next one
+            frame = self.frame
+            if running or self.state.step_count > frame.step_count:
+                frame = self.ledger.frame(index)
             if frame.time >= watch.next_time or not running:
                 watch.look(frame, last=not running)
             if frame.time < target and running:
                 continue
-            self._publish(frame, observers)
+            if frame is not self.frame:
+                self._publish(frame, observers)
             self.wall_time = time.perf_counter() - started
-            if not running:
-                return Outcome.INTERRUPTED
             if frame.time >= setup.duration or (setup.rest and setup.rest.reached(frame.time, frame.energies)):
                 watch.look(frame, last=True)
                 return Outcome.FINISHED
+            if not running:
+                self.interrupted_by = interrupted.signal.name if interrupted.signal else None
+                return Outcome.INTERRUPTED
 
     def _finish(self, observer: Observer) -> None:
         observer.finish(self.outcome or Outcome.INTERRUPTED)
 
     def take_frame(self) -> Frame:
         """Take a frame of the current state and add it to ``history``, without notifying observers."""
-        frame = self.ledger.frame(self.frame.index + 1)
-        self.watch.look(frame, last=True)
-        self._publish(frame, ())
+        with exclusive():
+            frame = self.ledger.frame(self.frame.index + 1)
+            self.watch.look(frame, last=True)
+            self._publish(frame, ())
         return self.frame
 
     def _publish(self, frame: Frame, observers: Sequence[Observer]) -> None:
@@ -187,8 +208,8 @@ class Simulation:
         for observer in observers:
             observer.frame(frame)
 
-    def _advance_to(self, target: float, interrupted: threading.Event) -> bool:
-        """Step until ``target`` [s]; False if interrupted by Ctrl-C."""
+    def _advance_to(self, target: float, interrupted: Interruption) -> bool:
+        """Step until ``target`` [s]; False if interrupted by a signal."""
         started = time.perf_counter()
         self.stepper.advance_to(target, interrupted.is_set)
         self.failure = find_failure(self.model, self.state, self.frame)

@@ -16,8 +16,8 @@ from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..errors import InputError
 from ..fabric.cell import UnitCell
-from ..sheet.sheet import Sheet
 from ..tools.sampling import mesh_parts
+from .estimate import check_bounds, estimate
 from .frame import Frame, RunInfo, SheetFrame, SheetInfo
 from .guards import Guards, Level, Start
 from .ledger import Ledger
@@ -55,6 +55,7 @@ def prepare(setup: Setup) -> Prepared:
         InputError: bad input that can only be detected on the device: an unstable step, a tool that overlaps the
             sheet, a unit cell that carries force at rest, a mesh that cannot be sampled.
     """
+    check_bounds(estimate(setup), setup)
     model = Model(setup)
     state = State.initial(model)
     solver = setup.solver
@@ -74,17 +75,24 @@ def prepare(setup: Setup) -> Prepared:
             f"time_step = {solver.time_step:.4g} s is unstable for this mesh and fabric: at most {stable:.4g} s "
             "is stable; use that, a coarser mesh, or mass scaling (target_step)"
         )
+    expected = estimate(
+        setup,
+        time_step=min(stable, solver.time_step or math.inf),
+        thread_count=thread_counts[-1],
+        is_cpu=model.device.is_cpu,
+    )
+    check_bounds(expected, setup)
+    logger.info("%s takes %s", setup.name, expected)
     ledger = Ledger(stepper)
     frame = ledger.frame(0)
     for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
         check_cell_at_rest(sheet.fabric.unit_cell, first)
-    for sheet_ledger, sheet, first in zip(ledger.sheets, setup.sheets, frame.sheets, strict=True):
-        check_overlap(sheet, sheet_ledger.penetration(first).at_nodes)
     guards = Guards()
     doubts = guards.before(Start(model, ledger, frame))
     info = RunInfo(
         name=setup.name,
         setup=setup,
+        expected=expected,
         sheets=tuple(sheet_infos(setup)),
         tools=setup.tools,
         supports=setup.supports,
@@ -123,18 +131,11 @@ def check_cell_at_rest(cell: UnitCell, frame: SheetFrame) -> None:
         )
 
 
-def check_overlap(sheet: Sheet, penetration: float) -> None:
-    """Check that no tool overlaps the blank by more than half its thickness before the run starts [m]."""
-    thickness = sheet.fabric.thickness
-    if penetration > 0.5 * thickness:
-        raise InputError(
-            f"a tool overlaps the blank by {1e3 * penetration:.3g} mm before the run starts; the sheet is "
-            f"{1e3 * thickness:.3g} mm thick: move the tool half a thickness off the mid-surface"
-        )
-
-
 def mesh_notes(model: Model) -> Iterator[str]:
-    """Notes on the triangle meshes of the tools, and the accuracy of their sampling."""
+    """Notes on the meshes of sheets and tools that were read from files, and the accuracy of the tools' sampling."""
+    for world in model.setup.worlds:
+        for sheet in world.sheets:
+            yield from sheet.blank.source_notes
     for surface in mesh_parts(model.setup.tools).values():
         yield from surface.notes()
         yield model.samples[surface].note(surface.name)

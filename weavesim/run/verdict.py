@@ -13,14 +13,18 @@ import numpy as np
 from ..measures.findings import SHEET_FINDINGS, Finding, FormedSheet, found
 from ..measures.units import DEGREES, JOULES, MILLIMETRES, NEWTONS, PER_SECOND, PURE, SECONDS
 from ..version import __version__
+from .guards.law_range import beyond_data
 
 if TYPE_CHECKING:
-    from .condition import Condition
-    from .extremes import Extremes
     from .simulation import Simulation
+    from .watch.condition import Condition
+    from .watch.extremes import Extremes
 
 # The balance error of a state is relative to the work so far, but at least to this share of the run's work.
 LEAST_WORK = 1.0e-4
+# Below this share of the thickness as a lift of all sheets under gravity, nothing has happened: no ratio is formed.
+LEAST_LIFT = 1.0e-3
+GRAVITY = 9.81
 # Hourglass and kinetic over internal energy are judged only above this share of the largest internal energy.
 LEAST_INTERNAL = 0.05
 
@@ -50,14 +54,22 @@ class Judged:
         return self.run.watch.history
 
     @cached_property
-    def supplied(self) -> float:
-        """Largest supplied work [J]."""
-        return max(np.abs([entry["supplied"] for entry in self.history]).max(), 1.0e-300)
+    def least_energy(self) -> float:
+        """Energy below which nothing has happened: ``LEAST_LIFT`` of the thickness as a lift of the sheets [J]."""
+        sheets = self.run.model.sheets
+        return sum(LEAST_LIFT * GRAVITY * float(s.node_mass.sum()) * s.fabric.thickness for s in sheets)
+
+    @cached_property
+    def scale(self) -> float | None:
+        """Largest supplied, kinetic or internal energy of any state [J]; None where nothing has happened."""
+        names = ("supplied", "kinetic", "internal")
+        largest = max(abs(entry[name]) for entry in self.history for name in names)
+        return None if largest < self.least_energy else largest  # not finite: a number that is then doubted
 
     @cached_property
     def stored(self) -> list[dict[str, float]]:
         """States that store enough energy for energy ratios to be meaningful."""
-        largest = max(entry["internal"] for entry in self.history)
+        largest = max(max(entry["internal"] for entry in self.history), self.least_energy / LEAST_INTERNAL)
         return [entry for entry in self.history if entry["internal"] > LEAST_INTERNAL * largest]
 
     @cached_property
@@ -70,9 +82,9 @@ class Judged:
             if (abs(entry["stroke"]) >= 0.75 * stroke if stroke > 0.0 else entry["time"] >= 0.75 * time)
         ]
 
-    def share_of_supplied(self, name: str) -> float:
-        """An entry of the ledger at the last frame over the supplied work."""
-        return self.run.frame.energies[name] / self.supplied
+    def share_of_supplied(self, name: str) -> float | None:
+        """An entry of the ledger at the last frame over ``scale``."""
+        return None if self.scale is None else self.run.frame.energies[name] / self.scale
 
     @property
     def extremes(self) -> Extremes:
@@ -113,11 +125,20 @@ def _of_sheets(name: str, which: Callable[[Any], float]) -> Finding:
     )  # fmt: skip
 
 
-def _balance_error(judged: Judged) -> float:
+def _balance_error(judged: Judged) -> float | None:
+    scale = judged.scale
+    if scale is None:
+        return None
     return max(
-        abs(entry["balance_error"]) / max(abs(entry["supplied"]), entry["used"], LEAST_WORK * judged.supplied)
+        abs(entry["balance_error"])
+        / max(abs(entry["supplied"]), entry["used"], judged.least_energy, LEAST_WORK * scale)
         for entry in judged.history
     )
+
+
+def _gravity_ratio(judged: Judged) -> float | None:
+    share = judged.share_of_supplied("gravity_work")
+    return None if share is None else abs(share)
 
 
 def _furthest(judged: Judged, name: str) -> list[float]:
@@ -180,6 +201,14 @@ RUN_FINDINGS = (
         lambda judged: max(_furthest(judged, "max_stretch")),
     ),
     Finding(
+        "share_beyond_data", PURE, "largest share of the elements of a sheet that left the measured range of a law",
+        lambda judged: max(
+            (entry.share for info, sheet in zip(judged.run.info.sheets, judged.extremes.sheets, strict=False)
+             for entry in beyond_data(info.fabric, sheet.rows)),
+            default=0.0,
+        ),
+    ),
+    Finding(
         "hourglass_energy_ratio", PURE, "hourglass over internal energy, the largest",
         lambda judged: max((entry["hourglass"] / entry["internal"] for entry in judged.stored), default=0.0),
     ),
@@ -188,12 +217,12 @@ RUN_FINDINGS = (
         lambda judged: max((entry["kinetic"] / entry["internal"] for entry in judged.last_quarter), default=0.0),
     ),
     Finding(
-        "damping_loss_ratio", PURE, "damping loss over supplied work",
+        "damping_loss_ratio", PURE, "damping loss over the largest supplied, kinetic or internal energy",
         lambda judged: judged.share_of_supplied("damping_loss"),
     ),
     Finding(
-        "gravity_work_ratio", PURE, "work of gravity over supplied work",
-        lambda judged: abs(judged.run.frame.energies["gravity_work"]) / judged.supplied,
+        "gravity_work_ratio", PURE, "work of gravity over the same",
+        _gravity_ratio,
     ),
     Finding("energy_balance_error", PURE, "error of the energy balance over the work, the largest", _balance_error),
     Finding(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import os
 from typing import Any, Self
 
 import numpy as np
@@ -11,15 +11,26 @@ from pydantic import model_validator
 from ..arrays import FloatArray, IndexArray
 from ..checks import Parameters
 from ..errors import InputError
-from ..quantities import finite
-from ..ranges import QUANTITIES, argument
-from .topology import checked_distortion, part_of_nodes
+from ..meshes import read_mesh
+from ..quantities import finite, positive
+from ..ranges import argument
+from .mesh_checks import (
+    ROWS,
+    Names,
+    check_arrays,
+    check_coincident,
+    check_connection,
+    check_elements,
+    merged_nodes,
+)
+from .topology import checked_distortion
 
-_LARGEST_EXTENT_M = QUANTITIES["length"].legal[1]
 # Allowed deviation from length one, and from the plane of the element; smallest sine of the angle between the yarns.
 _UNIT_TOLERANCE = 1.0e-6
 _PLANE_TOLERANCE = 1.0e-3
 _LEAST_YARN_SINE = 1.0e-3
+# Size of the elements of a rectangle over its longer side, with room for blanks of one element.
+LARGEST_ELEMENT_SHARE = 2.0
 
 
 class Blank(Parameters):
@@ -31,6 +42,7 @@ class Blank(Parameters):
         quads: corner nodes of each element, counter-clockwise seen from above, (element_count, 4).
         warp_direction, weft_direction: unit yarn directions at the element centres, (element_count, 3).
         initial_director: unit normals at the nodes, (node_count, 3).
+        source_notes: what was merged or left out when the mesh was read, for the log.
 
     Raises:
         InputError: a bad mesh (see ``from_mesh``), numbers that are not finite, directions that do not have length 1,
@@ -47,11 +59,13 @@ class Blank(Parameters):
     warp_direction: FloatArray
     weft_direction: FloatArray
     initial_director: FloatArray
+    source_notes: tuple[str, ...] = ()
 
     @model_validator(mode="after")
     def _is_a_sheet(self) -> Self:
-        _check_mesh(self.node_position, self.quads)
-        _check_connection(self.node_position, self.quads)
+        check_arrays(self.node_position, self.quads)
+        check_elements(self.node_position, self.quads)
+        check_connection(self.node_position, self.quads)
         for name, shape in (
             ("material_coordinates", (self.node_count, 2)), ("initial_director", (self.node_count, 3)),
             ("warp_direction", (self.element_count, 3)), ("weft_direction", (self.element_count, 3)),
@@ -84,24 +98,14 @@ class Blank(Parameters):
         """Nodes of the longest closed outline, in order, counter-clockwise, (k,)."""
         edges = np.concatenate([self.quads[:, [i, (i + 1) % 4]] for i in range(4)])
         undirected, inverse, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-        # several after a node at which elements meet only in a corner
-        following: dict[int, list[int]] = {}
-        for a, b in edges[count[inverse.ravel()] == 1].tolist():
-            following.setdefault(a, []).append(b)
-
-        def after(node: int) -> int:
-            result = following[node].pop()
-            if not following[node]:
-                del following[node]
-            return result
-
+        following = dict(edges[count[inverse.ravel()] == 1].tolist())
         loops = []
         while following:
             start = next(reversed(following))
-            loop, node = [start], after(start)
+            loop, node = [start], following.pop(start)
             while node != start:
                 loop.append(node)
-                node = after(node)
+                node = following.pop(node)
             loops.append(loop)
         return np.array(max(loops, key=len), dtype=np.int32)
 
@@ -138,6 +142,11 @@ class Blank(Parameters):
             raise InputError(
                 f"blank from {lower} to {upper} m with elements of {element_size} m: sides and element size must be "
                 "finite and positive"
+            )
+        if size.min() > LARGEST_ELEMENT_SHARE * extent.max():
+            raise InputError(
+                f"blank from {lower} to {upper} m with elements of {element_size} m: elements are larger than the "
+                "blank; write 0.005 for 5 mm"
             )
         count = np.maximum(1, np.rint(extent / size)).astype(int)
         x, y = (np.linspace(lower[i], upper[i], count[i] + 1) for i in range(2))
@@ -200,18 +209,49 @@ class Blank(Parameters):
         yarn_angle: float = 0.0,
         warp_direction: np.ndarray | None = None,
         material_coordinates: np.ndarray | None = None,
+        merge_nodes: float | None = None,
     ) -> Blank:
         """Any quadrilateral mesh, flat or curved.
 
         The warp is the projection onto each element of ``warp_direction`` ((3,) or (element_count, 3)), by default of
         the direction at ``yarn_angle`` degrees from x in the xy plane. ``material_coordinates`` default to x and y.
 
+        ``merge_nodes`` is the distance [m] up to which nodes are merged. Without it, nodes of the border that lie at
+        the same place are refused, because the sheet would be cut there; 0 says that the cut is meant.
+
         Raises:
-            InputError: NaN, degenerate or flipped elements, or a mesh that appears to be in millimetres.
+            InputError: NaN, degenerate or flipped elements, elements or nodes given twice, several parts, or a mesh
+                that appears to be in millimetres.
         """
         position = _number_array("blank mesh: nodes", node_position)
         quads = _whole_numbers(quads)
-        _check_mesh(position, quads)
+        return cls._of_mesh(position, quads, ROWS, merge_nodes, (), yarn_angle, warp_direction, material_coordinates)
+
+    @classmethod
+    def _of_mesh(
+        cls,
+        position: np.ndarray,
+        quads: np.ndarray,
+        names: Names,
+        merge_nodes: float | None,
+        notes: tuple[str, ...],
+        yarn_angle: float,
+        warp_direction: Any = None,
+        material_coordinates: Any = None,
+    ) -> Blank:
+        check_arrays(position, quads, names)
+        if merge_nodes is not None and finite("merge_nodes", merge_nodes) != 0.0:
+            distance = positive("merge_nodes", merge_nodes)
+            count = len(position)
+            position, quads, kept = merged_nodes(position, quads, distance)
+            names = Names(names.mesh, kept if names.nodes is None else names.nodes[kept], names.elements)
+            if np.shape(material_coordinates) == (count, 2):
+                material_coordinates = np.asarray(material_coordinates)[kept]
+            notes = (*notes, f"{names.mesh}: {count - len(kept)} nodes merged with another up to {distance:g} m away")
+        check_elements(position, quads, names)
+        if merge_nodes is None:
+            check_coincident(position, quads, names)
+        check_connection(position, quads, names)
         normal = np.cross(position[quads[:, 2]] - position[quads[:, 0]], position[quads[:, 3]] - position[quads[:, 1]])
         director = np.zeros_like(position)
         for corner in range(4):
@@ -242,28 +282,41 @@ class Blank(Parameters):
             warp_direction=warp,
             weft_direction=np.cross(normal, warp),
             initial_director=director,
+            source_notes=notes,
         )
 
     @classmethod
-    def from_file(cls, path: str | Path, *, unit_scale: float = 1.0, yarn_angle: float = 0.0) -> Blank:
-        """Quadrilaterals from any file that meshio reads; ``unit_scale`` converts to metres (0.001 for mm).
+    def from_file(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        unit_scale: float = 1.0,
+        yarn_angle: float = 0.0,
+        merge_nodes: float | None = None,
+    ) -> Blank:
+        """Quadrilaterals from a mesh file: a deck of Abaqus or CalculiX, VTK, Gmsh, Medit, OBJ, PLY or OFF.
+
+        Args:
+            path: of the file; its ending names the format.
+            unit_scale: metres per unit of the file: 1 for metres, 0.001 for millimetres.
+            yarn_angle, merge_nodes: those of ``from_mesh``.
 
         Raises:
-            InputError: missing or unreadable file, no quadrilaterals, or a bad mesh (see ``from_mesh``).
+            InputError: a file that cannot be read, cells that are not quadrilaterals, or a bad mesh (see
+                ``from_mesh``).
         """
-        import meshio
-
-        try:
-            mesh = meshio.read(path)
-        except (OSError, SystemExit, meshio.ReadError, ValueError) as error:
-            raise InputError(f"blank mesh {path}: cannot be read ({error}); give a file that meshio reads") from None
-        quads = mesh.cells_dict.get("quad")
-        if quads is None:
-            raise InputError(f"blank mesh {path}: contains {sorted(mesh.cells_dict)}, but quadrilaterals are needed")
-        points = np.asarray(mesh.points, dtype=float) * argument("unit_scale", unit_scale, "unit scale")
-        points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
+        unit_scale = argument("unit_scale", unit_scale, "unit scale")
+        mesh = read_mesh(path, "blank mesh")
+        quads, labels = mesh.quads()
+        mesh.check_unit(unit_scale)
         used, quads = np.unique(quads, return_inverse=True)
-        return cls.from_mesh(points[used], quads.reshape(-1, 4), yarn_angle=yarn_angle)
+        notes = [f"{mesh.name}: {note}" for note in mesh.notes]
+        if len(used) < len(mesh.vertices):
+            notes.append(f"{mesh.name}: {len(mesh.vertices) - len(used)} nodes left out: no element uses them")
+        node_labels = used + 1 if mesh.node_labels is None else mesh.node_labels[used]
+        names = Names(mesh.name, node_labels, labels)
+        quads = quads.reshape(-1, 4).astype(np.int32)
+        return cls._of_mesh(unit_scale * mesh.vertices[used], quads, names, merge_nodes, tuple(notes), yarn_angle)
 
 
 def _pair(name: str, value: Any) -> tuple[float, float]:
@@ -314,59 +367,3 @@ def _check_directions(blank: Blank) -> None:
         _check_rows(name, yarn, good, "a direction in the plane of the element is needed")
     good = np.linalg.norm(np.cross(warp, weft), axis=1) >= _LEAST_YARN_SINE
     _check_rows("weft_direction", weft, good, "a direction that is not parallel to the warp is needed")
-
-
-def _check_mesh(position: np.ndarray, quads: np.ndarray) -> None:
-    if position.ndim != 2 or position.shape[1] != 3 or quads.ndim != 2 or quads.shape[1:] != (4,) or not len(quads):
-        raise InputError(
-            f"blank mesh: nodes {position.shape} and elements {quads.shape}; (n, 3) and (m, 4), m > 0 are needed"
-        )
-    if quads.min() < 0 or quads.max() >= len(position):
-        raise InputError(f"blank mesh: elements use nodes {quads.min()} to {quads.max()}; there are {len(position)}")
-    if not np.all(np.isfinite(position)):
-        node = int(np.argmin(np.all(np.isfinite(position), axis=1)))
-        raise InputError(f"blank mesh: node {node} is at {position[node]}; coordinates must be finite")
-    extent = np.ptp(position, axis=0).max()
-    if extent > _LARGEST_EXTENT_M:
-        raise InputError(
-            f"blank mesh: it is {extent:.4g} m wide, as a blank of {extent:.4g} mm read as metres would be "
-            "(1000 times too big); scale it to metres (unit_scale=0.001)"
-        )
-    corner = position[quads]
-    mean_normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
-    size = np.linalg.norm(mean_normal, axis=1)
-    mean_normal /= np.maximum(size, 1.0e-300)[:, None]
-    edge = np.roll(corner, -1, axis=1) - corner
-    doubled = np.einsum("eij,ej->ei", np.cross(np.roll(edge, 1, axis=1), edge), mean_normal)
-    longest = np.square(np.linalg.norm(edge, axis=2).max(axis=1))
-    bad = (doubled.min(axis=1) <= 1.0e-4 * longest) | (size <= 1.0e-4 * longest)
-    if np.any(bad):
-        element = int(np.argmax(bad))
-        raise InputError(
-            f"blank mesh: {int(bad.sum())} elements are degenerate or not convex, the first is element {element} with "
-            f"nodes {quads[element].tolist()} at {corner[element].round(6).tolist()}; every corner angle must lie "
-            "between 0 and 180 degrees"
-        )
-    # edges as single numbers: sorting these is ten times faster than sorting pairs
-    edges = quads.astype(np.int64) * len(position) + np.roll(quads, -1, axis=1)
-    key, count = np.unique(edges, return_counts=True)
-    if np.any(count > 1):
-        a, b = divmod(int(key[np.argmax(count > 1)]), len(position))
-        raise InputError(
-            f"blank mesh: two elements have the edge from node {a} to node {b} in the same direction, so one of them "
-            "is flipped (or three elements share it); order the corners of all elements counter-clockwise"
-        )
-
-
-def _check_connection(position: np.ndarray, quads: np.ndarray) -> None:
-    lonely = np.bincount(quads.ravel(), minlength=len(position)) == 0
-    if lonely.any():
-        raise InputError(f"blank mesh: node {int(np.argmax(lonely))} belongs to no element; remove it")
-    part = part_of_nodes(quads, len(position))
-    parts, count = np.unique(part[quads[:, 0]], return_counts=True)
-    if len(parts) > 1:
-        raise InputError(
-            f"blank mesh: it has {len(parts)} parts that share no node, of {', '.join(map(str, count[:5]))}"
-            f"{' and more' if len(parts) > 5 else ''} elements; they would pass through each other undetected: "
-            "make each part a separate sheet"
-        )

@@ -6,12 +6,14 @@ import math
 
 import numpy as np
 
-from .mesh_repair import neighbours
+from .mesh_topology import neighbours
 
 # Edges sharper than this [rad] are real edges, not between the facets of a fillet.
 SHARP = math.radians(50.0)
 # Faces whose curvature is estimated at most; of larger meshes a random part stands for all.
 CURVATURE_FACE_COUNT = 200_000
+# Parts whose silhouettes are drawn at most.
+LARGEST_PART_COUNT = 50
 # Pixels across the smaller side of a silhouette, and in all.
 SILHOUETTE_WIDTH = 400
 SILHOUETTE_COUNT = 1_000_000
@@ -113,7 +115,9 @@ def width_along(vertices: np.ndarray, faces: np.ndarray, axis: np.ndarray) -> fl
     from PIL import Image, ImageDraw
     from scipy.ndimage import distance_transform_edt
 
-    flat = _across(vertices, axis)
+    used, faces = np.unique(faces, return_inverse=True)
+    faces = faces.reshape(-1, 3)
+    flat = _across(vertices[used], axis)
     size = np.ptp(flat, axis=0)
     pixel = max(float(size.min()) / SILHOUETTE_WIDTH, math.sqrt(float(size[0] * size[1]) / SILHOUETTE_COUNT))
     if not pixel > 1e-9:
@@ -132,6 +136,15 @@ def width_along(vertices: np.ndarray, faces: np.ndarray, axis: np.ndarray) -> fl
     filled[cells[:, 1], cells[:, 0]] = True
     # the nearest empty pixel lies half a pixel beyond the outline, on either side
     return min((2.0 * float(distance_transform_edt(filled).max()) - 1.0) * pixel, float(size.min()))
+
+
+def smallest_width(vertices: np.ndarray, parts: list[np.ndarray], axis: np.ndarray) -> float:
+    """Least ``width_along`` of the parts; of many, only those with the smallest silhouettes are drawn [m]."""
+    unit = axis / np.linalg.norm(axis)
+    flat = vertices - np.outer(vertices @ unit, unit)
+    size = [float(np.linalg.norm(np.ptp(flat[part.ravel()], axis=0))) for part in parts]
+    drawn = np.argsort(size, kind="stable")[:LARGEST_PART_COUNT]
+    return min(width_along(vertices, parts[k], axis) for k in drawn)
 
 
 def _across(vertices: np.ndarray, axis: np.ndarray) -> np.ndarray:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from ..errors import InputError
 from ..ranges import QUANTITIES
+from .mesh_topology import directed_edges, labels
 
 # Tools are between 2 mm and 20 m across; anything else is a unit error.
 LARGEST_SIZE = QUANTITIES["length"].legal[1]
@@ -17,6 +17,8 @@ SMALLEST_SIZE = 0.002
 # Vertices closer than this share of the size are merged; borders closer than the second are a seam, not a border.
 WELD = 1e-6
 SEAM = 1e-4
+# A triangle of less area than the square of this share of the size has none.
+LEAST_AREA = 1e-9
 
 
 def checked_triangles(name: str, vertices: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -39,15 +41,15 @@ def checked_triangles(name: str, vertices: Any, faces: Any) -> tuple[np.ndarray,
         raise InputError(
             f"{name} has {len(bad)} vertices that are not finite, the first is vertex {bad[0]}; export the mesh again."
         )
-    used, faces = np.unique(faces, return_inverse=True)
-    vertices = vertices[used]
+    vertices, (faces,) = without_unused(vertices, [faces])
     check_size(name, vertices)
-    return vertices, faces.reshape(-1, 3)
+    return vertices, faces
 
 
 def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     p, q, r = (vertices[faces[:, k]] for k in range(3))
-    return 0.5 * np.linalg.norm(np.cross(q - p, r - p), axis=1)
+    cross = np.cross(q - p, r - p)
+    return 0.5 * np.sqrt(np.einsum("ij,ij->i", cross, cross))
 
 
 def mirrored_mesh(
@@ -71,56 +73,35 @@ def mirrored_mesh(
 
 
 def welded(vertices: np.ndarray, faces: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Merge vertices in the same cell of a fine grid."""
-    cells = np.round(vertices / tolerance).astype(np.int64)
-    _, first, index = np.unique(cells, axis=0, return_index=True, return_inverse=True)
-    return vertices[first], index.reshape(-1)[faces]
+    """Merge vertices closer than ``tolerance``; at most 2 million times that across."""
+    from scipy.spatial import cKDTree
+
+    # those in one cell of a fine grid first: in a mesh without shared vertices these are most
+    cells = np.floor((vertices - vertices.min(axis=0)) / tolerance).astype(np.int64)
+    key = (cells[:, 0] << 42) | (cells[:, 1] << 21) | cells[:, 2]
+    _, first, index = np.unique(key, return_index=True, return_inverse=True)
+    close = cKDTree(vertices[first]).query_pairs(tolerance, output_type="ndarray")
+    if len(close):
+        group = labels(len(first), close)
+        _, one = np.unique(group, return_index=True)
+        first, index = first[one], group[index]
+    # vertices stay in their order
+    order = np.argsort(first)
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    return vertices[first[order]], place[index][faces]
 
 
-def _directed_edges(faces: np.ndarray) -> np.ndarray:
-    """(3 m, 2): the edges of face i are rows 3 i to 3 i + 2."""
-    return np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+def diagonal(points: np.ndarray) -> float:
+    """Of the box around points (..., 3) [m]."""
+    return float(np.linalg.norm(np.ptp(points.reshape(-1, 3), axis=0)))
 
 
-def neighbours(faces: np.ndarray) -> np.ndarray:
-    """Pairs of edges (rows of ``_directed_edges``) that two triangles share, (k, 2)."""
-    key = np.sort(_directed_edges(faces), axis=1)
-    order = np.lexsort((key[:, 1], key[:, 0]))
-    same = np.all(key[order[1:]] == key[order[:-1]], axis=1)
-    # where more than two triangles meet, none are neighbours
-    twice = np.append(same[1:], False) | np.append(False, same[:-1])
-    pick = np.flatnonzero(same & ~twice)
-    return np.column_stack([order[pick], order[pick + 1]])
-
-
-def oriented(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Faces oriented consistently with their neighbours, and the number of each face's connected component."""
-    edges = _directed_edges(faces)
-    pairs = neighbours(faces)
-    agree = edges[pairs[:, 0], 0] != edges[pairs[:, 1], 0]
-    links: list[list[tuple[int, bool]]] = [[] for _ in range(len(faces))]
-    for (a, b), same in zip((pairs // 3).tolist(), agree.tolist(), strict=True):
-        links[a].append((b, same))
-        links[b].append((a, same))
-    component = np.full(len(faces), -1)
-    flip = np.zeros(len(faces), dtype=bool)
-    count = 0
-    for start in range(len(faces)):
-        if component[start] >= 0:
-            continue
-        component[start] = count
-        waiting = [start]
-        while waiting:
-            a = waiting.pop()
-            for b, same in links[a]:
-                if component[b] < 0:
-                    component[b] = count
-                    flip[b] = flip[a] != (not same)
-                    waiting.append(b)
-        count += 1
-    faces = faces.copy()
-    faces[flip] = faces[flip][:, ::-1]
-    return faces, component
+def extent(vertices: np.ndarray, faces: np.ndarray) -> float:
+    """Diagonal of the box around all triangles that have an area [m]; stray corners of others do not count."""
+    size = diagonal(vertices)
+    none = triangle_areas(vertices, faces) <= (LEAST_AREA * size) ** 2
+    return diagonal(vertices[faces[~none]]) if np.any(none) and not np.all(none) else size
 
 
 def turned_outwards(faces: np.ndarray, component: np.ndarray, facing: np.ndarray, area: np.ndarray) -> np.ndarray:
@@ -144,38 +125,40 @@ def ends_at(coordinate: np.ndarray, tolerance: float) -> bool:
     return bool(nearest <= tolerance and np.count_nonzero(np.abs(coordinate) <= tolerance) >= 3)
 
 
-def open_border(vertices: np.ndarray, faces: np.ndarray, tolerance: float) -> np.ndarray:
-    """Edges (k, 2) that have no neighbour, not even one that merely touches as at a seam of two patches."""
-    key, counts = np.unique(np.sort(_directed_edges(faces), axis=1), axis=0, return_counts=True)
-    border = key[counts == 1]
-    start, end = vertices[border[:, 0]], vertices[border[:, 1]]
-    middle, along = 0.5 * (start + end), end - start
-    square = np.maximum(np.einsum("ij,ij->i", along, along), 1e-30)
-    seam = np.zeros(len(border), dtype=bool)
-    for k in range(len(border)):
-        share = np.clip(np.einsum("ij,ij->i", middle[k] - start, along) / square, 0.0, 1.0)
-        gap = np.linalg.norm(start + share[:, None] * along - middle[k], axis=1)
-        gap[k] = np.inf
-        seam[k] = gap.min() < min(tolerance, 0.4 * math.sqrt(square[k]))
-    return border[~seam]
-
-
 def directed_border(border: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Border edges in the direction of their faces."""
-    edges = _directed_edges(faces)
+    edges = directed_edges(faces)
     count = int(faces.max()) + 1
     low, high = edges.min(axis=1), edges.max(axis=1)
-    return edges[np.isin(low * count + high, border[:, 0] * count + border[:, 1])]
+    given = border.min(axis=1) * count + border.max(axis=1)
+    return edges[np.isin(low * count + high, given)]
 
 
 def extruded(
     vertices: np.ndarray, faces: np.ndarray, border: np.ndarray, shift: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The body swept by a sheet moved by ``shift``: the sheet, its reversed copy, and walls at the border."""
+    """The body behind a sheet, down to about ``shift``: the sheet, walls at its border, and a lid from these.
+
+    The lid joins the lower ends of the walls to one point; its shape does not matter so far from the sheet.
+    """
     count = len(vertices)
+    used, index = np.unique(border, return_inverse=True)
+    index = index.reshape(-1, 2) + count
     a, b = border[:, 0], border[:, 1]
-    walls = np.concatenate([np.column_stack([b, a, a + count]), np.column_stack([b, a + count, b + count])])
-    return np.concatenate([vertices, vertices + shift]), np.concatenate([faces, faces[:, ::-1] + count, walls])
+    low_a, low_b = index[:, 0], index[:, 1]
+    apex = np.full(len(border), count + len(used))
+    walls = [np.column_stack([b, a, low_a]), np.column_stack([b, low_a, low_b]), np.column_stack([low_b, low_a, apex])]
+    lower = vertices[used] + shift
+    return np.concatenate([vertices, lower, lower.mean(axis=0, keepdims=True)]), np.concatenate([faces, *walls])
+
+
+def without_unused(vertices: np.ndarray, faces: list[np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Vertices that some of the ``faces`` use, and these faces."""
+    used = np.zeros(len(vertices), dtype=bool)
+    for part in faces:
+        used[part.ravel()] = True
+    place = np.cumsum(used) - 1
+    return vertices[used], [place[part] for part in faces]
 
 
 def check_size(name: str, vertices: np.ndarray, unit_scale: float = 1.0) -> None:

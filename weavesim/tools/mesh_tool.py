@@ -8,10 +8,10 @@ become a wall. ``sampling.py`` samples it for the kernels.
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -20,25 +20,39 @@ from pydantic import Field, model_validator
 from ..arrays import FloatArray, IntArray
 from ..checks import Parameters
 from ..errors import InputError
+from ..meshes import read_mesh
 from ..quantities import FiniteVector, Vector, positive, unit_vector
 from ..ranges import Quantity, argument
-from .mesh_features import fillet_radius, sharp_edges, width_along
+from .mesh_bodies import Parts, far_flecks, parts_of, united
+from .mesh_duplicates import separated
+from .mesh_features import face_normals, fillet_radius, sharp_edges, smallest_width
 from .mesh_repair import (
     SEAM,
     WELD,
     check_size,
     checked_triangles,
+    diagonal,
     directed_border,
     ends_at,
+    extent,
     extruded,
     mirrored_mesh,
-    open_border,
-    oriented,
     triangle_areas,
     turned_outwards,
     welded,
+    without_unused,
 )
+from .mesh_topology import Border
 from .shapes import Shape, Triangles
+
+logger = logging.getLogger(__name__)
+
+# An open sheet of less than this share of the area beside closed bodies is no part of the tool, but a leftover.
+LEAST_SHEET = 0.01
+# A sheet of which more than this share, seen along its side, faces away from it is a body with a hole.
+LARGEST_REVERSE = 0.1
+# From this number of triangles on, work that takes seconds is announced.
+MANY_TRIANGLES = 300_000
 
 
 class MeshSurface:
@@ -46,11 +60,14 @@ class MeshSurface:
 
     Attributes:
         vertices: (n, 3), faces: (m, 3): cleaned, mirrored, and oriented outwards or towards ``side``.
-        closed: whether the mesh encloses a body. If not, it is a sheet that faces ``side``.
+        closed: whether all of the mesh encloses bodies. If not, the rest is a sheet that faces ``side``.
         side: unit direction from the sheet to the fabric, None for a closed mesh.
-        solid_vertices, solid_faces: the closed body whose distance is sampled.
+        centre: origin of the samples, (3,) [m]; zero unless the mesh lies far from its origin.
+        solid_vertices, solid_faces: the closed bodies whose distance is sampled.
         open_edge_count: border edges of a sheet.
         cut_planes: "x", "y": planes at which the mesh ends, like a half model.
+        parts: faces (k, 3) of each closed body with its cavities, and of the sheet; together ``faces``.
+        warnings: what is probably wrong, in sentences.
         removed_triangle_count: degenerate triangles that were removed.
         fillet_radius: smallest of the convex fillets, estimated from the facets [m]; sharp edges are ignored.
         sharp_edges: convex ones, pairs of vertices (k, 2); sharp_edge_normals: of their two faces, (k, 2, 3).
@@ -74,67 +91,96 @@ class MeshSurface:
         self.name = name
         self.source_notes = tuple(source_notes)
         vertices, faces = checked_triangles(name, vertices, faces)
-        size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+        if len(faces) > MANY_TRIANGLES:
+            logger.info("%s: checking %s triangles", name, f"{len(faces):,}")
+        size = extent(vertices, faces)
         for plane in mirror:
             vertices, faces = mirrored_mesh(name, vertices, faces, plane, SEAM * size)
-        vertices, faces = welded(vertices, faces, WELD * size)
+        vertices, faces = welded(vertices, faces, max(WELD * size, 5e-7 * float(np.ptp(vertices, axis=0).max())))
         keep = triangle_areas(vertices, faces) > (WELD * size) ** 2
         if not np.any(keep):
             raise InputError(f"{name}: all {len(faces)} triangles are degenerate; export the tool's mesh again.")
         self.removed_triangle_count = int(np.count_nonzero(~keep))
-        self.vertices, faces = vertices, faces[keep]
+        vertices, (faces,) = without_unused(vertices, [faces[keep]])
         self.cut_planes = [plane for plane in "xy" if ends_at(vertices[:, "xy".index(plane)], SEAM * size)]
-        border = open_border(self.vertices, faces, SEAM * size)
-        self.closed = len(border) == 0
-        self.open_edge_count = len(border)
-        self.side: Vector | None = None
-        if self.closed:
-            self.faces = self._facing_outwards(faces)
-        else:
-            self.side, self.faces = self._facing_side(faces, side)
+        vertices, faces, self._repairs = separated(name, vertices, faces)
+        parts = parts_of(name, vertices, faces, SEAM * size)
+        self._repairs += parts.notes
+        self._make_solid(vertices, parts, side)
+        # far from the origin single precision would be coarse
+        middle = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
+        self.centre = middle if np.linalg.norm(middle) > diagonal(self.vertices) else np.zeros(3)
         self.fillet_radius = fillet_radius(self.vertices, self.faces)
         self.sharp_edges, self.sharp_edge_normals = sharp_edges(self.vertices, self.faces)
-        self._choose_samples(spacing, reach, size)
+        self._choose_samples(spacing, reach, max(diagonal(self.vertices[part]) for part in self.parts))
+
+    def _make_solid(self, vertices: np.ndarray, parts: Parts, side: Any) -> None:
+        """Unite the bodies, and make the open sheet a solid behind its side."""
+        self.closed = len(parts.sheet) == 0
+        self.open_edge_count = len(parts.border)
+        self.side: Vector | None = None
+        vertices, shown = self._united(vertices, parts.bodies)
+        border = parts.border
+        if not self.closed:
+            self.side, sheet = self._facing_side(vertices, parts, side)
+            shown, border = [*shown, sheet], directed_border(border, sheet)
+        self.vertices, (*self.parts, border) = without_unused(vertices, [*shown, border])
+        self.faces = np.concatenate(self.parts)
+        self.warnings = far_flecks(self.name, self.vertices, self.parts)
         self.solid_vertices, self.solid_faces = self.vertices, self.faces
         if self.side is not None:
             # far enough that the lower end is outside the sampled box by more than any reach
-            depth = float(np.ptp(self.vertices @ np.array(self.side))) + 3.0 * size
-            self.solid_vertices, self.solid_faces = extruded(
-                self.vertices, self.faces, directed_border(border, self.faces), -depth * np.array(self.side)
+            depth = float(np.ptp(self.vertices @ np.array(self.side))) + 3.0 * diagonal(self.vertices)
+            solid_vertices, column = extruded(self.vertices, self.parts[-1], border, -depth * np.array(self.side))
+            solid_vertices, solids = self._united(solid_vertices, [*self.parts[:-1], column])
+            self.solid_vertices, (self.solid_faces,) = without_unused(solid_vertices, [np.concatenate(solids)])
+
+    def _united(self, vertices: np.ndarray, solids: list[np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
+        if len(solids) < 2:
+            return vertices, solids
+        vertices, result, joined, failed = united(vertices, solids)
+        if joined > failed:
+            self._repairs.append(f"{self.name}: {joined - failed} of {len(solids)} solids meet and are united")
+        if failed:
+            self._repairs.append(
+                f"{self.name}: {failed} solids meet, but could not be united: inside them distances are bounds"
             )
+        return vertices, result
 
-    def _corners(self, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        p, q, r = (self.vertices[faces[:, k]] for k in range(3))
-        return p, q, r
-
-    def _facing_outwards(self, faces: np.ndarray) -> np.ndarray:
-        """Faces of a closed mesh, consistently oriented outwards."""
-        faces, _ = oriented(faces)
-        p, q, r = self._corners(faces)
-        # the sign of the volume distinguishes inside from outside
-        return faces if np.einsum("ij,ij->", p, np.cross(q, r)) > 0.0 else faces[:, ::-1]
-
-    def _facing_side(self, faces: np.ndarray, side: Any) -> tuple[Vector, np.ndarray]:
-        """Direction from an open sheet to the fabric, and faces oriented towards it."""
-        faces, component = oriented(faces)
-        p, q, r = self._corners(faces)
-        normal = np.cross(q - p, r - p)
-        area = np.linalg.norm(normal, axis=1)
-        mean = normal.sum(axis=0)
-        if side is None and np.linalg.norm(mean) < 0.02 * area.sum():
+    def _facing_side(self, vertices: np.ndarray, parts: Parts, side: Any) -> tuple[Vector, np.ndarray]:
+        """Direction from an open sheet to the fabric, and its faces oriented towards it."""
+        normal, area = face_normals(vertices, parts.sheet)
+        total, mean = float(area.sum()), area @ normal
+        what = f"{self.name} is an open sheet ({Border(vertices, parts.border)})"
+        if parts.bodies:
+            body_area = sum(float(face_normals(vertices, body)[1].sum()) for body in parts.bodies)
+            what = f"{self.name} has closed bodies and an open sheet ({Border(vertices, parts.border)})"
+            if total < LEAST_SHEET * (total + body_area):
+                raise InputError(
+                    f"{what} with {100 * total / (total + body_area):.2g} % of the area, probably a leftover: remove "
+                    "its triangles, or close its holes."
+                )
+            self._repairs.append(what)
+        if side is None and np.linalg.norm(mean) < 0.02 * total:
             raise InputError(
-                f"{self.name} is an open sheet ({self.open_edge_count} open edges) whose triangles face in all "
-                "directions. If it should enclose a body, close its holes; if not, give the direction from the sheet "
-                "to the fabric as side, for example (0, 0, 1)."
+                f"{what} whose triangles face in all directions. If it should enclose a body, close its holes; if not, "
+                "give the direction from the sheet to the fabric as side, for example (0, 0, 1)."
             )
         direction = unit_vector(f"{self.name}: side", mean if side is None else side)
-        faces = turned_outwards(faces, component, normal @ np.array(direction), area)
-        p, q, r = self._corners(faces)
-        if (np.cross(q - p, r - p) @ np.array(direction)).sum() < 0.02 * area.sum():
+        faces = turned_outwards(parts.sheet, parts.patch, area * (normal @ np.array(direction)), area)
+        normal, area = face_normals(vertices, faces)
+        facing = area * (normal @ np.array(direction))
+        if facing.sum() < 0.02 * total:
             raise InputError(
-                f"{self.name} is an open sheet ({self.open_edge_count} open edges) that is edge-on, or faces both "
-                f"sides equally, along side = {direction}. Give another direction from the sheet to the fabric as "
-                "side; if the mesh should enclose a body, close its holes."
+                f"{what} that is edge-on, or faces both sides equally, along side = {direction}. Give another "
+                "direction from the sheet to the fabric as side; if the mesh should enclose a body, close its holes."
+            )
+        reverse = -float(facing[facing < 0.0].sum() / facing[facing > 0.0].sum())
+        if reverse > LARGEST_REVERSE:
+            raise InputError(
+                f"{what}, but part of it faces away from side = {direction}: {100 * reverse:.3g} % as "
+                "much as faces it, so that it is no sheet with the fabric on one side. If the mesh should enclose a "
+                "body, close its holes; if not, remove what does not face the fabric."
             )
         return direction, faces
 
@@ -162,7 +208,7 @@ class MeshSurface:
 
         The diameter of the largest circle in its silhouette.
         """
-        return width_along(self.vertices, self.faces, np.asarray(axis, dtype=np.float64))
+        return smallest_width(self.vertices, self.parts, np.asarray(axis, dtype=np.float64))
 
     def notes(self) -> list[str]:
         """Notes about the mesh for the log."""
@@ -170,6 +216,7 @@ class MeshSurface:
         lines += [f"{self.name}: {note}" for note in self.source_notes]
         if self.removed_triangle_count:
             lines.append(f"{self.name}: {self.removed_triangle_count} degenerate triangles removed")
+        lines += [*self._repairs, *self.warnings]
         if self.side is not None:
             lines.append(f"{self.name}: faces ({', '.join(f'{c:.3g}' for c in self.side)}), solid behind it")
         for plane in self.cut_planes:
@@ -224,33 +271,27 @@ class MeshShape(Shape):
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str], *, unit_scale: float = 1.0, **options: Any) -> Self:
-        """Read STL, OBJ, PLY or any other format that trimesh supports.
+        """Read STL, OBJ, PLY, OFF, 3MF, glTF, decks of Abaqus and CalculiX, VTK, Gmsh or Medit.
+
+        Quadrilaterals and polygons are split. What is converted or left out is said in the log.
 
         Args:
-            path: of the file.
+            path: of the file; its ending names the format.
             unit_scale: metres per unit of the file: 1 for metres, 0.001 for millimetres.
             **options: those of ``from_triangles``.
 
         Raises:
-            InputError: the file cannot be read, or the mesh cannot be used.
+            InputError: the file cannot be read, holds something that cannot be taken, or the mesh cannot be used.
         """
         unit_scale = argument("unit_scale", unit_scale, "unit scale")
-        path = Path(path)
-        if not path.is_file():
-            raise InputError(f"tool mesh {path} does not exist; give the path of an STL, OBJ or PLY file.")
-        import trimesh
-
-        try:
-            mesh = trimesh.load_mesh(path, process=False)
-            vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
-        except Exception as error:  # every format's reader raises its own exceptions
-            raise InputError(
-                f"tool mesh {path} cannot be read ({type(error).__name__}: {error}); "
-                "give a triangle mesh, for example in STL, OBJ or PLY."
-            ) from error
-        check_size(f"tool mesh {path}", vertices, unit_scale)
-        options = {"name": f"tool mesh {path}", "path": str(path), **options}
-        return cls.from_triangles(unit_scale * vertices, faces, **options)
+        mesh = read_mesh(path, "tool mesh")
+        faces, notes = mesh.triangles()
+        mesh.check_unit(unit_scale)
+        used = np.zeros(len(mesh.vertices), dtype=bool)
+        used[faces] = True
+        check_size(mesh.name, mesh.vertices[used], unit_scale)
+        options = {"name": mesh.name, "path": str(path), "source_notes": notes, **options}
+        return cls.from_triangles(unit_scale * mesh.vertices, faces, **options)
 
     @classmethod
     def from_triangles(

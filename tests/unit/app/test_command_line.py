@@ -17,7 +17,10 @@ from weavesim.app import command_line
 from weavesim.app.options import RunOptions
 from weavesim.device import Precision, resolve_device
 from weavesim.engine import compilation
-from weavesim.errors import RunError
+from weavesim.engine.setup import Solver
+from weavesim.errors import InputError, RunError
+from weavesim.fabric.file import resolve_fabric
+from weavesim.ranges import ACCEPTING
 from weavesim.scenes import scene
 
 # In which a script finds this checkout, installed or not.
@@ -158,6 +161,52 @@ def test_bad_option_is_reported_before_the_run(weavesim_command, arguments, mess
     started = []
     code, _, err = weavesim_command("double-dome", *arguments, run=started.append)
     assert code == 2 and message in err and started == []
+
+
+@pytest.mark.parametrize(
+    ("error", "shown"),
+    [
+        (lambda p: Solver(time_step=-1.0), "weavesim: --time-step = -1.0: "),
+        (lambda p: Solver(step_safety=5.0), "weavesim: Solver: step_safety"),
+        (lambda p: bad("mesh_size = 1 m: give mesh_size=0.1"), "--mesh-size = 1 m: give --mesh-size=0.1"),
+        (
+            lambda p: bad("use mass scaling (target_step) or mesh_size."),
+            "use mass scaling (--target-step) or --mesh-size.",
+        ),
+        (
+            lambda p: bad(f"ToyParameters: unusual. {ACCEPTING}"),
+            "weavesim: unusual. If this is meant, give --accept-unusual.\n",
+        ),
+        (lambda p: bad("mesh /home/mesh_size/mesh_size.stl: empty"), "mesh /home/mesh_size/mesh_size.stl: empty"),
+        (lambda p: bad("fabric file x.toml: time_step: unknown name"), "fabric file x.toml: time_step: unknown name"),
+    ],
+)
+def test_a_message_of_the_run_names_options_as_typed(weavesim_command, error, shown):
+    code, _, err = weavesim_command("double-dome", run=error)
+    assert code == 2 and shown in err
+
+
+def bad(message):
+    raise InputError(message)
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("angle,force\n0,0,0,00\n5,0,1,07\n", "line 2: 4 values under 2 names"),
+        ("angle,force,angle,force\n0,0,0,0\n", "column force occurs twice"),
+        ("angle;force\n0;0\n5;x\n", "line 3: column 'force': 'x' is not a number"),
+        ("root:x:0:0\n", "no table with the column angle"),
+    ],
+)
+def test_a_fabric_file_that_cannot_be_read_is_reported_without_a_traceback(weavesim_command, tmp_path, table, message):
+    (tmp_path / "frame.csv").write_text(table)
+    (tmp_path / "ours.toml").write_text(
+        'based_on = "glass-polypropylene"\n[shear]\nkind = "MomentCurve.from_picture_frame"\nframe_side = 0.25\n'
+        'angle = {csv = "frame.csv", column = "angle"}\nmachine_force = {csv = "frame.csv", column = "force"}\n'
+    )
+    code, _, err = weavesim_command("double-dome", run=lambda p: resolve_fabric(str(tmp_path / "ours.toml")))
+    assert code == 2 and message in err and "Traceback" not in err and "root:" not in err and err.count("\n") == 1
 
 
 def test_unknown_device_is_reported(weavesim_command):

@@ -85,8 +85,11 @@ def test_kind_chooses_the_cell(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("frame.csv", "none.csv"), "none.csv cannot be read"),
-        (("force_kn", "force"), "has the columns .*force_kn"),
+        (("frame.csv", "none.csv"), r"line 8: shear.angle: table .*none.csv: cannot be read"),
+        (
+            ("force_kn", "force_n"),
+            "frame.csv, line 1: no column force_n among 'angle_deg', 'force_kn'; did you",
+        ),
         (("from_picture_frame", "from_nothing"), "has the constructors .*from_picture_frame"),
         (("MomentCurve.", "Moments."), "one of .*MomentCurve"),
         (("frame_side = 0.25", ""), "frame_side"),
@@ -109,7 +112,7 @@ def test_kind_chooses_the_cell(tmp_path):
             "write 0.6981 for 40 degrees",
         ),
         (("crossover_friction_length = 1e-4", "crossover_friction_length = 0.1"), "write 0.0001 for 0.1 mm"),
-        (("curvature = [0.0, 10.0, 40.0]", "curvature = 3"), r"\[warp\] BendingCurve: curvature = 3"),
+        (("curvature = [0.0, 10.0, 40.0]", "curvature = 3"), r"line 23: \[bending.warp\] BendingCurve: curvature = 3"),
         (("stiffness = 40.0\n", ""), "ShearFriction: stiffness: is required"),
     ],
 )
@@ -123,9 +126,11 @@ def test_mistakes_are_reported(folder, change, message):
     assert "wrong.toml" in str(raised.value)
 
 
-def test_a_number_with_a_comma_is_reported_with_its_line(folder):
-    (folder / "frame.csv").write_text('angle_deg,force_kn\n0,0\n20,"0,005"\n')
-    with pytest.raises(InputError, match="line 3.*not a number"):
+def test_a_number_with_two_readings_is_reported_with_its_line(folder):
+    (folder / "frame.csv").write_text('angle_deg,force_kn\n0,0\n20,"1,005"\n')
+    with pytest.raises(
+        InputError, match="line 8: shear.angle: table .*line 3: '1,005' has two readings, 1.005 and 1005"
+    ):
         load_fabric(folder / "ours.toml")
 
 
@@ -149,7 +154,7 @@ def test_unknown_names_are_refused(tmp_path):
         ('kind = "MomentCurve.from_normalised_force"\nangle = [0, 0.5]\nforce_per_length = [0]\n'
          'convention = "fabric area"', "2 of angle, 1 of force_per_length: the same number"),
         ('kind = "MomentCurve.from_picture_frame"\nangle = [0, 0.5]\nmachine_force = [0, "2"]\nframe_side = 0.2',
-         "machine_force: a list of finite numbers"),
+         "machine_force: a list of finite numbers is needed"),
         ('kind = "MomentCurve"\nangle = [0, 0.5]\nmoment_values = [0, -2]', "moments must not be negative"),
     ],
 )  # fmt: skip
@@ -198,7 +203,7 @@ def test_a_measured_loop_comes_from_a_file(tmp_path):
 def test_the_documented_files_are_read(tmp_path):
     """The examples of docs/fabrics.md, with a test to go with them."""
     page = (ROOT / "docs" / "fabrics.md").read_text()
-    (tmp_path / "frame.csv").write_text("angle_deg,force_n\n0,0\n20,5\n40,20\n")
+    (tmp_path / "frame.csv").write_text("angle_deg,force [N]\n0,0\n20,5\n40,20\n")
     woven, membrane = (text.split("```")[0] for text in page.split("```toml\n")[1:])
     (tmp_path / "ours.toml").write_text(woven)
     fabric = load_fabric(tmp_path / "ours.toml")
@@ -210,3 +215,54 @@ def test_the_documented_files_are_read(tmp_path):
     (tmp_path / "membrane.toml").write_text(membrane + "crossover_friction_length = 1e-4\n")
     with pytest.raises(InputError, match="LinearMembrane reports no pressure"):
         load_fabric(tmp_path / "membrane.toml")
+
+
+@pytest.mark.parametrize(
+    ("based_on", "message"),
+    [
+        ("[1]", "line 1: based_on = a list: a preset, one of glass-polypropylene"),
+        ("{a = 1}", "based_on = a dict: a preset"),
+        ("1", "based_on = 1: a preset"),
+        ("true", "based_on = True: a preset"),
+        ('"ours.toml"', "based_on = 'ours.toml': a preset"),
+        ('"glass-polypropylen"', "did you mean 'glass-polypropylene'"),
+        ("2024-01-01", "based_on: 2024-01-01 is a date"),
+    ],
+)
+def test_a_fabric_is_based_on_a_preset_only(tmp_path, based_on, message):
+    path = tmp_path / "ours.toml"
+    path.write_text(f"based_on = {based_on}\n")
+    with pytest.raises(InputError, match=message):
+        load_fabric(path)
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("thicknes = 1e-3", "line 2: Fabric: thicknes = 0.001: unknown name; did you mean 'thickness'"),
+        ("Thickness = 1e-3", "did you mean 'thickness'"),
+        ("[shears]", r"line 2: \[shears\] unknown name; did you mean 'shear'"),
+        ("[qqqqqq]", r"line 2: \[qqqqqq\] unknown name; a fabric has no such table"),
+        ("shear = 5", "line 2: Fabric: shear = 5: one of LinearShear, MomentCurve is needed"),
+        ("shear = [5]", "line 2: Fabric: shear"),
+        ('thickness = "1.2"', "line 2: Fabric: thickness = '1.2': a number is needed, not a text"),
+        ("[shear]\nkind = 'LinearShear'\nmodulis = 1e6", r"line 4: \[shear\] LinearShear: .*did you mean 'modulus'"),
+        ("[shear]\nkind = 'LinearShaer'", r"line 2: \[shear\] kind = 'LinearShaer': .*did you mean 'LinearShear'"),
+        (
+            "[shear]\nkind = 'LinearShear'\n[shear.modulus]\na = 1",
+            "line 4: shear.modulus: a value is needed, not a table",
+        ),
+    ],
+)
+def test_mistakes_have_their_line_and_the_nearest_name(tmp_path, line, message):
+    path = tmp_path / "ours.toml"
+    path.write_text(f'based_on = "glass-polypropylene"\n{line}\n')
+    with pytest.raises(InputError, match=message):
+        load_fabric(path)
+
+
+def test_the_name_of_a_file_is_no_trap(tmp_path):
+    path = tmp_path / ("o\u2028x" * 30 + ".toml")
+    path.write_text('based_on = "glass-polypropylene"\n')
+    fabric = load_fabric(path)
+    assert fabric.name.isprintable() and len(fabric.name) <= 100 and fabric.source.isprintable()

@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weavesim.fabric.bending import BendingCurve
-from weavesim.fabric.curve import tabulate
-from weavesim.fabric.device import CURVE_PIECE_COUNT
+from weavesim.fabric.curve import CURVE_PIECE_COUNT, tabulate
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import LARGEST_SHEAR_ANGLE, MomentCurve, ShearFriction
 from weavesim.kernels.curve import curve_energy, curve_struct, odd_curve, slide

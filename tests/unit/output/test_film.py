@@ -1,6 +1,7 @@
 """The USD film: what it holds, that USD's own validators accept it, and that it survives a run cut short."""
 
 import dataclasses
+import shutil
 
 import numpy as np
 import pytest
@@ -170,15 +171,29 @@ def test_flushing_while_it_runs_loses_nothing(tmp_path, coarse_run, monkeypatch,
         assert np.array_equal(np.array(flushed.Get(frame.index)), frame.position.astype(np.float32))
 
 
-def test_an_older_film_stays_until_the_new_one_is_whole(tmp_path, coarse_run):
+def test_an_older_film_stays_until_the_new_one_has_a_frame(tmp_path, coarse_run):
     path = tmp_path / "film.usda"
     path.write_text("older")
     film = Film(path)
     film.start(coarse_run[0])
-    film.frame(coarse_run[1][0])
     assert path.read_text() == "older"
+    film.frame(coarse_run[1][0])
+    assert path.read_text().startswith("#usda")
     film.finish(Outcome.INTERRUPTED)
     assert path.read_text().startswith("#usda")
+
+
+def test_a_killed_run_leaves_a_film(tmp_path, coarse_run):
+    """Every save is a whole film under its own name, with camera and light, in the middle of the run."""
+    info, frames = coarse_run
+    film = Film(tmp_path / "film.usdc")
+    film.start(info)
+    for index, frame in enumerate(frames[:6]):
+        film.frame(frame)
+        stage = Usd.Stage.Open(str(shutil.copy(film.path, tmp_path / f"copy_{index}.usdc")))
+        assert stage.GetEndTimeCode() == {3: 2, 5: 4}.get(index, index)
+        assert stage.GetPrimAtPath("/World/camera") and stage.GetPrimAtPath("/World/lights/sun")
+        assert stage.GetRootLayer().customLayerData["weavesim"]["run_id"] == info.run_id
 
 
 def test_a_full_blank_has_no_copies(tmp_path, coarse_run):

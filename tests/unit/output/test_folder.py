@@ -2,10 +2,12 @@
 
 import base64
 import csv
+import dataclasses
 import errno
 import html.parser
 import json
 import logging
+import os
 import re
 import shutil
 
@@ -14,7 +16,7 @@ import pytest
 
 from weavesim.errors import InputError
 from weavesim.measures.angles import ten_points
-from weavesim.output import Report, ResultFolder, write_report, write_summary
+from weavesim.output import ParaViewSeries, Report, ResultFolder, write_report, write_summary
 from weavesim.output.report.page import shown
 from weavesim.run.frame import Outcome
 
@@ -65,7 +67,7 @@ def test_everything_is_there_and_nothing_else(finished):
     path, _ = finished
     assert {file.name for file in path.iterdir()} == {
         "double_dome.usdc", "paraview", "pictures", "shear_angle.csv", "draw_in.csv", "history.csv", "report.html",
-        "summary.json",
+        "summary.json", "run.json", ".weavesim.lock",
     }  # fmt: skip
     assert {file.name for file in (path / "pictures").iterdir()} == {
         "formed_sheet.png", "point_angles.png", "draw_in.png", "sections.png", "tool_forces.png", "energies.png",
@@ -137,7 +139,7 @@ def test_an_interrupted_run_says_so(tmp_path, coarse_run):
 def test_nothing_is_touched_before_the_run_starts(tmp_path):
     old = tmp_path / "summary.json"
     old.write_text("old")
-    folder = ResultFolder(tmp_path)
+    folder = ResultFolder(tmp_path, overwrite=True)
     assert [file.name for file in tmp_path.iterdir()] == ["summary.json"] and old.read_text() == "old"
     with pytest.raises(InputError, match="no frame to write"):
         folder.write({})
@@ -149,6 +151,33 @@ def test_a_folder_that_cannot_be_written_to(tmp_path):
         with pytest.raises(InputError, match="cannot be written to") as caught:
             ResultFolder(path)
         assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize("name", [b"gr\xf6\xdfe", b"\xff", b"a\xe9/b", b"out/\x80"])
+def test_a_folder_whose_name_is_no_text(tmp_path, name):
+    with pytest.raises(InputError, match="not valid UTF-8") as caught:
+        ResultFolder(tmp_path / os.fsdecode(name))
+    assert str(caught.value).encode() and list(tmp_path.iterdir()) == []
+
+
+def test_folders_that_cannot_be(tmp_path):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "dangling").symlink_to("nowhere")
+    for name, message in (
+        ("file", "it is a file"), ("dangling", "a link to nowhere, which does not exist"), ("x" * 300, "too long"),
+        ("/proc/nothing", "cannot be written to"), ("a\0b", "null"), ("file/below", "cannot be written to"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=message):
+            ResultFolder(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["../../evil", "/tmp/evil", "..", "a/b", "a\nb", "nul", "x" * 300, "gr\udcf6\udcdfe"])
+def test_a_run_cannot_write_outside_its_folder(tmp_path, coarse_run, name):
+    """Whoever makes the information on a run: set-ups refuse such names already."""
+    info, _ = coarse_run
+    with pytest.raises(InputError, match="name of the run = "):
+        ResultFolder(tmp_path / "out").start(dataclasses.replace(info, name=name))
+    assert [path.name for path in tmp_path.iterdir()] == ["out"] and list((tmp_path / "out").iterdir()) == []
 
 
 def test_measured_angles_need_their_points(tmp_path):
@@ -172,12 +201,18 @@ def test_a_full_disk_costs_the_file_but_not_the_run(tmp_path, coarse_run, monkey
     with caplog.at_level(logging.WARNING, "weavesim"):
         run_into(folder, coarse_run)
         summary = folder.write({})
-    assert len(calls) == 2  # each given up at the first failure
-    assert len(caplog.records) == 2
-    assert summary["warnings"] == [
-        f"{what} could not be written and is given up: No space left on device"
-        for what in ("ParaView series", "history.csv")
-    ]
+    assert sum(isinstance(first, ParaViewSeries) for first, *_ in calls) == 1  # given up at the first failure
+    tried_again, *given_up = sorted((record.message for record in caplog.records), key=lambda text: "given up" in text)
+    assert "history.csv could not be saved during the run, and is tried again at its end" in tried_again
+    assert summary["missing"] == ["ParaView series", "history.csv"]
+    assert (
+        given_up
+        == summary["warnings"]
+        == [
+            f"{what} could not be written and is given up: No space left on device"
+            for what in ("ParaView series", "history.csv")
+        ]
+    )
     assert (tmp_path / "double_dome.usdc").exists()
     assert "No space left on device" in (tmp_path / "report.html").read_text(encoding="utf-8")
 

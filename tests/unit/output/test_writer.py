@@ -61,7 +61,9 @@ def test_a_base_class_without_a_name_is_no_writer():
 
 def test_only_what_is_chosen_is_written(tmp_path, coarse_run):
     play(ResultFolder(tmp_path, writers=["tables", "summary"]), coarse_run)
-    assert {file.name for file in tmp_path.iterdir()} == {"history.csv", "draw_in.csv", "summary.json"}
+    assert {file.name for file in tmp_path.iterdir()} == {
+        "history.csv", "draw_in.csv", "summary.json", "run.json", ".weavesim.lock",
+    }  # fmt: skip
 
 
 class Events(Writer):

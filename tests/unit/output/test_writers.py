@@ -30,6 +30,7 @@ def test_every_sheet_has_its_files(finished):
     per_sheet = {f"{name}_{sheet}.csv" for name in ("draw_in", "shear_angle") for sheet in ("upper", "lower")}
     assert {file.name for file in path.iterdir()} == per_sheet | {
         "stack.usdc", "paraview", "pictures", "history.csv", "report.html", "summary.json",
+        "run.json", ".weavesim.lock",
     }  # fmt: skip
     drawn = {f"{name}_{sheet}.png" for name in ("formed_sheet", "point_angles", "draw_in", "sections")
              for sheet in ("upper", "lower")}  # fmt: skip
@@ -41,7 +42,9 @@ def test_findings_of_each_sheet_stand_in_a_list(finished, stack):
     info, frames = stack
     summary = json.loads((path / "summary.json").read_text())
     assert summary == returned
-    assert list(summary) == ["outcome", "frame_count", "wall_time_s", "max_shear_angle_deg", "sheets", "warnings"]
+    assert list(summary) == [
+        "outcome", "frame_count", "run_id", "wall_time_s", "max_shear_angle_deg", "sheets", "missing", "warnings",
+    ]  # fmt: skip
     for k, entry in enumerate(summary["sheets"]):
         one = [type(part)(**{**vars(part), "sheets": part.sheets[k : k + 1]}) for part in (info, frames[-1])]
         assert entry == {"name": info.sheets[k].name, **found(SHEET_FINDINGS, formed(*one, POINTS))}

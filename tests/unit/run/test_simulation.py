@@ -1,14 +1,18 @@
 """Every check of a run, each by a case that it refuses, and what a run does once it is allowed to start."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 
 from tests.support.registered_cells import TautNet
 from tests.support.runs import small_run
+from weavesim import Setup, Sheet, Solver
 from weavesim.errors import InputError, RunError
 from weavesim.fabric.presets import glass_polypropylene
+from weavesim.run.start import prepare
+from weavesim.sheet.blank import Blank
 from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import Plane
 from weavesim.tools.tool import Tool
@@ -69,16 +73,21 @@ def test_a_value_that_would_spoil_the_run_is_refused(given, message):
         small_run(**given)
 
 
-def test_a_tool_that_overlaps_the_blank_is_refused_with_its_depth():
+@pytest.mark.parametrize("height", [1e-3, 0.0, -0.1 * THICKNESS, -0.24 * THICKNESS])
+def test_a_tool_that_overlaps_the_blank_is_refused_with_its_depth(height):
     """Half the thickness of the sheet lies below its mid-surface; a plane 1 mm above that is 1.6 mm deep in it."""
-    with pytest.raises(InputError, match=r"overlaps the blank by 1\.6 mm .* 1\.2 mm thick: move the tool half a"):
-        small_run(tools=[plane_at(1e-3)])
+    depth = re.escape(f"{1e3 * (height + 0.5 * THICKNESS):.3g}")
+    with pytest.raises(
+        InputError, match=rf"table overlaps the blank by {depth} mm .* 1\.2 mm thick: move the tool half"
+    ):
+        small_run(tools=[plane_at(height)])
 
 
-@pytest.mark.parametrize("height", [-0.5 * THICKNESS, -0.1 * THICKNESS])
-def test_a_tool_may_touch_the_blank_and_reach_up_to_half_its_thickness_into_it(height):
-    simulation = small_run(tools=[plane_at(height)])
-    assert simulation.penetration.at_nodes == pytest.approx(height + 0.5 * THICKNESS, abs=1e-12)
+@pytest.mark.parametrize(("height", "said"), [(-0.5, False), (-0.46, False), (-0.44, True), (-0.26, True)])
+def test_a_tool_may_touch_the_blank_and_reach_a_little_into_it(height, said):
+    simulation = small_run(tools=[plane_at(height * THICKNESS)])
+    assert simulation.penetration.at_nodes == pytest.approx((height + 0.5) * THICKNESS, abs=1e-12)
+    assert [doubt.guard for doubt in simulation.doubts()] == ["start_overlap"] * said
 
 
 def test_a_mesh_must_be_sampled_beyond_the_thickness():
@@ -107,3 +116,18 @@ def test_a_run_happens_once():
     simulation.run()
     with pytest.raises(RunError, match="has been run: make a new one"):
         simulation.run()
+
+
+def test_notes_say_how_meshes_were_read(tmp_path):
+    """Quadrilaterals of the tool split, a node of the blank left out: both are said where the log is written."""
+    deck = "*NODE\n1,0,0\n2,20,0\n3,20,20\n4,0,20\n5,9,9,9\n*ELEMENT, TYPE=S4\n1, 1,2,3,4\n"
+    (tmp_path / "sheet.inp").write_text(deck)
+    (tmp_path / "table.obj").write_text("v -30 -30 -5\nv 50 -30 -5\nv 50 50 -5\nv -30 50 -5\nf 1 2 3 4\nl 1 2\n")
+    table = MeshShape.from_file(tmp_path / "table.obj", unit_scale=0.001, spacing=1e-3)
+    blank = Blank.from_file(tmp_path / "sheet.inp", unit_scale=0.001)
+    sheet = Sheet(blank, glass_polypropylene())
+    setup = Setup(name="read", sheets=(sheet,), tools=(Tool("table", table),), duration=1e-4, solver=Solver(threads=1))
+    notes = "\n".join(prepare(setup).info.notes)
+    assert "sheet.inp: 1 nodes left out: no element uses them" in notes
+    assert "table.obj: 1 quadrilaterals split into 2 triangles" in notes
+    assert "table.obj: 1 lines and 0 points left out: they bound no surface" in notes

@@ -1,12 +1,14 @@
 """Numbers of a run, each with its unit."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.support.runs import small_run
 from weavesim.measures.units import split_unit
+from weavesim.process.dynamics import Dynamics
 from weavesim.run.verdict import RUN_FINDINGS, summary
 
 
@@ -38,10 +40,10 @@ def test_numbers_are_those_of_the_last_frame(pulled):
 
 
 def test_ratios_are_the_largest_of_the_frames_that_store_enough(pulled):
-    entries = [entry for entry in pulled.history if entry["internal"] > 0.0]
+    entries = [entry for entry in pulled.watch.history if entry["internal"] > 0.0]
     numbers = summary(pulled)
     assert numbers["hourglass_energy_ratio"] == max(entry["hourglass"] / entry["internal"] for entry in entries)
-    supplied = max(abs(entry["supplied"]) for entry in pulled.history)
+    supplied = max(abs(entry["supplied"]) for entry in pulled.watch.history)
     assert numbers["damping_loss_ratio"] == pulled.frame.energies["damping_loss"] / supplied
 
 
@@ -59,6 +61,49 @@ class TwoSheets:
         self._run = run
         self.frame = dataclasses.replace(run.frame, sheets=(run.frame.sheet, other))
         self.info = dataclasses.replace(run.info, sheets=2 * run.info.sheets)
+
+    def __getattr__(self, name):
+        return getattr(self._run, name)
+
+
+def test_no_ratio_is_formed_with_nothing():
+    """Nothing is supplied: rounding over rounding would be 1e293, or "energy is made or lost"."""
+    still = small_run()
+    still.run()
+    numbers = summary(still)
+    absent = {"damping_loss_ratio", "gravity_work_ratio", "energy_balance_error"}
+    assert not absent & set(numbers)
+    assert numbers["kinetic_energy_ratio"] == numbers["hourglass_energy_ratio"] == 0.0
+    assert still.doubts() == []
+
+
+@pytest.mark.parametrize("speed", [1e-9, 1e-6, 1e-4])
+def test_hardly_anything_is_nothing(speed):
+    """A drift of far less than the thickness, with damping that takes all of it, or without."""
+    for damping in (0.0, 1e5):
+        drifting = small_run(
+            initial_velocity=np.full((25, 3), speed), dynamics=Dynamics(damping=damping), accept_unusual=True
+        )
+        drifting.run()
+        assert drifting.doubts() == []
+
+
+def test_energy_from_nothing_is_still_doubted(pulled):
+    """Its own growth is the scale: what appears without work is not hidden by having been nothing."""
+    run = Grown(pulled, 3.0)
+    assert summary(run)["energy_balance_error"] == pytest.approx(1.0)
+
+
+class Grown:
+    """A run to which nothing is supplied, and whose energy grows all the same [J]."""
+
+    def __init__(self, run, energy):
+        self._run = run
+        entry = dict.fromkeys(run.history[0], 0.0)
+        grown = entry | {"kinetic": energy, "used": energy, "balance_error": -energy, "time": 1.0}
+        self.watch = SimpleNamespace(
+            history=[entry, grown], extremes=run.watch.extremes, conditions=run.watch.conditions
+        )
 
     def __getattr__(self, name):
         return getattr(self._run, name)

@@ -10,7 +10,16 @@ from pydantic import Field, model_validator
 
 from ...checks import Kinded, NotNegative
 from ...ranges import Quantity, argument
-from ..curve import Column, check_curve, interpolate, measured_columns
+from ..curve import (
+    CURVE_PIECE_COUNT,
+    Column,
+    Extrapolation,
+    MeasuredCurve,
+    check_curve,
+    check_table,
+    measured_columns,
+    noise,
+)
 
 
 class FamilyBending(Kinded):
@@ -43,6 +52,11 @@ class FamilyBending(Kinded):
         """True for a single slope without friction: moment and curvature are proportional."""
 
     @property
+    def trusted_curvature(self) -> float | None:
+        """Curvature up to which the curve is measured [1/m]; None if it holds at any."""
+        return None
+
+    @property
     def initial_stiffness(self) -> float:
         """Slope at zero curvature, without friction [N m]."""
         step = 1.0e-6 * self.end
@@ -69,14 +83,29 @@ class BendingCurve(FamilyBending):
         kw_only=True, description="increasing curvatures from 0 [1/m]"
     )
     moment_values: Annotated[tuple[float, ...], Quantity("bending moment")] = Field(
-        kw_only=True, description="M at these, moment per width in N m/m; extrapolated with its end slope [N]"
+        kw_only=True, description="M at these, moment per width in N m/m; cubic between them, without overshoot [N]"
+    )
+    smoothing: Annotated[NotNegative, Quantity("bending moment")] = Field(
+        default=0.0,
+        description="root mean square distance from the points that the curve may have [N]; 0 goes through each, but "
+        "for those closer than 1/512 of the last curvature, which count as one",
+    )
+    extrapolation: Extrapolation = Field(
+        default="end slope",
+        description='beyond the last curvature: "end slope" (at least 0), "constant", or "trusted": the end slope of a '
+        "law that holds there too, so that its use is not reported",
     )
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.curvature, self.moment_values, ("curvatures", "moments"), from_zero=True)
-        if min(self.moment_values) < 0.0:
-            raise ValueError("moments must not be negative: bending may not release energy")
+        scatter = noise(np.array(self.curvature), np.array(self.moment_values))
+        if min(self.moment_values) < 0.0 and self.smoothing == 0.0:
+            raise ValueError(
+                "moments must not be negative: bending may not release energy; noise can be smoothed, for example with "
+                f"smoothing = {scatter:.2g}"
+            )
+        check_table(self.measured, self.end, self.end, "1/m", scatter)
         if self.friction_limit > 0.0 and self.friction_stiffness == 0.0:
             raise ValueError(
                 f"friction_limit = {self.friction_limit:.4g} N needs a friction_stiffness [N m]: the slope before slip"
@@ -86,7 +115,7 @@ class BendingCurve(FamilyBending):
     @classmethod
     def straight(cls, stiffness: float) -> BendingCurve:
         """A constant bending stiffness per width [N m]."""
-        return cls(curvature=(0.0, 1.0), moment_values=(0.0, stiffness))
+        return cls(curvature=(0.0, 1.0), moment_values=(0.0, stiffness), extrapolation="trusted")
 
     @classmethod
     def from_loading_and_unloading(
@@ -129,7 +158,7 @@ class BendingCurve(FamilyBending):
         """
         slip_curvature = argument("slip_curvature", slip_curvature, "curvature")
         return cls(
-            curvature=(0.0, 1.0), moment_values=(0.0, rigidity),
+            curvature=(0.0, 1.0), moment_values=(0.0, rigidity), extrapolation="trusted",
             friction_limit=0.5 * hysteresis, friction_stiffness=0.5 * hysteresis / slip_curvature,
         )  # fmt: skip
 
@@ -138,7 +167,19 @@ class BendingCurve(FamilyBending):
         return self.curvature[-1]
 
     def moment(self, curvature: np.ndarray) -> np.ndarray:
-        return np.sign(curvature) * interpolate(self.curvature, self.moment_values, np.abs(curvature))
+        return np.sign(curvature) * self.measured(np.abs(curvature))
+
+    @property
+    def measured(self) -> MeasuredCurve:
+        """The curve of curvatures >= 0."""
+        return MeasuredCurve.of_test(
+            self.curvature, self.moment_values, resolution=self.end / CURVE_PIECE_COUNT, smoothing=self.smoothing,
+            extrapolation=self.extrapolation,
+        )  # fmt: skip
+
+    @property
+    def trusted_curvature(self) -> float | None:
+        return None if self.extrapolation == "trusted" else self.end
 
     @property
     def is_constant(self) -> bool:

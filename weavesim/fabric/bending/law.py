@@ -35,6 +35,11 @@ class BendingLaw(Kinded):
         return True
 
     @property
+    def trusted_curvature(self) -> tuple[float | None, float | None]:
+        """Curvature of warp and weft up to which the law is measured [1/m]; None if it holds at any."""
+        return None, None
+
+    @property
     def friction_limit(self) -> tuple[float, float]:
         """Largest friction moment inside the bent yarns of warp and weft [N]."""
         return 0.0, 0.0

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Self
 from pydantic import Discriminator, Field, SerializeAsAny, Tag, model_validator
 
 from ...checks import NotNegative
-from ...ranges import Quantity
+from ...ranges import Quantity, argument
 from ..device_form import DeviceForm, Tabulated
 from .curve import BendingCurve, FamilyBending
 from .isotropic import IsotropicBending
@@ -31,7 +31,10 @@ class YarnBending(BendingLaw):
 
     warp: Family = Field(description="D_1, or a curve [N m]")
     weft: Family = Field(description="D_2, or a curve [N m]")
-    twist: Annotated[NotNegative, Quantity("bending stiffness")] = Field(description="D_12 [N m]")
+    twist: Annotated[NotNegative, Quantity("bending stiffness")] = Field(
+        description="D_12, half the twisting moment over the tensor component kappa_12 (half the engineering twist); "
+        "of a plate G t^3/12 with G = stress over angle [N m]"
+    )
     coupling: Annotated[float, Quantity("bending stiffness")] = Field(
         default=0.0, allow_inf_nan=False, description="D_nu between the two curvatures [N m]"
     )
@@ -88,6 +91,11 @@ class YarnBending(BendingLaw):
         return not isinstance(along, FamilyBending) or along.is_constant
 
     @property
+    def trusted_curvature(self) -> tuple[float | None, float | None]:
+        warp, weft = self.families
+        return warp.trusted_curvature, weft.trusted_curvature
+
+    @property
     def friction_limit(self) -> tuple[float, float]:
         warp, weft = self.families
         return warp.friction_limit, weft.friction_limit
@@ -108,14 +116,22 @@ class YarnBending(BendingLaw):
 
     @classmethod
     def from_moduli(cls, modulus: float, poisson_ratio: float, shear_modulus: float, thickness: float) -> YarnBending:
-        """Equation (6) along the yarns, with a separate shear modulus G: sigma_12 = G eps_12, eps_12 tensorial.
+        """Equation (6) along the yarns, with a separate shear modulus.
 
-        G = E/(1 + nu) would make the sheet isotropic; ``IsotropicBending`` does that in the current tangent plane.
+        Args:
+            modulus: E of the sheet in bending [Pa].
+            poisson_ratio: nu of the sheet in bending.
+            shear_modulus: G, stress over angle (tau = G gamma, the engineering strain), as for the transverse shear of
+                a fabric [Pa]: D_12 = G t^3/12, and a twist w = c x y has the moment M_12 = G t^3/6 c per width.
+                G = E / (2 (1 + nu)) makes a flat sheet isotropic; ``IsotropicBending`` stays so when it is sheared.
+            thickness: of the sheet [m].
         """
+        shear_modulus = argument("shear_modulus", shear_modulus, "shear modulus", zero=True)
+        thickness = argument("thickness", thickness, "sheet thickness")
         stiffness = IsotropicBending(modulus=modulus, poisson_ratio=poisson_ratio).stiffness(thickness)
         return cls(
             warp=stiffness,
             weft=stiffness,
             coupling=poisson_ratio * stiffness,
-            twist=shear_modulus * thickness**3 / 24.0,
+            twist=shear_modulus * thickness**3 / 12.0,
         )

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from ...checks import Kinded, NotNegative, Positive
 from ...ranges import Quantity
-from ..curve import Column, check_curve, measured_columns
+from ..curve import Column, check_curve, check_table, measured_columns, noise
 from ..device_form import DeviceForm, Tabulated
 from .law import LARGEST_SHEAR_ANGLE
 
@@ -35,6 +35,11 @@ class CrossoverFriction(Kinded):
     @abstractmethod
     def device_form(self) -> DeviceForm:
         """The law in the form that the kernels read."""
+
+    @property
+    def trusted_angle(self) -> float | None:
+        """Angle up to which the limit is measured [rad]; None if it holds at any."""
+        return None
 
     @property
     def pressed_by(self) -> str:
@@ -77,6 +82,8 @@ class ShearFriction(CrossoverFriction):
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.angle, self.limit, ("angles", "limits"), from_zero=False)
+        scatter = noise(np.array(self.angle), np.array(self.limit))
+        check_table(self.limit_at, LARGEST_SHEAR_ANGLE, self.angle[-1], "rad", scatter)
         if max(self.limit) == 0.0 and self.crossover_friction_length == 0.0:
             raise ValueError("limit = 0 and crossover_friction_length = 0: this friction has no effect, leave it out")
         return self
@@ -113,6 +120,10 @@ class ShearFriction(CrossoverFriction):
     def limit_at(self, angle: np.ndarray) -> np.ndarray:
         """Moment at which the yarns slip without tension [N/m]."""
         return np.interp(np.abs(angle), self.angle, self.limit)
+
+    @property
+    def trusted_angle(self) -> float | None:
+        return self.angle[-1] if len(self.angle) > 1 else None
 
     def limit_under(self, angle: np.ndarray, pressure: np.ndarray) -> np.ndarray:
         return self.limit_at(angle) + self.crossover_friction_length * pressure

@@ -31,6 +31,11 @@ class ShearLaw(Kinded):
         """The law in the form that the kernels read, for a sheet of the given thickness [m]."""
 
     @property
+    def trusted_angle(self) -> float | None:
+        """Angle up to which the law is measured or meant [rad]; None if it holds at any."""
+        return None
+
+    @property
     def locking_slope(self) -> float:
         """Slope dm/dgamma that a locking branch adds [N/m]; 0 without one."""
         return 0.0

@@ -12,9 +12,21 @@ from pydantic import Field, model_validator
 from ...checks import NotNegative, Positive
 from ...errors import InputError
 from ...ranges import Quantity, argument
-from ..curve import Column, check_curve, interpolate, measured_columns
+from ..curve import (
+    CURVE_PIECE_COUNT,
+    Column,
+    Extrapolation,
+    MeasuredCurve,
+    check_curve,
+    check_table,
+    measured_columns,
+    noise,
+)
 from ..device_form import DeviceForm, Tabulated
 from .law import LARGEST_SHEAR_ANGLE, ShearLaw
+
+# Spacing of the kernels' table: closer points count as one [rad].
+RESOLUTION = LARGEST_SHEAR_ANGLE / CURVE_PIECE_COUNT
 
 
 class MomentCurve(ShearLaw):
@@ -22,7 +34,7 @@ class MomentCurve(ShearLaw):
 
     angle: Annotated[tuple[float, ...], Quantity("shear angle")] = Field(description="increasing angles from 0 [rad]")
     moment_values: Annotated[tuple[float, ...], Quantity("shear moment")] = Field(
-        description="m at these angles, without locking; extrapolated with its end slope (at least 0) [N/m]"
+        description="m at these angles, without locking; cubic between them, without overshoot [N/m]"
     )
     locking_angle: Annotated[Positive, Quantity("shear angle")] = Field(
         default=math.radians(60.0), description="start of the locking branch [rad]"
@@ -34,16 +46,41 @@ class MomentCurve(ShearLaw):
     locking_width: Annotated[Positive, Quantity("locking width")] = Field(
         default=math.radians(5.0), description="angle over which that slope builds up [rad]"
     )
+    smoothing: Annotated[NotNegative, Quantity("shear moment")] = Field(
+        default=0.0,
+        description="root mean square distance from the points that the curve may have [N/m]; 0 goes through each, but "
+        "for those closer than 0.18 degrees, which count as one",
+    )
+    extrapolation: Extrapolation = Field(
+        default="end slope",
+        description='beyond the last angle: "end slope" (at least 0), "constant", or "trusted": the end slope of a law '
+        "that holds there too, so that its use is not reported",
+    )
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.angle, self.moment_values, ("angles", "moments"), from_zero=True)
-        if min(self.moment_values) < 0.0:
+        if min(self.moment_values) < 0.0 and self.smoothing == 0.0:
             raise ValueError(
                 f"moments must not be negative (the smallest is {min(self.moment_values):.4g} N/m): shear may not "
-                "release energy; remove the machine's own force and noise from the test data"
+                "release energy; remove the machine's own force from the test data, and noise, for example with "
+                f"smoothing = {noise(np.array(self.angle), np.array(self.moment_values)):.2g}"
             )
+        scatter = noise(np.array(self.angle), np.array(self.moment_values))
+        check_table(self.measured, LARGEST_SHEAR_ANGLE, self.angle[-1], "rad", scatter)
         return self
+
+    @property
+    def measured(self) -> MeasuredCurve:
+        """The curve without locking, of angles >= 0."""
+        return MeasuredCurve.of_test(
+            self.angle, self.moment_values, resolution=RESOLUTION, smoothing=self.smoothing,
+            extrapolation=self.extrapolation,
+        )  # fmt: skip
+
+    @property
+    def trusted_angle(self) -> float | None:
+        return None if self.extrapolation == "trusted" else self.angle[-1]
 
     @classmethod
     def from_polynomial(
@@ -165,7 +202,7 @@ class MomentCurve(ShearLaw):
         x = np.maximum(size - self.locking_angle, 0.0)
         width = self.locking_width
         locking = self.locking_stiffness * np.where(x < width, x**2 / (2.0 * width), x - 0.5 * width)
-        return np.sign(angle) * (interpolate(self.angle, self.moment_values, size) + locking)
+        return np.sign(angle) * (self.measured(size) + locking)
 
     def device_form(self, thickness: float) -> DeviceForm:
         table = Tabulated(lambda angle: self.moment(angle, thickness), LARGEST_SHEAR_ANGLE)

@@ -42,8 +42,11 @@ PART_NAMES = {1.0: "the part", 0.5: "the computed half", 0.25: "the computed qua
 _RESOLUTION = 150
 
 
-def write_picture(figure: Figure, path: str | Path) -> None:
-    """Write the figure with 150 dots per inch, in the format given by the extension of ``path``."""
+def write_picture(figure: Figure, path: str | Path, run_id: str = "") -> None:
+    """Write the figure with 150 dots per inch, in the format given by the extension of ``path``.
+
+    PNG files tell the ``run_id`` in their text "weavesim run".
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     # layout is done here: savefig would draw everything twice for it
@@ -53,7 +56,8 @@ def write_picture(figure: Figure, path: str | Path) -> None:
         engine.execute(figure)
         figure.set_layout_engine(None)
     with replacing(Path(path)) as temporary:
-        figure.savefig(temporary, dpi=_RESOLUTION, facecolor="white")
+        metadata = {"weavesim run": run_id} if run_id and Path(path).suffix == ".png" else None
+        figure.savefig(temporary, dpi=_RESOLUTION, facecolor="white", metadata=metadata)
 
 
 def new_figure(width: float, height: float) -> Figure:

@@ -27,6 +27,7 @@ class Report:
         warnings: what a reader must know before trusting the rest.
         pictures: (PNG file, caption).
         tables: by heading; a name that ends in a unit (``_mm``, ``_deg``, ...) is shown with it.
+        run_id: in the head of the page.
     """
 
     title: str
@@ -35,6 +36,7 @@ class Report:
     warnings: Sequence[str] = ()
     pictures: Sequence[tuple[Path, str]] = ()
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    run_id: str = ""
 
 
 def write_report(path: str | Path, report: Report) -> None:

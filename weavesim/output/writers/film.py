@@ -32,5 +32,5 @@ class FilmWriter(Writer):
         self._film.finish(outcome)
 
     def discard(self) -> None:
-        """Remove the unfinished film."""
+        """Keep only what was saved under the name of the film."""
         self._film.discard()

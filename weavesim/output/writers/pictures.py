@@ -39,12 +39,12 @@ class PicturesWriter(Writer):
         if not self.attempt("pictures", lambda: folder.mkdir(exist_ok=True)):
             return
         for picture in wanted_pictures(results):
-            if self.attempt(picture.file, partial(_draw, picture, folder / picture.file)):
+            if self.attempt(picture.file, partial(_draw, picture, folder / picture.file, results.info.run_id)):
                 results.pictures.append((folder / picture.file, picture.caption))
 
 
-def _draw(picture: Picture, path: Path) -> None:
-    pictures.write_picture(picture.draw(), path)
+def _draw(picture: Picture, path: Path, run_id: str) -> None:
+    pictures.write_picture(picture.draw(), path, run_id)
 
 
 def wanted_pictures(results: Results) -> Iterator[Picture]:

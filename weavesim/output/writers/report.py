@@ -43,7 +43,8 @@ def report_of(results: Results) -> Report:
     title = results.info.name.replace("_", " ")
     title = title[:1].upper() + title[1:]
     tables = {heading: rows for heading, rows in _tables(results, summary).items() if rows}
-    return Report(title, _subtitle(results, outcome), _headline(summary), warnings, results.pictures, tables)
+    subtitle, headline = _subtitle(results, outcome), _headline(summary)
+    return Report(title, subtitle, headline, warnings, results.pictures, tables, results.info.run_id)
 
 
 def _subtitle(results: Results, outcome: Any) -> str:
@@ -64,7 +65,8 @@ def _headline(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _tables(results: Results, summary: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     info = results.info
-    left_out = {"warnings", "doubts", "energies_j", "sheets"} | {name for name in ("notes",) if not summary.get(name)}
+    left_out = {"warnings", "missing", "doubts", "energies_j", "sheets"}
+    left_out |= {name for name in ("notes",) if not summary.get(name)}
     tables: dict[str, Mapping[str, Any]] = {
         "Summary": {name: value for name, value in summary.items() if name not in left_out}
     }

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
+from ...run.frame import Frame, RunInfo
 from ..curves import Curves
+from ..pace import Pace
 from ..results import Results
 from ..tables import write_draw_in, write_shear_angles, write_table
 from ..writer import Writer
@@ -16,6 +18,16 @@ class TablesWriter(Writer):
     name = "tables"
     title = "tables"
     rank = 1
+
+    def start(self, info: RunInfo) -> None:
+        """Prepare to save the scalars from time to time."""
+        self._pace = Pace()
+
+    def frame(self, frame: Frame) -> None:
+        """Save the scalars of all frames so far, from time to time."""
+        if self._pace.due():
+            self.save("history.csv", lambda: self.history.write(self.folder / "history.csv"))
+            self._pace.done()
 
     def write(self, results: Results) -> None:
         """Write all of them."""

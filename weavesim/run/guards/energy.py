@@ -51,12 +51,12 @@ class DampingLoss(LimitGuard):
     name = "damping_loss"
     watches = "the energy lost in damping"
     key = "damping_loss_ratio"
-    text = "damping loss over supplied work"
+    text = "damping loss over the energy of the run"
     advice = "lower the damping"
 
     def limit(self, run: Judged) -> float:
         """Less where gravity does not do the work."""
-        return 0.05 if run.number("gravity_work_ratio") < 0.5 else 1.0
+        return 0.05 if (run.number("gravity_work_ratio") or 0.0) < 0.5 else 1.0
 
 
 class AddedMass(LimitGuard):

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 
 
 class LimitGuard(Guard):
-    """A number of the summary with an upper limit; a number that is not finite is above it.
+    """A number of the summary with an upper limit; one that is not finite is above it, and one that has no
+    meaning for a run is not doubted.
 
     Attributes:
         key: of the number.
@@ -39,7 +40,7 @@ class LimitGuard(Guard):
     def after(self, run: Judged) -> Iterable[Doubt]:
         """The number, if it is above its limit."""
         value, limit, worst = run.number(self.key), self.limit(run), self.useless_beyond(run)
-        if not value <= limit:
+        if value is not None and not value <= limit:
             useless = worst is not None and not value <= worst
             yield self.doubt(
                 Level.DO_NOT_USE if useless else self.level,

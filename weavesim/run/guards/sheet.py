@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, ClassVar
 from .guard import Doubt, Guard, Level
 
 if TYPE_CHECKING:
-    from ..condition import Tally
     from ..frame import SheetInfo
     from ..verdict import Judged
+    from ..watch.condition import Tally
 
 # Share of all elements from which on what is wrong with them is wrong with the result.
 USELESS_SHARE = 0.01

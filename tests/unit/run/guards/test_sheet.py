@@ -7,8 +7,8 @@ from tests.support.judged import said
 from tests.support.runs import small_run
 from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Drive, Support
-from weavesim.run.condition import Tally
 from weavesim.run.guards import Level
+from weavesim.run.watch.condition import Tally
 from weavesim.sheet.blank import Blank
 
 GUARDS = {

@@ -9,8 +9,8 @@ from tests.support.judged import said
 from tests.support.runs import small_run
 from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Drive, Support
-from weavesim.run.extremes import Extreme
 from weavesim.run.guards import Level
+from weavesim.run.watch.extremes import Extreme
 from weavesim.sheet.blank import Blank
 
 

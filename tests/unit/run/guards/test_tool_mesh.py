@@ -8,7 +8,7 @@ from weavesim.tools.tool import Tool
 
 
 def ball(radius: float) -> Tool:
-    return Tool("ball", Sphere(radius=radius, origin=(0.01, 0.01, -0.01 - radius)))
+    return Tool("ball", Sphere(radius=radius, origin=(0.01, 0.01, -0.0006 - radius)))
 
 
 def test_a_radius_that_the_mesh_cannot_follow_is_warned_of():

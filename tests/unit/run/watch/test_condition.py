@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.run.condition import Condition
 from weavesim.run.frame import SheetFrame, SheetInfo
+from weavesim.run.watch.condition import Condition
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.symmetry import Symmetry
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
+from ..frame import Frame
+from ..sheet_ledger import NO_PENETRATION, Penetration
+from ..start import Prepared
 from .condition import Condition
 from .extremes import Extremes
-from .frame import Frame
-from .sheet_ledger import NO_PENETRATION, Penetration
-from .start import Prepared
 
 # States that are looked at in a run, evenly spaced in time.
 WATCH_COUNT = 100

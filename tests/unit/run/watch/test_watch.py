@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.support.runs import small_run
-from weavesim.run.watch import WATCH_COUNT
+from weavesim.run.watch.watch import WATCH_COUNT
 
 VERDICT = (
     "kinetic_energy_ratio", "hourglass_energy_ratio", "energy_balance_error", "damping_loss_ratio", "verdict", "doubts",

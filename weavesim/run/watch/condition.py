@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..measures.crossings import Crossings
-from ..measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
-from .frame import SheetFrame, SheetInfo
+from ...measures.crossings import Crossings
+from ...measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
+from ..frame import SheetFrame, SheetInfo
 
 
 class Tally(NamedTuple):

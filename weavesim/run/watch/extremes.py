@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..engine.model import Model
-from ..engine.sheet_model import SheetModel
-from ..engine.state import SheetState, State
-from ..kernels.rows import ExtremeRow, ToolWatchRow
+from ...engine.model import Model
+from ...engine.sheet_model import SheetModel
+from ...engine.state import SheetState, State
+from ...kernels.rows import ExtremeRow, ToolWatchRow
 
 
 class Extreme(NamedTuple):
@@ -35,6 +35,7 @@ class SheetExtremes:
         min_stretch, max_stretch: of both yarn families, at the end of any block of steps.
         angle: absolute shear angle [rad].
         depth: of a node in a tool, half the thickness included, in any step [m]; 0 if none was ever touched.
+        rows: of every element, by ``ExtremeRow``, (row, element_count).
         touched: whether each tool of the world has touched a node, (tool_count,) bool.
     """
 
@@ -49,11 +50,13 @@ class SheetExtremes:
             Extreme(0.0),
             Extreme(0.0),
         )
+        self.rows = np.zeros((ExtremeRow.row_count(), model.blank.element_count))
         self.touched = np.zeros(model.tool_count, dtype=bool)
 
     def read(self, state: SheetState, time: float) -> None:
         """Read what the device has found by ``time`` [s]; waits for it."""
         rows = state.extremes.numpy()[:, : self._model.blank.element_count].astype(np.float64)
+        self.rows = rows
         smallest = -np.minimum(rows[ExtremeRow.min_warp], rows[ExtremeRow.min_weft])
         largest = np.maximum(rows[ExtremeRow.max_warp], rows[ExtremeRow.max_weft])
         self.min_stretch = self._further(self.min_stretch, 1.0, -1.0, smallest, time)

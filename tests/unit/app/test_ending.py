@@ -1,0 +1,60 @@
+"""Exit codes, and what the user is told."""
+
+import signal
+
+import pytest
+
+from weavesim.app.ending import closing_lines, exit_code, summaries
+
+FINE = {"outcome": "finished", "missing": []}
+LESS = {"outcome": "finished", "missing": ["film", "history.csv"]}
+BAD = {"outcome": "finished", "verdict": "do not use", "missing": []}
+CUT = {"outcome": "interrupted", "missing": []}
+BROKEN = {"outcome": "not finite", "missing": []}
+
+
+@pytest.mark.parametrize(
+    ("result", "number", "code"),
+    [
+        (FINE, None, 0),
+        ({}, None, 0),
+        (BROKEN, None, 1),
+        (BAD, None, 3),
+        (BAD | {"missing": ["film"]}, None, 3),
+        (LESS, None, 4),
+        (CUT, signal.SIGINT, 130),
+        (CUT, signal.SIGTERM, 143),
+        (CUT, signal.SIGHUP, 129),
+        (CUT, None, 130),
+        (FINE, signal.SIGTERM, 143),
+        ({"one": FINE, "two": FINE, "outcome": "finished"}, None, 0),
+        ({"one": LESS, "two": FINE, "outcome": "finished"}, None, 4),
+        ({"one": FINE, "two": BAD, "outcome": "finished"}, None, 3),
+        ({"one": FINE, "two": CUT, "outcome": "interrupted"}, signal.SIGTERM, 143),
+    ],
+)
+def test_exit_codes(result, number, code):
+    assert exit_code(result, number) == code
+
+
+def test_summaries_of_cases():
+    assert list(summaries({"one": FINE, "two": LESS, "outcome": "finished"})) == [FINE, LESS]
+    assert list(summaries(FINE)) == [FINE]
+
+
+def text(result, number, out):
+    return "\n".join(closing_lines(result, out, number))
+
+
+def test_results_are_announced_only_if_they_are_all_there(tmp_path):
+    assert text(FINE, None, tmp_path) == f"Results are in {tmp_path}."
+    less = text(LESS, None, tmp_path)
+    assert "Results are in" not in less and "film, history.csv missing" in less
+
+
+def test_the_signal_and_the_verdict_are_named(tmp_path):
+    assert text(CUT, signal.SIGINT, tmp_path).startswith("Interrupted; results so far are kept. ")
+    assert text(CUT, signal.SIGTERM, tmp_path).startswith("Interrupted by SIGTERM; results so far are kept. ")
+    assert "Finished, although interrupted by SIGHUP at the end" in text(FINE, signal.SIGHUP, tmp_path)
+    assert "Do not use the result" in text(BAD, None, tmp_path)
+    assert text(BROKEN, None, tmp_path).startswith("Stopped early. ")

@@ -1,0 +1,158 @@
+"""Runs in processes of their own: whatever happens to them, what was computed is kept, and the exit code tells."""
+
+import json
+import os
+import signal
+import subprocess
+
+import pytest
+from pxr import Usd
+
+from tests.support.processes import COARSE, LIGHT, command, environment, run, slow_run, start, summary, wait_for
+
+SLOW = pytest.mark.slow
+SIGNALS = [
+    pytest.param(signal.SIGINT, marks=SLOW, id="SIGINT"),
+    pytest.param(signal.SIGTERM, id="SIGTERM"),
+    pytest.param(signal.SIGHUP, marks=SLOW, id="SIGHUP"),
+]
+ONLY_SUMMARY = ("--write", "summary")
+
+
+def is_readable(folder) -> None:
+    """Summary, history and film of a run tell of the same frames."""
+    numbers = summary(folder)
+    rows = (folder / "history.csv").read_text().splitlines()[1:]
+    stage = Usd.Stage.Open(str(folder / "picture_frame.usdc"))
+    assert len(rows) == numbers["frame_count"] == stage.GetEndTimeCode() + 1 >= 2
+    assert stage.GetRootLayer().customLayerData["weavesim"]["run_id"] == numbers["run_id"]
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_every_signal_ends_a_run_in_order(tmp_path, number):
+    process = slow_run(tmp_path)
+    process.send_signal(number)
+    out, err = process.communicate(timeout=20)
+    assert process.returncode == 128 + number, err
+    numbers = summary(tmp_path)
+    assert (numbers["outcome"], numbers["interrupted_by"]) == ("interrupted", number.name)
+    assert numbers["missing"] == [] and "max_shear_angle_deg" in numbers
+    assert "results so far are kept" in out and "Traceback" not in err
+    is_readable(tmp_path)
+    assert not list(tmp_path.glob(".*partial*"))
+
+
+@SLOW
+def test_two_signals_at_once_lose_nothing(tmp_path):
+    process = slow_run(tmp_path)
+    process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=20)
+    assert process.returncode == 130 and summary(tmp_path)["outcome"] == "interrupted"
+    is_readable(tmp_path)
+
+
+def test_a_signal_while_results_are_written_loses_nothing(tmp_path):
+    """The report comes last: the signals are sent as soon as the summary tells the end."""
+    process = start(*COARSE, "--frame-count", "4", "--out", tmp_path)
+    wait_for(lambda: summary(tmp_path)["outcome"] == "finished")
+    process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGTERM)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 130 and "Traceback" not in err
+    assert (tmp_path / "report.html").exists() and summary(tmp_path)["missing"] == []
+
+
+def test_a_killed_run_leaves_what_can_be_read(tmp_path):
+    process = slow_run(tmp_path)
+    process.kill()
+    process.communicate()
+    assert summary(tmp_path)["outcome"] == "running"
+    stage = Usd.Stage.Open(str(tmp_path / "picture_frame.usdc"))
+    assert stage.GetEndTimeCode() >= 1
+    assert len((tmp_path / "history.csv").read_text().splitlines()) >= 3
+    # the lock died with it, and the next run leaves nothing of it
+    again = run(*COARSE, *ONLY_SUMMARY, "--frame-count", "2", "--out", tmp_path, "--overwrite")
+    assert again.returncode == 0, again.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "summary.json", "run.json", "setup.json", "run.log", ".weavesim.lock",
+    }  # fmt: skip
+    assert summary(tmp_path)["outcome"] == "finished"
+
+
+def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
+    process = slow_run(tmp_path)
+    try:
+        first = summary(tmp_path)["run_id"]
+        second = run(*COARSE, *ONLY_SUMMARY, "--out", tmp_path, "--overwrite")
+        assert second.returncode == 2 and "Traceback" not in second.stderr
+        assert f"run {first}" in second.stderr and "is writing to it" in second.stderr
+    finally:
+        process.kill()
+        process.communicate()
+    assert summary(tmp_path)["run_id"] == first
+
+
+@SLOW
+def test_old_results_are_kept_unless_the_user_says_otherwise(tmp_path):
+    arguments = (*COARSE, *ONLY_SUMMARY, "--frame-count", "2", "--out", tmp_path)
+    assert run(*arguments).returncode == 0
+    first = summary(tmp_path)["run_id"]
+    refused = run(*arguments)
+    assert refused.returncode == 2 and "--overwrite" in refused.stderr and summary(tmp_path)["run_id"] == first
+    assert run(*arguments, "--overwrite").returncode == 0
+    assert summary(tmp_path)["run_id"] != first
+
+
+@SLOW
+def test_the_run_id_is_the_first_line_of_the_log(tmp_path):
+    assert run(*COARSE, *ONLY_SUMMARY, "--frame-count", "2", "--out", tmp_path).returncode == 0
+    first = (tmp_path / "run.log").read_text().splitlines()[0]
+    assert first.endswith(f"run {summary(tmp_path)['run_id']}")
+    record = json.loads((tmp_path / "run.json").read_text())
+    assert record["options"]["mesh_size"] == 0.05 and "run.log" in record["files"]
+
+
+@pytest.mark.parametrize(
+    "closing",
+    [
+        "2>&1 | head -1",
+        *(pytest.param(one, marks=SLOW) for one in ("2>&-", ">&- 2>&-", "2>/dev/full", ">/dev/full", "| true")),
+    ],
+)
+def test_a_terminal_that_goes_away_costs_no_run(tmp_path, closing):
+    line = subprocess.list2cmdline(command(*COARSE, *LIGHT, "--out", tmp_path))
+    done = subprocess.run(
+        ["bash", "-c", f"{line} {closing}; exit ${{PIPESTATUS[0]}}"], env=environment(), capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert summary(tmp_path)["outcome"] == "finished" and "Traceback" not in done.stderr
+    is_readable(tmp_path)
+
+
+def full_after(size: int):
+    """Let no file of a process grow beyond a size, as on a full disk."""
+    import resource
+
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+@pytest.mark.parametrize("size", [pytest.param(0, marks=SLOW), 4000, pytest.param(60_000, marks=SLOW)])
+def test_a_full_disk_is_told(tmp_path, size):
+    done = run(*COARSE, *LIGHT, "--out", tmp_path, preexec_fn=full_after(size))
+    assert done.returncode == 4, done.stderr
+    assert "Not all results could be written" in done.stdout and "Results are in" not in done.stdout
+    assert "film could not be written" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_folder_whose_name_is_no_text(tmp_path):
+    done = run(*COARSE, "--out", tmp_path / os.fsdecode(b"gr\xf6\xdfe"))
+    assert done.returncode == 2 and "not valid UTF-8" in done.stderr and "Traceback" not in done.stderr
+
+
+@SLOW
+@pytest.mark.parametrize("name", ["größe", "with spaces", "部品", "-dash"])
+def test_other_names_of_folders(tmp_path, name):
+    done = run(*COARSE, *LIGHT, "--frame-count", "2", "--out", tmp_path / name)
+    assert done.returncode == 0, done.stderr
+    is_readable(tmp_path / name)

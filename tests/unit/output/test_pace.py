@@ -1,0 +1,41 @@
+"""Results are saved early, then often enough, and never for more than a small share of the time."""
+
+import pytest
+
+from weavesim.output import pace as module
+from weavesim.output.pace import Pace
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    class Clock:
+        now = 1000.0
+
+    monkeypatch.setattr(module.time, "monotonic", lambda: Clock.now)
+    return Clock
+
+
+def saved(clock, frame_count, interval, cost=0.0):
+    pace, result = Pace(), []
+    for index in range(frame_count):
+        if pace.due():
+            result.append(index)
+            clock.now += cost
+            pace.done()
+        clock.now += interval
+    return result
+
+
+def test_fast_frames_are_saved_at_powers_of_two(clock):
+    assert saved(clock, 20, 1e-3) == [0, 1, 2, 4, 8, 16]
+
+
+def test_slow_frames_are_saved_every_five_seconds(clock):
+    assert saved(clock, 8, 6.0) == list(range(8))
+    assert saved(clock, 65, 1.0) == [0, 1, 2, 4, 8, 13, 18, 23, 28, 33, 38, 43, 48, 53, 58, 63]
+
+
+def test_slow_saves_become_rare(clock):
+    start = clock.now
+    count = len(saved(clock, 4000, 0.5, cost=1.0))
+    assert count < 0.025 * (clock.now - start) + 12

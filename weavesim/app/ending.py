@@ -1,0 +1,84 @@
+"""How a run ended: its exit code, and what the user is told."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator, Mapping
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+from ..run.frame import Outcome
+
+# Of a summary: the result must not be used.
+DO_NOT_USE = "do not use"
+# A shell reports a process that a signal ended with this plus the number of the signal.
+SIGNALLED = 128
+
+
+class ExitCode(IntEnum):
+    """Exit codes of the command line; a run that was interrupted ends with 128 plus the number of the signal."""
+
+    FINISHED = 0
+    RUN_ERROR = 1
+    INPUT_ERROR = 2
+    DO_NOT_USE = 3
+    MISSING = 4
+
+
+def interrupted_code(number: int) -> int:
+    """Exit code after a signal: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP."""
+    return SIGNALLED + number
+
+
+def summaries(result: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    """The summaries in what ``Scene.run`` returns: one, or one per case."""
+    cases = [value for value in result.values() if isinstance(value, Mapping) and "outcome" in value]
+    yield from cases or [result]
+
+
+def exit_code(result: Mapping[str, Any], number: int | None) -> int:
+    """Exit code for what ``Scene.run`` returned.
+
+    Args:
+        result: a summary, or the summaries by case.
+        number: of the signal that the run received; None for none.
+    """
+    every = list(summaries(result))
+    outcomes = {one.get("outcome", Outcome.FINISHED.value) for one in every}
+    if number is not None:
+        return interrupted_code(number)
+    if Outcome.INTERRUPTED.value in outcomes:
+        return interrupted_code(signal.SIGINT)
+    if outcomes != {Outcome.FINISHED.value}:
+        return ExitCode.RUN_ERROR
+    if any(one.get("verdict") == DO_NOT_USE for one in every):
+        return ExitCode.DO_NOT_USE
+    if any(one.get("missing") for one in every):
+        return ExitCode.MISSING
+    return ExitCode.FINISHED
+
+
+def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> Iterator[str]:
+    """What the user is told at the end; arguments as ``exit_code``, and the folder."""
+    every = list(summaries(result))
+    missing = list(dict.fromkeys(name for one in every for name in one.get("missing") or ()))
+    outcomes = {one.get("outcome", Outcome.FINISHED.value) for one in every}
+    if Outcome.INTERRUPTED.value in outcomes:
+        start = f"Interrupted{_by(number)}; results so far are kept. "
+    elif number is not None:
+        start = f"Finished, although interrupted{_by(number)} at the end. "
+    else:
+        start = "" if outcomes == {Outcome.FINISHED.value} else "Stopped early. "
+    if missing:
+        yield f"{start}Not all results could be written: {', '.join(missing)} missing. The others are in {out}."
+    else:
+        yield f"{start}Results are in {out}."
+    if any(one.get("verdict") == DO_NOT_USE for one in every):
+        yield "Do not use the result: see its warnings."
+    for report in sorted(out.rglob("report.html")):
+        yield f"Open {report} in a browser."
+
+
+def _by(number: int | None) -> str:
+    return f" by {signal.Signals(number).name}" if number is not None and number != signal.SIGINT else ""

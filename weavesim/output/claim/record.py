@@ -1,0 +1,115 @@
+"""``run.json``: which run the files of a folder belong to, and everything that is needed to repeat it."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import socket
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from ...device import cpu_features
+from ...run.frame import RunInfo
+from ...version import __version__
+from ..files import write_summary
+
+RECORD_NAME = "run.json"
+SETUP_NAME = "setup.json"
+# Packages whose versions may change a result.
+PACKAGES = ("warp-lang", "numpy", "trimesh", "meshio", "pydantic")
+_CHUNK = 1 << 20
+
+
+class RunRecord:
+    """The record of a run in its folder, written again whenever a file is added.
+
+    Args:
+        folder: of the run.
+        info: about the run.
+        options: given by the user, by name.
+    """
+
+    def __init__(self, folder: Path, info: RunInfo, options: Mapping[str, Any]) -> None:
+        self._folder = folder
+        self._names: dict[str, None] = {}
+        self._hashes: dict[str, str] = {}
+        self._content: dict[str, Any] = {
+            "run_id": info.run_id,
+            "name": info.name,
+            "started": datetime.now(UTC).isoformat(timespec="seconds"),
+            "process": os.getpid(),
+            "host": socket.gethostname(),
+            "command": list(sys.argv),
+            "folder": os.getcwd(),
+            "options": dict(options),
+            "input_files": dict(_input_files(options)),
+            "setup_hash": info.setup.content_hash if info.setup else None,
+            "device": info.device,
+            "precision": info.precision,
+            "versions": {"weavesim": __version__, "python": platform.python_version(), **dict(_versions())},
+            "system": platform.platform(),
+            "processor_features": cpu_features(),
+        }
+
+    def write(self) -> None:
+        """Write the file."""
+        files = {name: self._hashes.get(name) for name in self._names}
+        write_summary(self._folder / RECORD_NAME, {**self._content, "files": files})
+
+    def add(self, path: Path) -> None:
+        """A file is about to be written; files outside the folder are not recorded."""
+        with suppress(ValueError):
+            name = path.relative_to(self._folder).as_posix()
+            if name not in self._names and name != RECORD_NAME:
+                self._names[name] = None
+                self.write()
+
+    def missing(self) -> list[str]:
+        """Names of recorded files that are not there, or empty."""
+        return [name for name in self._names if not _has_content(self._folder / name)]
+
+    def finish(self, **ending: Any) -> None:
+        """Record the ending, and the hashes of all files: they show of which run a file without a run id is."""
+        self._content |= {"ended": datetime.now(UTC).isoformat(timespec="seconds"), **ending}
+        for name in self._names:
+            with suppress(OSError):
+                self._hashes[name] = file_hash(self._folder / name)
+        self.write()
+
+
+def _has_content(path: Path) -> bool:
+    try:
+        return path.stat().st_size > 0
+    except OSError:
+        return False
+
+
+def _versions() -> Iterator[tuple[str, str]]:
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):
+            yield name, version(name)
+
+
+def _input_files(options: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Path, size and hash of every option that names a file."""
+    for name, value in options.items():
+        if isinstance(value, str) and name != "out":
+            path = Path(value)
+            with suppress(OSError, ValueError):
+                if path.is_file():
+                    yield name, {"path": str(path.absolute()), "bytes": path.stat().st_size, "sha256": file_hash(path)}
+
+
+def file_hash(path: Path) -> str:
+    """SHA-256 of a file."""
+    digest = hashlib.sha256()
+    with open(path, "rb") as file:
+        while chunk := file.read(_CHUNK):
+            digest.update(chunk)
+    return digest.hexdigest()

@@ -1,0 +1,172 @@
+"""Tools that come through the sheet between its nodes, where the sheet does not meet them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...errors import InputError
+from ..watch.tool_distance import Deepest, ToolDistances, deepest_point
+from .guard import Doubt, Guard, Level, Start
+
+if TYPE_CHECKING:
+    from ...engine.sheet_model import SheetModel
+    from ..frame import Frame
+    from ..ledger import Ledger
+    from ..verdict import Judged
+
+# Of the thickness, before the run: overlap of the sheet's face with a tool that is not doubted, and that is refused.
+LARGEST_OVERLAP = 0.05
+REFUSED_OVERLAP = 0.25
+# Of the thickness, in the run: depth of the sheet's middle in a tool that is not doubted, and from which on a tool more
+# slender than the elements has come through.
+LARGEST_DEPTH = 0.05
+USELESS_DEPTH = 0.25
+# Cells of elements are searched down to this share of the thickness.
+RESOLUTION = 0.25
+
+
+class NarrowTool(Guard):
+    """Tools more slender than the elements, which may pass between nodes."""
+
+    name = "narrow_tool"
+    watches = "tools that are more slender than the elements"
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Tools of which a part is narrower than an element."""
+        for sheet, _, index in _meetings(start):
+            tool, size = start.model.setup.tools[index], _size(sheet)
+            if tool.smallest_width < size:
+                yield self.doubt(
+                    Level.WARNING,
+                    f"{tool.name}: it is {1e3 * tool.smallest_width:.3g} mm wide, the elements are {1e3 * size:.3g} mm",
+                    "only nodes meet tools, and it may pass between them: take elements of at most half its width",
+                    value=tool.smallest_width,
+                    limit=size,
+                )
+
+
+class StartOverlap(Guard):
+    """Tools that overlap the sheet before the run, at nodes or between them."""
+
+    name = "start_overlap"
+    watches = "tools that overlap the sheet before the run"
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Overlaps that are small.
+
+        Raises:
+            InputError: a tool that overlaps the sheet by more than a quarter of its thickness.
+        """
+        distances, displacement = ToolDistances(start.model), start.frame.tool_displacement
+        for sheet, position, index in _meetings(start):
+            thickness, name = sheet.fabric.thickness, start.model.setup.tools[index].name
+            limit = (0.5 - LARGEST_OVERLAP) * thickness - _sampling_error(start, index)
+            found = _deepest(distances, index, displacement[index], position, sheet, limit)
+            overlap = 0.5 * thickness - found.distance
+            if found.element is None:
+                continue
+            text = (
+                f"{name} overlaps the blank by {1e3 * overlap:.3g} mm before the run starts; the sheet is "
+                f"{1e3 * thickness:.3g} mm thick"
+            )
+            advice = "move the tool half a thickness off the mid-surface"
+            if overlap > REFUSED_OVERLAP * thickness:
+                raise InputError(f"{text}: {advice}")
+            place = _place(sheet, found)
+            yield self.doubt(Level.WARNING, text, advice, sheet=sheet.name, place=place, value=overlap)
+
+
+class Seen(NamedTuple):
+    """The deepest that one tool has been in one sheet: the distance of the sheet's middle [m], place and time."""
+
+    distance: float
+    place: tuple[float, float]
+    time: float
+
+
+class BetweenNodes(Guard):
+    """Tools that come through the sheet between its nodes while it forms.
+
+    Tools with radii and widths well above the elements are left out: there, nodes and centres of elements tell.
+    """
+
+    name = "between_nodes"
+    watches = "tools with sharp edges or small radii that come through between nodes"
+
+    def __init__(self) -> None:
+        self._distances: ToolDistances | None = None
+        self._watched: list[tuple[int, int]] = []  # index of a sheet, and of a tool
+        self._sheets: tuple[SheetModel, ...] = ()
+        self._deepest: dict[tuple[int, int], Seen] = {}
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Nothing; remembers what there is to watch."""
+        self._distances, self._sheets = ToolDistances(start.model), start.model.sheets
+        for sheet, _, index in _meetings(start):
+            tool, size = start.model.setup.tools[index], _size(sheet)
+            if tool.smallest_radius < size or tool.smallest_width < 2.0 * size:
+                self._watched.append((self._sheets.index(sheet), index))
+        return ()
+
+    def watch(self, frame: Frame, ledger: Ledger) -> None:
+        """Search the elements near these tools."""
+        for pair in self._watched:
+            assert self._distances is not None
+            sheet, displacement = self._sheets[pair[0]], frame.tool_displacement[pair[1]]
+            limit = self._deepest[pair].distance if pair in self._deepest else -LARGEST_DEPTH * sheet.fabric.thickness
+            position = frame.sheets[pair[0]].position
+            found = _deepest(self._distances, pair[1], displacement, position, sheet, limit)
+            if found.element is not None:
+                self._deepest[pair] = Seen(found.distance, _place(sheet, found), frame.time)
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """The deepest of each tool in each sheet."""
+        info = run.run.info
+        for (place, index), seen in self._deepest.items():
+            thickness, tool = info.sheets[place].fabric.thickness, info.tools[index]
+            slender = tool.smallest_width < _size(self._sheets[place])
+            yield self.doubt(
+                Level.DO_NOT_USE if slender and -seen.distance > USELESS_DEPTH * thickness else Level.WARNING,
+                f"{info.tool_names[index]} came through the sheet between its nodes: the middle of the sheet was "
+                f"{-1e3 * seen.distance:.3g} mm inside it",
+                "only nodes meet tools: take a finer mesh, round the tool's edges, or a wider tool",
+                sheet=info.sheets[place].name,
+                place=seen.place,
+                time=seen.time,
+                value=-seen.distance,
+                limit=LARGEST_DEPTH * thickness,
+            )
+
+
+def _meetings(start: Start) -> Iterable[tuple[SheetModel, np.ndarray, int]]:
+    """Every sheet with its positions and each tool that it may touch, by index among those of the run."""
+    for sheet, frame in zip(start.model.sheets, start.frame.sheets, strict=True):
+        for index in range(sheet.places.tools.start, sheet.places.tools.stop):
+            yield sheet, frame.position, index
+
+
+def _sampling_error(start: Start, index: int) -> float:
+    """Error of the distances from a tool that 99 % of all points have at most [m]; 0 for formulas."""
+    surfaces = [part.surface for part in start.model.setup.tools[index].shape.parts()]
+    return max((start.model.samples[surface].usual_error for surface in surfaces if surface is not None), default=0.0)
+
+
+def _size(sheet: SheetModel) -> float:
+    """Of its largest element [m]."""
+    return float(np.sqrt(sheet.geometry.area.max()))
+
+
+def _deepest(
+    distances: ToolDistances, tool: int, displacement: float, position: np.ndarray, sheet: SheetModel, limit: float
+) -> Deepest:
+    corners = position[sheet.blank.quads]
+    resolution = RESOLUTION * sheet.fabric.thickness
+    return deepest_point(lambda points: distances(tool, displacement, points)[0], corners, limit, resolution)
+
+
+def _place(sheet: SheetModel, found: Deepest) -> tuple[float, float]:
+    x, y = sheet.blank.material_coordinates[sheet.blank.quads[found.element or 0]].mean(axis=0)
+    return float(x), float(y)

@@ -1,0 +1,160 @@
+"""Tools that close on less than the sheet's thickness."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...errors import InputError
+from ..watch.tool_distance import ToolDistances
+from .guard import Doubt, Guard, Level, Start
+
+if TYPE_CHECKING:
+    from ...engine.setup import World
+    from ...tools.shapes import Triangles
+    from ...tools.tool import Tool
+
+# Share of the thickness that may be missing between two tools; measured thicknesses are no better.
+LARGEST_LACK = 0.05
+# Places along the way of two tools at which their gap is taken.
+PLACE_COUNT = 17
+# Points on each tool, at most.
+LARGEST_POINT_COUNT = 20_000
+# Points along the longest edge of a triangle, at most.
+LARGEST_DIVISION = 60
+
+
+class ClosingGap(Guard):
+    """Two tools on either side of the sheet that leave less room for it than its thickness.
+
+    Tools that a force moves stop at the sheet, and are left out.
+    """
+
+    name = "closing_gap"
+    watches = "the room for the sheet between two tools, on all of their way"
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Pairs that close too far.
+
+        Raises:
+            InputError: they run into each other.
+        """
+        first = 0
+        for world in start.model.setup.worlds:
+            pairs = combinations(range(len(world.tools)), 2)
+            thickness = min(sheet.fabric.thickness for sheet in world.sheets)
+            for a, b in pairs:
+                tools = world.tools[a], world.tools[b]
+                if _closes(*tools, start) and _on_both_sides(start, world, first, a, b):
+                    gap, time = _smallest_gap(start, world, first, (a, b))
+                    yield from self._judged(tools, gap, time, thickness, _error(start, tools))
+            first += len(world.tools)
+
+    def _judged(
+        self, tools: tuple[Tool, Tool], gap: float, time: float, thickness: float, error: float
+    ) -> Iterator[Doubt]:
+        if not gap < (1.0 - LARGEST_LACK) * thickness - error:
+            return
+        names = f"{tools[0].name} and {tools[1].name}"
+        advice = "make the stroke shorter, or the gap at least the thickness"
+        if gap + error <= 0.0:
+            raise InputError(
+                f"{names} run into each other by {-1e3 * gap:.3g} mm at {time:.4g} s; the sheet between them is "
+                f"{1e3 * thickness:.3g} mm thick: {advice}"
+            )
+        yield self.doubt(
+            Level.WARNING,
+            f"{names} leave {1e3 * gap:.3g} mm between them at {time:.4g} s, for a sheet of {1e3 * thickness:.3g} mm",
+            f"they close too far, and forces there mean nothing: {advice}",
+            time=time,
+            value=gap,
+            limit=thickness,
+        )
+
+
+def _closes(a: Tool, b: Tool, start: Start) -> bool:
+    """Whether two tools move relative to each other, by prescribed strokes."""
+    if a.motion.by_force or b.motion.by_force:
+        return False
+    return any(len(set(tool.motion.curve()[1])) > 1 for tool in (a, b))
+
+
+def _on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> bool:
+    """Whether the sheets are between two tools, seen from their nearest nodes."""
+    distances = ToolDistances(start.model)
+    names = [sheet.name for sheet in world.sheets]
+    nodes = np.concatenate([frame.position for frame in start.frame.sheets if frame.name in names])
+    up = np.concatenate([frame.director for frame in start.frame.sheets if frame.name in names])
+    sides = []
+    for tool in (first + a, first + b):
+        distance, normal = distances(tool, start.frame.tool_displacement[tool], nodes)
+        nearest = int(np.argmin(distance))
+        sides.append(float(normal[nearest] @ up[nearest]))
+    return sides[0] * sides[1] < 0.0
+
+
+def _smallest_gap(start: Start, world: World, first: int, pair: tuple[int, int]) -> tuple[float, float]:
+    """Smallest distance between two tools over the flat blank, on all of their way [m], and when [s]."""
+    distances, duration = ToolDistances(start.model), start.model.setup.duration
+    tools = [world.tools[k] for k in pair]
+    size = min(float(np.sqrt(sheet.geometry.area.min())) for sheet in start.model.sheets)
+    nodes = np.concatenate([sheet.blank.node_position for sheet in world.sheets])
+    points = [_surface(distances, first + k, world.tools[k], nodes, size) for k in pair]
+    best = (np.inf, 0.0)
+    knots = [tool.motion.curve()[0] for tool in tools]
+    times = np.unique(np.concatenate([np.linspace(0.0, duration, PLACE_COUNT), *(each[[0, -1]] for each in knots)]))
+    for time in times[(times >= 0.0) & (times <= duration)]:
+        at = [float(np.interp(time, *tool.motion.curve())) for tool in tools]
+        for own, other in ((0, 1), (1, 0)):
+            moved = points[own] + at[own] * np.array(tools[own].axis)
+            within = _over(moved, nodes)
+            if within.any():
+                gap = float(distances(first + pair[other], at[other], moved[within])[0].min())
+                best = min(best, (gap, float(time)))
+    return best
+
+
+def _over(points: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Whether each point is over the plan of the flat blank, (n,) bool."""
+    lower, upper = nodes[:, :2].min(axis=0), nodes[:, :2].max(axis=0)
+    return np.all((points[:, :2] >= lower) & (points[:, :2] <= upper), axis=1)
+
+
+def _surface(distances: ToolDistances, index: int, tool: Tool, nodes: np.ndarray, size: float) -> np.ndarray:
+    """Points on the surface of a tool over the blank, about ``size`` apart, at zero displacement, (n, 3) [m]."""
+    points = _spread(tool.display_triangles(), nodes, size)
+    if len(points):
+        # what is drawn of a round shape are chords of it
+        distance, normal = distances(index, 0.0, points)
+        shift = distance[:, None] * normal
+        points = np.where(np.abs(distance)[:, None] < 0.5 * size, points - shift, points)
+    return points
+
+
+def _spread(triangles: Triangles, nodes: np.ndarray, size: float) -> np.ndarray:
+    """Points spread evenly over the triangles whose boxes overlap the blank's in plan."""
+    vertices, faces = triangles
+    corners = np.asarray(vertices, dtype=np.float64)[faces]
+    lower, upper = nodes[:, :2].min(axis=0), nodes[:, :2].max(axis=0)
+    near = ((corners[:, :, :2].min(axis=1) <= upper) & (corners[:, :, :2].max(axis=1) >= lower)).all(axis=1)
+    corners = corners[near]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0)
+    division = np.clip(np.ceil(longest / size), 1, LARGEST_DIVISION).astype(int)
+    found = [np.empty((0, 3))]
+    for count in np.unique(division):
+        i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
+        inside = i + j <= count
+        weight = np.column_stack([i[inside], j[inside], count - i[inside] - j[inside]]) / count
+        found.append(np.einsum("wc,tci->twi", weight, corners[division == count]).reshape(-1, 3))
+    points = np.concatenate(found)
+    points = points[_over(points, nodes)]
+    return points[:: max(1, -(-len(points) // LARGEST_POINT_COUNT))]
+
+
+def _error(start: Start, tools: tuple[Tool, Tool]) -> float:
+    """Error of the distances from two tools at 99 % of all points, together [m]; 0 for formulas."""
+    surfaces = [part.surface for tool in tools for part in tool.shape.parts()]
+    return sum(start.model.samples[surface].usual_error for surface in set(surfaces) if surface is not None)

@@ -1,0 +1,105 @@
+"""Tools that cannot meet the sheet, and tools that did not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..frame import Outcome
+from ..watch.tool_distance import ToolDistances
+from .guard import Doubt, Guard, Level, Start
+
+if TYPE_CHECKING:
+    from ...engine.setup import World
+    from ...tools.tool import Tool
+    from ..verdict import Judged
+
+# Places along its way at which a tool is looked at.
+PLACE_COUNT = 9
+# What the strokes of others move a sheet by, at most: a free end may swing further than the tool that moves it.
+SWING = 1.5
+
+
+class ToolReach(Guard):
+    """Tools that are nowhere near the sheet on all of their way."""
+
+    name = "tool_reach"
+    watches = "whether every tool can reach the sheet"
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Tools further from the sheet, on all of their way, than the sheet can move."""
+        setup, distances, index = start.model.setup, ToolDistances(start.model), 0
+        for world in setup.worlds:
+            nodes = np.concatenate([sheet.blank.node_position for sheet in world.sheets])
+            for tool in world.tools:
+                way = _way(tool, setup.duration)
+                nearest = min(float(distances(index, place, nodes)[0].min()) for place in way)
+                reach = _reach(world, tool, setup.duration)
+                if nearest > reach:
+                    yield self.doubt(
+                        Level.WARNING,
+                        f"{tool.name}: it stays {1e3 * nearest:.4g} mm away from the blank, which can move by about "
+                        f"{1e3 * reach:.3g} mm",
+                        "it will never meet the sheet: check the place of its origin, its stroke and the unit of its "
+                        "mesh",
+                        value=nearest,
+                        limit=reach,
+                    )
+                index += 1
+
+
+class NeverTouched(Guard):
+    """Tools that met no node of any sheet in the whole run."""
+
+    name = "never_touched"
+    watches = "whether every tool met the sheet"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """Tools that met nothing, of a run that reached its end."""
+        if run.run.outcome is not Outcome.FINISHED:
+            return
+        info = run.run.info
+        touched = np.zeros(len(info.tools), dtype=bool)
+        for sheet, extremes in zip(info.sheets, run.extremes.sheets, strict=True):
+            touched[list(sheet.tools)] |= extremes.touched
+        for tool, name, met in zip(info.tools, info.tool_names, touched, strict=True):
+            if not met:
+                moves = tool.motion.by_force or len(set(tool.motion.curve()[1])) > 1
+                yield self.doubt(
+                    Level.DO_NOT_USE if moves else Level.WARNING,
+                    f"{name} never touched a node of the sheet",
+                    "it missed the sheet, or passed between its nodes" if moves else "leave it out, or check its place",
+                )
+
+
+def _way(tool: Tool, duration: float) -> np.ndarray:
+    """Displacements of a tool along its way [m]; a force may move it anywhere, but it starts at its place."""
+    if tool.motion.by_force:
+        return np.zeros(1)
+    times, displacements = tool.motion.curve()
+    return np.unique(np.interp(np.linspace(0.0, duration, PLACE_COUNT), times, displacements))
+
+
+def _reach(world: World, own: Tool, duration: float) -> float:
+    """How far nodes of a sheet may move without ``own`` [m]."""
+    size = max(float(np.ptp(sheet.blank.node_position, axis=0).max()) for sheet in world.sheets)
+    strokes = [float(np.ptp(_way(tool, duration))) for tool in world.tools if tool is not own]
+    for tool in world.tools:
+        if tool.motion.by_force:
+            # in free flight, but no further than the sheet is long
+            force = float(np.abs(tool.motion.curve()[1]).max())
+            strokes.append(min(0.5 * force / tool.motion.driven_mass * duration**2, size))
+    reach = SWING * max(strokes, default=0.0)
+    reach += 0.5 * float(np.linalg.norm(world.dynamics.gravity)) * duration**2
+    for sheet in world.sheets:
+        reach += sheet.fabric.thickness
+        for support in sheet.supports:
+            for drive in support.drives:
+                reach += SWING * drive.largest_displacement * float(np.linalg.norm(drive.direction, axis=-1).max())
+        if sheet.initial_velocity is not None:
+            reach += duration * float(np.linalg.norm(sheet.initial_velocity, axis=1).max())
+        if sheet.loads is not None:
+            reach += size
+    return reach

@@ -1,0 +1,107 @@
+"""Distances from the tools of a run at any points and displacements, and the deepest point of a sheet in a tool."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import warp as wp
+
+from ...engine.model import Model
+from ...kernels.contact.tool_distance import sample_distance_kernel
+from ...kernels.contact.tool_shapes import further_kinds
+
+# Cells of elements that are divided further at once, the most promising first.
+LARGEST_CELL_COUNT = 4000
+# A curved cell reaches this much further than a flat one of the same corners.
+CURVED = 1.2
+
+
+class ToolDistances:
+    """Signed distances from the tools of a run, in its precision, on its device."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._kernels: dict[int, wp.Kernel] = {}
+        for sheet in model.sheets:
+            kernel = sample_distance_kernel(model.real, 1, further_kinds(sheet.node_traits.shape_kinds))
+            self._kernels |= dict.fromkeys(range(sheet.places.tools.start, sheet.places.tools.stop), kernel)
+
+    def __call__(self, tool: int, displacement: float, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distance (n,) [m] and outward normal (n, 3) of ``points`` (n, 3) [m].
+
+        Args:
+            tool: index among the tools of the run.
+            displacement: along its axis [m].
+            points: at least one.
+        """
+        model, count = self._model, len(points)
+        dtype = model.precision.numpy
+        distance = wp.zeros(count, dtype=model.real, device=model.device)
+        normal = wp.zeros(count, dtype=model.types.vec3, device=model.device)
+        wp.launch(
+            self._kernels[tool],
+            dim=count,
+            inputs=[
+                model.tools.tool, model.tools.part, tool, model.real(displacement),
+                wp.array(np.asarray(points, dtype=dtype), dtype=model.types.vec3, device=model.device),
+            ],
+            outputs=[distance, normal],
+            device=model.device,
+        )  # fmt: skip
+        return distance.numpy().astype(np.float64), normal.numpy().astype(np.float64)
+
+
+class Deepest(NamedTuple):
+    """The point of a sheet's middle surface that lies deepest in a tool.
+
+    Attributes:
+        distance: from the tool's surface [m], negative inside.
+        element: that contains it; None if no point is nearer than the limit.
+    """
+
+    distance: float
+    element: int | None = None
+
+
+def deepest_point(
+    distance_of: Callable[[np.ndarray], np.ndarray], corners: np.ndarray, limit: float, resolution: float
+) -> Deepest:
+    """The point of elements that lies deepest in a body, also between their nodes.
+
+    A distance changes by at most the way between two points: cells of elements that cannot be nearer than the best
+    point so far are left out, and the others are divided in four, down to ``resolution``.
+
+    Args:
+        distance_of: signed distances (n,) of points (n, 3) [m].
+        corners: of the elements, (element_count, 4, 3) [m].
+        limit: only points nearer than this are looked for [m].
+        resolution: size of the smallest cells [m].
+    """
+    middle = corners.mean(axis=1, keepdims=True)
+    radius = CURVED * np.linalg.norm(corners - middle, axis=2).max(axis=1)
+    element, half = np.arange(len(corners)), 1.0
+    place = np.zeros((len(corners), 2))
+    best = Deepest(limit)
+    while len(element):
+        distance = distance_of(_points(corners[element], place))
+        lowest = int(np.argmin(distance))
+        if distance[lowest] < best.distance:
+            best = Deepest(float(distance[lowest]), int(element[lowest]))
+        reach = distance - half * radius[element]
+        (kept,) = np.nonzero((reach < best.distance) & (half * radius[element] > resolution))
+        if len(kept) > LARGEST_CELL_COUNT:
+            kept = kept[np.argpartition(reach[kept], LARGEST_CELL_COUNT)[:LARGEST_CELL_COUNT]]
+        half *= 0.5
+        quarter = half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+        place = (place[kept][:, None] + quarter).reshape(-1, 2)
+        element = np.repeat(element[kept], 4)
+    return best
+
+
+def _points(corners: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Points of elements (k, 4, 3) at places (k, 2) from -1 to 1 in both directions, (k, 3)."""
+    u, v = place.T
+    weight = 0.25 * np.stack([(1 - u) * (1 - v), (1 + u) * (1 - v), (1 + u) * (1 + v), (1 - u) * (1 + v)], axis=1)
+    return np.einsum("kc,kci->ki", weight, corners)

@@ -89,9 +89,9 @@ class Crossings:
         corners = position[self._triangles]
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1.0e-300)[:, None]
-        mean = np.column_stack(
-            [np.bincount(self._triangles.ravel(), np.repeat(normal[:, c], 3), self._node_count) for c in range(3)]
-        )
+        mean = np.zeros((self._node_count, 3))
+        for axis in range(3):
+            mean[:, axis] = np.bincount(self._triangles.ravel(), np.repeat(normal[:, axis], 3), self._node_count)
         mean /= np.maximum(np.linalg.norm(mean, axis=1), 1.0e-300)[:, None]
         turned = np.einsum("tc,tkc->tk", normal, mean[self._triangles]) < SMALLEST_COSINE
         folded = np.zeros(self._node_count, dtype=bool)
@@ -185,7 +185,8 @@ def _meet(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     result = np.zeros(len(first), dtype=bool)
     if not len(first):
         return result
-    side = np.stack([_volume(*second.transpose(1, 0, 2), first[:, corner]) for corner in range(3)])
+    a, b, c = second[:, 0], second[:, 1], second[:, 2]
+    side = np.stack([_volume(a, b, c, first[:, corner]) for corner in range(3)])
     crossing = ~((side > 0.0).all(axis=0) | (side < 0.0).all(axis=0))
     flat = (side == 0.0).all(axis=0)
     (candidate,) = np.nonzero(crossing & ~flat)

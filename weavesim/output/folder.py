@@ -88,6 +88,11 @@ class ResultFolder:
         if not self._overwrite:
             check_free(self.path)
 
+    def clear(self) -> None:
+        """Remove old results from a folder that is claimed; ``start`` does it too."""
+        self.claim()
+        remove_results(self.path)
+
     def release(self) -> None:
         """Give the folder back; ``write`` does it at the end of a run."""
         self._lock.release()
@@ -105,8 +110,7 @@ class ResultFolder:
     def start(self, info: RunInfo) -> None:
         file_name("name of the run", info.name)
         self._wanted.check(info.sheets)
-        self.claim()
-        remove_results(self.path)
+        self.clear()
         self._info = info
         self._outcome = None
         self.warnings.clear()

@@ -169,3 +169,26 @@ def test_old_results_survive_what_is_refused(tmp_path):
     with pytest.raises(InputError):
         scene_that(findings=findings).run(options(tmp_path, overwrite=True))
     assert summary_of(tmp_path) == first
+
+
+def test_cases_of_two_runs_do_not_mix(tmp_path):
+    """A run that ends in its first case leaves nothing of older runs in the folders of the others."""
+    failing = False
+
+    def findings(parameters, simulation, wanted):
+        if failing and simulation.frame.index > 0:
+            raise KeyboardInterrupt
+        return {}
+
+    scene = picture_frame.SCENE.__class__(
+        name="picture-frame", help="", parameters=picture_frame.PictureFrameParameters,
+        make=lambda parameters, case: picture_frame.picture_frame(parameters), findings=findings,
+        cases=lambda parameters: ("one", "two"),
+    )  # fmt: skip
+    first = scene.run(options(tmp_path))
+    assert summary_of(tmp_path / "two")["run_id"] == first["two"]["run_id"] != first["one"]["run_id"]
+    failing = True
+    with pytest.raises(KeyboardInterrupt):
+        scene.run(options(tmp_path, overwrite=True))
+    assert summary_of(tmp_path / "one")["run_id"] != first["one"]["run_id"]
+    assert [path.name for path in (tmp_path / "two").iterdir()] == [".weavesim.lock"]

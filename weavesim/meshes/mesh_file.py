@@ -146,8 +146,9 @@ def _as_triangles(vertices: np.ndarray, cells: Cells, notes: list[str]) -> np.nd
     if cells.kind == POLYGON and len(rows):
         bent = out_of_plane(vertices, cells.nodes[rows])
         if np.any(bent > FLAT):
+            count = int(np.count_nonzero(bent > FLAT))
             notes.append(
-                f"{int(np.count_nonzero(bent > FLAT))} {cells.called} are not flat, by up to {100.0 * bent.max():.2g} % "
+                f"{count} {cells.called} are not flat, by up to {100.0 * bent.max():.2g} % "
                 "of their size: the surface between their corners is a guess"
             )
     return np.concatenate(parts)

@@ -49,10 +49,10 @@ class BiasExtensionParameters(FabricTestParameters):
         default=0.00625, description="edge length of an element [m]"
     )
     out: Path = Field(default=Path("out/bias_extension"), description="folder for the results")
-    length: Annotated[Positive, Quantity("length")] = Field(
-        default=0.2, le=2.0, description="length between the clamps [m]; at least twice the width"
+    length: Annotated[Positive, Quantity("length", at_most=2.0)] = Field(
+        default=0.2, description="length between the clamps [m]; at least twice the width"
     )
-    width: Annotated[Positive, Quantity("length")] = Field(default=0.1, le=1.0, description="[m]")
+    width: Annotated[Positive, Quantity("length", at_most=1.0)] = Field(default=0.1, description="[m]")
     largest_angle: Annotated[Positive, Quantity("angle")] = Field(
         default=40.0, lt=80.0, description="kinematic shear angle of the central zone [degrees]"
     )
@@ -75,6 +75,10 @@ class BiasExtensionParameters(FabricTestParameters):
                 f"{self.width / SMALLEST_ELEMENT_COUNT:.4g} m is allowed"
             )
         return self
+
+    def blank_area(self) -> float:
+        """Of the strip [m^2]."""
+        return self.length * self.width
 
     @property
     def zone_length(self) -> float:
@@ -206,7 +210,7 @@ def findings(curves: Curves) -> dict[str, Any]:
         "kinematic_angle_deg": c["kinematic_angle_deg"],
         "force_n": force,
         "closed_form_force_n": c["closed_form_force_n"],
-        "force_ratio": force / c["closed_form_force_n"],
+        "force_ratio": force / c["closed_form_force_n"] if c["closed_form_force_n"] else None,
     }
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from weavesim.app.options import RunOptions
+from weavesim.app.options import Need, RunOptions
 from weavesim.checks import Positive
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
@@ -30,6 +31,10 @@ class FabricTestParameters(RunOptions):
         default=0.25e6, description="G_12 of the linear law, twice the stress over the angle [Pa]"
     )
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
+
+    needs: ClassVar[Mapping[str, Need]] = {
+        "shear_modulus": Need("shear_law = linear", lambda options: options.shear_law == "linear")
+    }
 
 
 def chosen_fabric(parameters: FabricTestParameters) -> Fabric:

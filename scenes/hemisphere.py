@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from weavesim.app.options import RunOptions
 from weavesim.checks import NotNegative, Positive
@@ -45,6 +45,8 @@ DIRECTOR_DAMPING = 1.0e3
 # No real cloth is perfectly even: a random initial velocity, smooth so that it is the same on every mesh, triggers the
 # folds; damping stops it within about 3 mm. Without it the square's symmetry may keep the cloth at four folds [m/s].
 UNEVENNESS = 0.05
+# Over a quarter of the ball, and from the middle of the cloth to its edge.
+SMALLEST_ELEMENT_COUNT = 8
 UNEVENNESS_WAVES = range(2, 17)
 
 
@@ -71,6 +73,21 @@ class HemisphereParameters(RunOptions):
     )
     seed: int = Field(default=0, ge=0, description="random seed of the unevenness that triggers the folds")
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
+
+    @model_validator(mode="after")
+    def _is_fine_enough(self) -> Self:
+        length = min(0.5 * math.pi * self.radius, 0.5 * self.side)
+        if round(length / self.mesh_size) < SMALLEST_ELEMENT_COUNT:
+            raise ValueError(
+                f"mesh_size = {self.mesh_size} m: at least {SMALLEST_ELEMENT_COUNT} elements over a quarter of the "
+                f"ball of radius {self.radius} m, and from the middle of the cloth to its edge, are needed; at most "
+                f"{length / SMALLEST_ELEMENT_COUNT:.4g} m is allowed"
+            )
+        return self
+
+    def blank_area(self) -> float:
+        """Of the cloth [m^2]."""
+        return self.side**2
 
 
 def cloth(case: str) -> Fabric:

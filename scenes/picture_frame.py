@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
@@ -43,6 +43,8 @@ RAMP_SHARE = 0.2
 # Directors are held at the frame and should not move in a plane sheet [1/s].
 DIRECTOR_DAMPING = 1.0e4
 LARGEST_TENSION_STRETCH = 1.05
+# Along a side, with yarns that are not parallel to the sides: aligned yarns shear evenly, and any mesh is exact.
+SMALLEST_ELEMENT_COUNT = 4
 
 
 class PictureFrameParameters(FabricTestParameters):
@@ -55,8 +57,8 @@ class PictureFrameParameters(FabricTestParameters):
         default=10.0, description="mass-proportional damping rate [1/s]"
     )
     out: Path = Field(default=Path("out/picture_frame"), description="folder for the results")
-    side: Annotated[Positive, Quantity("frame side")] = Field(
-        default=0.2, le=2.0, description="side of the square inner area [m]"
+    side: Annotated[Positive, Quantity("frame side", at_most=2.0)] = Field(
+        default=0.2, description="side of the square inner area [m]"
     )
     arm_length: Annotated[NotNegative, Quantity("length")] = Field(
         default=0.0,
@@ -75,6 +77,20 @@ class PictureFrameParameters(FabricTestParameters):
     )
     cycle: bool = Field(default=False, description="return to the start: loading and unloading")
     speed: Annotated[Positive, Quantity("speed")] = Field(default=0.5, description="speed of the crosshead [m/s]")
+
+    @model_validator(mode="after")
+    def _is_fine_enough(self) -> Self:
+        if self.misalignment != 0.0 and round(self.side / self.mesh_size) < SMALLEST_ELEMENT_COUNT:
+            raise ValueError(
+                f"mesh_size = {self.mesh_size} m: with misaligned yarns at least {SMALLEST_ELEMENT_COUNT} elements "
+                f"along the side of {self.side} m are needed; at most "
+                f"{self.side / SMALLEST_ELEMENT_COUNT:.4g} m is allowed"
+            )
+        return self
+
+    def blank_area(self) -> float:
+        """Of the specimen with its arms [m^2]."""
+        return self.side * (self.side + 4.0 * self.arm_length)
 
 
 class PictureFrame:

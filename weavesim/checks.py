@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -233,6 +234,13 @@ def typed_as(names: Mapping[str, str]) -> Iterator[None]:
         _typed.reset(token)
 
 
+def as_typed(text: str) -> str:
+    """``text`` with the names of fields as the user typed them."""
+    for name, typed in (_typed.get() or {}).items():
+        text = re.sub(rf"\b{name}\b", typed, text)
+    return text
+
+
 def _of_class(cls: type, problems: str) -> str:
     # who typed options knows nothing of classes
     return problems if problems.startswith("--") else f"{cls.__name__}: {problems}"
@@ -240,7 +248,8 @@ def _of_class(cls: type, problems: str) -> str:
 
 def _problems(error: ValidationError, known: Iterable[str]) -> str:
     lines: dict[str, str] = {}
-    for problem in error.errors():
+    # unknown names first: the one that is missing is often among them, misspelt
+    for problem in sorted(error.errors(), key=lambda problem: problem["type"] != "extra_forbidden"):
         # a field that allows several types has one problem per type: the first is enough
         field, *rest = problem["loc"] or ("",)
         field = (_typed.get() or {}).get(str(field), field)

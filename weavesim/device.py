@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import kernel_cache
 from .errors import InputError
 
 if TYPE_CHECKING:
@@ -135,6 +136,11 @@ def initialise() -> None:
     folder = wp.config.kernel_cache_dir
     if folder is None:
         folder = wp.config.kernel_cache_dir = str(kernel_cache_folder())
+        if "WARP_CACHE_PATH" not in os.environ:
+            try:
+                Path(folder).mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                kernel_cache.use_temporary(error)
     try:
         with _quiet_native_code():
             wp.init()
@@ -188,16 +194,45 @@ def load_kernel(kernel: wp.Kernel, device: wp.Device) -> None:
     """Compile a kernel if it is not in the cache, in the form that launches on this device use.
 
     Warp compiles for one block size; launches on a CPU use 1, whatever the module's own is, and would compile again.
+    A kernel that is damaged in the cache is compiled again, once.
+
+    Raises:
+        InputError: a kernel can be stored nowhere.
     """
-    kernel.module.load(device, block_dim=_block_size(device))
+    is_compiled(kernel, device)
+    size = _block_size(device)
+    before = kernel_cache.folder_of(kernel, size)
+    was_there = before.exists()
+    try:
+        _load(kernel, device, size)
+    except Exception as error:
+        kernel.module.unload()
+        if was_there:
+            kernel_cache.discard(before, f"{type(error).__name__}: {error}")
+        else:
+            kernel_cache.ensure_room()
+            if kernel_cache.folder_of(kernel, size) == before:
+                raise  # there was room: it does not compile
+        _load(kernel, device, size)
+    kernel_cache.seal(kernel_cache.folder_of(kernel, size))
+
+
+def _load(kernel: wp.Kernel, device: wp.Device, size: int | None) -> None:
+    loaded = kernel.module.load(device, block_dim=size)
+    if loaded is None or not loaded.get_kernel_hooks(kernel).forward:
+        raise RuntimeError("the kernel is not in its binary")
 
 
 def is_compiled(kernel: wp.Kernel, device: wp.Device) -> bool:
-    """Whether ``load_kernel`` will find a kernel in the cache; ``load_kernel`` need not compute its hash again."""
-    import warp as wp
+    """Whether ``load_kernel`` will find a kernel in the cache; ``load_kernel`` need not compute its hash again.
 
-    folder = Path(str(wp.config.kernel_cache_dir)) / kernel.module.get_module_identifier(_block_size(device))
+    A damaged one is removed.
+    """
+    folder = kernel_cache.folder_of(kernel, _block_size(device))
     binaries = {".o"} if device.is_cpu else {".ptx", ".cubin"}
+    if reason := kernel_cache.damage(folder):
+        kernel_cache.discard(folder, reason)
+        return False
     return any(file.suffix in binaries for file in folder.glob("*"))
 
 
@@ -210,6 +245,19 @@ def available_threads() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def available_memory() -> float | None:
+    """Memory that this process can still get [bytes], of the system and within its container; None if unknown."""
+    found: list[float] = []
+    with suppress(OSError, ValueError, IndexError):
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        found += [1024.0 * float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
+    with suppress(OSError, ValueError):
+        folder = Path("/sys/fs/cgroup")
+        limit = float((folder / "memory.max").read_text(encoding="ascii"))  # "max" is no number
+        found.append(limit - float((folder / "memory.current").read_text(encoding="ascii")))
+    return min(found, default=None)
 
 
 def resolve_thread_counts(threads: int | None) -> tuple[int, ...]:

@@ -28,15 +28,23 @@ def _label(value: str) -> str:
 
 
 def _file_name(value: str) -> str:
-    if bad := sorted(set(value) & set(FORBIDDEN)):
-        raise ValueError(f"it becomes the name of files, in which {' '.join(bad)} is not allowed")
-    _label(value)
-    if value.startswith(".") or value != value.strip() or value.endswith("."):
-        raise ValueError("it becomes the name of files: it may not begin with a dot, nor end in one, nor with spaces")
-    if RESERVED.fullmatch(value):
-        raise ValueError("it becomes the name of files, and some systems reserve this one for a device")
-    if (size := len(value.encode())) > LONGEST_FILE_NAME:
-        raise ValueError(f"it becomes the name of files: at most {LONGEST_FILE_NAME} bytes, here are {size}")
+    bytes_given = len(value.encode("utf-8", "surrogatepass"))
+    bad = sorted(set(value) & set(FORBIDDEN))
+    problem = ""
+    if bad:
+        problem = f"without {' '.join(bad)}"
+    elif not value.strip(" ."):
+        problem = "give letters"
+    elif not value.isprintable():
+        problem = "only printable characters are allowed, no line breaks or other control characters"
+    elif value.startswith(".") or value != value.strip() or value.endswith("."):
+        problem = "it may not begin with a dot or a space, nor end in one"
+    elif RESERVED.fullmatch(value):
+        problem = "some systems reserve this one for a device"
+    elif bytes_given > LONGEST_FILE_NAME:
+        problem = f"at most {LONGEST_FILE_NAME} bytes are allowed, here are {bytes_given}"
+    if problem:
+        raise ValueError(f"it becomes the name of files: {problem}")
     return value
 
 

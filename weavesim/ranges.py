@@ -70,7 +70,7 @@ QUANTITIES: dict[str, Row] = {
     # the sheet
     "sheet thickness": Row("thickness of a sheet", "m", (1.0e-6, 0.05), (2.0e-5, 0.02)),
     "areal density": Row("mass per area of a sheet", "kg/m^2", (1.0e-4, 50.0), (0.01, 20.0)),
-    "fibre density": Row("density of fibres", "kg/m^3", (1.0, 3.0e4), (500.0, 9.0e3)),
+    "fibre density": Row("density of fibres", "kg/m^3", (100.0, 3.0e4), (500.0, 9.0e3)),
     "sheet modulus": Row("modulus of a sheet in bending", "Pa", (0.0, 1.0e13), (1.0e3, 1.0e12)),
     "shear modulus": Row("modulus of a sheet in shear", "Pa", (0.0, 1.0e13), (10.0, 1.0e11)),
     "membrane stiffness": Row("yarn stiffness per width", "N/m", (0.0, 1.0e13), (1.0, 1.0e9)),
@@ -78,7 +78,7 @@ QUANTITIES: dict[str, Row] = {
     "bending stiffness": Row("bending stiffness per width", "N m", (0.0, 1.0e6), (1.0e-8, 10.0)),
     "in-plane bending": Row("in-plane bending stiffness", "N m", (0.0, 1.0e6), (1.0e-9, 10.0)),
     "bending moment": Row("bending moment per width", "N", (0.0, 1.0e9), (1.0e-7, 1.0e4)),
-    "curvature": Row("curvature of a sheet", "1/m", (1.0e-6, 1.0e7), (0.1, 1.0e4)),
+    "curvature": Row("curvature of a sheet", "1/m", (1.0e-6, 1.0e7), (1.0, 1.0e4)),
     "shear angle": Row("shear angle of a sheet", "rad", (0.0, _RIGHT_ANGLE), (0.01, _RIGHT_ANGLE)),
     "locking width": Row("angle over which locking builds up", "rad", (1.0e-6, _RIGHT_ANGLE), (1.0e-3, 0.8)),
     "shear moment": Row("shear moment per area", "N/m", (0.0, 1.0e9), (1.0e-4, 1.0e6)),
@@ -123,18 +123,25 @@ QUANTITIES: dict[str, Row] = {
 class Quantity:
     """Annotation of a number, a list or an array as a quantity of the table: ``Annotated[Positive, Quantity("mass")]``.
 
+    Args:
+        name: of the row.
+        at_most: a largest size of this field alone.
+
     Raises:
         KeyError: no such row.
     """
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    def __init__(self, name: str, *, at_most: float | None = None) -> None:
+        self.name, self.at_most = name, at_most
         self.row  # noqa: B018
 
     @property
     def row(self) -> Row:
-        """Of the table."""
-        return QUANTITIES[self.name]
+        """Of the table, with the field's own limit."""
+        row, most = QUANTITIES[self.name], self.at_most
+        if most is None:
+            return row
+        return row._replace(legal=(row.legal[0], most), plausible=(row.plausible[0], min(row.plausible[1], most)))
 
     def __repr__(self) -> str:
         return f"Quantity({self.name!r})"
@@ -160,10 +167,10 @@ class Quantity:
 
 
 def looks_like_radians(angle: float) -> bool:
-    """Whether an angle in degrees is a multiple of 15 degrees, up to a turn, in radians."""
-    step = math.pi / 12.0
+    """Whether an angle in degrees is a multiple of 5 degrees, up to a turn, in radians."""
+    step = math.pi / 36.0
     count = round(angle / step)
-    return 1 <= count <= 24 and abs(angle - count * step) <= 1.0e-3 * angle
+    return 1 <= count <= 72 and abs(angle - count * step) <= 1.0e-3 * angle
 
 
 def largest_size(value: Any) -> float | None:

@@ -36,7 +36,7 @@ def part_struct(real: type):
         major_radius: real
         half_length: real
         edge_radius: real
-        volume: wp.uint64  # id of a wp.Volume in the part's frame
+        volume: wp.uint64  # address of a SampledMesh in the part's frame
         lower: vec3  # box of the volume; outside it the distance is at least that to the box
         upper: vec3
         reach: real  # value used outside the volume [m]

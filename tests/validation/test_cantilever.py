@@ -38,7 +38,7 @@ def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_fri
         fabric = glass_polypropylene().model_copy(
             update={"bending": YarnBending(warp=along, weft=across, twist=1.0e-3)}
         )
-        parameters = CantileverParameters(mesh_size=0.02, width=0.02, yarn=yarn, threads=1, length=0.06)
+        parameters = CantileverParameters(mesh_size=0.012, width=0.02, yarn=yarn, threads=1, length=0.06)
         setup = cantilever.cantilever(parameters, fabric)
         x = setup.sheet.blank.node_position
         hanging = SimpleNamespace(setup=setup, frame=SimpleNamespace(position=x - np.outer(x[:, 0], [0, 0, 0.5])))

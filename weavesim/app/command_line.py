@@ -169,12 +169,16 @@ def scene_command(
 
     def command(**values: Any) -> None:
         given = {name: value for name, value in values.items() if value != options[name].default}
-        with _typed(options):
+        with _typed(options, parameters):
             checked = parameters(**given)
         from ..engine.compilation import side_by_side
 
         try:
-            with _typed(options), interruption() as interrupted, side_by_side(partial(_announce_compilation, scene)):
+            with (
+                _typed(options, parameters),
+                interruption() as interrupted,
+                side_by_side(partial(_announce_compilation, scene)),
+            ):
                 result = run(checked)
                 number = interrupted.signal
                 for line in closing_lines(result, checked.out, number):
@@ -200,18 +204,20 @@ def _announce_compilation(scene: str, kernel_count: int) -> None:
 
 
 @contextmanager
-def _typed(options: Iterable[str]) -> Iterator[None]:
+def _typed(options: Iterable[str], parameters: type) -> Iterator[None]:
     """Have messages about bad input name options as they are typed, also where only sentences name them."""
     from ..checks import typed_as
+    from ..ranges import ACCEPTING
 
     flags = {name: _flag(name) for name in options}
     try:
         with typed_as(flags):
             yield
     except InputError as error:
-        text = str(error)
+        text = str(error).removeprefix(f"{parameters.__name__}: ")
+        text = text.replace(ACCEPTING, "If this is meant, give --accept-unusual.")
         if text.startswith("fabric file"):  # its keys are names of their own
-            raise
+            raise InputError(text) from None
         # not within the name of a file
         names = "|".join(name for name in flags if "_" in name)
         raise InputError(

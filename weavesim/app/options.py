@@ -2,23 +2,46 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from ..checks import Parameters, Positive
+from ..checks import Parameters, Positive, as_typed
 from ..device import LARGEST_THREAD_COUNT, Precision
 from ..engine.setup import Solver
 from ..output.writer import chosen_writers, known_writers
 from ..ranges import Quantity, check_usual
+from ..run.estimate import BYTES_PER_ELEMENT
+
+# Beyond it the user is asked.
+LARGEST_ELEMENT_COUNT = 1.0e6
+
+
+class Need(NamedTuple):
+    """What an option needs to have an effect.
+
+    Attributes:
+        text: in words, after "without".
+        is_met: whether the options have it.
+    """
+
+    text: str
+    is_met: Callable[[Any], bool]
 
 
 class RunOptions(Parameters):
     """Base class of a scene's parameters; every field becomes a command-line option.
 
     A scene sets its own defaults by redeclaring a field. A field's ``description`` is the option's help text.
+    ``needs`` names the options that have an effect only together with others; given without these they are refused. A
+    scene's own are added to those of its base classes.
     """
+
+    needs: ClassVar[Mapping[str, Need]] = {
+        "threads": Need("device = cpu", lambda options: options.device == "cpu"),
+    }
 
     mesh_size: Annotated[Positive, Quantity("mesh size")] = Field(
         default=0.005, description="edge length of an element [m]"
@@ -53,10 +76,36 @@ class RunOptions(Parameters):
         return value
 
     @model_validator(mode="after")
+    def _has_an_effect(self) -> Self:
+        needs = {
+            name: need for cls in reversed(type(self).__mro__) for name, need in vars(cls).get("needs", {}).items()
+        }
+        for name, need in needs.items():
+            default = type(self).model_fields[name].get_default(call_default_factory=True)
+            if getattr(self, name) != default and not need.is_met(self):
+                raise ValueError(
+                    as_typed(f"{name} = {getattr(self, name)}: has no effect without {need.text}; leave it out")
+                )
+        return self
+
+    @model_validator(mode="after")
     def _is_usual(self) -> Self:
         if not self.accept_unusual:
             check_usual(self)
         return self
+
+    def blank_area(self) -> float | None:
+        """Area of all blanks that the scene divides into elements of ``mesh_size`` [m^2]; None if it does not."""
+        return None
+
+    def disproportions(self) -> Iterator[str]:
+        """A mesh that is far too fine for its blank, before it is made."""
+        count = (self.blank_area() or 0.0) / self.mesh_size**2
+        if count > LARGEST_ELEMENT_COUNT:
+            yield (
+                f"mesh_size = {self.mesh_size:g} m divides the blank into about {count:,.0f} elements, which take "
+                f"{count * BYTES_PER_ELEMENT / 1e9:,.0f} GB of memory"
+            )
 
     @property
     def writers(self) -> tuple[str, ...]:

@@ -11,10 +11,11 @@ import textwrap
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, cast
 
 from .. import __version__
 from ..errors import InputError
+from ..input_files import shown
 from ..run.frame import Frame, Outcome, RunInfo
 from .terminal import SteadyStream
 
@@ -56,25 +57,32 @@ class ProgressBar:
         self._stays = stays
 
         # rich would end the program at a broken pipe
-        self._console = console or Console(file=SteadyStream(sys.stderr), highlight=False)  # type: ignore[arg-type]
+        self._console = console or Console(file=cast("IO[str]", SteadyStream(sys.stderr)), highlight=False)
         self._progress: Progress | None = None
         self._task: TaskID | None = None
         self._handler: logging.Handler | None = None
-        self._name = ""
+        self._name = "weavesim"
         self._duration = 0.0
         self._start = 0.0
         self._line_index = -1
 
+    def listen(self) -> None:
+        """Show warnings from now on; ``start`` does it too."""
+        if self._handler is None:
+            self._handler = _Warnings(self._print)
+            logging.getLogger("weavesim").addHandler(self._handler)
+
     def start(self, info: RunInfo) -> None:
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
+        self.listen()
         self._name = info.name.replace("_", " ")
         self._duration = info.duration
         self._start = time.perf_counter()
-        self._handler = _Warnings(self._print)
-        logging.getLogger("weavesim").addHandler(self._handler)
         for warning in info.warnings:
             self._print(f"warning: {warning}")
+        if info.expected:
+            self._print(str(info.expected))
         if self._console.is_terminal:
             self._progress = Progress(
                 TextColumn("{task.description}"),
@@ -140,7 +148,20 @@ class _Warnings(logging.Handler):
         self._show = show
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._show(f"warning: {record.getMessage()}")
+        self._show(f"warning: {one_line(record.getMessage())}")
+
+
+class _OneLine(logging.Formatter):
+    """Keeps every message on one line: a name with line breaks in it must not look like several messages."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:
+        record.message = one_line(record.message)
+        return super().formatMessage(record)
+
+
+def one_line(text: str) -> str:
+    """``text`` with control characters escaped."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 class RunLog:
@@ -187,6 +208,7 @@ class RunLog:
                 f"blank: {blank.element_count} elements, {blank.node_count} nodes",
                 f"mirrored at: {', '.join(sheet.symmetry.planes) or 'no plane'}",
                 f"fabric: {fabric.name}, {fabric.areal_density:g} kg/m^2, thickness {fabric.thickness:g} m",
+                f"source of its values: {textwrap.shorten(shown(fabric.source), 300) or 'none given'}",
             ]
         for tool in info.tools:
             # A stroke or a mesh may contain thousands of numbers.
@@ -237,7 +259,7 @@ class RunLog:
             self._file = _PatientFileHandler(self.path, mode="w", encoding="utf-8")
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror}. Choose another folder.") from error
-        self._file.setFormatter(logging.Formatter("%(asctime)s %(levelname)-7s %(message)s"))
+        self._file.setFormatter(_OneLine("%(asctime)s %(levelname)-7s %(message)s"))
         self._file.handle(self._logger.makeRecord(self._logger.name, logging.INFO, "", 0, first, (), None))
         self._logger.addHandler(self._file)
         if self._memory is not None:

@@ -26,6 +26,7 @@ def run_into_folder(
     *,
     options: Mapping[str, Any],
     measure: Measure | None = None,
+    before: Callable[[], object] | None = None,
 ) -> dict[str, Any]:
     """Run a set-up and write its results to ``folder``, however the run ends.
 
@@ -34,6 +35,7 @@ def run_into_folder(
         folder: for the results.
         options: given by the user, by name, for the report.
         measure: returns the scene's own summary entries after the run.
+        before: called when nothing is left to be refused, just before the run.
 
     Returns:
         The summary as written.
@@ -42,18 +44,24 @@ def run_into_folder(
         InputError: bad input, before anything is written.
         RunError: the run had to stop; results up to the last good frame are written first.
     """
+    from ..run.estimate import check_room
     from ..run.interruption import interruption
     from ..run.simulation import Simulation
     from ..run.start import sheet_infos
 
     log, bar = RunLog(folder.path, stays=True), ProgressBar(stays=True)
     summary: dict[str, Any] = {}
+    bar.listen()
     try:
         folder.check(tuple(sheet_infos(setup)))
         folder.claim()
         simulation = Simulation(setup)
-        simulation.prepare()
+        info = simulation.prepare().info
+        if info.expected is not None:
+            check_room(info.expected, setup, folder.path)
         _rehearse(simulation, measure)
+        if before is not None:
+            before()
         with interruption() as interrupted, interrupted.held():
             try:
                 # the folder removes old results, before the log begins and after warnings are shown

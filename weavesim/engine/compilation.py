@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import logging
 import multiprocessing
+import os
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Self
 
@@ -18,7 +21,13 @@ import warp as wp
 
 from ..device import Precision, available_threads, initialise, is_compiled, load_kernel, resolve_device
 from ..fabric.cell import UnitCell
-from ..kernels.contact.mesh_distance import fill_tiles_kernel, mesh_distance_kernel, volume_distance_kernel
+from ..kernel_cache import ensure_room
+from ..kernels.contact.mesh_distance import (
+    doubt_cells_kernel,
+    fill_tiles_kernel,
+    mesh_distance_kernel,
+    sampled_distance_kernel,
+)
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
@@ -171,7 +180,7 @@ class MeshKernelSet:
 
 def mesh_kernels() -> list[wp.Kernel]:
     """Kernels that sample the distance to a triangle mesh."""
-    return [mesh_distance_kernel, volume_distance_kernel, fill_tiles_kernel]
+    return [mesh_distance_kernel, sampled_distance_kernel, fill_tiles_kernel, doubt_cells_kernel]
 
 
 def missing(kernel_set: KernelSet | MeshKernelSet) -> list[int]:
@@ -212,6 +221,7 @@ def compile_missing(kernel_set: KernelSet | MeshKernelSet) -> None:
     if not indices:
         return
     logger.info("%d kernels are not in the cache and are compiled first", len(indices))
+    ensure_room()
     if announce:
         announce(len(indices))
         _compile(kernel_set, indices, available_threads())
@@ -231,26 +241,43 @@ def compile_kernels(kernel_set: KernelSet | MeshKernelSet, process_count: int | 
         InputError: no such device, or the cache cannot be written.
     """
     started = time.perf_counter()
-    _compile(kernel_set, missing(kernel_set), process_count or available_threads())
+    indices = missing(kernel_set)
+    process_count = min(process_count or available_threads(), len(indices))
+    if indices:
+        ensure_room()
+    if process_count > 1:
+        _compile(kernel_set, indices, process_count)
+    for index in indices:
+        _load(kernel_set, index)
     return time.perf_counter() - started
 
 
 def _compile(kernel_set: KernelSet | MeshKernelSet, indices: list[int], process_count: int) -> None:
-    process_count = min(process_count, len(indices))
-    if process_count <= 1:
-        for index in indices:
-            _load(kernel_set, index)
-        return
+    """Compile in processes that end when this one ends, in whatever way, or when it is interrupted.
+
+    What they fail to do is left to ``load_kernel``, which also says why.
+    """
     # Not threads: Warp compiles one kernel at a time as long as CPU_COMPILER_FLAGS sets an option of LLVM.
     # A new interpreter each: forked processes would share one Warp compiler.
-    with ProcessPoolExecutor(
-        process_count,
-        mp_context=multiprocessing.get_context("spawn"),
-        initializer=_prepare_process,
-        initargs=(_cache_folder(),),
-    ) as processes:
-        for done in [processes.submit(_load, kernel_set, index) for index in indices]:
-            done.result()
+    context = multiprocessing.get_context("spawn")
+    # The end of the lifeline tells them. This process holds it, and the operating system closes it for a killed one.
+    watched, lifeline = context.Pipe(duplex=False)
+    with lifeline, watched:
+        try:
+            with ProcessPoolExecutor(
+                min(process_count, len(indices)),
+                mp_context=context,
+                initializer=_prepare_process,
+                initargs=(_cache_folder(), watched),
+            ) as processes:
+                try:
+                    for done in [processes.submit(_load, kernel_set, index) for index in indices]:
+                        done.result()
+                except BaseException:
+                    lifeline.close()
+                    raise
+        except Exception as error:
+            logger.info("kernels could not be compiled side by side: %s: %s", type(error).__name__, error)
 
 
 def _cache_folder() -> str:
@@ -259,10 +286,18 @@ def _cache_folder() -> str:
     return str(folder.parent if folder.name == wp.config.version else folder)
 
 
-def _prepare_process(cache_folder: str) -> None:
+def _prepare_process(cache_folder: str, watched: Connection) -> None:
     # Ctrl-C ends the process at once and silently, in the middle of a kernel
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    threading.Thread(target=_end_with, args=(watched,), daemon=True).start()
     wp.config.kernel_cache_dir = cache_folder
+
+
+def _end_with(watched: Connection) -> None:
+    """End this process when the other end of a pipe is closed; compiling leaves other threads free to."""
+    with suppress(EOFError, OSError):
+        watched.recv()
+    os._exit(1)
 
 
 def _load(kernel_set: KernelSet | MeshKernelSet, index: int) -> None:

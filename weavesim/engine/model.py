@@ -7,14 +7,14 @@ from typing import Any
 
 import warp as wp
 
-from ..device import initialise, resolve_device
+from ..device import initialise, load_kernel, resolve_device
 from ..errors import InputError
 from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from ..process.device import build_device_drives
 from ..sheet.sheet import Sheet
 from ..tools.device import build_device_tools
 from ..tools.sampling import SampledDistance, mesh_parts, sample_meshes
-from .compilation import MeshKernelSet, compile_missing
+from .compilation import MeshKernelSet, compile_missing, mesh_kernels
 from .layout import Span, padded
 from .setup import Setup, World
 from .sheet_model import CONTACT_SHARE, SPARE_NODE_COUNT, Numerics, Places, SheetModel
@@ -114,8 +114,12 @@ def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
     samples: dict[Any, SampledDistance] = {}
     if mesh_parts(setup.tools):
         compile_missing(MeshKernelSet(device))
+        for kernel in mesh_kernels():
+            load_kernel(kernel, resolve_device(device))
+    thinnest = min(sheet.fabric.thickness for sheet in setup.sheets)
     for world in setup.worlds:
-        samples |= sample_meshes(world.tools, device, max(sheet.fabric.thickness for sheet in world.sheets))
+        thickness = max(sheet.fabric.thickness for sheet in world.sheets)
+        samples |= sample_meshes(world.tools, device, thickness, thinnest)
     return samples
 
 

@@ -13,6 +13,7 @@ from pydantic import field_validator, model_validator
 from ..checks import NotNegative, Parameters, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision, resolve_precision
 from ..errors import InputError
+from ..names import FileName, Label
 from ..process.dynamics import Dynamics
 from ..process.supports import Support
 from ..ranges import Quantity, check_usual
@@ -113,7 +114,7 @@ class World(Parameters):
     tools: tuple[Tool, ...] = ()
     symmetry: Symmetry = Symmetry()
     dynamics: Dynamics = Dynamics()
-    name: str = "world"
+    name: Label = "world"
 
     @field_validator("symmetry", mode="before")
     @classmethod
@@ -131,7 +132,7 @@ class World(Parameters):
 
     def disproportions(self) -> Iterator[str]:
         for sheet in self.sheets:
-            yield from disproportionate_tools(sheet, self.tools)
+            yield from disproportionate_tools(sheet, self.tools, self.symmetry)
 
 
 class Setup(Parameters):
@@ -157,7 +158,7 @@ class Setup(Parameters):
 
     positional = ("name", "worlds")
 
-    name: str
+    name: FileName
     worlds: tuple[World, ...]
     duration: Annotated[Positive, Quantity("duration")]
     frame_count: int = 60
@@ -179,13 +180,6 @@ class Setup(Parameters):
         if "sheets" not in own:
             raise ValueError("sheets: is required")
         return {**{name: value for name, value in values.items() if name not in own}, "worlds": (World(**own),)}
-
-    @field_validator("name")
-    @classmethod
-    def _names_files(cls, value: str) -> str:
-        if not value.strip(" .") or not value.isprintable() or set(value) & set("/\\"):
-            raise ValueError("it becomes the name of files: give letters, without / and \\ and control characters")
-        return value
 
     @field_validator("frame_count")
     @classmethod
@@ -240,5 +234,8 @@ class Setup(Parameters):
 
 def _check_names(what: str, names: list[str]) -> None:
     for index, name in enumerate(names):
-        if not name or name in names[:index]:
-            raise ValueError(f"{what}: the name {name!r} of entry {index} is empty or already used; outputs need it")
+        if name in names[:index]:
+            raise ValueError(
+                f"{what}: the name {name!r} of entry {index} is that of entry {names.index(name)} already; outputs "
+                "tell them apart by their names, so give each its own"
+            )

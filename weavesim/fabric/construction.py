@@ -63,14 +63,17 @@ def without_python(error: BaseException) -> str:
 
 def _check_arguments(kind: type[Parameters], make: Callable[..., Any], values: Mapping[str, Any]) -> None:
     parameters = dict(inspect.signature(make).parameters)
-    hints = typing.get_type_hints(make)
+    try:
+        hints = typing.get_type_hints(make)
+    except (NameError, AttributeError, TypeError):  # names that only a type checker knows
+        hints = {}
     rest = [p.name for p in parameters.values() if p.kind is inspect.Parameter.VAR_KEYWORD]
     named = {name: p for name, p in parameters.items() if name not in rest}
     known = [*named, *(name for name in kind.model_fields if rest and name not in named)]
     for name, value in values.items():
         if name not in known:
             raise InputError(f"{_short(shown(name), value)}: unknown name{did_you_mean(name, known)}")
-        if name in named and (needed := _needed(hints.get(name), value)):
+        if name in named and name in hints and (needed := _needed(hints[name], value)):
             raise InputError(f"{_short(name, value)}: {needed} is needed")
     missing = [name for name, p in named.items() if p.default is p.empty and name not in values]
     if missing:
@@ -85,6 +88,8 @@ def _needed(hint: Any, value: Any) -> str:
     """What an argument of this type has to be, "" if it is that or cannot be told."""
     parts = set(_parts(hint))
     numbers = bool(parts & {int, float})
+    if not parts & {int, float, str} and not any(isinstance(part, str) for part in parts):
+        return ""  # a class, or anything
     if isinstance(value, str):
         return "" if not numbers or str in parts or any(isinstance(part, str) for part in parts) else _name(parts)
     if isinstance(value, bool):

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, SerializeAsAny, model_validator
 
 from ..checks import NotNegative, Parameters, Positive
+from ..names import Label
 from ..ranges import Quantity, unusual_values
 from .bending import BendingLaw
 from .cell import UnitCell
@@ -43,7 +44,7 @@ class Stabilisation(Parameters):
 class Fabric(Parameters):
     """A woven fabric: the material of a sheet."""
 
-    name: str = Field(description="name of the fabric, for reports")
+    name: Label = Field(description="name of the fabric, for reports")
     areal_density: Annotated[Positive, Quantity("areal density")] = Field(
         description="mass per reference area [kg/m^2]"
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,11 +10,14 @@ import numpy as np
 import warp as wp
 from numpy.typing import ArrayLike
 
-from ..device import exclusive, initialise, resolve_device, resolve_precision
+from ..device import exclusive, initialise, load_kernel, resolve_device, resolve_precision
 from ..errors import InputError
 from ..kernels.cell.response import response_struct, unit_cell_response_kernel
 from ..kernels.rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
+from ..ranges import unusual_values
 from .cell import UnitCell
+
+logger = logging.getLogger(__name__)
 
 # Rows of the symmetric tangent.
 TANGENT = (
@@ -72,6 +76,8 @@ def respond(
         shear_angle: one for all rows, or (n,) [rad]; below pi/2.
         start: first guess of the unknowns, (n, unknown_count); those of the cell at rest by default.
 
+    Values outside their plausible range are logged as warnings.
+
     Raises:
         InputError: strains that are not finite, stretches that are not positive, or shapes that do not match.
     """
@@ -88,6 +94,8 @@ def respond(
     if angle.shape not in ((), (count,)) or not np.all(np.abs(angle) < 0.5 * np.pi):
         raise InputError(f"shear_angle: one angle or {count} are needed, in radians and below pi/2")
     cells = [cells] if isinstance(cells, UnitCell) else list(cells)
+    for sentence in dict.fromkeys(sentence for cell in cells for sentence in unusual_values(cell)):
+        logger.warning("%s: %s", type(cells[0]).__name__, sentence)
     if len(cells) not in (1, count):
         raise InputError(f"{len(cells)} cells for {count} pairs of stretches: give one, or {count}")
     law = cells[0].law()
@@ -109,8 +117,10 @@ def respond(
     response = response_struct(real)()
     for name, row_count in row_counts.items():
         setattr(response, name, wp.zeros((row_count, count), dtype=real, device=wp_device))
+    kernel = unit_cell_response_kernel(real, law)
+    load_kernel(kernel, wp_device)
     wp.launch(
-        unit_cell_response_kernel(real, law),
+        kernel,
         dim=count,
         inputs=[
             wp.array(

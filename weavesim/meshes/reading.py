@@ -9,6 +9,7 @@ import numpy as np
 from .formats.abaqus import read_abaqus
 from .formats.by_meshio import FORMATS, read_by_meshio
 from .formats.glb import read_glb
+from .formats.nastran import read_nastran
 from .formats.obj import read_obj
 from .formats.off import read_off
 from .formats.ply import read_ply
@@ -24,6 +25,7 @@ READERS = {
     ".ply": read_ply,
     ".off": read_off,
     ".inp": read_abaqus,
+    **dict.fromkeys((".bdf", ".nas", ".fem"), read_nastran),
     ".3mf": read_threemf,
     ".glb": read_glb,
     **dict.fromkeys(FORMATS, read_by_meshio),
@@ -44,7 +46,7 @@ def read_mesh(path: str | os.PathLike[str], what: str = "mesh") -> MeshFile:
         InputError: a file that is missing, too large, damaged, of an unknown format, or holds something that cannot be
             taken: curved surfaces, volumes, references to other files.
     """
-    source = opened(path, what)
+    source = opened(path, what, (".stl", ".ply", ".glb"))
     reader = READERS.get(source.suffix)
     if reader is None:
         kind = looks_like(source.data)
@@ -52,7 +54,7 @@ def read_mesh(path: str | os.PathLike[str], what: str = "mesh") -> MeshFile:
         ending = f"its name ends in {source.suffix!r}" if source.suffix else "its name has no ending"
         raise source.error(
             f"{ending}, which is no format that is known" + (f"; it looks like {kind}" if kind else ""),
-            f"known are {known}",
+            f"convert it to one of {known}",
         )
     try:
         mesh = reader(source)

@@ -11,8 +11,10 @@ from pathlib import Path
 from ..errors import InputError
 from ..input_files import read_bounded, shown
 
-# Bytes of a file that are still read: 40 million triangles of a binary STL.
+# Bytes of a file that are still read: 40 million triangles of a binary STL. Text that is taken apart word by word, and
+# what meshio reads, needs ten to twenty times its size in memory.
 LARGEST_FILE = 2**31
+LARGEST_TEXT = 2**29
 # A mesh of more vertices or cells than this cannot be meant: it is refused before memory is taken for it.
 LARGEST_COUNT = 10**8
 
@@ -49,8 +51,8 @@ class Source:
         return self.data.count(b"\n", 0, position) + 1
 
 
-def opened(path: str | os.PathLike[str], what: str) -> Source:
-    """The file at ``path``.
+def opened(path: str | os.PathLike[str], what: str, large: tuple[str, ...] = ()) -> Source:
+    """The file at ``path``; its name ends in one of ``large`` where ``LARGEST_FILE`` is its limit.
 
     Raises:
         InputError: missing, empty, not a regular file, or too large.
@@ -65,7 +67,7 @@ def opened(path: str | os.PathLike[str], what: str) -> Source:
         missing = False  # and why it cannot be looked at is said when it is opened
     if missing:
         raise InputError(f"{what} {shown(path)} does not exist, so it cannot be read; give the path of a mesh file.")
-    data = read_bounded(path, what, LARGEST_FILE)
+    data = read_bounded(path, what, LARGEST_FILE if path.suffix.lower() in large else LARGEST_TEXT)
     if not data.strip(b"\0 \t\r\n"):
         raise InputError(f"{what} {shown(path)} cannot be read: it is empty; export the mesh again.")
     return Source(path, what, data.removeprefix(b"\xef\xbb\xbf"))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..run.frame import Frame, Outcome, RunInfo
+from ..run.frame import Frame, Outcome, RunInfo, unique_names
 from .tables import write_table
 
 # Entries of the ledger whose names state what they are; the others are energies.
@@ -129,4 +129,5 @@ class History:
             supports = [*support.ravel().tolist(), *np.column_stack([travel, force]).ravel().tolist()]
             values = (float(values[i]) for values in energies.values())
             rows.append([index, step_count, time, stroke, *tools, *supports, *values])
-        write_table(path, header, rows)
+        # a tool and a support may have the same name
+        write_table(path, unique_names(header), rows)

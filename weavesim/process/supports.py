@@ -10,6 +10,7 @@ from pydantic import SerializeAsAny, field_validator, model_validator
 
 from ..arrays import FloatArray, IntArray
 from ..checks import Parameters
+from ..names import Label
 from .strokes import Motion
 
 
@@ -83,7 +84,7 @@ class Support(Parameters):
 
     positional = ("name", "nodes", "drives", "displacements", "rotations")
 
-    name: str
+    name: Label
     nodes: IntArray
     drives: tuple[Drive, ...] = ()
     displacements: str = "xyz"

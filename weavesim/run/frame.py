@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..sheet.blank import Blank
     from ..sheet.symmetry import Symmetry
     from ..tools.tool import Tool
+    from .estimate import Estimate
 
 
 OfSheet = TypeVar("OfSheet")
@@ -65,6 +66,7 @@ class RunInfo:
         warnings: for the user; the run adds to this list until it ends.
         notes: findings about the input.
         setup: the input of the run.
+        expected: what the run will take.
         run_id: unlike that of any other run; every result tells it.
     """
 
@@ -81,6 +83,7 @@ class RunInfo:
     warnings: list[str] = field(default_factory=list)
     notes: tuple[str, ...] = ()
     setup: Setup | None = None
+    expected: Estimate | None = None
     run_id: str = field(default_factory=lambda: new_run_id())
 
     @property

@@ -17,6 +17,7 @@ from ..engine.stepper import Stepper
 from ..errors import InputError
 from ..fabric.cell import UnitCell
 from ..tools.sampling import mesh_parts
+from .estimate import check_bounds, estimate
 from .frame import Frame, RunInfo, SheetFrame, SheetInfo
 from .guards import Guards, Level, Start
 from .ledger import Ledger
@@ -54,6 +55,7 @@ def prepare(setup: Setup) -> Prepared:
         InputError: bad input that can only be detected on the device: an unstable step, a tool that overlaps the
             sheet, a unit cell that carries force at rest, a mesh that cannot be sampled.
     """
+    check_bounds(estimate(setup), setup)
     model = Model(setup)
     state = State.initial(model)
     solver = setup.solver
@@ -73,6 +75,14 @@ def prepare(setup: Setup) -> Prepared:
             f"time_step = {solver.time_step:.4g} s is unstable for this mesh and fabric: at most {stable:.4g} s "
             "is stable; use that, a coarser mesh, or mass scaling (target_step)"
         )
+    expected = estimate(
+        setup,
+        time_step=min(stable, solver.time_step or math.inf),
+        thread_count=thread_counts[-1],
+        is_cpu=model.device.is_cpu,
+    )
+    check_bounds(expected, setup)
+    logger.info("%s takes %s", setup.name, expected)
     ledger = Ledger(stepper)
     frame = ledger.frame(0)
     for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
@@ -82,6 +92,7 @@ def prepare(setup: Setup) -> Prepared:
     info = RunInfo(
         name=setup.name,
         setup=setup,
+        expected=expected,
         sheets=tuple(sheet_infos(setup)),
         tools=setup.tools,
         supports=setup.supports,

@@ -14,21 +14,32 @@ from .topology import part_of_nodes
 _LARGEST_EXTENT_M = QUANTITIES["length"].legal[1]
 # Nodes closer than this share of the shortest edge coincide.
 _COINCIDENT = 1.0e-3
+# Elements meet at a place in fours; this many nodes there are a mistake.
+_MOST_AT_ONE_PLACE = 64
 
 
 @dataclass(frozen=True)
 class Names:
-    """What messages call a mesh, its nodes and elements: by the file's numbers, or by rows counted from 0."""
+    """What messages call a mesh, its nodes and elements: by the file's numbers, or by rows counted from 0.
+
+    Attributes:
+        mesh: for the start of a message.
+        nodes: numbers of the nodes, None for rows.
+        elements: numbers of the elements, None for rows.
+        elements_are: what these numbers count, such as lines of the file.
+    """
 
     mesh: str = "blank mesh"
     nodes: np.ndarray | None = None
     elements: np.ndarray | None = None
+    elements_are: str = "element"
 
     def node(self, row: Any) -> int:
         return int(row if self.nodes is None else self.nodes[row])
 
-    def element(self, row: Any) -> int:
-        return int(row if self.elements is None else self.elements[row])
+    def element(self, row: Any) -> str:
+        number = str(int(row if self.elements is None else self.elements[row]))
+        return number if self.elements_are == "element" else f"of {self.elements_are} {number}"
 
 
 ROWS = Names()
@@ -76,7 +87,7 @@ def check_elements(position: np.ndarray, quads: np.ndarray, names: Names = ROWS)
     same = np.all(ordered[order[1:]] == ordered[order[:-1]], axis=1)
     if np.any(same):
         k = int(np.argmax(same))
-        first, second = sorted((names.element(order[k]), names.element(order[k + 1])))
+        first, second = map(names.element, sorted(order[k : k + 2]))
         raise InputError(
             f"{names.mesh}: {_some(same, 'element')} given twice: elements {first} and {second} have the same nodes; "
             "remove one of them"
@@ -144,8 +155,7 @@ def check_coincident(position: np.ndarray, quads: np.ndarray, names: Names = ROW
     Raises:
         InputError: some do.
     """
-    edge = position[quads] - position[np.roll(quads, -1, axis=1)]
-    tolerance = _COINCIDENT * float(np.linalg.norm(edge, axis=2).min())
+    tolerance = _COINCIDENT * _shortest_edge(position, quads)
     border = np.unique(_border_edges(quads, len(position)))
     pairs = border[close_pairs(position[border], tolerance)]
     if len(pairs):
@@ -164,7 +174,16 @@ def merged_nodes(position: np.ndarray, quads: np.ndarray, distance: float) -> tu
 
     Returns:
         positions (n', 3), quads in terms of these (m, 4), rows of ``position`` that were kept (n',).
+
+    Raises:
+        InputError: a distance as long as an edge, or dozens of nodes at one place.
     """
+    shortest = _shortest_edge(position, quads)
+    if distance >= shortest > 0.0:
+        raise InputError(
+            f"merge_nodes = {distance:g}: must be below {shortest:.4g} m, the shortest edge of an element, or elements "
+            "lose their edges"
+        )
     pairs = close_pairs(position, distance)
     lowest = np.arange(len(position))
     while True:
@@ -180,7 +199,11 @@ def merged_nodes(position: np.ndarray, quads: np.ndarray, distance: float) -> tu
 
 
 def close_pairs(position: np.ndarray, distance: float) -> np.ndarray:
-    """Pairs of rows of ``position`` (n, 3) at most ``distance`` apart, (k, 2)."""
+    """Pairs of rows of ``position`` (n, 3) at most ``distance`` apart, (k, 2).
+
+    Raises:
+        InputError: dozens of nodes at one place.
+    """
     if len(position) < 2 or not distance > 0.0:
         return np.empty((0, 2), dtype=np.int64)
     scaled = (position - position.min(axis=0)) / (2.0 * distance)
@@ -195,6 +218,12 @@ def close_pairs(position: np.ndarray, distance: float) -> np.ndarray:
             same = np.all(cells[step:] == cells[:-step], axis=1)
             if not np.any(same):
                 break
+            if step > _MOST_AT_ONE_PLACE:
+                x, y, z = position[order[int(np.argmax(same))]]
+                raise InputError(
+                    f"blank mesh: more than {_MOST_AT_ONE_PLACE} nodes lie within {distance:.3g} m of each other near "
+                    f"({x:.4g}, {y:.4g}, {z:.4g}) m: remove what is there more than once"
+                )
             found.append(np.column_stack([order[:-step][same], order[step:][same]]))
             step += 1
     if not found:
@@ -202,6 +231,18 @@ def close_pairs(position: np.ndarray, distance: float) -> np.ndarray:
     pairs = np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
     return pairs[gap <= distance]
+
+
+def faces_down(position: np.ndarray, quads: np.ndarray) -> bool:
+    """Whether a sheet as a whole is wound clockwise as seen from above."""
+    corner = position[quads]
+    area = 0.5 * np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    return bool(area[:, 2].sum() < -0.5 * np.linalg.norm(area, axis=1).sum())
+
+
+def _shortest_edge(position: np.ndarray, quads: np.ndarray) -> float:
+    edge = position[quads] - position[np.roll(quads, -1, axis=1)]
+    return float(np.linalg.norm(edge, axis=2).min())
 
 
 def _border_edges(quads: np.ndarray, node_count: int) -> np.ndarray:

@@ -12,6 +12,7 @@ from pydantic import model_validator
 from ..arrays import BoolArray, FloatArray
 from ..checks import Finite, Parameters
 from ..fabric.fabric import Fabric
+from ..names import Label
 from ..process.loads import NodalLoads
 from ..process.supports import Support, prescribe_start
 from ..ranges import Quantity
@@ -44,7 +45,7 @@ class Sheet(Parameters):
 
     blank: Blank
     fabric: Fabric
-    name: str = "sheet"
+    name: Label = "sheet"
     orientation: Annotated[Finite, Quantity("angle")] = 0.0
     free: BoolArray | None = None
     initial_velocity: Annotated[FloatArray, Quantity("speed")] | None = None

@@ -15,8 +15,9 @@ from .rows import SEPARATOR_NAMES, SEPARATORS, comment_of, is_blank, split_line,
 from .text import TableFault
 from .units import Unit, bare_name, split_header, unit_cell
 
-# Lines above a header, lines of one header, and columns that a message lists.
+# Lines above a header, and between it and the first row; lines of one header; columns that a message lists.
 LONGEST_PREAMBLE = 1000
+LONGEST_GAP = 100
 LONGEST_HEADER = 5
 LISTED_COUNT = 12
 LARGEST_COLUMN_COUNT = 2000
@@ -129,7 +130,7 @@ class _Candidate:
             TableFault: what is below are no values, or a wanted column occurs twice.
         """
         units: list[str] = []
-        for number in range(self.last + 1, len(lines) + 1):
+        for number in range(self.last + 1, min(self.last + LONGEST_GAP, len(lines)) + 1):
             line = lines[number - 1]
             if is_blank(line):
                 continue
@@ -173,7 +174,7 @@ class _Candidate:
         if not line or is_blank(line) or '"' in self.text or comment_of(line, self.separator) is not None:
             return []
         cells = trimmed(split_line(line, self.separator, self.line - 1))
-        return cells if _are_units(cells) and len(cells) == len(self._names(len(cells))) else []
+        return cells if all(map(is_unit, cells)) and len(cells) == len(self._names(len(cells))) else []
 
     def _names(self, cell_count: int) -> list[str]:
         names = trimmed(split_names(self.text, self.separator, self.line, cell_count))

@@ -116,6 +116,8 @@ def _part_data(part: Shape, real: type, samples: Samples) -> Any:
     data = part_struct(real)()
     data.kind = shape_number(part.distance_function)
     data.origin = part.origin
+    if part.surface is not None:  # samples lie about their own centre
+        data.origin = np.array(part.origin) + np.array(part.rotation) @ samples[part.surface].centre
     data.rotation = [list(row) for row in part.rotation]
     for name, value in dimensions.items():
         if name in known.places:

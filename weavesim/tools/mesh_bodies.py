@@ -23,6 +23,8 @@ from .mesh_topology import (
 
 # A closed body of less volume than this share of its area times its size encloses nothing.
 LEAST_VOLUME = 1e-8
+# Parts smaller than this share of the largest, and farther from it than its size, are far flecks.
+FLECK = 0.05
 # Points of a body that are looked for in another, and faces times points that are held at once.
 PROBE_COUNT = 12
 PROBE_CHUNK = 4_000_000
@@ -248,3 +250,19 @@ def _boolean_union(vertices: np.ndarray, solids: list[np.ndarray]) -> tuple[np.n
         return None
     mesh = union.to_mesh64()
     return np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
+
+
+def far_flecks(name: str, vertices: np.ndarray, parts: list[np.ndarray]) -> list[str]:
+    """Notes of parts that are small, and farther from the largest one than that is long: probably leftovers."""
+    if len(parts) < 2:
+        return []
+    corners = [vertices[part.ravel()] for part in parts]
+    low, high = (np.array([getattr(part, way)(axis=0) for part in corners]) for way in ("min", "max"))
+    size = np.linalg.norm(high - low, axis=1)
+    main = int(np.argmax(size))
+    gap = np.linalg.norm(np.maximum(np.maximum(low - high[main], low[main] - high), 0.0), axis=1)
+    return [
+        f"{name}: {len(parts[k])} triangles, {1e3 * size[k]:.3g} mm across, lie far from the rest, about "
+        f"{place(0.5 * (low[k] + high[k]))}: are they part of the tool?"
+        for k in np.flatnonzero((size < FLECK * size[main]) & (gap > size[main]))
+    ]

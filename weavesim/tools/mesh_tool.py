@@ -23,7 +23,7 @@ from ..errors import InputError
 from ..meshes import read_mesh
 from ..quantities import FiniteVector, Vector, positive, unit_vector
 from ..ranges import Quantity, argument
-from .mesh_bodies import Parts, parts_of, united
+from .mesh_bodies import Parts, far_flecks, parts_of, united
 from .mesh_duplicates import separated
 from .mesh_features import face_normals, fillet_radius, sharp_edges, smallest_width
 from .mesh_repair import (
@@ -62,10 +62,12 @@ class MeshSurface:
         vertices: (n, 3), faces: (m, 3): cleaned, mirrored, and oriented outwards or towards ``side``.
         closed: whether all of the mesh encloses bodies. If not, the rest is a sheet that faces ``side``.
         side: unit direction from the sheet to the fabric, None for a closed mesh.
+        centre: origin of the samples, (3,) [m]; zero unless the mesh lies far from its origin.
         solid_vertices, solid_faces: the closed bodies whose distance is sampled.
         open_edge_count: border edges of a sheet.
         cut_planes: "x", "y": planes at which the mesh ends, like a half model.
         parts: faces (k, 3) of each closed body with its cavities, and of the sheet; together ``faces``.
+        warnings: what is probably wrong, in sentences.
         removed_triangle_count: degenerate triangles that were removed.
         fillet_radius: smallest of the convex fillets, estimated from the facets [m]; sharp edges are ignored.
         sharp_edges: convex ones, pairs of vertices (k, 2); sharp_edge_normals: of their two faces, (k, 2, 3).
@@ -105,6 +107,9 @@ class MeshSurface:
         parts = parts_of(name, vertices, faces, SEAM * size)
         self._repairs += parts.notes
         self._make_solid(vertices, parts, side)
+        # far from the origin single precision would be coarse
+        middle = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
+        self.centre = middle if np.linalg.norm(middle) > diagonal(self.vertices) else np.zeros(3)
         self.fillet_radius = fillet_radius(self.vertices, self.faces)
         self.sharp_edges, self.sharp_edge_normals = sharp_edges(self.vertices, self.faces)
         self._choose_samples(spacing, reach, max(diagonal(self.vertices[part]) for part in self.parts))
@@ -121,6 +126,7 @@ class MeshSurface:
             shown, border = [*shown, sheet], directed_border(border, sheet)
         self.vertices, (*self.parts, border) = without_unused(vertices, [*shown, border])
         self.faces = np.concatenate(self.parts)
+        self.warnings = far_flecks(self.name, self.vertices, self.parts)
         self.solid_vertices, self.solid_faces = self.vertices, self.faces
         if self.side is not None:
             # far enough that the lower end is outside the sampled box by more than any reach
@@ -210,7 +216,7 @@ class MeshSurface:
         lines += [f"{self.name}: {note}" for note in self.source_notes]
         if self.removed_triangle_count:
             lines.append(f"{self.name}: {self.removed_triangle_count} degenerate triangles removed")
-        lines += self._repairs
+        lines += [*self._repairs, *self.warnings]
         if self.side is not None:
             lines.append(f"{self.name}: faces ({', '.join(f'{c:.3g}' for c in self.side)}), solid behind it")
         for plane in self.cut_planes:
@@ -281,7 +287,9 @@ class MeshShape(Shape):
         mesh = read_mesh(path, "tool mesh")
         faces, notes = mesh.triangles()
         mesh.check_unit(unit_scale)
-        check_size(mesh.name, mesh.vertices[np.unique(faces)], unit_scale)
+        used = np.zeros(len(mesh.vertices), dtype=bool)
+        used[faces] = True
+        check_size(mesh.name, mesh.vertices[used], unit_scale)
         options = {"name": mesh.name, "path": str(path), "source_notes": notes, **options}
         return cls.from_triangles(unit_scale * mesh.vertices, faces, **options)
 

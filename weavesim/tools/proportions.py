@@ -7,19 +7,20 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ..sheet.sheet import Sheet
+from ..sheet.symmetry import Symmetry
 from .shapes import Plane, Shape
 from .tool import Tool
 
 # Largest size of a tool over that of the blank: its usual range. An inch read as a metre makes it 39 times as large,
 # an inch read as a millimetre 25 times as small.
-USUAL_SIZE_RATIO = (0.04, 25.0)
+USUAL_SIZE_RATIO = (0.06, 10.5)
 # Longest travel of a tool over the size of the blank.
 USUAL_TRAVEL = 4.0
 
 
-def disproportionate_tools(sheet: Sheet, tools: Sequence[Tool]) -> Iterator[str]:
-    """Sentences on tools whose size or travel hardly fits a sheet."""
-    blank = sheet.blank.size
+def disproportionate_tools(sheet: Sheet, tools: Sequence[Tool], symmetry: Symmetry) -> Iterator[str]:
+    """Sentences on tools whose size or travel hardly fits a sheet, of which ``symmetry`` may cut off a part."""
+    blank = float(np.ptp(symmetry.mirrored(sheet.blank.node_position), axis=0).max())
     for tool in tools:
         size = tool_size(tool.shape)
         if size is not None:

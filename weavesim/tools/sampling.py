@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -14,43 +16,67 @@ from ..errors import InputError
 from ..kernels.contact.mesh_distance import (
     TILE_REACH,
     TILE_SIZE,
+    SampledMesh,
+    doubt_cells_kernel,
     fill_tiles_kernel,
     mesh_distance_kernel,
-    volume_distance_kernel,
+    sampled_distance_kernel,
 )
-from .mesh_repair import triangle_areas
-from .mesh_tool import MeshSurface
+from .mesh_features import face_normals
+from .mesh_repair import diagonal, triangle_areas
+from .mesh_tool import MANY_TRIANGLES, MeshSurface
 
 if TYPE_CHECKING:
     from .tool import Tool
+
+logger = logging.getLogger(__name__)
 
 # Largest number of voxels: the first for an automatic spacing, the second for a given one.
 CHOSEN_VOXEL_COUNT = 6_000_000
 LARGEST_VOXEL_COUNT = 150_000_000
 ERROR_SAMPLE_COUNT = 20_000
+# Where samples err by more than this share of their spacing, or of the thinnest sheet, triangles are searched.
+ALLOWED_ERROR = 0.05
+# Error of 99 % of the points near the surface over the thickness of the thinnest sheet: more is doubtful, or refused.
+DOUBTFUL_ERROR = 0.1
+LARGEST_ERROR = 0.5
+# How far from the middle of a face its outside is looked at, over the size of the mesh.
+FACE_PROBE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class SampledDistance:
-    """Signed distance of a mesh on the voxels of a volume, with the sampling error.
+    """Signed distance of a mesh on the voxels of a volume, with the error of what the kernels read.
+
+    The kernels search the triangles where the samples are doubted, as at edges and in thin walls.
 
     Attributes:
+        record: a ``kernels.contact.mesh_distance.SampledMesh``, (1,).
         volume: sparse, float32; its background is ``reach``.
-        lower, upper: box within which the volume is read, (3,) [m].
+        doubted: sparse, int32: 1 in each cell whose triangles are searched.
+        mesh: the triangles.
+        centre: of the frame of all these, in the frame of the mesh, (3,) [m].
+        lower, upper: box within which the volume is read, about ``centre``, (3,) [m].
         spacing: of the voxels [m].
         reach: distances are truncated to plus and minus this [m].
         voxel_count: number of values.
+        tolerance: error of the samples from which on triangles are searched [m].
         largest_error: largest difference to the mesh at random points within three voxels of its surface [m].
-        usual_error: 99th percentile at these points [m]; the largest errors are at sharp edges.
+        usual_error: 99th percentile at these points [m].
         mean_error: root mean square at these points [m].
     """
 
+    record: wp.array
     volume: wp.Volume
+    doubted: wp.Volume
+    mesh: wp.Mesh
+    centre: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
     spacing: float
     reach: float
     voxel_count: int
+    tolerance: float
     largest_error: float
     usual_error: float
     mean_error: float
@@ -58,7 +84,7 @@ class SampledDistance:
     def dimensions(self) -> dict[str, Any]:
         """Values that the kernels read; see ``ShapeKind`` in ``kernels/contact/tool_shapes.py``."""
         return {
-            "volume": self.volume.id,
+            "volume": self.record.ptr,
             "lower": tuple(self.lower),
             "upper": tuple(self.upper),
             "reach": self.reach,
@@ -67,7 +93,8 @@ class SampledDistance:
     def note(self, name: str) -> str:
         """Note about the sampling for the log."""
         return (
-            f"{name}: distance sampled every {self.spacing * 1e3:.3g} mm at {self.voxel_count} points, "
+            f"{name}: distance sampled every {self.spacing * 1e3:.3g} mm at {self.voxel_count} points, and from the "
+            f"triangles where samples err by more than {self.tolerance * 1e3:.2g} mm; "
             f"error near the surface {self.mean_error * 1e3:.2g} mm rms, {self.usual_error * 1e3:.2g} mm "
             f"for 99 % of all points, {self.largest_error * 1e3:.2g} mm at most"
         )
@@ -75,8 +102,8 @@ class SampledDistance:
 
 Samples = Mapping[MeshSurface, SampledDistance]
 
-# The samples of each surface by device, kept as long as the surface exists.
-_kept: WeakKeyDictionary[MeshSurface, dict[str, SampledDistance]] = WeakKeyDictionary()
+# The samples of each surface by device and tolerance, kept as long as the surface exists.
+_kept: WeakKeyDictionary[MeshSurface, dict[tuple[str, float], SampledDistance]] = WeakKeyDictionary()
 
 
 def mesh_parts(tools: Iterable[Tool]) -> dict[str, MeshSurface]:
@@ -89,43 +116,98 @@ def mesh_parts(tools: Iterable[Tool]) -> dict[str, MeshSurface]:
     }
 
 
-def sample_meshes(tools: Iterable[Tool], device: str, thickness: float = 0.0) -> Samples:
+def sample_meshes(tools: Iterable[Tool], device: str, thickness: float = 0.0, thinnest: float | None = None) -> Samples:
     """The sampled distance of every mesh of the tools, on ``device``.
 
     Args:
         tools: only their meshes are sampled.
         device: name in Warp.
         thickness: of the sheet that the tools will meet [m]: samples must reach from one of its faces to the other.
+        thinnest: of the sheets [m], the measure of the error; the same by default.
 
     Raises:
-        InputError: a mesh needs too many samples, or its reach is below the thickness.
+        InputError: a mesh needs too many samples, its reach is below the thickness, or its error is too large for it.
     """
     samples = {}
+    thinnest = thickness if thinnest is None else thinnest
     for name, surface in mesh_parts(tools).items():
-        sampled = samples[surface] = sampled_distance(surface, device)
+        sampled = samples[surface] = sampled_distance(surface, device, thinnest)
         if sampled.reach < thickness:
             raise InputError(
                 f"{name}: its mesh is sampled up to a distance of {sampled.reach:.4g} m, but the sheet is "
                 f"{thickness:.4g} m thick: give the mesh a reach of at least the thickness"
             )
+        if thinnest and sampled.usual_error > LARGEST_ERROR * thinnest:
+            raise InputError(f"{name}: {error_in_words(sampled, thinnest)}: {ERROR_ADVICE}")
     return samples
 
 
-def sampled_distance(surface: MeshSurface, device: str = "cpu") -> SampledDistance:
+ERROR_ADVICE = "contact with it would be wrong by as much; give the mesh a smaller spacing, or clean it"
+
+
+def error_in_words(sampled: SampledDistance, thickness: float) -> str:
+    """The error of a sampled distance beside the thickness of a sheet [m]."""
+    return (
+        f"its distance errs by {sampled.usual_error * 1e3:.2g} mm near the surface (samples every "
+        f"{sampled.spacing * 1e3:.3g} mm), {100 * sampled.usual_error / thickness:.3g} % of the sheet's thickness of "
+        f"{thickness * 1e3:.3g} mm"
+    )
+
+
+def sampled_distance(surface: MeshSurface, device: str = "cpu", thickness: float = 0.0) -> SampledDistance:
     """The sampled distance on ``device``; computed on the first call.
+
+    Args:
+        surface: a mesh.
+        device: name in Warp.
+        thickness: of the thinnest sheet that will meet it [m], zero if none: its share limits the error.
 
     Raises:
         InputError: its spacing or its reach needs too many samples.
     """
     of_surface = _kept.setdefault(surface, {})
-    if device not in of_surface:
-        of_surface[device] = _sample(surface, device)
-    return of_surface[device]
+    if (device, thickness) not in of_surface:
+        other = next((kept for (where, _), kept in of_surface.items() if where == device), None)
+        of_surface[device, thickness] = _sample(surface, device, thickness, other)
+    return of_surface[device, thickness]
 
 
 def exact_distance(surface: MeshSurface, points: np.ndarray, device: str = "cpu") -> np.ndarray:
     """Exact signed distance (n,) [m] of ``points`` (n, 3), by searching the triangles."""
-    return _query(_warp_mesh(surface, device), _largest(surface), points, device)
+    return _query(_Triangles(surface, device), points)
+
+
+class _Triangles:
+    """The solid of a surface on a device, about its centre.
+
+    Attributes:
+        mesh: on the device.
+        crossed: whether surfaces lie inside the solid: then the nearest face does not tell the side.
+        largest: distance that is searched [m].
+    """
+
+    def __init__(self, surface: MeshSurface, device: str) -> None:
+        self.surface, self.device = surface, device
+        if len(surface.faces) > MANY_TRIANGLES:
+            logger.info("%s: sorting %s triangles", surface.name, f"{len(surface.faces):,}")
+        self.mesh = wp.Mesh(
+            points=wp.array(surface.solid_vertices - surface.centre, dtype=wp.vec3, device=device),
+            indices=wp.array(surface.solid_faces.ravel(), dtype=wp.int32, device=device),
+            support_winding_number=True,
+        )
+        self.largest = 10.0 * diagonal(surface.solid_vertices)
+        self.crossed = 1
+        self.crossed = int(self._has_inner_faces())
+
+    def _has_inner_faces(self) -> bool:
+        """Whether the outside of a face lies inside the solid."""
+        vertices, faces = self.surface.solid_vertices, self.surface.solid_faces
+        if len(faces) > ERROR_SAMPLE_COUNT:
+            faces = faces[np.random.default_rng(0).choice(len(faces), ERROR_SAMPLE_COUNT, replace=False)]
+        normal, area = face_normals(vertices, faces)
+        size = diagonal(self.surface.vertices)
+        points = (vertices[faces].mean(axis=1) + FACE_PROBE * size * normal)[area > (FACE_PROBE * size) ** 2]
+        return bool(len(points)) and bool(np.any(_query(self, points) < 0.0))
 
 
 @dataclass(frozen=True)
@@ -141,49 +223,82 @@ class _Grid:
     voxel_count: int  # of all tiles
 
 
-def _sample(surface: MeshSurface, device: str) -> SampledDistance:
-    mesh = _warp_mesh(surface, device)
-    grid = _chosen_grid(surface, mesh, device)
-    volume = _filled_volume(mesh, grid, device)
-    error = np.abs(_errors(surface, mesh, volume, grid, device))
+def _sample(surface: MeshSurface, device: str, thickness: float, other: SampledDistance | None) -> SampledDistance:
+    """Sample a surface; the volume of ``other`` samples serves again."""
+    triangles = _Triangles(surface, device)
+    grid = _chosen_grid(triangles, thickness)
+    volume = other.volume if other and other.spacing == grid.spacing else _filled_volume(triangles, grid)
+    tolerance = ALLOWED_ERROR * (min(grid.spacing, thickness) if thickness else grid.spacing)
+    doubted = _doubted_cells(triangles, volume, grid, tolerance)
+    record = SampledMesh()
+    record.volume, record.doubted, record.mesh = volume.id, doubted.id, triangles.mesh.id
+    record.crossed, record.searched = triangles.crossed, _searched(grid)
+    record = wp.array([record], dtype=SampledMesh, device=device)
+    error = np.abs(_errors(triangles, record, grid))
     return SampledDistance(
+        record=record,
         volume=volume,
+        doubted=doubted,
+        mesh=triangles.mesh,
+        centre=surface.centre,
         lower=grid.lower,
         upper=grid.upper,
         spacing=grid.spacing,
         reach=grid.reach,
         voxel_count=grid.voxel_count,
+        tolerance=tolerance,
         largest_error=float(error.max()),
         usual_error=float(np.quantile(error, 0.99)),
         mean_error=float(np.sqrt(np.mean(error**2))),
     )
 
 
-def _warp_mesh(surface: MeshSurface, device: str) -> wp.Mesh:
-    return wp.Mesh(
-        points=wp.array(surface.solid_vertices, dtype=wp.vec3, device=device),
-        indices=wp.array(surface.solid_faces.ravel(), dtype=wp.int32, device=device),
-        support_winding_number=True,
+def _searched(grid: _Grid) -> float:
+    """Distance up to which triangles are searched [m]: cells with a truncated corner are left as they are."""
+    return max(grid.reach - 2.0 * grid.spacing, 0.0)
+
+
+def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolerance: float) -> wp.Volume:
+    """Cells whose samples err by more than ``tolerance`` [m].
+
+    Along a crease that turns the distance's gradient by twice an angle, samples err by h/2 sin(angle) in the middle of
+    a cell of size h, and the gradient there has the length cos(angle).
+    """
+    device, searched = triangles.device, _searched(grid)
+    near = np.abs(grid.centre_distance) < searched + 2.0 * float(TILE_REACH) * grid.spacing
+    first_voxel: wp.array = wp.array(grid.first_voxel[near], dtype=wp.vec3i, device=device)
+    doubted = wp.Volume.allocate_by_tiles(first_voxel, voxel_size=grid.spacing, bg_value=0, device=device)
+    least = math.sqrt(1.0 - min(2.0 * tolerance / grid.spacing, 1.0) ** 2)
+    gradient_range = wp.vec2(grid.spacing * least, grid.spacing * (2.0 - least))
+    inputs = [triangles.mesh.id, triangles.crossed, volume.id, first_voxel, tolerance, gradient_range]
+    wp.launch(
+        doubt_cells_kernel,
+        dim=(len(first_voxel), int(TILE_SIZE) ** 3),
+        inputs=[*inputs, searched + grid.spacing],
+        outputs=[doubted.id],
+        device=device,
     )
+    return doubted
 
 
-def _largest(surface: MeshSurface) -> float:
-    """Largest distance that is searched [m]."""
-    return 10.0 * float(np.linalg.norm(np.ptp(surface.solid_vertices, axis=0)))
-
-
-def _query(mesh: wp.Mesh, largest: float, points: np.ndarray, device: str) -> np.ndarray:
+def _query(triangles: _Triangles, points: np.ndarray) -> np.ndarray:
+    device = triangles.device
     distance = wp.zeros(len(points), dtype=float, device=device)
-    inputs = [mesh.id, wp.array(points, dtype=wp.vec3, device=device), largest]
+    near = wp.array(points - triangles.surface.centre, dtype=wp.vec3, device=device)
+    inputs = [triangles.mesh.id, near, triangles.largest, triangles.crossed]
     wp.launch(mesh_distance_kernel, dim=len(points), inputs=inputs, outputs=[distance], device=device)
     return distance.numpy().astype(np.float64)
 
 
-def _chosen_grid(surface: MeshSurface, mesh: wp.Mesh, device: str) -> _Grid:
+def _chosen_grid(triangles: _Triangles, thickness: float) -> _Grid:
     """The preferred grid, or the finest one within the voxel limit."""
+    surface = triangles.surface
     name, spacing = surface.name, surface.first_spacing
+    if surface.spacing is None and surface.reach is None and thickness and math.isfinite(surface.fillet_radius):
+        # samples of a curvature 1/r err by h^2 / 4 r: fine enough that fillets need no search
+        spacing = min(spacing, math.sqrt(4.0 * surface.fillet_radius * ALLOWED_ERROR * thickness))
     while True:
-        grid = _grid(surface, mesh, spacing, device)
+        grid = _grid(triangles, spacing)
         if grid.voxel_count <= (CHOSEN_VOXEL_COUNT if surface.spacing is None else LARGEST_VOXEL_COUNT):
             return grid
         if surface.spacing is not None:
@@ -199,26 +314,42 @@ def _chosen_grid(surface: MeshSurface, mesh: wp.Mesh, device: str) -> _Grid:
             )
 
 
-def _grid(surface: MeshSurface, mesh: wp.Mesh, spacing: float, device: str) -> _Grid:
-    """The grid for one spacing; without tiles if even their centres are too many to compute."""
-    size = int(TILE_SIZE)
+def _grid(triangles: _Triangles, spacing: float) -> _Grid:
+    """The grid for one spacing; without tiles if those near the surface are too many to compute.
+
+    Large blocks of tiles are halved again and again where they come near the surface or lie inside.
+    """
+    surface, size = triangles.surface, int(TILE_SIZE)
     reach = 6.0 * spacing if surface.reach is None else surface.reach
-    lower, upper = surface.vertices.min(axis=0) - reach, surface.vertices.max(axis=0) + reach
+    vertices = surface.vertices - surface.centre
+    lower, upper = vertices.min(axis=0) - reach, vertices.max(axis=0) + reach
     # one voxel beyond the box on every side, so that interpolation within the box never reads the background
-    counts = np.floor((upper - lower) / spacing / size).astype(int) + 1
-    tile_count = np.prod(counts.astype(float) + 1)
-    if tile_count > LARGEST_VOXEL_COUNT / 16:
-        return _Grid(lower, upper, spacing, reach, np.empty((0, 3)), np.empty(0), int(tile_count) * size**3)
-    index = np.stack(np.meshgrid(*(np.arange(-1, n + 1) for n in counts), indexing="ij"), axis=-1).reshape(-1, 3)
-    first = size * index
-    centre = lower + spacing * (first + 0.5 * (size - 1))
-    centre_distance = _query(mesh, _largest(surface), centre, device)
-    near = centre_distance < reach + float(TILE_REACH) * spacing
-    voxel_count = int(np.count_nonzero(near)) * size**3
-    return _Grid(lower, upper, spacing, reach, first[near], centre_distance[near], voxel_count)
+    counts = np.floor((upper - lower) / spacing / size).astype(int) + 2
+    level = max(0, math.ceil(math.log2(max(counts.max() / 16, 1))))
+    index = np.stack(np.meshgrid(*(np.arange(-(-n // 2**level)) for n in counts), indexing="ij"), axis=-1)
+    index = index.reshape(-1, 3)
+    while True:
+        width = size * 2**level
+        # as the distance from a tile's middle to its farthest voxel, rounded up
+        spread = float(TILE_REACH) + 0.5 * math.sqrt(3.0) * (width - size)
+        first = width * index - size
+        centre = surface.centre + lower + spacing * (first + 0.5 * (width - 1))
+        distance = _query(triangles, centre)
+        near = distance < reach + spread * spacing
+        index = index[near]
+        if level == 0 or len(index) * 8 * size**3 > 8 * LARGEST_VOXEL_COUNT:
+            break
+        level -= 1
+        corner = np.stack(np.meshgrid(*(np.arange(2),) * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+        index = (2 * index[:, None] + corner).reshape(-1, 3)
+        index = index[np.all(index < counts, axis=1)]
+    if level:
+        return _Grid(lower, upper, spacing, reach, np.empty((0, 3)), np.empty(0), len(index) * (size * 2**level) ** 3)
+    return _Grid(lower, upper, spacing, reach, first[near], distance[near], len(index) * size**3)
 
 
-def _filled_volume(mesh: wp.Mesh, grid: _Grid, device: str) -> wp.Volume:
+def _filled_volume(triangles: _Triangles, grid: _Grid) -> wp.Volume:
+    device = triangles.device
     first_voxel: wp.array = wp.array(grid.first_voxel, dtype=wp.vec3i, device=device)
     volume = wp.Volume.allocate_by_tiles(
         first_voxel,
@@ -228,23 +359,25 @@ def _filled_volume(mesh: wp.Mesh, grid: _Grid, device: str) -> wp.Volume:
         device=device,
     )
     centre_distance: wp.array = wp.array(grid.centre_distance, dtype=float, device=device)
+    inputs = [triangles.mesh.id, triangles.crossed, first_voxel, centre_distance, wp.vec3(*grid.lower)]
     wp.launch(
         fill_tiles_kernel,
         dim=(len(grid.first_voxel), int(TILE_SIZE) ** 3),
-        inputs=[mesh.id, first_voxel, centre_distance, wp.vec3(*grid.lower), grid.spacing, grid.reach],
+        inputs=[*inputs, grid.spacing, grid.reach],
         outputs=[volume.id],
         device=device,
     )
     return volume
 
 
-def _errors(surface: MeshSurface, mesh: wp.Mesh, volume: wp.Volume, grid: _Grid, device: str) -> np.ndarray:
-    """Differences between samples and mesh at random points near its surface [m]."""
+def _errors(triangles: _Triangles, record: wp.array, grid: _Grid) -> np.ndarray:
+    """Differences between what the kernels read and the mesh at random points near its surface [m]."""
+    surface, device = triangles.surface, triangles.device
     points = _points_near_surface(surface, min(3.0 * grid.spacing, 0.5 * grid.reach))
     value = wp.zeros(len(points), dtype=float, device=device)
-    inputs = [volume.id, wp.array(points, dtype=wp.vec3, device=device)]
-    wp.launch(volume_distance_kernel, dim=len(points), inputs=inputs, outputs=[value], device=device)
-    return value.numpy() - _query(mesh, _largest(surface), points, device)
+    inputs = [record, wp.array(points - surface.centre, dtype=wp.vec3, device=device)]
+    wp.launch(sampled_distance_kernel, dim=len(points), inputs=inputs, outputs=[value], device=device)
+    return value.numpy() - _query(triangles, points)
 
 
 def _points_near_surface(surface: MeshSurface, offset: float) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import SerializeAsAny, field_validator
 
 from ..checks import NotNegative, Parameters, Share
+from ..names import Label
 from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
 from ..ranges import Quantity
@@ -35,7 +36,7 @@ class Tool(Parameters):
 
     positional = ("name", "shape", "motion", "friction", "axis", "colour")
 
-    name: str
+    name: Label
     shape: SerializeAsAny[Shape]
     motion: SerializeAsAny[Motion] = Fixed()
     friction: Annotated[NotNegative, Quantity("friction")] = 0.2

@@ -20,6 +20,7 @@ from weavesim.engine import compilation
 from weavesim.engine.setup import Solver
 from weavesim.errors import InputError, RunError
 from weavesim.fabric.file import resolve_fabric
+from weavesim.ranges import ACCEPTING
 from weavesim.scenes import scene
 
 # In which a script finds this checkout, installed or not.
@@ -171,6 +172,10 @@ def test_bad_option_is_reported_before_the_run(weavesim_command, arguments, mess
         (
             lambda p: bad("use mass scaling (target_step) or mesh_size."),
             "use mass scaling (--target-step) or --mesh-size.",
+        ),
+        (
+            lambda p: bad(f"ToyParameters: unusual. {ACCEPTING}"),
+            "weavesim: unusual. If this is meant, give --accept-unusual.\n",
         ),
         (lambda p: bad("mesh /home/mesh_size/mesh_size.stl: empty"), "mesh /home/mesh_size/mesh_size.stl: empty"),
         (lambda p: bad("fabric file x.toml: time_step: unknown name"), "fabric file x.toml: time_step: unknown name"),

@@ -114,6 +114,7 @@ def test_log_keeps_set_up_frames_warnings_and_outcome(info, tmp_path):
         "double_dome: float32 on cpu with 2 threads",
         "glass",
         "x, y",
+        "source of its values: Aridhi",
         "finished after",
     ):
         assert part in text

@@ -3,13 +3,18 @@
 import logging
 import os
 import pickle
+import signal
 import subprocess
 import sys
+import time
+from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 import warp as wp
 
+from tests.support.processes import COARSE, environment, start, wait_for
 from tests.support.runs import one_sheet_run
 from weavesim.app.command_line import SCENES, default_setups
 from weavesim.device import Precision
@@ -165,3 +170,62 @@ wp.launch(barrier, dim=1, inputs=[wp.zeros(1, dtype=wp.int32, device="cpu"), 1],
     environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}
     subprocess.run([sys.executable, "-c", code], env=environment, check=True)
     assert len(list(tmp_path.glob("*/*/wp_*barrier*"))) == 1
+
+
+def workers_of(pid: int) -> list[int]:
+    """Processes that a process has started and that are alive."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            fields = stat.read_text().rpartition(")")[2].split()
+            if int(fields[1]) == pid and fields[0] != "Z":
+                found.append(int(stat.parent.name))
+    return found
+
+
+def is_alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc to find processes")
+@pytest.mark.parametrize(
+    "number",
+    [
+        signal.SIGINT,
+        *(pytest.param(one, marks=pytest.mark.slow) for one in (signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)),
+    ],
+    ids=["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"],
+)
+def test_compiler_processes_end_with_the_one_that_started_them(tmp_path, number):
+    """Also if only that one gets the signal, as from another program."""
+    process = start(*COARSE, "--out", tmp_path / "out", env=environment(WARP_CACHE_PATH=str(tmp_path / "cache")))
+    try:
+        # compilers, and the one that tracks their resources
+        wait_for(lambda: len(workers_of(process.pid)) >= 3)
+        workers = workers_of(process.pid)
+        time.sleep(0.5)
+        process.send_signal(number)
+        sent = time.monotonic()
+        out, err = process.communicate(timeout=20)
+        assert time.monotonic() - sent < 10.0
+        wait_for(lambda: not any(map(is_alive, workers)), 10.0)
+    finally:
+        process.kill()
+    assert "Traceback" not in err
+    assert process.returncode == (-number if number == signal.SIGKILL else 128 + number)
+    assert [path.name for path in (tmp_path / "out").iterdir()] == [".weavesim.lock"]
+
+
+def test_what_processes_fail_to_compile_is_left_to_the_run(monkeypatch, caplog):
+    caplog.set_level(logging.INFO, "weavesim")
+
+    class Broken:
+        def __init__(self, *arguments, **given):
+            raise OSError("no more processes")
+
+    monkeypatch.setattr(compilation, "ProcessPoolExecutor", Broken)
+    compilation._compile(SMALL, [0], 2)
+    assert "kernels could not be compiled side by side: OSError: no more processes" in caplog.messages

@@ -18,7 +18,9 @@ BLANK = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.01)
 
 
 def of_nodes(**given):
-    setup = one_sheet_setup(name="t", blank=BLANK, fabric=glass_polypropylene(), duration=1.0, **given)
+    setup = one_sheet_setup(
+        name="t", blank=BLANK, fabric=glass_polypropylene(), duration=1.0, accept_unusual=True, **given
+    )
     return node_traits(setup.sheet, setup.worlds[0])
 
 

@@ -12,7 +12,7 @@ from weavesim.fabric.presets import glass_polypropylene
     [
         ({"fibre_areal_density": 0.4}, "density together"),
         ({"fibre_areal_density": 0.9, "fibre_density": 2550.0}, "at most the areal density"),
-        ({"fibre_areal_density": 0.7, "fibre_density": 2.55}, "more than round fibres can"),
+        ({"fibre_areal_density": 0.7, "fibre_density": 255.0}, "more than round fibres can"),
         ({"thickening": 1.5}, "thickening"),
         ({"crossover_modulus": 0.0}, "crossover_modulus"),
     ],

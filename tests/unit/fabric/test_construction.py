@@ -1,10 +1,12 @@
 """Laws from the values of a file: kinds and arguments by name, and never a message of Python's own."""
 
 import random
+from typing import Any
 
 import pytest
 
 from tests.support.paths import ROOT
+from weavesim.checks import Parameters
 from weavesim.errors import InputError
 from weavesim.fabric.bending import BendingCurve
 from weavesim.fabric.construction import chosen, constructed
@@ -57,11 +59,30 @@ def test_unknown_kinds_are_refused(kind, message):
         ("BendingCurve", {"self": 1}, "."),
     ],
 )
+@pytest.mark.filterwarnings("ignore:overflow")
 def test_bad_arguments_are_refused_by_name(kind, values, message):
     cls, make = chosen(kind, CURVES)
     with pytest.raises(InputError, match=message) as raised:
         constructed(cls, make, values)
     assert not any(words in str(raised.value) for words in PYTHON)
+
+
+def test_a_law_of_ones_own_may_have_types_that_only_a_checker_knows():
+    class Own(Parameters):
+        value: float
+
+        @classmethod
+        def from_test(cls, test: "OnlyForCheckers"):  # noqa: F821
+            return cls(value=test)
+
+        @classmethod
+        def from_any(cls, test: Any, other: Parameters | None = None):
+            return cls(value=test)
+
+    assert constructed(Own, Own.from_test, {"test": 2.0}).value == 2.0
+    assert constructed(Own, Own.from_any, {"test": 2.0, "other": None}).value == 2.0
+    with pytest.raises(InputError, match="value = 'x': a number is needed"):
+        constructed(Own, Own.from_test, {"test": "x"})
 
 
 # Words of Python's own messages.

@@ -215,3 +215,54 @@ def test_the_documented_files_are_read(tmp_path):
     (tmp_path / "membrane.toml").write_text(membrane + "crossover_friction_length = 1e-4\n")
     with pytest.raises(InputError, match="LinearMembrane reports no pressure"):
         load_fabric(tmp_path / "membrane.toml")
+
+
+@pytest.mark.parametrize(
+    ("based_on", "message"),
+    [
+        ("[1]", "line 1: based_on = a list: a preset, one of glass-polypropylene"),
+        ("{a = 1}", "based_on = a dict: a preset"),
+        ("1", "based_on = 1: a preset"),
+        ("true", "based_on = True: a preset"),
+        ('"ours.toml"', "based_on = 'ours.toml': a preset"),
+        ('"glass-polypropylen"', "did you mean 'glass-polypropylene'"),
+        ("2024-01-01", "based_on: 2024-01-01 is a date"),
+    ],
+)
+def test_a_fabric_is_based_on_a_preset_only(tmp_path, based_on, message):
+    path = tmp_path / "ours.toml"
+    path.write_text(f"based_on = {based_on}\n")
+    with pytest.raises(InputError, match=message):
+        load_fabric(path)
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("thicknes = 1e-3", "line 2: Fabric: thicknes = 0.001: unknown name; did you mean 'thickness'"),
+        ("Thickness = 1e-3", "did you mean 'thickness'"),
+        ("[shears]", r"line 2: \[shears\] unknown name; did you mean 'shear'"),
+        ("[qqqqqq]", r"line 2: \[qqqqqq\] unknown name; a fabric has no such table"),
+        ("shear = 5", "line 2: Fabric: shear = 5: one of LinearShear, MomentCurve is needed"),
+        ("shear = [5]", "line 2: Fabric: shear"),
+        ('thickness = "1.2"', "line 2: Fabric: thickness = '1.2': a number is needed, not a text"),
+        ("[shear]\nkind = 'LinearShear'\nmodulis = 1e6", r"line 4: \[shear\] LinearShear: .*did you mean 'modulus'"),
+        ("[shear]\nkind = 'LinearShaer'", r"line 2: \[shear\] kind = 'LinearShaer': .*did you mean 'LinearShear'"),
+        (
+            "[shear]\nkind = 'LinearShear'\n[shear.modulus]\na = 1",
+            "line 4: shear.modulus: a value is needed, not a table",
+        ),
+    ],
+)
+def test_mistakes_have_their_line_and_the_nearest_name(tmp_path, line, message):
+    path = tmp_path / "ours.toml"
+    path.write_text(f'based_on = "glass-polypropylene"\n{line}\n')
+    with pytest.raises(InputError, match=message):
+        load_fabric(path)
+
+
+def test_the_name_of_a_file_is_no_trap(tmp_path):
+    path = tmp_path / ("o\u2028x" * 30 + ".toml")
+    path.write_text('based_on = "glass-polypropylene"\n')
+    fabric = load_fabric(path)
+    assert fabric.name.isprintable() and len(fabric.name) <= 100 and fabric.source.isprintable()

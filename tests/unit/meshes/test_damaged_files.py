@@ -20,14 +20,14 @@ from weavesim.errors import InputError
 from weavesim.meshes import read_mesh
 
 from .formats.test_abaqus import CAE
-from .formats.test_by_meshio import WRITERS, write
+from .formats.test_by_meshio import HALVES, WRITERS, write
+from .formats.test_nastran import free, large, small
 from .formats.test_off import off
 from .formats.test_ply import as_bytes, as_text
 from .formats.test_threemf import ONE, archive
 
 NODES, QUADS = die(3)
 TRIANGLES = split(QUADS)
-HALVES = [("quad", QUADS[:4]), ("triangle", split(QUADS[4:]))]
 CASE = 150
 # A damaged file of a few kilobytes takes milliseconds; this is for a busy machine.
 LONGEST = 5.0
@@ -47,6 +47,9 @@ def good_files() -> dict[str, bytes]:
         "a.off": off([[0, 1, 2], [2, 3, 4, 5], [5, 6, 7, 8, 9]]).encode(),
         "a.inp": DECK.encode(),
         "cae.inp": CAE.format(place="1., 2., 3.\n0., 0., 0., 0., 0., 1., 30.\n").encode(),
+        "a.bdf": free().encode(),
+        "a.nas": large().encode(),
+        "a.fem": small().encode(),
         "a.3mf": archive(ONE),
         "a.glb": glb,
     }
@@ -108,6 +111,7 @@ def test_damaged_files(tmp_path, name):
 def test_damaged_files_of_meshio(tmp_path, name):
     path = write(tmp_path / name, HALVES)
     content = path.read_bytes()
+    assert len(read_mesh(path).triangles()[0]) == 128
     random = np.random.default_rng(sum(name.encode()))
     for k in range(CASE // 15):
         path.write_bytes(damaged(content, random))

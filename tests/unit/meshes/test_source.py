@@ -60,11 +60,13 @@ class TestWhatIsNoFile:
             read(written(tmp_path, "empty.stl", content))
 
     def test_too_large(self, tmp_path, read, monkeypatch):
-        """The limit is 2 GiB; here 1000 bytes."""
-        assert source.LARGEST_FILE == 2**31
+        """The limits are 2 GiB and 512 MiB; here 1000 and 500 bytes."""
+        assert (source.LARGEST_FILE, source.LARGEST_TEXT) == (2**31, 2**29)
         monkeypatch.setattr(source, "LARGEST_FILE", 1000)
-        with pytest.raises(InputError, match="at most .* MiB are read"):
-            read(written(tmp_path, "large.stl", b"solid\n" + b" " * 1000))
+        monkeypatch.setattr(source, "LARGEST_TEXT", 500)
+        for name, size in (("large.stl", 1000), ("large.obj", 500), ("large.inp", 500), ("large.vtk", 500)):
+            with pytest.raises(InputError, match="at most .* MiB are read"):
+                read(written(tmp_path, name, b"solid\n" + b" " * size))
 
     def test_sparse_file_of_a_terabyte(self, tmp_path, read):
         with open(tmp_path / "sparse.stl", "wb") as file:

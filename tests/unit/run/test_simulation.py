@@ -8,8 +8,11 @@ import pytest
 
 from tests.support.registered_cells import TautNet
 from tests.support.runs import small_run
+from weavesim import Setup, Sheet, Solver
 from weavesim.errors import InputError, RunError
 from weavesim.fabric.presets import glass_polypropylene
+from weavesim.run.start import prepare
+from weavesim.sheet.blank import Blank
 from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import Plane
 from weavesim.tools.tool import Tool
@@ -113,3 +116,18 @@ def test_a_run_happens_once():
     simulation.run()
     with pytest.raises(RunError, match="has been run: make a new one"):
         simulation.run()
+
+
+def test_notes_say_how_meshes_were_read(tmp_path):
+    """Quadrilaterals of the tool split, a node of the blank left out: both are said where the log is written."""
+    deck = "*NODE\n1,0,0\n2,20,0\n3,20,20\n4,0,20\n5,9,9,9\n*ELEMENT, TYPE=S4\n1, 1,2,3,4\n"
+    (tmp_path / "sheet.inp").write_text(deck)
+    (tmp_path / "table.obj").write_text("v -30 -30 -5\nv 50 -30 -5\nv 50 50 -5\nv -30 50 -5\nf 1 2 3 4\nl 1 2\n")
+    table = MeshShape.from_file(tmp_path / "table.obj", unit_scale=0.001, spacing=1e-3)
+    blank = Blank.from_file(tmp_path / "sheet.inp", unit_scale=0.001)
+    sheet = Sheet(blank, glass_polypropylene())
+    setup = Setup(name="read", sheets=(sheet,), tools=(Tool("table", table),), duration=1e-4, solver=Solver(threads=1))
+    notes = "\n".join(prepare(setup).info.notes)
+    assert "sheet.inp: 1 nodes left out: no element uses them" in notes
+    assert "table.obj: 1 quadrilaterals split into 2 triangles" in notes
+    assert "table.obj: 1 lines and 0 points left out: they bound no surface" in notes

@@ -71,8 +71,20 @@ def test_a_distance_that_is_none(distance):
 
 
 def test_a_distance_beyond_the_elements_is_refused():
-    with pytest.raises(InputError, match="degenerate, with a repeated node"):
-        Blank.from_mesh(*seamed(), merge_nodes=0.011)
+    for distance in (0.01, 0.011, 1.0, 1e300):
+        with pytest.raises(InputError, match=r"must be below 0.01 m, the shortest edge of an element"):
+            Blank.from_mesh(*seamed(), merge_nodes=distance)
+
+
+@pytest.mark.parametrize("merge", [None, 1e-6])
+def test_many_elements_at_one_place_take_no_time(merge):
+    """Twenty thousand times the same loose element."""
+    quads = np.arange(80_000).reshape(-1, 4)
+    position = np.tile(WHOLE.node_position[WHOLE.quads[0]], (20_000, 1))
+    started = time.process_time()
+    with pytest.raises(InputError, match="more than 64 nodes lie within"):
+        Blank.from_mesh(position, quads, merge_nodes=merge)
+    assert time.process_time() - started < 5.0
 
 
 @pytest.mark.parametrize("place", [(0, 0), (5, 4), (8, 6)])
@@ -171,8 +183,8 @@ def test_close_pairs_are_those_of_all_pairs(seed):
 
 def test_chains_are_merged_into_their_first_node():
     position = np.array([(0.0, 0, 0), (1.0, 0, 0), (0.01, 0, 0), (0.02, 0, 0), (1.01, 0, 0)])
-    kept_position, quads, kept = merged_nodes(position, np.array([[0, 1, 2, 3], [4, 3, 2, 1]]), 0.011)
-    assert kept.tolist() == [0, 1] and quads.tolist() == [[0, 1, 0, 0], [1, 0, 0, 1]]
+    kept_position, quads, kept = merged_nodes(position, np.array([[0, 1, 2, 4], [4, 3, 1, 0]])[:, [0, 1, 2, 1]], 0.011)
+    assert kept.tolist() == [0, 1] and quads.tolist() == [[0, 1, 0, 1], [1, 0, 1, 0]]
     assert np.array_equal(kept_position, position[:2])
 
 
@@ -180,3 +192,23 @@ def test_the_checks_of_a_large_blank_take_little_time():
     started = time.process_time()
     Blank.rectangle((0.0, 0.0), (3.0, 3.0), 0.01)
     assert time.process_time() - started < 5.0
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.3])
+def test_a_sheet_that_faces_down_is_turned_over(tmp_path, tilt):
+    """Otherwise the weft, and the sense of ``orientation``, would be mirrored without a word."""
+    position = WHOLE.node_position + np.outer(WHOLE.node_position[:, 0], (0.0, 0.0, tilt))
+    up = Blank.from_file(written(tmp_path, "up.inp", deck(position, WHOLE.quads)), unit_scale=0.001, yarn_angle=30.0)
+    down = Blank.from_file(
+        written(tmp_path, "down.inp", deck(position, WHOLE.quads[:, ::-1])), unit_scale=0.001, yarn_angle=30.0
+    )
+    assert up.source_notes == () and "wound clockwise as seen from above" in down.source_notes[0]
+    assert np.all(down.initial_director[:, 2] > 0.0)
+    assert np.allclose(down.weft_direction, up.weft_direction)
+
+
+def test_elements_without_numbers_are_named_by_their_lines(tmp_path):
+    quads = [*WHOLE.quads.tolist(), WHOLE.quads[3].tolist()]
+    count = WHOLE.node_count
+    with pytest.raises(InputError, match=f"elements of line {count + 4} and of line {count + 81} have the same nodes"):
+        Blank.from_file(written(tmp_path, "sheet.obj", obj_text(1e3 * WHOLE.node_position, quads)), unit_scale=0.001)

@@ -122,8 +122,9 @@ def test_rows_are_bounded(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     "content",
     ["\n" * 5_000_000, "a," * 10**6, 'force,"' + '"' * 99_998 + "\n1\n", "force\n" + "9" * 90_000,
-     ("(" * 90_000 + "\n") * 50, "force " * 15_000 + "\n1\n", ("force,force_n\n" * 30_000)],
-    ids=["lines", "long line", "quotes", "digits", "brackets", "names", "headers"],
+     ("(" * 90_000 + "\n") * 50, "force " * 15_000 + "\n1\n", ("force,force_n\n" * 30_000),
+     "# force\n" * 1000 + "#\n" * 1_000_000],
+    ids=["lines", "long line", "quotes", "digits", "brackets", "names", "headers", "comments"],
 )  # fmt: skip
 def test_absurd_files_end_in_time(tmp_path, content):
     start = time.perf_counter()

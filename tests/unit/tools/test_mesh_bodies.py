@@ -115,7 +115,8 @@ def test_a_body_beside_a_sheet(height):
     boxes = [((0.2, 0.2, 2.0), (0.0, 0.0, -1.0)), (SIZE, (0.02, 0.0, height + 0.02))]
     expected, value = union_distance(points, boxes), exact_distance(surface, points)
     np.testing.assert_array_equal(value < 0.0, expected < 0.0)
-    np.testing.assert_allclose(value[expected > 0], expected[expected > 0], atol=2e-6)
+    # the walls are about a metre deep, in single precision
+    np.testing.assert_allclose(value[expected > 0], expected[expected > 0], atol=4e-6)
 
 
 # --- what has no inside -----------------------------------------------------------------------------------------------

@@ -6,14 +6,17 @@ from weavesim.fabric import glass_polypropylene
 from weavesim.process import ForceDriven, Stroke
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
+from weavesim.sheet.symmetry import WHOLE, Symmetry
 from weavesim.tools import Capsule, Plane, Sphere, Tool, Union, rotation_matrix
 from weavesim.tools.proportions import disproportionate_tools, tool_size
 
 SHEET = Sheet(Blank.rectangle((0.0, 0.0), (0.47, 0.27), 0.1), glass_polypropylene())
 
 
-def sentences(shape, motion=None):
-    return list(disproportionate_tools(SHEET, [Tool("punch", shape, **({"motion": motion} if motion else {}))]))
+def sentences(shape, motion=None, symmetry=WHOLE):
+    return list(
+        disproportionate_tools(SHEET, [Tool("punch", shape, **({"motion": motion} if motion else {}))], symmetry)
+    )
 
 
 def test_size_is_that_of_the_box_around_all_parts():
@@ -44,3 +47,11 @@ def test_a_stroke_of_several_blanks_is_named():
     assert "travels 2.5 m, 5.32 times" in sentence
     assert not sentences(Sphere(0.1), Stroke((0.0, 1.0), (0.0, 0.5)))
     assert not sentences(Sphere(0.1), ForceDriven.constant(600.0, 2.0))
+
+
+def test_a_blank_that_is_cut_counts_as_a_whole():
+    """3 m are 6 times the whole blank of 0.47 m, and 13 times the quarter that is computed."""
+    quarter = Sheet(Blank.rectangle((0.0, 0.0), (0.235, 0.135), 0.1), glass_polypropylene())
+    tools = [Tool("die", Sphere(1.5))]
+    assert list(disproportionate_tools(quarter, tools, WHOLE))
+    assert not list(disproportionate_tools(quarter, tools, Symmetry(("x", "y"))))

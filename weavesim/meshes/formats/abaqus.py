@@ -16,7 +16,8 @@ from ..kinds import is_text, looks_like
 from ..mesh_file import Cells, MeshFile
 from ..source import LARGEST_COUNT, Source, counted, listed, number, numbers, whole
 from .abaqus_elements import AXISYMMETRIC, kind_of
-from .abaqus_grid import Block, Grid, Placement
+from .deck_lines import Line, lines_of_deck
+from .grid import Block, Grid, Placement
 
 # Keywords that make or move nodes and elements in ways that are not followed here, with what to do.
 _REFUSED = {
@@ -26,6 +27,7 @@ _REFUSED = {
     **dict.fromkeys(("INCLUDE", "MANIFEST"), "copy the content of the other file to this place in the deck"),
     "IMPERFECTION": "write the deck with the nodes where they are",
     "PARAMETER": "write the deck with numbers in place of the parameters",
+    "RIGID SURFACE": "mesh the tool with rigid elements, or export it as STL",
     "IMPORT": "write the deck with all nodes and elements",
 }
 _TYPE_NAME = re.compile(r"[A-Z0-9]{1,12}\Z")
@@ -37,8 +39,8 @@ class _Card:
 
     keyword: str
     options: dict[str, str]
-    line: int
-    data: list[tuple[int, bytes]] = field(default_factory=list)
+    line: Line
+    data: list[tuple[Line, bytes]] = field(default_factory=list)
 
 
 @dataclass
@@ -88,11 +90,8 @@ _NEEDED = {
 
 def _cards(source: Source) -> Iterator[_Card]:
     card: _Card | None = None
-    begun: tuple[int, bytes] | None = None
-    for line, text in enumerate(source.data.splitlines(), 1):
-        text = text.strip()
-        if not text or text.startswith(b"**"):
-            continue
+    begun: tuple[Line, bytes] | None = None
+    for line, text in lines_of_deck(source):
         if begun is None and not text.startswith(b"*"):
             if card is None:
                 kind = looks_like(source.data)
@@ -115,7 +114,7 @@ def _cards(source: Source) -> Iterator[_Card]:
         yield card
 
 
-def _card(line: int, text: bytes) -> _Card:
+def _card(line: Line, text: bytes) -> _Card:
     # a comma within quotes belongs to a name
     words = re.findall(r'(?:"[^"]*"|[^,"])+', text.decode("latin-1")[1:])
     keyword = " ".join(words[0].split()).upper() if words else ""
@@ -276,12 +275,12 @@ def _assembled(deck: _Deck) -> MeshFile:
     placed = [(Placement(), deck.grid)]
     notes = []
     used = {part for _, part, _ in deck.instances}
-    for place, part, own in deck.instances:
-        placed.append((place, deck.parts[part].with_more(own)))
-    for number_, (name, part) in enumerate(deck.parts.items(), 1):
+    for place, name, own in deck.instances:
+        placed.append((place, deck.parts[name].with_more(own)))
+    for row, (name, part) in enumerate(deck.parts.items(), 1):
         count = sum(len(block.ids) for block in part.blocks)
         if deck.has_assembly and name not in used and count:
-            notes.append(f"part {number_} with {count} elements has no instance in the assembly: left out")
+            notes.append(f"part {row} with {count} elements has no instance in the assembly: left out")
         elif not deck.has_assembly:
             placed.append((Placement(), part))
     if len(deck.instances) > 1:

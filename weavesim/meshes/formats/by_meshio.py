@@ -116,7 +116,7 @@ def _read_apart(source: Source, ending: str) -> tuple[int, bytes]:
     memory = _LEAST_MEMORY + _MEMORY_PER_BYTE * len(source.data)
     program = Path(__file__).with_name("meshio_process.py")
     # -P: modules beside the program must not hide those of the library
-    command = [sys.executable, "-P", program, source.path.absolute(), ending, str(memory), str(_LONGEST)]
+    command = [sys.executable, "-P", str(program), str(source.path.absolute()), ending, str(memory), str(_LONGEST)]
     try:
         done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=_LONGEST)
     except subprocess.TimeoutExpired:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import struct
@@ -103,10 +104,12 @@ def _promised(source: Source, description: dict[str, Any]) -> tuple[int, int, in
 def _taken(source: Source) -> tuple[np.ndarray, np.ndarray]:
     import trimesh
 
+    silent = io.StringIO()
     try:
-        scene = trimesh.load_scene(
-            io.BytesIO(source.data), file_type="glb", process=False, skip_materials=True, resolver=None
-        )
+        with contextlib.redirect_stdout(silent), contextlib.redirect_stderr(silent):
+            scene = trimesh.load_scene(
+                io.BytesIO(source.data), file_type="glb", process=False, skip_materials=True, resolver=None
+            )
         vertices, triangles, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
         for node in scene.graph.nodes_geometry:
             place, name = scene.graph[node]

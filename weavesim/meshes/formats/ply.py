@@ -8,7 +8,7 @@ import numpy as np
 
 from ..kinds import looks_like
 from ..mesh_file import Cells, MeshFile, cells_by_corners, cells_of, check_finite, check_references
-from ..source import LARGEST_COUNT, Source, counted, numbers, whole
+from ..source import LARGEST_COUNT, LARGEST_TEXT, Source, counted, numbers, whole
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -39,6 +39,8 @@ class _Element:
 
 def read_ply(source: Source) -> MeshFile:
     order, elements, start = _header(source)
+    if not order and len(source.data) > LARGEST_TEXT:
+        raise source.error(f"it is text of more than {LARGEST_TEXT / 2**20:g} MiB", "export binary PLY")
     _check_elements(source, elements)
     if order:
         vertices, cells = _binary(source, elements, start, order)
@@ -130,7 +132,8 @@ def _ascii(source: Source, elements: list[_Element], start: int) -> tuple[np.nda
             f"its header promises {expected} records, one on each line, but {len(lines)} lines follow",
             "copy or export it again",
         )
-    vertices, cells, position = np.empty((0, 3)), (), 0
+    vertices, position = np.empty((0, 3)), 0
+    cells: tuple[Cells, ...] = ()
     for element in elements:
         records = lines[position : position + element.count]
         position += element.count
@@ -171,10 +174,12 @@ def _ascii_faces(source: Source, element: _Element, records: list[tuple[int, byt
                 place += length is not None
                 if count < 0 or place + count > len(words):
                     raise ValueError
-                if k == corner:
-                    face = [whole(word) for word in words[place : place + count]]
                 place += count
-            if place != len(words) or face is None or len(face) < 3:
+                if k == corner:
+                    face = [whole(word) for word in words[place - count : place]]
+                    break  # what follows is colour and texture, and not always as the header says
+            more = len(element.properties) > corner + 1
+            if (place != len(words) and not more) or face is None or len(face) < 3:
                 raise ValueError
         except (ValueError, IndexError):
             raise source.error(f"line {line}: a face of three or more whole numbers is expected") from None
@@ -188,7 +193,8 @@ def _ascii_faces(source: Source, element: _Element, records: list[tuple[int, byt
 def _binary(
     source: Source, elements: list[_Element], position: int, order: str
 ) -> tuple[np.ndarray, tuple[Cells, ...]]:
-    vertices, cells = np.empty((0, 3)), ()
+    vertices = np.empty((0, 3))
+    cells: tuple[Cells, ...] = ()
     for element in elements:
         _check_left(source, element, position)
         if element.lists:

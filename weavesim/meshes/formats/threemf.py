@@ -13,7 +13,7 @@ import numpy as np
 from ...errors import InputError
 from ..kinds import looks_like
 from ..mesh_file import TRIANGLE, Cells, MeshFile, check_references
-from ..source import LARGEST_COUNT, LARGEST_FILE, Source, number, whole
+from ..source import LARGEST_COUNT, LARGEST_TEXT, Source, number, whole
 
 _METRES = {
     "micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, "foot": 0.3048, "meter": 1.0
@@ -55,8 +55,8 @@ def read_threemf(source: Source) -> MeshFile:
         raise source.error(f"it looks like {looks_like(source.data) or 'no archive'}, not like 3MF") from None
     entries = archive.zip.infolist()
     size = sum(entry.file_size for entry in entries)
-    if size > LARGEST_FILE:
-        raise source.error(f"it unpacks to {size / 2**20:.4g} MiB; at most {LARGEST_FILE / 2**20:g} MiB are read")
+    if size > LARGEST_TEXT:
+        raise source.error(f"it unpacks to {size / 2**20:.4g} MiB; at most {LARGEST_TEXT / 2**20:g} MiB are read")
     root = next((e.filename for e in entries if e.filename.lower().endswith("3d/3dmodel.model")), None)
     if root is None:
         raise source.error("it is an archive without 3D/3dmodel.model")

@@ -1,4 +1,4 @@
-"""The account of what the time integration makes at kinks; sheets are in tests/verification/time/test_slack_sheet.py."""
+"""The account of what the time integration makes at kinks; see also tests/verification/time/test_slack_sheet.py."""
 
 import math
 

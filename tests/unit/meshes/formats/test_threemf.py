@@ -143,8 +143,8 @@ def test_a_damaged_part_is_refused(tmp_path):
 
 
 def test_a_bomb_is_not_unpacked(tmp_path, monkeypatch):
-    """64 MiB of blanks in 64 KiB; the limit is lowered from 2 GiB to 16 MiB."""
-    monkeypatch.setattr(threemf, "LARGEST_FILE", 2**24)
+    """64 MiB of blanks in 64 KiB; the limit is lowered from 512 MiB to 16 MiB."""
+    monkeypatch.setattr(threemf, "LARGEST_TEXT", 2**24)
     with pytest.raises(InputError, match=r"unpacks to 64\S* MiB; at most 16 MiB"):
         read(tmp_path, archive(ONE, {"bomb": b" " * 2**26}))
 
@@ -158,6 +158,12 @@ def test_bodies_that_multiply_are_refused(tmp_path):
     small = mesh_object(1, NODES[:3], [(0, 1, 2)])
     with pytest.raises(InputError, match="more bodies than a tool can have"):
         read(tmp_path, archive(model(small + groups, '<item objectid="10"/>')))
+
+
+def test_deep_nesting_is_refused_or_passed_over(tmp_path):
+    for text in (200_000 * "<a>" + 200_000 * "</a>", 200_000 * "<a>"):
+        with pytest.raises(InputError, match="cannot be read"):
+            read(tmp_path, archive(f"<model {CORE}>{text}</model>"))
 
 
 def test_entities_do_not_multiply(tmp_path):

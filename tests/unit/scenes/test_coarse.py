@@ -1,0 +1,76 @@
+"""Every scene refuses, or warns of, a mesh on which its result is wrong."""
+
+import pytest
+
+from weavesim.errors import InputError
+from weavesim.run.guards import Level
+from weavesim.run.simulation import Simulation
+from weavesim.scenes.bias_extension import BiasExtensionParameters
+from weavesim.scenes.cantilever import CantileverParameters, cantilever
+from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
+from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
+from weavesim.scenes.picture_frame import PictureFrameParameters
+from weavesim.scenes.scene import known_scenes
+
+COVERED = {"bias-extension", "cantilever", "double-dome", "hemisphere", "picture-frame"}
+
+
+def test_every_scene_is_covered():
+    assert set(known_scenes()) == COVERED
+
+
+@pytest.mark.parametrize(("mesh_size", "length"), [(0.1, None), (0.04, None), (0.02, 0.06), (0.002, 0.008)])
+def test_a_cantilever_needs_elements_along_its_overhang(mesh_size, length):
+    with pytest.raises(InputError, match=r"mesh_size = .* m: at least 5 elements along the overhang of .* at most"):
+        cantilever(CantileverParameters(mesh_size=mesh_size, length=length, width=0.02))
+
+
+def test_five_elements_are_allowed():
+    cantilever(CantileverParameters(mesh_size=0.0293))
+    cantilever(CantileverParameters(mesh_size=0.01, length=0.05))
+
+
+@pytest.mark.parametrize("given", [{"mesh_size": 0.1}, {"mesh_size": 0.02, "radius": 0.05}, {"side": 0.06}])
+def test_a_cloth_needs_elements_on_its_ball(given):
+    with pytest.raises(InputError, match="at least 8 elements over a quarter of the ball"):
+        HemisphereParameters(**given)
+
+
+def test_a_frame_with_misaligned_yarns_needs_elements_along_its_side():
+    with pytest.raises(InputError, match="with misaligned yarns at least 4 elements along the side"):
+        PictureFrameParameters(mesh_size=0.1, misalignment=2.0)
+    PictureFrameParameters(mesh_size=0.1)  # aligned yarns shear evenly: exact
+
+
+def test_a_bias_strip_needs_elements_across_its_width():
+    with pytest.raises(InputError, match="at least 8 elements across the width"):
+        BiasExtensionParameters(mesh_size=0.02)
+
+
+@pytest.mark.parametrize("mesh_size", [0.01, 0.03])
+def test_a_double_dome_needs_elements_along_the_edge_of_its_die(mesh_size):
+    simulation = Simulation(double_dome(DoubleDomeParameters(mesh_size=mesh_size)))
+    assert any(warning.startswith("die: ") and "of its 10 mm radius" in warning for warning in simulation.warnings)
+
+
+@pytest.mark.parametrize(("case", "mesh_size", "told"), [
+    ("low-bending", 0.005, False), ("low-bending", 0.01, True), ("high-bending", 0.01, False),
+    ("high-bending", 0.018, True),
+])  # fmt: skip
+def test_a_cloth_needs_elements_along_its_bending_length(case, mesh_size, told):
+    """15 mm with low bending stiffness, 32 mm with high."""
+    simulation = Simulation(hemisphere(HemisphereParameters(mesh_size=mesh_size), case))
+    found = [doubt for doubt in simulation.doubts() if doubt.guard == "bending_length"]
+    assert [doubt.level for doubt in found] == [Level.WARNING] * told
+    if told:
+        assert f"bends over {15 if case == 'low-bending' else 32.4:.3g} mm" in found[0].text
+
+
+def test_the_defaults_are_not_warned_of():
+    for setup in (
+        double_dome(DoubleDomeParameters()),
+        hemisphere(HemisphereParameters(), "low-bending"),
+        hemisphere(HemisphereParameters(), "high-bending"),
+        cantilever(CantileverParameters()),
+    ):
+        assert Simulation(setup).warnings == [], setup.name

@@ -1,0 +1,184 @@
+"""A damaged cache of kernels heals, a full one is left aside, and both are said."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import pytest
+
+from tests.support.processes import environment
+from weavesim import kernel_cache
+from weavesim.kernel_cache import SEAL_NAME, damage
+
+SLOW = pytest.mark.slow
+LAUNCH = """
+import warp as wp
+from weavesim.device import initialise, load_kernel
+from weavesim.kernels.stepping.machine import barrier
+initialise()
+load_kernel(barrier, wp.get_device("cpu"))
+wp.launch(barrier, dim=1, inputs=[wp.zeros(1, dtype=wp.int32, device="cpu"), 1], device="cpu")
+print(wp.config.kernel_cache_dir)
+"""
+
+
+def launch(cache, **given):
+    """Launch a kernel in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-c", LAUNCH], env=environment(WARP_CACHE_PATH=str(cache)), capture_output=True, text=True,
+        check=False, **given,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A cache with one kernel."""
+    cache = tmp_path_factory.mktemp("cache")
+    done = launch(cache)
+    assert done.returncode == 0 and done.stderr == ""
+    return cache
+
+
+def parts(cache):
+    """Object file, description and seal of the kernel."""
+    return [next(cache.rglob(pattern)) for pattern in ("*.o", "*.meta", SEAL_NAME)]
+
+
+def into_folder(file):
+    file.unlink()
+    file.mkdir()
+
+
+def flipped(file):
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes(content)
+
+
+DAMAGES = {
+    "object is empty": (0, lambda file: file.write_bytes(b"")),
+    "object is cut": (0, lambda file: file.write_bytes(file.read_bytes()[:-10])),
+    "object is half": (0, lambda file: file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])),
+    "object is zero": (0, lambda file: file.write_bytes(bytes(file.stat().st_size))),
+    "object is text": (0, lambda file: file.write_text("no object")),
+    "a bit has flipped": (0, flipped),
+    "object is a folder": (0, into_folder),
+    "description is empty": (1, lambda file: file.write_bytes(b"")),
+    "description is garbage": (1, lambda file: file.write_text("{ garbage")),
+    "description is binary": (1, lambda file: file.write_bytes(b"\xff\xfe\0")),
+    "description is a list": (1, lambda file: file.write_text("[]")),
+    "seal is garbage": (2, lambda file: file.write_text("{ garbage")),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGES)
+def test_damage_is_found(whole, tmp_path, name):
+    cache = shutil.copytree(whole, tmp_path / "cache")
+    folder = parts(cache)[0].parent
+    assert damage(folder) == ""
+    place, break_it = DAMAGES[name]
+    break_it(parts(cache)[place])
+    assert damage(folder) != ""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "object is cut",
+        *(pytest.param(one, marks=SLOW) for one in ("object is zero", "description is garbage", "a bit has flipped")),
+    ],
+)
+def test_a_damaged_kernel_is_compiled_again_and_said(whole, tmp_path, name):
+    cache = shutil.copytree(whole, tmp_path / "cache")
+    place, break_it = DAMAGES[name]
+    break_it(parts(cache)[place])
+    done = launch(cache)
+    assert done.returncode == 0 and "Traceback" not in done.stderr
+    assert "is damaged" in done.stderr and "compiled again" in done.stderr and str(cache) in done.stderr
+    again = launch(cache)
+    assert again.returncode == 0 and again.stderr == ""
+
+
+@SLOW
+@pytest.mark.parametrize("name", ["object is half", "object is zero", "object is text"])
+def test_a_kernel_without_a_seal_heals_too(whole, tmp_path, name):
+    cache = shutil.copytree(whole, tmp_path / "cache")
+    place, break_it = DAMAGES[name]
+    break_it(parts(cache)[place])
+    parts(cache)[2].unlink()
+    done = launch(cache)
+    assert done.returncode == 0 and "is damaged" in done.stderr and "Traceback" not in done.stderr
+
+
+@SLOW
+def test_a_kernel_without_a_seal_is_sealed(whole, tmp_path):
+    cache = shutil.copytree(whole, tmp_path / "cache")
+    object_file, description, seal = parts(cache)
+    seal.unlink()
+    assert launch(cache).stderr == ""
+    assert set(json.loads(seal.read_text())) == {object_file.name, description.name}
+
+
+def no_room():
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+
+@pytest.fixture
+def other_cache(monkeypatch, tmp_path):
+    """Caches of this process in folders of the test."""
+    import warp as wp
+
+    monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path / "no-room-here" / wp.config.version))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    return wp.config
+
+
+def refuse(*names):
+    """Writing into folders with these names in their path fails, as on a full or read-only disk."""
+    make = tempfile.NamedTemporaryFile
+
+    def refusing(*arguments, dir=None, **given):
+        if any(name in str(dir) for name in names):
+            raise OSError(28, "No space left on device")
+        return make(*arguments, dir=dir, **given)
+
+    return refusing
+
+
+def test_a_full_cache_is_left_for_a_temporary_one(other_cache, monkeypatch, caplog):
+    monkeypatch.setattr(kernel_cache.tempfile, "NamedTemporaryFile", refuse("no-room-here"))
+    before = other_cache.kernel_cache_dir
+    kernel_cache.ensure_room()
+    assert other_cache.kernel_cache_dir != before and os.path.isdir(os.path.dirname(other_cache.kernel_cache_dir))
+    (message,) = caplog.messages
+    assert before in message and "No space left on device" in message and "WARP_CACHE_PATH" in message
+    kernel_cache.ensure_room()
+    assert len(caplog.messages) == 1
+
+
+def test_a_cache_with_room_is_kept(other_cache, caplog):
+    before = other_cache.kernel_cache_dir
+    kernel_cache.ensure_room()
+    assert other_cache.kernel_cache_dir == before and caplog.messages == [] and os.listdir(before) == []
+
+
+@SLOW
+def test_no_room_anywhere_is_an_input_error(tmp_path):
+    done = launch(tmp_path, preexec_fn=no_room)
+    assert done.returncode == 0 or ("InputError" in done.stderr and "free some space" in done.stderr)
+
+
+def test_a_home_that_cannot_be_written_is_no_obstacle(tmp_path):
+    (tmp_path / "file").write_text("")
+    settings = {name: value for name, value in environment().items() if name != "WARP_CACHE_PATH"}
+    done = subprocess.run(
+        [sys.executable, "-c", LAUNCH], env={**settings, "XDG_CACHE_HOME": str(tmp_path / "file")},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0 and "they go to" in done.stderr
+    assert not os.path.exists(done.stdout.strip())  # removed at the end

@@ -1,0 +1,139 @@
+"""The cache of compiled kernels heals itself: what is damaged is compiled again, what cannot be written goes elsewhere.
+
+Warp keeps every module of kernels in a folder of its own. A seal beside its files, their SHA-256, tells damage that
+would otherwise crash, or compute something else.
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import json
+import logging
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .errors import InputError
+
+if TYPE_CHECKING:
+    import warp as wp
+
+SEAL_NAME = "weavesim.seal"
+# What Warp loads: object files of a CPU, binaries of a GPU, and what it knows about a module.
+LOADED = (".o", ".ptx", ".cubin", ".meta")
+# A kernel of a run takes up to this much.
+PROBE_SIZE = 1 << 20
+
+logger = logging.getLogger(__name__)
+
+
+def folder_of(kernel: wp.Kernel, block_size: int | None) -> Path:
+    """Folder of the compiled module of a kernel."""
+    import warp as wp
+
+    return Path(str(wp.config.kernel_cache_dir)) / kernel.module.get_module_identifier(block_size)
+
+
+def damage(folder: Path) -> str:
+    """Why a compiled module cannot be used; "" if nothing speaks against it, or if there is none."""
+    try:
+        files = list(_loaded_files(folder))
+        for file in files:
+            if file.stat().st_size == 0:
+                return f"{file.name} is empty"
+            if file.suffix == ".meta" and not isinstance(json.loads(file.read_bytes()), dict):
+                return f"{file.name} is damaged"
+        seal = _seal(folder)
+        return next(
+            (f"{file.name} has changed" for file in files if seal.get(file.name, _hash(file)) != _hash(file)), ""
+        )
+    except OSError as error:
+        return f"it cannot be read ({error.strerror or error})"
+    except ValueError:
+        return "its description is damaged"
+
+
+def seal(folder: Path) -> None:
+    """Note the hashes of a module that was loaded, unless they are known; a folder that is read-only stays unsealed."""
+    with suppress(OSError, ValueError):
+        files = list(_loaded_files(folder))
+        if {file.name for file in files} - set(_seal(folder)):
+            temporary = Path(tempfile.mkstemp(dir=folder, prefix=".seal")[1])
+            temporary.write_text(json.dumps({file.name: _hash(file) for file in files}), encoding="utf-8")
+            temporary.replace(folder / SEAL_NAME)
+
+
+def discard(folder: Path, reason: str) -> None:
+    """Remove a damaged module, which then is compiled again; where it cannot be removed, use another cache."""
+    logger.warning("the compiled kernel in %s is damaged (%s) and is compiled again", folder, reason)
+    try:
+        shutil.rmtree(folder)
+    except OSError as error:
+        use_temporary(error)
+
+
+def ensure_room() -> None:
+    """Check that kernels can be written to the cache; if not, use a temporary one for this process.
+
+    Raises:
+        InputError: that cannot be written either.
+    """
+    import warp as wp
+
+    folder = Path(str(wp.config.kernel_cache_dir))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".probe") as probe:
+            probe.write(bytes(PROBE_SIZE))
+            probe.flush()
+    except OSError as error:
+        use_temporary(error)
+
+
+def use_temporary(error: OSError) -> None:
+    """Use a cache that is removed at the end of this process, because of an ``error``, and say so.
+
+    Raises:
+        InputError: it cannot be written either.
+    """
+    import warp as wp
+
+    unusable = wp.config.kernel_cache_dir
+    try:
+        base = Path(tempfile.mkdtemp(prefix="weavesim-kernels-"))
+        (base / "probe").write_bytes(bytes(PROBE_SIZE))
+    except OSError as further:
+        raise InputError(
+            f"Compiled kernels cannot be stored in {unusable} ({error.strerror or error}), nor in "
+            f"{tempfile.gettempdir()} ({further.strerror or further}): free some space, or set another folder in the "
+            "environment variable WARP_CACHE_PATH"
+        ) from None
+    atexit.register(shutil.rmtree, base, ignore_errors=True)
+    # Warp expects its version at the end of the name
+    wp.config.kernel_cache_dir = str(base / str(wp.config.version))
+    logger.warning(
+        "compiled kernels cannot be stored in %s (%s): they go to %s for this run, and the next one compiles them "
+        "again; free some space, make that folder writable, or set another one in WARP_CACHE_PATH",
+        unusable, error.strerror or error, base,
+    )  # fmt: skip
+
+
+def _loaded_files(folder: Path) -> Iterator[Path]:
+    if folder.is_dir():
+        yield from sorted(file for file in folder.iterdir() if file.suffix in LOADED)
+
+
+def _seal(folder: Path) -> dict[str, Any]:
+    try:
+        found = json.loads((folder / SEAL_NAME).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _hash(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()

@@ -31,6 +31,9 @@ class Crossings:
         self._triangles = self._quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
         self._node_count = node_count
         self._fan = self._around_nodes()
+        edges = np.stack([self._quads, np.roll(self._quads, -1, axis=1)], axis=2).reshape(-1, 2)
+        _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+        self._border = edges[place[count == 1]]
 
     def pairs(self, position: np.ndarray) -> np.ndarray:
         """Every pair of triangles that meet, (k, 2); triangle t is one of element t // 2.
@@ -39,10 +42,33 @@ class Crossings:
             position: formed nodes, (node_count, 3) [m].
         """
         position = position - position.mean(axis=0)
+        if self._has_a_plan(position):
+            return np.empty((0, 2), dtype=np.int64)
         first, second = self._apart(position)
         meet = _meet(position[self._triangles[first]], position[self._triangles[second]])
         fan = self._near_nodes(position)
         return np.concatenate([np.column_stack([first, second])[meet], fan[self._meet_elsewhere(position, fan)]])
+
+    # --- sheets that need no search ----------------------------------------------------------------------------------
+
+    def _has_a_plan(self, position: np.ndarray) -> bool:
+        """Whether the sheet lies above a plane like a landscape, which has no crossings.
+
+        All triangles face one way, and no two edges of the border cross in the plan. Then every point of the plan lies
+        under as many triangles as the border winds around it, which is at most one.
+        """
+        normal = self._normals(position)
+        up = normal.sum(axis=0)
+        if not (normal @ up > 0.0).all():
+            return False
+        across = np.linalg.svd(up[None])[2][1:]
+        start, end = (position[self._border[:, side]] @ across.T for side in (0, 1))
+        return not _crossing_edges(start, end, self._border).any()
+
+    def _normals(self, position: np.ndarray) -> np.ndarray:
+        """Of all triangles, as long as twice their area, (triangle_count, 3) [m^2]."""
+        a, b, c = (position[self._triangles[:, corner]] for corner in range(3))
+        return np.cross(b - a, c - a)
 
     # --- pairs without a common node ---------------------------------------------------------------------------------
 
@@ -86,8 +112,7 @@ class Crossings:
 
     def _near_nodes(self, position: np.ndarray) -> np.ndarray:
         """Those of ``_around_nodes`` whose node is in a fold: elsewhere all normals lie in one half space."""
-        corners = position[self._triangles]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal = self._normals(position)
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1.0e-300)[:, None]
         mean = np.zeros((self._node_count, 3))
         for axis in range(3):
@@ -108,6 +133,21 @@ class Crossings:
             p, q = position[these[row, (at + 1) % 3]], position[these[row, (at + 2) % 3]]
             found |= _pierces(p, q, position[those], touching=False)
         return found
+
+
+def _crossing_edges(start: np.ndarray, end: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Which pairs of edges in a plane, (k, 2) each, cross or touch without a common node, (k, k) bool."""
+
+    def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
+        along, to = q - p, r[None] - p[:, None]
+        return np.asarray(along[:, None, 0] * to[..., 1] - along[:, None, 1] * to[..., 0])
+
+    parted = side(start, end, start) * side(start, end, end) <= 0.0
+    # edges on one line are parted by rounding; their boxes overlap only where they do
+    lower, upper = np.minimum(start, end), np.maximum(start, end)
+    near = ((lower[:, None] <= upper[None]) & (lower[None] <= upper[:, None])).all(axis=2)
+    common = (nodes[:, None, :, None] == nodes[None, :, None, :]).any(axis=(2, 3))
+    return np.asarray(parted & parted.T & near & ~common)
 
 
 def near_pairs(centre: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

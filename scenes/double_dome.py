@@ -95,11 +95,9 @@ class DoubleDomeParameters(RunOptions):
         default=100.0, description="mass-proportional damping rate [1/s]"
     )
     frame_count: int = Field(default=80, ge=1, description="frames after the first")
-    punch: Path | None = Field(default=None, description="triangle mesh for the punch, its lowest point at z = 0")
-    die: Path | None = Field(default=None, description="triangle mesh for the die, its flange at z = 0")
-    blank_holder: Path | None = Field(
-        default=None, description="triangle mesh for the blank holder, its flange at z = 0"
-    )
+    punch: Path | None = Field(default=None, description="mesh file for the punch, its lowest point at z = 0")
+    die: Path | None = Field(default=None, description="mesh file for the die, its flange at z = 0")
+    blank_holder: Path | None = Field(default=None, description="mesh file for the blank holder, its flange at z = 0")
     unit_scale: Annotated[Positive, Quantity("unit scale")] = Field(
         default=1.0, description="metres per unit of the tool meshes: 0.001 for millimetres"
     )

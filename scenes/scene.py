@@ -9,6 +9,7 @@ import ast
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -86,15 +87,24 @@ class Scene:
             for folder in folders.values():
                 stack.callback(folder.release)
                 folder.claim()
+            following = list(folders.values())
             for case, setup in setups.items():
-                summaries[case] = self._run_case(parameters, case, setup, folders[case], wanted[case])
+                clear = partial(_clear, following)
+                summaries[case] = self._run_case(parameters, case, setup, folders[case], wanted[case], clear)
+                following = []
                 summaries["outcome"] = summaries[case].get("outcome")
                 if summaries["outcome"] != "finished" or interrupted.is_set():
                     break
         return summaries[""] if self.cases is None else summaries
 
     def _run_case(
-        self, parameters: RunOptions, case: str, setup: Setup, folder: ResultFolder, wanted: Wanted
+        self,
+        parameters: RunOptions,
+        case: str,
+        setup: Setup,
+        folder: ResultFolder,
+        wanted: Wanted,
+        before: Callable[[], None],
     ) -> dict[str, Any]:
         from weavesim.app.run_into_folder import run_into_folder
 
@@ -102,7 +112,13 @@ class Scene:
             return self.findings(parameters, simulation, wanted) if self.findings else {}
 
         options = parameters.model_dump(mode="json") | ({"case": case} if case else {})
-        return run_into_folder(setup, folder, options=options, measure=measure)
+        return run_into_folder(setup, folder, options=options, measure=measure, before=before)
+
+
+def _clear(folders: list[ResultFolder]) -> None:
+    """Remove old results of all cases before the first one runs: new ones must not stand beside them."""
+    for folder in folders:
+        folder.clear()
 
 
 class SceneFile(NamedTuple):

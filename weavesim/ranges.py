@@ -78,7 +78,7 @@ QUANTITIES: dict[str, Row] = {
     "bending stiffness": Row("bending stiffness per width", "N m", (0.0, 1.0e6), (1.0e-8, 10.0)),
     "in-plane bending": Row("in-plane bending stiffness", "N m", (0.0, 1.0e6), (1.0e-9, 10.0)),
     "bending moment": Row("bending moment per width", "N", (0.0, 1.0e9), (1.0e-7, 1.0e4)),
-    "curvature": Row("curvature of a sheet", "1/m", (1.0e-6, 1.0e7), (0.1, 1.0e4)),
+    "curvature": Row("curvature of a sheet", "1/m", (1.0e-6, 1.0e7), (1.0, 1.0e4)),
     "shear angle": Row("shear angle of a sheet", "rad", (0.0, _RIGHT_ANGLE), (0.01, _RIGHT_ANGLE)),
     "locking width": Row("angle over which locking builds up", "rad", (1.0e-6, _RIGHT_ANGLE), (1.0e-3, 0.8)),
     "shear moment": Row("shear moment per area", "N/m", (0.0, 1.0e9), (1.0e-4, 1.0e6)),
@@ -167,10 +167,10 @@ class Quantity:
 
 
 def looks_like_radians(angle: float) -> bool:
-    """Whether an angle in degrees is a multiple of 15 degrees, up to a turn, in radians."""
-    step = math.pi / 12.0
+    """Whether an angle in degrees is a multiple of 5 degrees, up to a turn, in radians."""
+    step = math.pi / 36.0
     count = round(angle / step)
-    return 1 <= count <= 24 and abs(angle - count * step) <= 1.0e-3 * angle
+    return 1 <= count <= 72 and abs(angle - count * step) <= 1.0e-3 * angle
 
 
 def largest_size(value: Any) -> float | None:

@@ -19,7 +19,7 @@ INVERSE_LENGTH = wp.constant(5)
 
 @wp.func
 def yarn_strain(cell: Any, k: int, u: Any, w: Any):
-    """Elongation l - l0 and rotation phi of yarn k's chord, the chord (X, H, 1/l), and the size of cancelling terms.
+    """Elongation l - l0 and rotation phi of yarn k's chord, and the chord (X, H, 1/l).
 
     Both are written without cancellation: l - l0 = (l^2 - l0^2)/(l + l0), and sin(phi) l l0 = L w - h u.
     """
@@ -33,9 +33,8 @@ def yarn_strain(cell: Any, k: int, u: Any, w: Any):
     across = w * (u.dtype(2.0) * fill(u, crimp_height) + w)
     inverse_length, inverse_sum = inverses(length, length + fill(u, chord_length))
     elongation = (along + across) * inverse_sum
-    parts = (magnitude(along) + magnitude(across)) * inverse_sum
     rotation = angle_of(half_spacing * w - crimp_height * u, half_spacing * x + crimp_height * h, chord_length * length)
-    return elongation, rotation, x, h, inverse_length, parts
+    return elongation, rotation, x, h, inverse_length
 
 
 @wp.func
@@ -48,7 +47,7 @@ def yarn_axial_stiffness(cell: Any, k: int, elongation: Any):
 @wp.func
 def yarn_forces(cell: Any, k: int, u: Any, w: Any):
     """dPi/du, dPi/dw, d2Pi/dw2, its positive part, the size of the terms of dPi/dw, and the state, of yarn k alone."""
-    elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
+    elongation, rotation, x, h, inverse_length = yarn_strain(cell, k, u, w)
     stiffness = yarn_axial_stiffness(cell, k, elongation)
     axial = stiffness * elongation
     moment = cell.rotation_stiffness[k] * rotation
@@ -61,8 +60,8 @@ def yarn_forces(cell: Any, k: int, u: Any, w: Any):
     turning = cosine * inverse_length
     elastic = stiffness * sine * sine + cell.rotation_stiffness[k] * turning * turning
     geometric = (axial * cosine - u.dtype(2.0) * shear * sine) * turning
-    # reference size of the residual: the terms themselves, and the rounding error of the elongation
-    size = magnitude(axial * sine) + magnitude(shear * cosine) + cell.resolution * stiffness * parts * magnitude(sine)
+    # reference size of the residual
+    size = magnitude(axial * sine) + magnitude(shear * cosine)
     state = wp.matrix_from_rows(elongation, stiffness, moment, cosine, sine, inverse_length)
     return by_u, by_w, elastic + geometric, elastic, size, state
 
@@ -119,8 +118,11 @@ def yarn_remainder(cell: Any, k: int, state: Any, step: Any):
 
 @wp.func
 def yarn_hessian(cell: Any, k: int, u: Any, w: Any, in_tension: bool):
-    """Second derivatives (uu, uw, ww) of yarn k's energy; ``in_tension``: always with its stiffness in tension."""
-    elongation, rotation, x, h, inverse_length, parts = yarn_strain(cell, k, u, w)
+    """Second derivatives (uu, uw, ww) of yarn k's energy, and their determinant without cancellation.
+
+    ``in_tension``: always with its stiffness in tension.
+    """
+    elongation, rotation, x, h, inverse_length = yarn_strain(cell, k, u, w)
     stiffness = yarn_axial_stiffness(cell, k, elongation)
     axial = stiffness * elongation * inverse_length
     if in_tension:
@@ -134,4 +136,4 @@ def yarn_hessian(cell: Any, k: int, u: Any, w: Any, in_tension: bool):
     uu = stiffness * c * c + axial * s * s + bending * s * s + twice
     uw = (stiffness - axial - bending) * c * s - moment * (c * c - s * s)
     ww = stiffness * s * s + axial * c * c + bending * c * c - twice
-    return uu, uw, ww
+    return uu, uw, ww, stiffness * (axial + bending) - moment * moment

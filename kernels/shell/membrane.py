@@ -7,7 +7,7 @@ import warp as wp
 
 from ..cell.law import CellLaw, cell_answer_struct
 from ..cell.newton import emitted_late
-from ..lanes import inverses, lane_maximum, larger
+from ..lanes import fill, inverses, lane_maximum, larger, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import CellReportRow
@@ -54,9 +54,10 @@ def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
         for k in range(unknown_count):
             cell_unknowns[k, block] = unknowns[k]
         cell_report[CellReportRow.iterations, block] = answer.iterations
-        cell_report[CellReportRow.worst_residual, block] = larger(
-            cell_report[CellReportRow.worst_residual, block], answer.residual
-        )
+        # a NaN, for which no comparison is true, stays as infinity
+        worst = larger(cell_report[CellReportRow.worst_residual, block], answer.residual)
+        known = answer.residual + fill(answer.residual, 1.0)
+        cell_report[CellReportRow.worst_residual, block] = where_positive(known, worst, fill(worst, wp.inf))
         if wp.static(unknown_count > 0):
             freed = snap_loss(cell, m.strain1, m.strain2, m.angle, start, unknowns)
             if lane_maximum(freed) > freed.dtype(0.0):

@@ -93,6 +93,10 @@ def main() -> None:
         record.add(frame)
 
     kind.__init__ = made  # type: ignore[misc]
+    # one id for all, where runs have ids, so that files can be compared byte by byte
+    frames = sys.modules[kind.__module__]
+    if hasattr(frames, "new_run_id"):
+        frames.new_run_id = lambda: "compared"
     sys.argv = ["weavesim", *sys.argv[2:]]
     try:
         runpy.run_module("weavesim", run_name="__main__")

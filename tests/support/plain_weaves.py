@@ -139,10 +139,12 @@ class Reference:
         return axial * cosine - turning * sine, axial * sine + turning * cosine + closing[..., None]
 
     def size(self, u, w):
-        """Of what balances in dPi/dw, and what rounding of the lengths leaves of it; (n,) each."""
+        """Of what balances in dPi/dw, and what rounding of the lengths and of w_1 + w_2 leaves of it; (n,) each."""
         cosine, sine, length, elongation, rotation, stiffness = self._chord(u, w)
         yarns = np.abs(stiffness * elongation * sine) + np.abs(self.rotational * rotation / length * cosine)
-        rounding = 8.0 * np.finfo(float).eps * (self.tensile * length * np.abs(sine)).max(-1)
+        epsilon = np.finfo(float).eps
+        rounding = 8.0 * epsilon * (self.tensile * length * np.abs(sine)).max(-1)
+        rounding = rounding + epsilon * self._contact_stiffness(w) * np.abs(w).sum(-1)
         return yarns.max(-1) + np.abs(self._contact_stiffness(w) * w.sum(-1)), rounding
 
     def hessian(self, u, w):

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +14,7 @@ from tests.support.processes import environment
 from weavesim import kernel_cache
 from weavesim.kernel_cache import SEAL_NAME, damage
 
+SLOW = pytest.mark.slow
 LAUNCH = """
 import warp as wp
 from weavesim.device import initialise, load_kernel
@@ -83,7 +85,13 @@ def test_damage_is_found(whole, tmp_path, name):
     assert damage(folder) != ""
 
 
-@pytest.mark.parametrize("name", ["object is cut", "object is zero", "description is garbage", "a bit has flipped"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "object is cut",
+        *(pytest.param(one, marks=SLOW) for one in ("object is zero", "description is garbage", "a bit has flipped")),
+    ],
+)
 def test_a_damaged_kernel_is_compiled_again_and_said(whole, tmp_path, name):
     cache = shutil.copytree(whole, tmp_path / "cache")
     place, break_it = DAMAGES[name]
@@ -95,6 +103,7 @@ def test_a_damaged_kernel_is_compiled_again_and_said(whole, tmp_path, name):
     assert again.returncode == 0 and again.stderr == ""
 
 
+@SLOW
 @pytest.mark.parametrize("name", ["object is half", "object is zero", "object is text"])
 def test_a_kernel_without_a_seal_heals_too(whole, tmp_path, name):
     cache = shutil.copytree(whole, tmp_path / "cache")
@@ -105,6 +114,7 @@ def test_a_kernel_without_a_seal_heals_too(whole, tmp_path, name):
     assert done.returncode == 0 and "is damaged" in done.stderr and "Traceback" not in done.stderr
 
 
+@SLOW
 def test_a_kernel_without_a_seal_is_sealed(whole, tmp_path):
     cache = shutil.copytree(whole, tmp_path / "cache")
     object_file, description, seal = parts(cache)
@@ -158,6 +168,19 @@ def test_a_cache_with_room_is_kept(other_cache, caplog):
     assert other_cache.kernel_cache_dir == before and caplog.messages == [] and os.listdir(before) == []
 
 
+def test_what_ended_compilers_left_is_removed_after_a_day(other_cache):
+    folder = Path(other_cache.kernel_cache_dir)
+    old, new, kernel = (folder / name for name in ("wp_a_1234_p77_t140", "wp_b_1234_p78_t140", "wp_p1_t2_1234"))
+    for path in (old, new, kernel):
+        path.mkdir(parents=True)
+        (path / "part.o").write_text("")
+    for path in (old, kernel):
+        os.utime(path, (0, 0))
+    kernel_cache.ensure_room()
+    assert not old.exists() and new.exists() and kernel.exists()
+
+
+@SLOW
 def test_no_room_anywhere_is_an_input_error(tmp_path):
     done = launch(tmp_path, preexec_fn=no_room)
     assert done.returncode == 0 or ("InputError" in done.stderr and "free some space" in done.stderr)

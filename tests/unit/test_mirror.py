@@ -51,6 +51,7 @@ TESTED_ELSEWHERE = {
     "kernels/stepping/step.py": "unit/engine/test_stepper.py",
     "kernels/stepping/supports.py": "verification/time/test_supports.py",
     "kernels/stepping/tools.py": "unit/tools/test_motion.py",
+    "weavesim/meshes/formats/deck_lines.py": "unit/meshes/formats/test_abaqus.py",
     "weavesim/meshes/formats/grid.py": "unit/meshes/formats/test_abaqus.py",
     "weavesim/engine/launches.py": "unit/engine/test_stepper.py",
     "weavesim/engine/replay.py": "unit/engine/test_stepper.py",

@@ -233,7 +233,7 @@ def test_composites_practice_is_usual():
         assert not list(unusual_values(fabric)), thickness
 
 
-@pytest.mark.parametrize("degrees", [15.0, 30.0, 45.0, 60.0, 90.0])
+@pytest.mark.parametrize("degrees", [15.0, 30.0, 40.0, 45.0, 60.0, 90.0])
 def test_angles_in_radians_are_noticed_where_degrees_are_meant(degrees):
     with pytest.raises(InputError, match=f"{degrees:g} degrees in radians"):
         Setup("t", sheets=[Sheet(BLANK, FABRIC, orientation=math.radians(degrees))], duration=0.1)

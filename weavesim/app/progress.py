@@ -11,7 +11,7 @@ import textwrap
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, cast
 
 from .. import __version__
 from ..errors import InputError
@@ -57,7 +57,7 @@ class ProgressBar:
         self._stays = stays
 
         # rich would end the program at a broken pipe
-        self._console = console or Console(file=SteadyStream(sys.stderr), highlight=False)  # type: ignore[arg-type]
+        self._console = console or Console(file=cast("IO[str]", SteadyStream(sys.stderr)), highlight=False)
         self._progress: Progress | None = None
         self._task: TaskID | None = None
         self._handler: logging.Handler | None = None

@@ -26,6 +26,7 @@ def run_into_folder(
     *,
     options: Mapping[str, Any],
     measure: Measure | None = None,
+    before: Callable[[], object] | None = None,
 ) -> dict[str, Any]:
     """Run a set-up and write its results to ``folder``, however the run ends.
 
@@ -34,6 +35,7 @@ def run_into_folder(
         folder: for the results.
         options: given by the user, by name, for the report.
         measure: returns the scene's own summary entries after the run.
+        before: called when nothing is left to be refused, just before the run.
 
     Returns:
         The summary as written.
@@ -58,6 +60,8 @@ def run_into_folder(
         if info.expected is not None:
             check_room(info.expected, setup, folder.path)
         _rehearse(simulation, measure)
+        if before is not None:
+            before()
         with interruption() as interrupted, interrupted.held():
             try:
                 # the folder removes old results, before the log begins and after warnings are shown

@@ -10,6 +10,8 @@ import numpy as np
 ROUNDING = 1.0e-13
 # Elements larger than the median by more than this are compared with all others.
 LARGEST_RATIO = 4.0
+# Edges of the border that are compared with all others at once.
+EDGES_AT_ONCE = 512
 # The triangles around a node lie in one half space by at least this cosine wherever none of them can meet.
 SMALLEST_COSINE = 0.1
 
@@ -30,7 +32,11 @@ class Crossings:
         self._quads = np.asarray(quads, dtype=np.int64)
         self._triangles = self._quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
         self._node_count = node_count
-        self._fan = self._around_nodes()
+        order = np.argsort(self._triangles.ravel(), kind="stable")
+        self._corner_node, self._corner_triangle = self._triangles.ravel()[order], order // 3
+        edges = np.stack([self._quads, np.roll(self._quads, -1, axis=1)], axis=2).reshape(-1, 2)
+        _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+        self._border = edges[place[count == 1]]
 
     def pairs(self, position: np.ndarray) -> np.ndarray:
         """Every pair of triangles that meet, (k, 2); triangle t is one of element t // 2.
@@ -39,10 +45,34 @@ class Crossings:
             position: formed nodes, (node_count, 3) [m].
         """
         position = position - position.mean(axis=0)
+        if self._has_a_plan(position):
+            return np.empty((0, 2), dtype=np.int64)
         first, second = self._apart(position)
         meet = _meet(position[self._triangles[first]], position[self._triangles[second]])
         fan = self._near_nodes(position)
         return np.concatenate([np.column_stack([first, second])[meet], fan[self._meet_elsewhere(position, fan)]])
+
+    # --- sheets that need no search ----------------------------------------------------------------------------------
+
+    def _has_a_plan(self, position: np.ndarray) -> bool:
+        """Whether the sheet lies above a plane like a landscape, which has no crossings.
+
+        All triangles face one way, and no two edges of the border cross in the plan. Then every point of the plan lies
+        under as many triangles as the border winds around it, which is at most one.
+        """
+        normal = self._normals(position)
+        up = normal.sum(axis=0)
+        if not (normal @ up > 0.0).all():
+            return False
+        across = np.linalg.svd(up[None])[2][1:]
+        start, end = (position[self._border[:, side]] @ across.T for side in (0, 1))
+        rows = (slice(k, k + EDGES_AT_ONCE) for k in range(0, len(start), EDGES_AT_ONCE))
+        return not any(_crossing_edges(start, end, self._border, row).any() for row in rows)
+
+    def _normals(self, position: np.ndarray) -> np.ndarray:
+        """Of all triangles, as long as twice their area, (triangle_count, 3) [m^2]."""
+        a, b, c = (position[self._triangles[:, corner]] for corner in range(3))
+        return np.cross(b - a, c - a)
 
     # --- pairs without a common node ---------------------------------------------------------------------------------
 
@@ -70,33 +100,32 @@ class Crossings:
 
     # --- pairs with one common node ----------------------------------------------------------------------------------
 
-    def _around_nodes(self) -> np.ndarray:
-        """Pairs of triangles of different elements with one common node, with it, (k, 3)."""
-        node, triangle = self._triangles.ravel(), np.repeat(np.arange(len(self._triangles)), 3)
-        order = np.argsort(node, kind="stable")
-        node, triangle = node[order], triangle[order]
+    def _around(self, nodes: np.ndarray) -> np.ndarray:
+        """Pairs of triangles of different elements whose one common node is among ``nodes`` (node_count,), (k, 2)."""
+        node, triangle = self._corner_node, self._corner_triangle
+        wanted = nodes[node]
+        node, triangle = node[wanted], triangle[wanted]
         first = np.searchsorted(node, node, side="left")
         count = np.arange(len(node)) - first  # of the triangles before it around the same node
         later = np.repeat(np.arange(len(node)), count)
         earlier = np.repeat(first, count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
         a, b = triangle[earlier], triangle[later]
         common = (self._triangles[a][:, :, None] == self._triangles[b][:, None, :]).any(axis=2).sum(axis=1)
-        wanted = (common == 1) & (a // 2 != b // 2)
-        return np.column_stack([a, b, node[later]])[wanted]
+        apart = (common == 1) & (a // 2 != b // 2)
+        return np.column_stack([a, b])[apart]
 
     def _near_nodes(self, position: np.ndarray) -> np.ndarray:
-        """Those of ``_around_nodes`` whose node is in a fold: elsewhere all normals lie in one half space."""
-        corners = position[self._triangles]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        """Those of ``_around`` whose node is in a fold: elsewhere all normals lie in one half space."""
+        normal = self._normals(position)
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1.0e-300)[:, None]
-        mean = np.column_stack(
-            [np.bincount(self._triangles.ravel(), np.repeat(normal[:, c], 3), self._node_count) for c in range(3)]
-        )
+        mean = np.zeros((self._node_count, 3))
+        for axis in range(3):
+            mean[:, axis] = np.bincount(self._triangles.ravel(), np.repeat(normal[:, axis], 3), self._node_count)
         mean /= np.maximum(np.linalg.norm(mean, axis=1), 1.0e-300)[:, None]
         turned = np.einsum("tc,tkc->tk", normal, mean[self._triangles]) < SMALLEST_COSINE
         folded = np.zeros(self._node_count, dtype=bool)
         folded[self._triangles[turned]] = True
-        return self._fan[folded[self._fan[:, 2]]][:, :2]
+        return self._around(folded)
 
     def _meet_elsewhere(self, position: np.ndarray, pairs: np.ndarray) -> np.ndarray:
         """Whether triangles with one common node meet elsewhere: an edge opposite to it goes through the other."""
@@ -108,6 +137,24 @@ class Crossings:
             p, q = position[these[row, (at + 1) % 3]], position[these[row, (at + 2) % 3]]
             found |= _pierces(p, q, position[those], touching=False)
         return found
+
+
+def _crossing_edges(start: np.ndarray, end: np.ndarray, nodes: np.ndarray, rows: slice) -> np.ndarray:
+    """Which of the edges in ``rows`` cross or touch which edges of a plane, (k, 2) each, without a common node."""
+
+    def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
+        """Side of the lines p-q on which the points r lie, (lines, points)."""
+        along, to = q - p, r[None] - p[:, None]
+        return np.asarray(along[:, None, 0] * to[..., 1] - along[:, None, 1] * to[..., 0])
+
+    own, other = (start[rows], end[rows]), (start, end)
+    parted = side(*own, start) * side(*own, end) <= 0.0
+    parted &= (side(*other, own[0]) * side(*other, own[1]) <= 0.0).T
+    # edges on one line are parted by rounding; their boxes overlap only where they do
+    lower, upper = np.minimum(start, end), np.maximum(start, end)
+    near = ((lower[rows, None] <= upper[None]) & (lower[None] <= upper[rows, None])).all(axis=2)
+    common = (nodes[rows, None, :, None] == nodes[None, :, None, :]).any(axis=(2, 3))
+    return np.asarray(parted & near & ~common)
 
 
 def near_pairs(centre: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -185,7 +232,8 @@ def _meet(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     result = np.zeros(len(first), dtype=bool)
     if not len(first):
         return result
-    side = np.stack([_volume(*second.transpose(1, 0, 2), first[:, corner]) for corner in range(3)])
+    a, b, c = second[:, 0], second[:, 1], second[:, 2]
+    side = np.stack([_volume(a, b, c, first[:, corner]) for corner in range(3)])
     crossing = ~((side > 0.0).all(axis=0) | (side < 0.0).all(axis=0))
     flat = (side == 0.0).all(axis=0)
     (candidate,) = np.nonzero(crossing & ~flat)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import InputError
 from .source import Source, counted, listed
-from .triangles import Crossing, polygon_triangles, quad_triangles, without_repeats
+from .triangles import Crossing, out_of_plane, polygon_triangles, quad_triangles, without_repeats
 
 # Kinds of cells by their number of nodes; anything else with three or more corners is a "polygon".
 TRIANGLE, QUAD, POLYGON = "triangle", "quad", "polygon"
@@ -17,6 +17,8 @@ TRIANGLE, QUAD, POLYGON = "triangle", "quad", "polygon"
 SECOND_ORDER = {"triangle6": 3, "triangle7": 3, "quad8": 4, "quad9": 4}
 
 MOST_CORNERS = 10_000
+# Polygons whose corners lie farther off a plane than this share of their size are noted.
+FLAT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -141,6 +143,14 @@ def _as_triangles(vertices: np.ndarray, cells: Cells, notes: list[str]) -> np.nd
             parts.append(_outline_triangles(vertices, polygon[None], np.array([row])))
     rows = np.flatnonzero(~repeated)
     parts.append(_outline_triangles(vertices, cells.nodes[rows], rows))
+    if cells.kind == POLYGON and len(rows):
+        bent = out_of_plane(vertices, cells.nodes[rows])
+        if np.any(bent > FLAT):
+            count = int(np.count_nonzero(bent > FLAT))
+            notes.append(
+                f"{count} {cells.called} are not flat, by up to {100.0 * bent.max():.2g} % "
+                "of their size: the surface between their corners is a guess"
+            )
     return np.concatenate(parts)
 
 

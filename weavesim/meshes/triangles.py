@@ -59,6 +59,15 @@ def quad_triangles(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return np.take_along_axis(quads, ways[second.astype(int)].reshape(-1, 6), axis=1).reshape(-1, 3)
 
 
+def out_of_plane(vertices: np.ndarray, polygons: np.ndarray) -> np.ndarray:
+    """Largest distance of a corner from the plane that fits it best, for each polygon (m, k), over its size, (m,)."""
+    p = vertices[polygons]
+    p = p - p.mean(axis=1, keepdims=True)
+    spread = np.linalg.svd(p, compute_uv=True, full_matrices=False)
+    distance = np.abs(np.einsum("ijk,ik->ij", p, spread.Vh[:, 2])).max(axis=1)
+    return distance / np.maximum(np.linalg.norm(np.ptp(p, axis=1), axis=1), 1e-300)
+
+
 def polygon_triangles(vertices: np.ndarray, polygons: np.ndarray) -> np.ndarray:
     """k - 2 triangles of each polygon (m, k), which may be concave.
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -101,12 +102,9 @@ class Film:
         self._frames.append(frame.index)
         if self._pace.due():
             self._complete()
-            copy = temporary_name(self.path.with_stem(f"{self.path.stem}.saved"))
-            try:
-                shutil.copyfile(temporary_name(self.path), copy)
-                os.replace(copy, self.path)
-            finally:
-                copy.unlink(missing_ok=True)
+            # a copy that has no room is no reason to give the film up
+            with suppress(OSError):
+                self._publish(lambda copy: shutil.copyfile(temporary_name(self.path), copy))
             self._pace.done()
         elif len(self._frames) % _FRAMES_PER_FLUSH == 0:
             with usd_errors():
@@ -117,8 +115,23 @@ class Film:
             self.discard()
             return
         self._complete()
-        self._release()
-        os.replace(temporary_name(self.path), self.path)
+        # written anew, the film does not depend on when it was saved, and has no waste of those saves
+        try:
+            with usd_errors():
+                self._publish(lambda copy: self._stage.GetRootLayer().Export(str(copy)))
+        except OSError:  # there is room for one only
+            self._release()
+            os.replace(temporary_name(self.path), self.path)
+        self.discard()
+
+    def _publish(self, write: Callable[[Path], object]) -> None:
+        """Write a copy, and let it replace the film under its final name."""
+        copy = temporary_name(self.path.with_stem(f"{self.path.stem}.saved"))
+        try:
+            write(copy)
+            os.replace(copy, self.path)
+        finally:
+            copy.unlink(missing_ok=True)
 
     def _complete(self) -> None:
         """Save what makes the frames so far a film."""
@@ -131,7 +144,7 @@ class Film:
             stage.Save()
 
     def discard(self) -> None:
-        """Abandon the film; what was saved under its name stays."""
+        """Stop writing; what was saved under the name of the film stays."""
         self._release()
         temporary_name(self.path).unlink(missing_ok=True)
 

@@ -88,6 +88,11 @@ class ResultFolder:
         if not self._overwrite:
             check_free(self.path)
 
+    def clear(self) -> None:
+        """Remove old results from a folder that is claimed; ``start`` does it too."""
+        self.claim()
+        remove_results(self.path)
+
     def release(self) -> None:
         """Give the folder back; ``write`` does it at the end of a run."""
         self._lock.release()
@@ -105,16 +110,15 @@ class ResultFolder:
     def start(self, info: RunInfo) -> None:
         file_name("name of the run", info.name)
         self._wanted.check(info.sheets)
-        self.claim()
-        remove_results(self.path)
+        self.clear()
         self._info = info
         self._outcome = None
         self.warnings.clear()
         self.history.start(info)
         self._record = RunRecord(self.path, info, self._options)
         self._try("run.json", self._record.write)
-        if info.setup is not None:
-            self._try(SETUP_NAME, lambda: write_text(self.path / SETUP_NAME, info.setup.to_json() + "\n"))
+        if (setup := info.setup) is not None:
+            self._try(SETUP_NAME, lambda: write_text(self.path / SETUP_NAME, setup.to_json() + "\n"))
         if self._wanted.curves:
             self._wanted.curves.start(info)
         self._writers = [kind(self.path, self.warnings, self.history) for kind in self._kinds]

@@ -54,7 +54,8 @@ class Estimate:
     disk: float
 
     def __str__(self) -> str:
-        parts = [f"{self.memory / 1e6:,.0f} MB of memory", f"{self.disk / 1e6:,.0f} MB on disk"]
+        memory, disk = (max(1.0, size / 1.0e6) for size in (self.memory, self.disk))
+        parts = [f"{memory:,.0f} MB of memory", f"{disk:,.0f} MB on disk"]
         if self.step_count is not None and self.time_step is not None and self.seconds is not None:
             steps = f"{self.step_count:,.0f} steps of {1e6 * self.time_step:.3g} us"
             parts = [steps, duration_text(self.seconds), *parts]

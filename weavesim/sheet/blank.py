@@ -21,6 +21,7 @@ from .mesh_checks import (
     check_coincident,
     check_connection,
     check_elements,
+    faces_down,
     merged_nodes,
 )
 from .topology import checked_distortion
@@ -294,7 +295,10 @@ class Blank(Parameters):
         yarn_angle: float = 0.0,
         merge_nodes: float | None = None,
     ) -> Blank:
-        """Quadrilaterals from a mesh file: a deck of Abaqus or CalculiX, VTK, Gmsh, Medit, OBJ, PLY or OFF.
+        """Quadrilaterals from a mesh file: a deck of Abaqus, CalculiX or Nastran, VTK, Gmsh, Medit, OBJ, PLY or OFF.
+
+        A sheet that faces down is turned over, so that its normal and the sense of angles are those seen from above.
+        What is left out, merged or turned is said in the log.
 
         Args:
             path: of the file; its ending names the format.
@@ -314,9 +318,12 @@ class Blank(Parameters):
         if len(used) < len(mesh.vertices):
             notes.append(f"{mesh.name}: {len(mesh.vertices) - len(used)} nodes left out: no element uses them")
         node_labels = used + 1 if mesh.node_labels is None else mesh.node_labels[used]
-        names = Names(mesh.name, node_labels, labels)
-        quads = quads.reshape(-1, 4).astype(np.int32)
-        return cls._of_mesh(unit_scale * mesh.vertices[used], quads, names, merge_nodes, tuple(notes), yarn_angle)
+        names = Names(mesh.name, node_labels, labels, mesh.label_word)
+        quads, position = quads.reshape(-1, 4).astype(np.int32), unit_scale * mesh.vertices[used]
+        if faces_down(position, quads):
+            quads = quads[:, ::-1]
+            notes.append(f"{mesh.name}: all elements turned over: they were wound clockwise as seen from above")
+        return cls._of_mesh(position, quads, names, merge_nodes, tuple(notes), yarn_angle)
 
 
 def _pair(name: str, value: Any) -> tuple[float, float]:

@@ -20,17 +20,26 @@ _MOST_AT_ONE_PLACE = 64
 
 @dataclass(frozen=True)
 class Names:
-    """What messages call a mesh, its nodes and elements: by the file's numbers, or by rows counted from 0."""
+    """What messages call a mesh, its nodes and elements: by the file's numbers, or by rows counted from 0.
+
+    Attributes:
+        mesh: for the start of a message.
+        nodes: numbers of the nodes, None for rows.
+        elements: numbers of the elements, None for rows.
+        elements_are: what these numbers count, such as lines of the file.
+    """
 
     mesh: str = "blank mesh"
     nodes: np.ndarray | None = None
     elements: np.ndarray | None = None
+    elements_are: str = "element"
 
     def node(self, row: Any) -> int:
         return int(row if self.nodes is None else self.nodes[row])
 
-    def element(self, row: Any) -> int:
-        return int(row if self.elements is None else self.elements[row])
+    def element(self, row: Any) -> str:
+        number = str(int(row if self.elements is None else self.elements[row]))
+        return number if self.elements_are == "element" else f"of {self.elements_are} {number}"
 
 
 ROWS = Names()
@@ -78,7 +87,7 @@ def check_elements(position: np.ndarray, quads: np.ndarray, names: Names = ROWS)
     same = np.all(ordered[order[1:]] == ordered[order[:-1]], axis=1)
     if np.any(same):
         k = int(np.argmax(same))
-        first, second = sorted((names.element(order[k]), names.element(order[k + 1])))
+        first, second = map(names.element, sorted(order[k : k + 2]))
         raise InputError(
             f"{names.mesh}: {_some(same, 'element')} given twice: elements {first} and {second} have the same nodes; "
             "remove one of them"
@@ -222,6 +231,13 @@ def close_pairs(position: np.ndarray, distance: float) -> np.ndarray:
     pairs = np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
     return pairs[gap <= distance]
+
+
+def faces_down(position: np.ndarray, quads: np.ndarray) -> bool:
+    """Whether a sheet as a whole is wound clockwise as seen from above."""
+    corner = position[quads]
+    area = 0.5 * np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    return bool(area[:, 2].sum() < -0.5 * np.linalg.norm(area, axis=1).sum())
 
 
 def _shortest_edge(position: np.ndarray, quads: np.ndarray) -> float:

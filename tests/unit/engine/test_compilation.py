@@ -191,7 +191,14 @@ def is_alive(pid: int) -> bool:
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc to find processes")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL], ids=lambda n: n.name)
+@pytest.mark.parametrize(
+    "number",
+    [
+        signal.SIGINT,
+        *(pytest.param(one, marks=pytest.mark.slow) for one in (signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)),
+    ],
+    ids=["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"],
+)
 def test_compiler_processes_end_with_the_one_that_started_them(tmp_path, number):
     """Also if only that one gets the signal, as from another program."""
     process = start(*COARSE, "--out", tmp_path / "out", env=environment(WARP_CACHE_PATH=str(tmp_path / "cache")))

@@ -161,3 +161,18 @@ def test_near_pairs_are_all_whose_spheres_meet():
     wanted = np.argwhere(np.triu(gap <= radius[:, None] + radius, 1))
     found = np.column_stack(near_pairs(centre, corners))
     assert np.array_equal(found[np.lexsort(found.T[::-1])], wanted)
+
+
+def test_a_landscape_needs_no_search_and_is_one_only_if_its_border_is_simple():
+    """A strip that winds like a spiral stair faces one way everywhere, and its border crosses itself in the plan."""
+    crossings = Crossings(BLANK.quads, BLANK.node_count)
+    hill = np.column_stack([X, Y, 0.01 * np.sin(150.0 * X) * np.cos(90.0 * Y)])
+    assert crossings._has_a_plan(BLANK.node_position) and crossings._has_a_plan(hill)
+    angle = 3.0 * np.pi * X / 0.06
+    stair = np.column_stack([(0.005 + Y) * np.cos(angle), (0.005 + Y) * np.sin(angle), 0.0 * X])
+    up = stair + np.column_stack([0.0 * X, 0.0 * X, 0.02 * angle])
+    assert not crossings._has_a_plan(stair) and not crossings._has_a_plan(up)
+    assert pairs_of(up, BLANK.quads) == set() != pairs_of(stair, BLANK.quads)
+    for seed in range(3):
+        position = crumpled(seed)
+        assert not crossings._has_a_plan(position)

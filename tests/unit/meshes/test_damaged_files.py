@@ -20,7 +20,7 @@ from weavesim.errors import InputError
 from weavesim.meshes import read_mesh
 
 from .formats.test_abaqus import CAE
-from .formats.test_by_meshio import WRITERS, write
+from .formats.test_by_meshio import HALVES, WRITERS, write
 from .formats.test_nastran import free, large, small
 from .formats.test_off import off
 from .formats.test_ply import as_bytes, as_text
@@ -28,7 +28,6 @@ from .formats.test_threemf import ONE, archive
 
 NODES, QUADS = die(3)
 TRIANGLES = split(QUADS)
-HALVES = [("quad", QUADS[:4]), ("triangle", split(QUADS[4:]))]
 CASE = 150
 # A damaged file of a few kilobytes takes milliseconds; this is for a busy machine.
 LONGEST = 5.0
@@ -112,6 +111,7 @@ def test_damaged_files(tmp_path, name):
 def test_damaged_files_of_meshio(tmp_path, name):
     path = write(tmp_path / name, HALVES)
     content = path.read_bytes()
+    assert len(read_mesh(path).triangles()[0]) == 128
     random = np.random.default_rng(sum(name.encode()))
     for k in range(CASE // 15):
         path.write_bytes(damaged(content, random))

@@ -183,6 +183,24 @@ def test_an_older_film_stays_until_the_new_one_has_a_frame(tmp_path, coarse_run)
     assert path.read_text().startswith("#usda")
 
 
+def test_a_film_does_not_depend_on_when_it_was_saved(tmp_path, coarse_run, monkeypatch):
+    one = write_film(tmp_path / "one.usdc", coarse_run)
+    monkeypatch.setattr("weavesim.output.film.Pace.due", lambda pace: True)
+    other = write_film(tmp_path / "other.usdc", coarse_run)
+    assert one.read_bytes() == other.read_bytes()
+    assert {path.name for path in tmp_path.iterdir()} == {"one.usdc", "other.usdc"}
+
+
+def test_a_save_without_room_costs_no_film(tmp_path, coarse_run, monkeypatch):
+    def full(*arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("shutil.copyfile", full)
+    monkeypatch.setattr("weavesim.output.film.Film._publish", full)
+    path = write_film(tmp_path / "film.usdc", coarse_run)
+    assert Usd.Stage.Open(str(path)).GetEndTimeCode() == len(coarse_run[1]) - 1
+
+
 def test_a_killed_run_leaves_a_film(tmp_path, coarse_run):
     """Every save is a whole film under its own name, with camera and light, in the middle of the run."""
     info, frames = coarse_run

@@ -2,10 +2,12 @@
 
 import base64
 import csv
+import dataclasses
 import errno
 import html.parser
 import json
 import logging
+import os
 import re
 import shutil
 
@@ -149,6 +151,33 @@ def test_a_folder_that_cannot_be_written_to(tmp_path):
         with pytest.raises(InputError, match="cannot be written to") as caught:
             ResultFolder(path)
         assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize("name", [b"gr\xf6\xdfe", b"\xff", b"a\xe9/b", b"out/\x80"])
+def test_a_folder_whose_name_is_no_text(tmp_path, name):
+    with pytest.raises(InputError, match="not valid UTF-8") as caught:
+        ResultFolder(tmp_path / os.fsdecode(name))
+    assert str(caught.value).encode() and list(tmp_path.iterdir()) == []
+
+
+def test_folders_that_cannot_be(tmp_path):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "dangling").symlink_to("nowhere")
+    for name, message in (
+        ("file", "it is a file"), ("dangling", "a link to nowhere, which does not exist"), ("x" * 300, "too long"),
+        ("/proc/nothing", "cannot be written to"), ("a\0b", "null"), ("file/below", "cannot be written to"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=message):
+            ResultFolder(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["../../evil", "/tmp/evil", "..", "a/b", "a\nb", "nul", "x" * 300, "gr\udcf6\udcdfe"])
+def test_a_run_cannot_write_outside_its_folder(tmp_path, coarse_run, name):
+    """Whoever makes the information on a run: set-ups refuse such names already."""
+    info, _ = coarse_run
+    with pytest.raises(InputError, match="name of the run = "):
+        ResultFolder(tmp_path / "out").start(dataclasses.replace(info, name=name))
+    assert [path.name for path in tmp_path.iterdir()] == ["out"] and list((tmp_path / "out").iterdir()) == []
 
 
 def test_measured_angles_need_their_points(tmp_path):

@@ -192,3 +192,23 @@ def test_the_checks_of_a_large_blank_take_little_time():
     started = time.process_time()
     Blank.rectangle((0.0, 0.0), (3.0, 3.0), 0.01)
     assert time.process_time() - started < 5.0
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.3])
+def test_a_sheet_that_faces_down_is_turned_over(tmp_path, tilt):
+    """Otherwise the weft, and the sense of ``orientation``, would be mirrored without a word."""
+    position = WHOLE.node_position + np.outer(WHOLE.node_position[:, 0], (0.0, 0.0, tilt))
+    up = Blank.from_file(written(tmp_path, "up.inp", deck(position, WHOLE.quads)), unit_scale=0.001, yarn_angle=30.0)
+    down = Blank.from_file(
+        written(tmp_path, "down.inp", deck(position, WHOLE.quads[:, ::-1])), unit_scale=0.001, yarn_angle=30.0
+    )
+    assert up.source_notes == () and "wound clockwise as seen from above" in down.source_notes[0]
+    assert np.all(down.initial_director[:, 2] > 0.0)
+    assert np.allclose(down.weft_direction, up.weft_direction)
+
+
+def test_elements_without_numbers_are_named_by_their_lines(tmp_path):
+    quads = [*WHOLE.quads.tolist(), WHOLE.quads[3].tolist()]
+    count = WHOLE.node_count
+    with pytest.raises(InputError, match=f"elements of line {count + 4} and of line {count + 81} have the same nodes"):
+        Blank.from_file(written(tmp_path, "sheet.obj", obj_text(1e3 * WHOLE.node_position, quads)), unit_scale=0.001)

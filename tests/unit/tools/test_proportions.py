@@ -50,8 +50,8 @@ def test_a_stroke_of_several_blanks_is_named():
 
 
 def test_a_blank_that_is_cut_counts_as_a_whole():
-    """2.4 m are 5 times the whole blank of 0.47 m, and 10 times the quarter that is computed."""
+    """3 m are 6 times the whole blank of 0.47 m, and 13 times the quarter that is computed."""
     quarter = Sheet(Blank.rectangle((0.0, 0.0), (0.235, 0.135), 0.1), glass_polypropylene())
-    tools = [Tool("die", Sphere(1.2))]
+    tools = [Tool("die", Sphere(1.5))]
     assert list(disproportionate_tools(quarter, tools, WHOLE))
     assert not list(disproportionate_tools(quarter, tools, Symmetry(("x", "y"))))

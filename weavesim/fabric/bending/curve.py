@@ -184,4 +184,5 @@ class BendingCurve(FamilyBending):
     @property
     def is_constant(self) -> bool:
         slope = np.array(self.moment_values[1:]) / np.array(self.curvature[1:])
-        return self.friction_limit == 0.0 and bool(np.ptp(slope) <= 1.0e-9 * slope.max())
+        straight = bool(np.ptp(slope) <= 1.0e-9 * slope.max()) and self.extrapolation != "constant"
+        return self.friction_limit == 0.0 and straight

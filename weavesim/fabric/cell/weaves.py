@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 # Glass/polypropylene weave of the double-dome benchmark (the preset of that name cites the source).
 GLASS_PITCH = 5.2e-3  # yarn spacing [m]
 GLASS_YARN_STIFFNESS = 31.8e3  # E A [N]
+# Smallest force over E A that a residual is compared with. Tolerance times this is at most 1e-17 E A across the yarn; a
+# slightly crimped yarn multiplies it.
+FORCE_FLOOR = {"float32": 1.0e-12, "float64": 1.0e-9}
 
 
 class CrossedYarns(UnitCell):
@@ -195,19 +198,24 @@ class PlainWeave(CrossedYarns):
         cell = self.law().parameters(precision.real)()
         vec2 = wp.types.vector(2, precision.real)
         length = np.array(self.chord_length)
-        cell.half_spacing = vec2(*self.half_spacing)
-        cell.crimp_height = vec2(*self.crimp_height)
-        cell.chord_length = vec2(*length)
-        cell.tensile_stiffness = vec2(*(self.axial_stiffness / length))
-        cell.compressive_stiffness = vec2(*(self.compressive_stiffness / length))
-        cell.rotation_stiffness = vec2(*(3.0 * np.array(self.bending_stiffness) / length))
-        cell.contact_stiffness = self.contact_stiffness
+        tensile, compressive = self.axial_stiffness / length, self.compressive_stiffness / length
+        # the longest chord about 1, the largest stiffness about 1e9: products of three stay within single precision
+        length_unit = 2.0 ** round(math.log2(length.max()))
+        stiffness_unit = 2.0 ** (round(math.log2(max(*tensile, *compressive, self.contact_stiffness))) - 30)
+        cell.length_unit, cell.per_length_unit, cell.stiffness_unit = length_unit, 1.0 / length_unit, stiffness_unit
+        cell.half_spacing = vec2(*(np.array(self.half_spacing) / length_unit))
+        cell.crimp_height = vec2(*(np.array(self.crimp_height) / length_unit))
+        cell.chord_length = vec2(*(length / length_unit))
+        cell.tensile_stiffness = vec2(*(tensile / stiffness_unit))
+        cell.compressive_stiffness = vec2(*(compressive / stiffness_unit))
+        rotation_unit = stiffness_unit * length_unit**2
+        cell.rotation_stiffness = vec2(*(3.0 * np.array(self.bending_stiffness) / length / rotation_unit))
+        cell.contact_stiffness = self.contact_stiffness / stiffness_unit
         cell.unilateral = int(self.contact == "unilateral")
         cell.tolerance = UNIT_CELL_TOLERANCE[precision.value]
-        # four roundings of each of the two parts whose sum is the elongation
-        cell.resolution = 4.0 * np.finfo(precision.numpy).eps / UNIT_CELL_TOLERANCE[precision.value]
-        cell.stiffness_floor = 1.0e-9 * max(self.axial_stiffness) / length.max()
-        cell.force_floor = 1.0e-9 * max(self.axial_stiffness)
+        cell.resolution = 2.0 * np.finfo(precision.numpy).eps
+        cell.stiffness_floor = 1.0e-9 * max(self.axial_stiffness) / length.max() / stiffness_unit
+        cell.force_floor = FORCE_FLOOR[precision.value] * max(self.axial_stiffness) / (stiffness_unit * length_unit)
         return cell
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -30,7 +30,10 @@ RESOLUTION = LARGEST_SHEAR_ANGLE / CURVE_PIECE_COUNT
 
 
 class MomentCurve(ShearLaw):
-    """Shear moment per reference area m(gamma) [N/m] as a curve, odd in gamma, with a locking branch."""
+    """Shear moment per reference area m(gamma) [N/m] as a curve, odd in gamma, with a locking branch.
+
+    Constructors take the other fields of the class as ``options``.
+    """
 
     angle: Annotated[tuple[float, ...], Quantity("shear angle")] = Field(description="increasing angles from 0 [rad]")
     moment_values: Annotated[tuple[float, ...], Quantity("shear moment")] = Field(
@@ -84,7 +87,7 @@ class MomentCurve(ShearLaw):
 
     @classmethod
     def from_polynomial(
-        cls, coefficients: Sequence[float], *, trusted_angle: float = math.radians(55.0), **locking: float
+        cls, coefficients: Sequence[float], *, trusted_angle: float = math.radians(55.0), **options: Any
     ) -> MomentCurve:
         """m = c_1 gamma + c_2 gamma^2 + ... [N/m] for gamma > 0 in rad, ``coefficients`` from c_1 on.
 
@@ -94,7 +97,7 @@ class MomentCurve(ShearLaw):
         return cls(
             angle=tuple(angle),
             moment_values=tuple(np.polynomial.Polynomial((0.0, *coefficients))(angle)),
-            **locking,
+            **options,
         )
 
     @classmethod
@@ -105,7 +108,7 @@ class MomentCurve(ShearLaw):
         *,
         convention: Literal["yarn frame", "moment"] = "yarn frame",
         trusted_angle: float = math.radians(55.0),
-        **locking: float,
+        **options: Any,
     ) -> MomentCurve:
         """From a published d tau / d gamma = c_0 + c_1 gamma + ... [Pa], gamma in rad.
 
@@ -118,7 +121,7 @@ class MomentCurve(ShearLaw):
         if convention not in ("yarn frame", "moment"):
             raise InputError(f'convention = {convention!r}: "yarn frame" or "moment" is needed')
         factor = np.cos(angle) if convention == "yarn frame" else 1.0
-        return cls(angle=tuple(angle), moment_values=tuple(thickness * stress * factor), **locking)
+        return cls(angle=tuple(angle), moment_values=tuple(thickness * stress * factor), **options)
 
     @classmethod
     def from_picture_frame(
@@ -128,7 +131,7 @@ class MomentCurve(ShearLaw):
         *,
         frame_side: float,
         fabric_side: float | None = None,
-        **locking: float,
+        **options: Any,
     ) -> MomentCurve:
         """From the raw curve of a picture-frame test, by the power balance of the machine: F d' = A m gamma'.
 
@@ -144,7 +147,7 @@ class MomentCurve(ShearLaw):
         angle, force = measured_columns(angle=angle, machine_force=machine_force)
         frame_side, fabric_side = _checked_sides(frame_side, frame_side if fabric_side is None else fabric_side)
         moment = force * frame_side * np.sin(0.25 * math.pi - 0.5 * angle) / fabric_side**2
-        return cls(angle=tuple(angle), moment_values=tuple(moment), **locking)
+        return cls(angle=tuple(angle), moment_values=tuple(moment), **options)
 
     @classmethod
     def from_normalised_force(
@@ -155,7 +158,7 @@ class MomentCurve(ShearLaw):
         convention: Literal["frame side", "fabric area"],
         frame_side: float | None = None,
         fabric_side: float | None = None,
-        **locking: float,
+        **options: Any,
     ) -> MomentCurve:
         """From a normalised picture-frame curve [N/m]; F_s = F/(2 cos(pi/4 - gamma/2)) is the force along a side.
 
@@ -178,11 +181,11 @@ class MomentCurve(ShearLaw):
         elif convention != "fabric area":
             raise InputError(f'convention = {convention!r}: "frame side" or "fabric area" is needed')
         angle, force = measured_columns(angle=angle, force_per_length=force_per_length)
-        return cls(angle=tuple(angle), moment_values=tuple(force * np.cos(angle) * ratio), **locking)
+        return cls(angle=tuple(angle), moment_values=tuple(force * np.cos(angle) * ratio), **options)
 
     @classmethod
     def from_loading_and_unloading(
-        cls, angle: Column, loading: Column, unloading: Column, **locking: float
+        cls, angle: Column, loading: Column, unloading: Column, **options: Any
     ) -> MomentCurve:
         """Elastic curve from a measured loop: its middle. ``ShearFriction`` takes half its height.
 
@@ -194,7 +197,7 @@ class MomentCurve(ShearLaw):
             InputError: columns of unequal length or without numbers, or a middle below zero.
         """
         angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
-        return cls(angle=tuple(angle), moment_values=(0.0, *(0.5 * (up + down))[1:]), **locking)
+        return cls(angle=tuple(angle), moment_values=(0.0, *(0.5 * (up + down))[1:]), **options)
 
     def moment(self, angle: np.ndarray, thickness: float = 0.0) -> np.ndarray:
         """m(gamma) [N/m], including locking."""

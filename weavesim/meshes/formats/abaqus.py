@@ -16,6 +16,7 @@ from ..kinds import is_text, looks_like
 from ..mesh_file import Cells, MeshFile
 from ..source import LARGEST_COUNT, Source, counted, listed, number, numbers, whole
 from .abaqus_elements import AXISYMMETRIC, kind_of
+from .deck_lines import Line, lines_of_deck
 from .grid import Block, Grid, Placement
 
 # Keywords that make or move nodes and elements in ways that are not followed here, with what to do.
@@ -38,8 +39,8 @@ class _Card:
 
     keyword: str
     options: dict[str, str]
-    line: int
-    data: list[tuple[int, bytes]] = field(default_factory=list)
+    line: Line
+    data: list[tuple[Line, bytes]] = field(default_factory=list)
 
 
 @dataclass
@@ -89,11 +90,8 @@ _NEEDED = {
 
 def _cards(source: Source) -> Iterator[_Card]:
     card: _Card | None = None
-    begun: tuple[int, bytes] | None = None
-    for line, text in enumerate(source.data.splitlines(), 1):
-        text = text.strip()
-        if not text or text.startswith(b"**"):
-            continue
+    begun: tuple[Line, bytes] | None = None
+    for line, text in lines_of_deck(source):
         if begun is None and not text.startswith(b"*"):
             if card is None:
                 kind = looks_like(source.data)
@@ -116,7 +114,7 @@ def _cards(source: Source) -> Iterator[_Card]:
         yield card
 
 
-def _card(line: int, text: bytes) -> _Card:
+def _card(line: Line, text: bytes) -> _Card:
     # a comma within quotes belongs to a name
     words = re.findall(r'(?:"[^"]*"|[^,"])+', text.decode("latin-1")[1:])
     keyword = " ".join(words[0].split()).upper() if words else ""

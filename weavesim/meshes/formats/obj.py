@@ -37,7 +37,7 @@ def read_obj(source: Source) -> MeshFile:
             if key == b"v":
                 if len(fields) not in (4, 5, 7, 8):
                     raise source.error(f"line {line}: a vertex needs three coordinates")
-                values = numbers(fields[1:])
+                values = numbers(fields[1:5] if len(fields) == 5 else fields[1:4])  # colours may be anything
                 if len(fields) == 5 and values[3] != 1.0:
                     raise source.error(f"line {line}: a vertex has a weight, which only curved surfaces need")
                 vertices.append(values[:3])

@@ -174,10 +174,12 @@ def _ascii_faces(source: Source, element: _Element, records: list[tuple[int, byt
                 place += length is not None
                 if count < 0 or place + count > len(words):
                     raise ValueError
-                if k == corner:
-                    face = [whole(word) for word in words[place : place + count]]
                 place += count
-            if place != len(words) or face is None or len(face) < 3:
+                if k == corner:
+                    face = [whole(word) for word in words[place - count : place]]
+                    break  # what follows is colour and texture, and not always as the header says
+            more = len(element.properties) > corner + 1
+            if (place != len(words) and not more) or face is None or len(face) < 3:
                 raise ValueError
         except (ValueError, IndexError):
             raise source.error(f"line {line}: a face of three or more whole numbers is expected") from None

@@ -196,7 +196,14 @@ def test_elements_of_second_order_follow_all_their_nodes(tmp_path, name, nodes, 
         ("*Node\n" + N + "x, 1, 2\n" + Q, "line 83: the number of a node"),
         ("*Node, system=C\n" + N + Q, "line 1: nodes in cylindrical or spherical coordinates"),
         ("*Node, input=nodes.inp\n" + Q, "line 1: nodes in another file"),
-        ("*Include, input=/etc/passwd\n" + Q, "line 1: \\*INCLUDE is not followed"),
+        ("*Include, input=/etc/passwd\n" + Q, "line 1: included file = '/etc/passwd': leads out of the folder"),
+        (
+            "*Node\n" + N + "*Include, input=../a.inp\n" + Q,
+            "line 83: included file = '../a.inp': leads out of the folder",
+        ),
+        ("*Include, input=missing.inp\n" + Q, "line 1: included file .*missing.inp: cannot be read"),
+        ("*Include, input=deck.inp\n", "line 1 of deck.inp: too many files include each other"),
+        ("*Include,\n input=a.inp\n" + Q, "line 1: \\*INCLUDE is not followed"),
         ("*System\n1,1,1\n*Node\n" + N + Q, "line 1: \\*SYSTEM moves the nodes"),
         ("*Node\n" + N + "*NGEN\n1, 81, 1\n" + Q, "line 83: \\*NGEN is not followed"),
         ("*Node\n" + N + Q + "*ElGen\n1, 2, 1, 1\n", "line 148: \\*ELGEN is not followed"),
@@ -253,3 +260,42 @@ def test_triangles_among_the_elements_of_a_blank_are_refused(tmp_path, count):
     content += "*Element, type=S3R\n" + elements_of_deck(split(QUADS[:count]), 65)
     with pytest.raises(InputError, match=rf"{2 * count} S3R elements \(elements 65, 66.*beside {64 - count} quadri"):
         Blank.from_file(written(tmp_path, "sheet.inp", content), unit_scale=0.001)
+
+
+def test_included_files_take_their_places(tmp_path):
+    """Whole cards, and data lines only; each in the folder of the deck or below it."""
+    (tmp_path / "parts").mkdir()
+    written(tmp_path / "parts", "nodes.msh", "** all of them\n" + nodes_of_deck(NODES))
+    written(tmp_path, "shells.inp", Q + "*INCLUDE, INPUT=parts/more.inp\n")
+    written(tmp_path / "parts", "more.inp", "*ELEMENT, TYPE=B31\n900, 1, 2\n")
+    mesh = deck('*NODE\n*INCLUDE, INPUT=parts/nodes.msh\n*Include, Input="shells.inp"\n', tmp_path)
+    assert mesh.vertices == pytest.approx(NODES) and np.array_equal(mesh.quads()[0], QUADS)
+    assert mesh.notes == ("elements that bound no surface left out: 1 B31",)
+    written(tmp_path, "shells.inp", Q + "65, 1, 2, 3\n")
+    with pytest.raises(InputError, match="line 66 of shells.inp: the number of an element"):
+        read_mesh(tmp_path / "deck.inp")
+    written(tmp_path, "shells.inp", Q + "65, 1, 2, 3, 999\n")
+    with pytest.raises(InputError, match="line 66 of shells.inp: element 65 uses node 999"):
+        read_mesh(tmp_path / "deck.inp")
+
+
+def test_a_link_does_not_lead_out_of_the_folder(tmp_path):
+    (tmp_path / "inside").mkdir()
+    written(tmp_path, "secret.inp", "*NODE\n" + N)
+    (tmp_path / "inside" / "link.inp").symlink_to(tmp_path / "secret.inp")
+    with pytest.raises(InputError, match="leads out of the folder"):
+        deck("*INCLUDE, INPUT=link.inp\n" + Q, tmp_path / "inside")
+
+
+@pytest.mark.parametrize("name", ["parts", "zero"])
+def test_an_included_file_is_a_regular_file(tmp_path, name):
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "zero").symlink_to("/dev/zero")
+    with pytest.raises(InputError, match="it is a folder|leads out of the folder"):
+        deck(f"*INCLUDE, INPUT={name}\n" + Q, tmp_path)
+
+
+def test_included_bytes_are_not_read_as_text(tmp_path):
+    written(tmp_path, "picture.inp", b"\x89PNG\0\0")
+    with pytest.raises(InputError, match="included file: it is no text"):
+        deck("*INCLUDE, INPUT=picture.inp\n" + Q, tmp_path)

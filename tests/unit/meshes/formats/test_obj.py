@@ -36,7 +36,7 @@ def relative(text: str) -> str:
             for line in TEXT.split("\n")
         ),
         TEXT.replace("f 1 10 11 2", "f 1 10 \\\n11 2"),
-        "\n".join(line + " 0.5 0.5 0.5" if line[:2] == "v " else line for line in TEXT.split("\n")),
+        "\n".join(line + " 0.5 nan 0.5" if line[:2] == "v " else line for line in TEXT.split("\n")),
     ],
     ids=["plain", "relative", "groups", "Latin-1", "CRLF", "remarks", "textures", "continued", "colours"],
 )  # fmt: skip
@@ -53,6 +53,13 @@ def test_relative_indices_count_from_where_they_stand(tmp_path):
     one = "v 0 0 {z}\nv 1 0 {z}\nv 0 1 {z}\nf -3 -2 -1\n"
     mesh = read_mesh(written(tmp_path, "two.obj", one.format(z=0) + one.format(z=5)))
     assert mesh.triangles()[0].tolist() == [[0, 1, 2], [3, 4, 5]]
+
+
+def test_a_bent_polygon_is_noted(tmp_path):
+    """Its surface is not defined by its corners."""
+    bent = CONCAVE + np.outer(CONCAVE[:, 0] * CONCAVE[:, 1], (0.0, 0.0, 0.1))
+    notes = read_mesh(written(tmp_path, "l.obj", obj_text(bent, [[0, 1, 2, 3, 4, 5]]))).triangles()[1]
+    assert "1 polygons of 6 corners are not flat, by up to" in notes[0]
 
 
 @pytest.mark.parametrize("turn", range(6))

@@ -48,7 +48,7 @@ def test_polygons_are_split(tmp_path, write):
     ring = [[0, 9, 18, 19, 20, 11, 2, 1]]
     triangles, notes = read_mesh(written(tmp_path, "die.ply", write(ring))).triangles()
     assert len(triangles) == 6 and set(triangles.ravel()) == set(ring[0])
-    assert notes == ("1 polygons of 8 corners split into 6 triangles",)
+    assert notes[-1] == "1 polygons of 8 corners split into 6 triangles"
 
 
 def test_other_records_are_passed_over_and_noted(tmp_path):
@@ -65,6 +65,15 @@ def test_other_records_are_passed_over_and_noted(tmp_path):
     assert mesh.notes == ("2 records of edge left out: no surface",)
 
 
+def test_what_follows_the_corners_of_a_face_may_be_wrong(tmp_path):
+    """A known writer announces colours as numbers and writes a list."""
+    content = as_text(MIXED, more="property uchar red\n")
+    lines = content.decode().split("\n")
+    first = lines.index("end_header") + 1 + len(NODES)
+    lines[first:-1] = [line + " 9 1 1 1 1 1 1 1 1 1" for line in lines[first:-1]]
+    assert len(read_mesh(written(tmp_path, "die.ply", "\n".join(lines))).triangles()[0]) == 128
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -76,6 +85,8 @@ def test_other_records_are_passed_over_and_noted(tmp_path):
         (as_bytes(MIXED)[:-1], "the file ends"),
         (as_bytes(QUADS.tolist())[:-1], "the file ends"),
         (as_bytes(MIXED) + b"\0", "1 bytes follow the last record"),
+        (as_text(MIXED).replace(b"\n3 ", b"\n2 ", 1), "a face of three or more whole numbers"),
+        (as_text(MIXED).replace(b"\n4 ", b"\n3 ", 1), "a face of three or more whole numbers"),
         (as_text([[0, 1, 81]]), "face 1 uses a vertex that is not there"),
         (as_bytes([[0, 1, -1]]), "face 1 uses a vertex that is not there"),
         (as_text([[0, 1]]), "a face of three or more whole numbers"),

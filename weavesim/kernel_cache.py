@@ -10,8 +10,10 @@ import atexit
 import hashlib
 import json
 import logging
+import re
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -27,6 +29,10 @@ SEAL_NAME = "weavesim.seal"
 LOADED = (".o", ".ptx", ".cubin", ".meta")
 # A kernel of a run takes up to this much.
 PROBE_SIZE = 1 << 20
+
+# Folders in which Warp compiles, and an age at which no compiler is still at work in one [s].
+LEFTOVER = re.compile(r"_p\d+_t\d+$")
+LEFTOVER_AGE = 24.0 * 3600.0
 
 logger = logging.getLogger(__name__)
 
@@ -90,8 +96,17 @@ def ensure_room() -> None:
         with tempfile.NamedTemporaryFile(dir=folder, prefix=".probe") as probe:
             probe.write(bytes(PROBE_SIZE))
             probe.flush()
+        _remove_leftovers(folder)
     except OSError as error:
         use_temporary(error)
+
+
+def _remove_leftovers(folder: Path) -> None:
+    """Remove what compilers left that were ended in the middle of a kernel: folders named by process and thread."""
+    with suppress(OSError):
+        for path in folder.iterdir():
+            if LEFTOVER.search(path.name) and time.time() - path.stat().st_mtime > LEFTOVER_AGE:
+                shutil.rmtree(path, ignore_errors=True)
 
 
 def use_temporary(error: OSError) -> None:

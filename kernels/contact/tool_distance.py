@@ -14,13 +14,12 @@ from .tool_shapes import SHAPE_KINDS, part_struct, shape_kind, shape_number
 @cache
 def tool_struct(real: type):
     """One tool: its parts, friction and frame at zero displacement."""
-    vec3 = wp.types.vector(3, real)
 
     @wp.struct
     class Tool:
         first_part: wp.int32
         part_count: wp.int32
-        axis: vec3  # unit direction of the motion
+        axis: wp.vec3d  # unit direction of the motion
         friction: real  # Coulomb coefficient
         blind_distance: real  # below it the distance may jump as points move; above, it changes by at most their travel
 
@@ -82,9 +81,11 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
 
 @cache
 def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...], rotated: bool):
-    """wp.func (parts, tool, displacement, x) -> (signed distance, outward normal), for lanes of points.
+    """wp.func (parts, tool, displacement, x, remainder) -> (signed distance, outward normal), for lanes of points.
 
-    It supports only parts of ``shape_kinds``, and rotated ones only if ``rotated``.
+    The points are x + remainder. In single precision both, and the place of a part as such a pair, make the vector
+    between them as exact far from the origin as at the origin. Supported are only parts of ``shape_kinds``, and rotated
+    ones only if ``rotated``.
     """
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
@@ -92,13 +93,19 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
     part_distance = part_distance_function(real, lane_count, shape_kinds)
 
     @wp.func
-    def tool_distance(parts: wp.array(dtype=ToolPart), tool: Tool, displacement: real, x: lanes3):
+    def tool_distance(
+        parts: wp.array(dtype=ToolPart), tool: Tool, displacement: wp.float64, x: lanes3, remainder: lanes3
+    ):
         distance = lanes()
         normal = lanes3()
         for k in range(tool.part_count):
             part = parts[tool.first_part + k]
             centre = part.origin + displacement * tool.axis
-            p = wp.matrix_from_rows(x[0] - lanes(centre[0]), x[1] - lanes(centre[1]), x[2] - lanes(centre[2]))
+            p = lanes3()
+            for c in range(3):
+                near = real(centre[c])
+                rest = real(centre[c] - wp.float64(near))
+                p[c] = (x[c] - lanes(near)) + (remainder[c] - lanes(rest))
             if wp.static(rotated):
                 p = wp.transpose(part.rotation) * p
             part_d, part_n = part_distance(part, p)
@@ -134,8 +141,8 @@ def sample_distance_kernel(real: type, lane_count: int, further_kinds: tuple[str
         tools: wp.array(dtype=Tool),
         parts: wp.array(dtype=ToolPart),
         tool_index: wp.int32,
-        displacement: real,
-        points: wp.array(dtype=vec3),
+        displacement: wp.float64,
+        points: wp.array(dtype=wp.vec3d),
         # Out
         distance: wp.array(dtype=real),
         normal: wp.array(dtype=vec3),
@@ -143,11 +150,13 @@ def sample_distance_kernel(real: type, lane_count: int, further_kinds: tuple[str
         first = wp.tid() * lane_count
         last = points.shape[0] - 1
         x = lanes3()
+        remainder = lanes3()
         for i in range(lane_count):
             point = points[wp.min(first + i, last)]
             for c in range(3):
-                x[c, i] = point[c]
-        d, n = tool_distance(parts, tools[tool_index], displacement, x)
+                x[c, i] = real(point[c])
+                remainder[c, i] = real(point[c] - wp.float64(real(point[c])))
+        d, n = tool_distance(parts, tools[tool_index], displacement, x, remainder)
         for i in range(lane_count):
             if first + i <= last:
                 distance[first + i] = d[i]

@@ -30,7 +30,7 @@ def part_struct(real: type):
     @wp.struct
     class ToolPart:
         kind: wp.int32  # see shape_number
-        origin: vec3
+        origin: wp.vec3d  # in double precision, so that a part may be far from zero
         rotation: wp.types.matrix((3, 3), real)  # columns: the part's axes in the world
         radius: real
         major_radius: real

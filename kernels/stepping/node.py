@@ -64,6 +64,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         present.step = real(clock[ClockEntry.step])
         present.mean_step = real(clock[ClockEntry.mean_step])
         present.position = rows3(motion, MotionRow.position, block)
+        present.remainder = rows3(motion, MotionRow.remainder, block)
         present.velocity = rows3(motion, MotionRow.velocity, block)
         present.director = rows3(motion, MotionRow.director, block)
         present.mass = nodes.mass[block]

@@ -134,7 +134,7 @@ def place_function(real: type, lane_count: int, has_tools: bool):
                 touch.gap[k, block] = real(0.999999) * touch.gap[k, block] - moved
         store_rows3(motion, MotionRow.velocity, block, velocity)
         # compensated sum: small increments are not lost in large coordinates
-        whole = travel + rows3(motion, MotionRow.remainder, block)
+        whole = travel + present.remainder
         position = present.position + whole
         store_rows3(motion, MotionRow.remainder, block, whole - (position - present.position))
         store_rows3(motion, MotionRow.position, block, position)

@@ -88,14 +88,16 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
             # the tool moved over the last step, which is at most twice the mean step
             distance_left = touch.gap[k, block] - real(2.0) * present.mean_step * wp.abs(speed) - present.thickened
             if not distance_left > real(0.0):
-                distance, normal = tool_distance(tools.part, tool, real(tools.displacement[k]), present.position)
+                distance, normal = tool_distance(
+                    tools.part, tool, tools.displacement[k], present.position, present.remainder
+                )
                 penetration = present.half_thickness - distance
                 deepest = lane_maximum(penetration)
                 distance_left = -deepest - laws.spare_distance - tool.blind_distance
                 stretch = lanes3()
                 push = lanes3()
                 if not deepest <= real(0.0):
-                    tool_velocity = speed * tool.axis
+                    tool_velocity = speed * vec3(real(tool.axis[0]), real(tool.axis[1]), real(tool.axis[2]))
                     stretch = rows3(touch.friction, 3 * k, block)
                     spring, pressed, dashpot, drag, stretch = contact(
                         present, laws, tool.friction, tool_velocity, penetration, normal, stretch

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
 import pytest
 
@@ -165,6 +166,18 @@ def test_a_cache_with_room_is_kept(other_cache, caplog):
     before = other_cache.kernel_cache_dir
     kernel_cache.ensure_room()
     assert other_cache.kernel_cache_dir == before and caplog.messages == [] and os.listdir(before) == []
+
+
+def test_what_ended_compilers_left_is_removed_after_a_day(other_cache):
+    folder = Path(other_cache.kernel_cache_dir)
+    old, new, kernel = (folder / name for name in ("wp_a_1234_p77_t140", "wp_b_1234_p78_t140", "wp_p1_t2_1234"))
+    for path in (old, new, kernel):
+        path.mkdir(parents=True)
+        (path / "part.o").write_text("")
+    for path in (old, kernel):
+        os.utime(path, (0, 0))
+    kernel_cache.ensure_room()
+    assert not old.exists() and new.exists() and kernel.exists()
 
 
 @SLOW

@@ -16,6 +16,7 @@ Exit codes:
 from __future__ import annotations
 
 import inspect
+import logging
 import re
 import signal
 import sys
@@ -31,7 +32,7 @@ import typer
 from .. import __version__
 from ..device import Precision
 from ..errors import InputError, RunError
-from ..run.interruption import Interrupted, interruption
+from ..run.interruption import Interrupted, Interruption, interruption
 from .ending import ExitCode, closing_lines, exit_code, interrupted_code
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
@@ -116,7 +117,8 @@ def compile_command(
             raise InputError(f"{what} {name!r} is unknown: choose one of {', '.join(known)}")
     for wanted in precision or [Precision.SINGLE]:
         setups = default_setups([scene] if scene else SCENES, precision=wanted, device=device)
-        seconds = compile_kernels(KernelSet.of_setups(setups, UNIT_CELLS[unit_cell]()), processes)
+        with _interruptible():
+            seconds = compile_kernels(KernelSet.of_setups(setups, UNIT_CELLS[unit_cell]()), processes)
         print(f"{wanted}, {device}, {unit_cell}: compiled within {seconds:.1f} s")
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
 
@@ -173,21 +175,16 @@ def scene_command(
             checked = parameters(**given)
         from ..engine.compilation import side_by_side
 
-        try:
-            with (
-                _typed(options, parameters),
-                interruption() as interrupted,
-                side_by_side(partial(_announce_compilation, scene)),
-            ):
-                result = run(checked)
-                number = interrupted.signal
-                for line in closing_lines(result, checked.out, number):
-                    say(line)
-        except KeyboardInterrupt as error:
-            # before the run, or while its results were written for somebody who did not wait
-            number = error.signal if isinstance(error, Interrupted) else signal.SIGINT
-            say(f"Interrupted by {signal.Signals(number).name}.")
-            raise typer.Exit(interrupted_code(number)) from None
+        with (
+            _typed(options, parameters),
+            _interruptible() as interrupted,
+            side_by_side(partial(_announce_compilation, scene)),
+            _announced(),
+        ):
+            result = run(checked)
+            number = interrupted.signal
+            for line in closing_lines(result, checked.out, number):
+                say(line)
         if code := exit_code(result, number):
             raise typer.Exit(code)
 
@@ -197,10 +194,45 @@ def scene_command(
     scene_application.command(help=text)(command)
 
 
+@contextmanager
+def _interruptible() -> Iterator[Interruption]:
+    """Take the signals of the process; one with nothing to lose ends the command at once, with its exit code."""
+    try:
+        with interruption() as interrupted:
+            yield interrupted
+    except KeyboardInterrupt as error:
+        # before the run, or while its results were written for somebody who did not wait
+        number = error.signal if isinstance(error, Interrupted) else signal.SIGINT
+        say(f"Interrupted by {signal.Signals(number).name}.")
+        raise typer.Exit(interrupted_code(number)) from None
+
+
 def _announce_compilation(scene: str, kernel_count: int) -> None:
     kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
     text = f"{scene}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
     say(text, error=True)
+
+
+class _Announcements(logging.Handler):
+    """Shows what takes seconds before a run: log records with ``announced``."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if getattr(record, "announced", False):
+            say(record.getMessage(), error=True)
+
+
+@contextmanager
+def _announced() -> Iterator[None]:
+    """Show which large meshes are being prepared."""
+    logger, handler = logging.getLogger("weavesim.tools"), _Announcements(logging.INFO)
+    level = logger.level
+    logger.setLevel(logging.INFO)
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
 
 
 @contextmanager

@@ -10,6 +10,8 @@ import numpy as np
 ROUNDING = 1.0e-13
 # Elements larger than the median by more than this are compared with all others.
 LARGEST_RATIO = 4.0
+# Edges of the border that are compared with all others at once.
+EDGES_AT_ONCE = 512
 # The triangles around a node lie in one half space by at least this cosine wherever none of them can meet.
 SMALLEST_COSINE = 0.1
 
@@ -30,7 +32,8 @@ class Crossings:
         self._quads = np.asarray(quads, dtype=np.int64)
         self._triangles = self._quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
         self._node_count = node_count
-        self._fan = self._around_nodes()
+        order = np.argsort(self._triangles.ravel(), kind="stable")
+        self._corner_node, self._corner_triangle = self._triangles.ravel()[order], order // 3
         edges = np.stack([self._quads, np.roll(self._quads, -1, axis=1)], axis=2).reshape(-1, 2)
         _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
         self._border = edges[place[count == 1]]
@@ -63,7 +66,8 @@ class Crossings:
             return False
         across = np.linalg.svd(up[None])[2][1:]
         start, end = (position[self._border[:, side]] @ across.T for side in (0, 1))
-        return not _crossing_edges(start, end, self._border).any()
+        rows = (slice(k, k + EDGES_AT_ONCE) for k in range(0, len(start), EDGES_AT_ONCE))
+        return not any(_crossing_edges(start, end, self._border, row).any() for row in rows)
 
     def _normals(self, position: np.ndarray) -> np.ndarray:
         """Of all triangles, as long as twice their area, (triangle_count, 3) [m^2]."""
@@ -96,22 +100,22 @@ class Crossings:
 
     # --- pairs with one common node ----------------------------------------------------------------------------------
 
-    def _around_nodes(self) -> np.ndarray:
-        """Pairs of triangles of different elements with one common node, with it, (k, 3)."""
-        node, triangle = self._triangles.ravel(), np.repeat(np.arange(len(self._triangles)), 3)
-        order = np.argsort(node, kind="stable")
-        node, triangle = node[order], triangle[order]
+    def _around(self, nodes: np.ndarray) -> np.ndarray:
+        """Pairs of triangles of different elements whose one common node is among ``nodes`` (node_count,), (k, 2)."""
+        node, triangle = self._corner_node, self._corner_triangle
+        wanted = nodes[node]
+        node, triangle = node[wanted], triangle[wanted]
         first = np.searchsorted(node, node, side="left")
         count = np.arange(len(node)) - first  # of the triangles before it around the same node
         later = np.repeat(np.arange(len(node)), count)
         earlier = np.repeat(first, count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
         a, b = triangle[earlier], triangle[later]
         common = (self._triangles[a][:, :, None] == self._triangles[b][:, None, :]).any(axis=2).sum(axis=1)
-        wanted = (common == 1) & (a // 2 != b // 2)
-        return np.column_stack([a, b, node[later]])[wanted]
+        apart = (common == 1) & (a // 2 != b // 2)
+        return np.column_stack([a, b])[apart]
 
     def _near_nodes(self, position: np.ndarray) -> np.ndarray:
-        """Those of ``_around_nodes`` whose node is in a fold: elsewhere all normals lie in one half space."""
+        """Those of ``_around`` whose node is in a fold: elsewhere all normals lie in one half space."""
         normal = self._normals(position)
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1.0e-300)[:, None]
         mean = np.zeros((self._node_count, 3))
@@ -121,7 +125,7 @@ class Crossings:
         turned = np.einsum("tc,tkc->tk", normal, mean[self._triangles]) < SMALLEST_COSINE
         folded = np.zeros(self._node_count, dtype=bool)
         folded[self._triangles[turned]] = True
-        return self._fan[folded[self._fan[:, 2]]][:, :2]
+        return self._around(folded)
 
     def _meet_elsewhere(self, position: np.ndarray, pairs: np.ndarray) -> np.ndarray:
         """Whether triangles with one common node meet elsewhere: an edge opposite to it goes through the other."""
@@ -135,19 +139,22 @@ class Crossings:
         return found
 
 
-def _crossing_edges(start: np.ndarray, end: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """Which pairs of edges in a plane, (k, 2) each, cross or touch without a common node, (k, k) bool."""
+def _crossing_edges(start: np.ndarray, end: np.ndarray, nodes: np.ndarray, rows: slice) -> np.ndarray:
+    """Which of the edges in ``rows`` cross or touch which edges of a plane, (k, 2) each, without a common node."""
 
     def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
+        """Side of the lines p-q on which the points r lie, (lines, points)."""
         along, to = q - p, r[None] - p[:, None]
         return np.asarray(along[:, None, 0] * to[..., 1] - along[:, None, 1] * to[..., 0])
 
-    parted = side(start, end, start) * side(start, end, end) <= 0.0
+    own, other = (start[rows], end[rows]), (start, end)
+    parted = side(*own, start) * side(*own, end) <= 0.0
+    parted &= (side(*other, own[0]) * side(*other, own[1]) <= 0.0).T
     # edges on one line are parted by rounding; their boxes overlap only where they do
     lower, upper = np.minimum(start, end), np.maximum(start, end)
-    near = ((lower[:, None] <= upper[None]) & (lower[None] <= upper[:, None])).all(axis=2)
-    common = (nodes[:, None, :, None] == nodes[None, :, None, :]).any(axis=(2, 3))
-    return np.asarray(parted & parted.T & near & ~common)
+    near = ((lower[rows, None] <= upper[None]) & (lower[None] <= upper[rows, None])).all(axis=2)
+    common = (nodes[rows, None, :, None] == nodes[None, :, None, :]).any(axis=(2, 3))
+    return np.asarray(parted & near & ~common)
 
 
 def near_pairs(centre: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

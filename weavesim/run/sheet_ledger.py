@@ -66,7 +66,7 @@ class SheetLedger:
         self._energies = wp.zeros((len(self._energy_names), count), dtype=sheet.real, device=device)
         self._fields = wp.zeros((ElementField.row_count(), count), dtype=sheet.real, device=device)
         point_count = sheet.blank.node_count + sheet.blank.element_count if sheet.tool_count else 0
-        self._points = wp.zeros(point_count, dtype=sheet.types.vec3, device=device)
+        self._points = wp.zeros(point_count, dtype=wp.vec3d, device=device)
         self._distances = wp.zeros((sheet.tool_count, point_count), dtype=sheet.real, device=device)
         # packed once: a launch from Python costs more than the work of a small sheet
         self._element_ledger: wp.Launch | None = None
@@ -179,13 +179,13 @@ class SheetLedger:
 
     def _record_distances(self) -> list[wp.Launch]:
         sheet, tools = self._model, self._run_model.tools
-        normal = wp.zeros_like(self._points)
+        normal = wp.zeros(self._points.shape, dtype=sheet.types.vec3, device=sheet.device)
         kernel = sample_distance_kernel(sheet.real, 1, further_kinds(sheet.node_traits.shape_kinds))
         return [
             wp.launch(
                 kernel,
                 dim=self._points.shape[0],
-                inputs=[tools.tool, tools.part, sheet.places.tools.start + k, sheet.real(0.0), self._points],
+                inputs=[tools.tool, tools.part, sheet.places.tools.start + k, wp.float64(0.0), self._points],
                 outputs=[self._distances[k], normal],
                 device=sheet.device,
                 record_cmd=True,
@@ -200,13 +200,10 @@ class SheetLedger:
             if not sheet.tool_count:
                 return np.empty((0, len(position) + sheet.blank.element_count))
             a, b, c, d = (position[corner] for corner in sheet.blank.quads.T)
-            points = np.concatenate(
-                [position, 0.25 * (a + b + c + d)], dtype=sheet.precision.numpy, casting="same_kind"
-            )
-            self._points.assign(points)
+            self._points.assign(np.concatenate([position, 0.25 * (a + b + c + d)]))
             displacement = self._state.tool_displacement.numpy()[sheet.places.tools.start : sheet.places.tools.stop]
             for launch, value in zip(self._tool_distances, displacement, strict=True):
-                launch.set_param_by_name("displacement", sheet.real(value))
+                launch.set_param_by_name("displacement", wp.float64(value))
                 launch.launch()
             self._measured = position, self._distances.numpy().astype(np.float64)
         return self._measured[1]

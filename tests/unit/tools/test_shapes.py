@@ -236,7 +236,7 @@ def test_sixteen_lanes_give_what_one_lane_gives(real):
             wp.launch(
                 sample_distance_kernel(real, lane_count, ()),
                 dim=-(-len(points) // lane_count),
-                inputs=[tools.tool, tools.part, 0, real(0.03), wp.array(points, dtype=vec3, device="cpu")],
+                inputs=[tools.tool, tools.part, 0, wp.float64(0.03), wp.array(points, dtype=wp.vec3d, device="cpu")],
                 outputs=[value, normal],
                 device="cpu",
             )

@@ -15,7 +15,7 @@ from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
-from weavesim.tools.shapes import Plane
+from weavesim.tools.shapes import Capsule, Plane, Sphere, Union, rotation_matrix
 from weavesim.tools.tool import Tool
 
 BLANK = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
@@ -152,3 +152,61 @@ def test_losses_of_friction_inside_the_sheet():
         losses.append([simulation.frame.energies[name] for name in ("shear_friction_loss", "bending_friction_loss")])
     assert np.all(np.array(losses) > 1e-9)
     assert losses[0] == pytest.approx(losses[1], rel=3e-4)
+
+
+# Corners of one world; a power of two moves nothing but the exponent, the others round every coordinate.
+PLACES = {"15 m": (15.0, 0.0, 0.0), "a kilometre": (1000.3, -1000.7, 1000.1), "below": (0.0, 0.0, -123.456)}
+
+
+def pushed(place: tuple[float, float, float], precision: str, turned: bool = False) -> Simulation:
+    """A sheet held at its edge, pushed by a ball or a turned box with friction, pulled by its weight; at a place."""
+    flat = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005, yarn_angle=30.0)
+    blank = Blank.from_mesh(flat.node_position + place, flat.quads, yarn_angle=30.0)
+    half = 0.5 * LINEAR.thickness
+    ball = Sphere(radius=0.02, origin=tuple(np.add(place, (0.003, 0.0, 0.02 + half + 1e-4))))
+    if turned:
+        capsule = Capsule(radius=0.015, half_length=0.01)
+        ball = Union(
+            (capsule, Sphere(radius=0.01, origin=(0.015, 0.0, 0.0))),
+            origin=tuple(np.add(place, (0.0, 0.0, 0.015 + half + 1e-4))),
+            rotation=rotation_matrix((0.0, 0.0, 1.0), 0.7),
+        )  # fmt: skip
+    edge = Support("edge", np.unique(blank.boundary_loop()))
+    simulation = one_sheet_run(
+        name="pushed", blank=blank, fabric=LINEAR, precision=precision, threads=1, supports=[edge], duration=4e-3,
+        tools=[Tool("ball", ball, Stroke((0.0, 2e-3), (0.0, -0.004)), friction=0.2)], frame_count=1,
+        dynamics=Dynamics(gravity=(0.0, 0.0, -9.81), damping=3000.0, director_damping=3000.0), accept_unusual=True,
+    )  # fmt: skip
+    simulation.run()
+    return simulation
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("precision", "tolerance"), [("float32", 1e-4), ("float64", 1e-9)])
+def test_far_from_the_origin_as_at_the_origin(precision, tolerance, turned, manual):
+    """Positions with their remainders, and tools relative to them, have the same digits anywhere."""
+    here = pushed((0.0, 0.0, 0.0), precision, turned)
+    assert abs(here.frame.tool_reaction[0, 2]) > 10.0
+    errors = {}
+    for name, place in PLACES.items():
+        there = pushed(place, precision, turned)
+        moved = there.frame.position - place - here.frame.position
+        angle, energies = here.frame.fields["shear_angle"], here.frame.energies
+        errors[name] = {
+            "position over the way of the tool": np.abs(moved).max() / 4e-3,
+            "shear angle": np.abs(there.frame.fields["shear_angle"] - angle).max() / np.abs(angle).max(),
+            "tool force": np.abs(there.frame.tool_reaction - here.frame.tool_reaction).max()
+            / np.abs(here.frame.tool_reaction).max(),
+            "energy in the contact": abs(there.frame.energies["contact"] / energies["contact"] - 1.0),
+            "balance": abs(there.frame.energies["balance_error"] - energies["balance_error"]) / energies["supplied"],
+        }
+    case = manual(
+        "Energy and time step", f"Far from the origin in {precision}{', a turned tool' if turned else ''}",
+        known="A sheet held at its edge is pushed by a tool with friction, at the origin and elsewhere. The "
+        f"requirement is a difference of at most {tolerance:g}.",
+    )  # fmt: skip
+    quantities = list(next(iter(errors.values())))
+    case.table(["place", *quantities], [[name, *(float(row[q]) for q in quantities)] for name, row in errors.items()])
+    for name, row in errors.items():
+        for quantity, error in row.items():
+            assert error < tolerance, (name, quantity, error)

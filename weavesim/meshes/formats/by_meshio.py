@@ -13,7 +13,7 @@ import numpy as np
 
 from ..kinds import looks_like
 from ..mesh_file import POLYGON, QUAD, SECOND_ORDER, TRIANGLE, Cells, MeshFile, check_finite, check_references
-from ..source import Source, counted, listed
+from ..source import Source, counted, listed, whole
 
 # File name ending: name of the format in meshio, and in words, and what its files begin with.
 FORMATS = {
@@ -149,7 +149,12 @@ def _in_vtk(source: Source) -> int | None:
         for extent in map(int, size.groups()):
             cells *= max(extent - 1, 1)
         return cells
-    return _matched(source, rb"(?im)^cell_types[ \t]+(\d{1,18})")
+    types = _matched(source, rb"(?im)^cell_types[ \t]+(\d{1,18})")
+    cells = _matched(source, rb"(?im)^cells[ \t]+(\d{1,18})")
+    cells -= bool(re.search(rb"(?m)^OFFSETS[ \t]", source.data))  # since version 5 their ends are counted
+    if cells != types:
+        raise source.error(f"it promises {cells} cells, but the types of {types}")
+    return types
 
 
 def _in_vtu(source: Source) -> int | None:
@@ -175,6 +180,8 @@ def _in_gmsh(source: Source) -> int | None:
         raise source.error("it has no elements, or is cut off before them")
     if b"$EndElements" not in source.data[start.end() :]:
         raise source.error("it ends before $EndElements: it was cut off", "copy or export it again")
+    if version.group(2) == b"0":
+        _check_lines_of_gmsh(source, start.end(), version.group(1).startswith(b"2"))
     if version.group(1).startswith(b"2"):
         return _matched(source, rb"(?m)^\$Elements[ \t]*\r?\n\s*(\d{1,18})")
     if version.group(2) == b"1":  # binary: four numbers, the second counts elements
@@ -182,6 +189,25 @@ def _in_gmsh(source: Source) -> int | None:
             raise source.error("it ends within its elements")
         return struct.unpack_from("<2Q" if version.group(3) == b"8" else "<2I", source.data, start.end())[1]
     return _matched(source, rb"(?m)^\$Elements[ \t]*\r?\n\s*\d+\s+(\d{1,18})")
+
+
+def _check_lines_of_gmsh(source: Source, start: int, second: bool) -> None:
+    """Check that the elements of a text have as many lines as it promises; meshio passes over what is left.
+
+    Raises:
+        InputError: they have not.
+    """
+    lines = source.data[start : source.data.index(b"$EndElements", start)].split(b"\n")
+    lines = [line for line in lines if line.strip()]
+    try:
+        head = [whole(word) for word in lines[0].split()]
+        expected = 1 + (head[0] if second else head[0] + head[1])
+    except (ValueError, IndexError):
+        raise source.error("it does not say how many elements it has") from None
+    if len(lines) != expected:
+        raise source.error(
+            f"it promises elements on {expected - 1} lines, but has {len(lines) - 1}", "copy or export it again"
+        )
 
 
 def _in_medit(source: Source) -> int | None:

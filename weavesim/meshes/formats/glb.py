@@ -89,7 +89,10 @@ def _promised(source: Source, description: dict[str, Any]) -> tuple[int, int, in
             raise source.error("it is a figure that is posed by bones", "export the posed shape")
         if "mesh" not in node:
             continue
-        for primitive in meshes[node["mesh"]]["primitives"]:
+        mesh = meshes[node["mesh"]]
+        if any(node.get("weights", mesh.get("weights", []))):
+            raise source.error("its shape is a mixture of others", "export the mixed shape")
+        for primitive in mesh["primitives"]:
             accessor = primitive.get("indices", primitive["attributes"].get("POSITION"))
             count = int(accessors[accessor]["count"])
             mode = primitive.get("mode", 4)

@@ -20,7 +20,7 @@ _METRES = {
 }  # fmt: skip
 # Extensions that add no shape: materials, and parts in several files.
 _HARMLESS = ("/material/", "/production/")
-_MOST_PLACES = 100_000
+_MOST_PLACES = 20_000
 _MOST_LEVELS = 50
 
 

@@ -37,15 +37,14 @@ class ToolDistances:
             points: at least one.
         """
         model, count = self._model, len(points)
-        dtype = model.precision.numpy
         distance = wp.zeros(count, dtype=model.real, device=model.device)
         normal = wp.zeros(count, dtype=model.types.vec3, device=model.device)
         wp.launch(
             self._kernels[tool],
             dim=count,
             inputs=[
-                model.tools.tool, model.tools.part, tool, model.real(displacement),
-                wp.array(np.asarray(points, dtype=dtype), dtype=model.types.vec3, device=model.device),
+                model.tools.tool, model.tools.part, tool, wp.float64(displacement),
+                wp.array(np.asarray(points, dtype=np.float64), dtype=wp.vec3d, device=model.device),
             ],
             outputs=[distance, normal],
             device=model.device,

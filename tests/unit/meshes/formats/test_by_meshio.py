@@ -145,7 +145,8 @@ def test_polygons_are_read(tmp_path, content):
         (legacy("9", "4 0 1 2 7", 1), "cell 1 uses a vertex that is not there"),
         (legacy("9", "4 0 1 2 3", 1).replace("0 1 0", "0 nan 0"), "not finite"),
         (legacy("9", "4 0 1 2 3", 1).replace("POINTS 6", "POINTS 4000000000"), "promises 4000000000 points"),
-        (legacy("9", "4 0 1 2 3", 1).replace("TYPES 1", "TYPES 4000000000"), "promises 4000000000 cells"),
+        (legacy("9", "4 0 1 2 3", 1).replace("TYPES 1", "TYPES 4000000000"), "but the types of 4000000000"),
+        (legacy("9", "4 0 1 2 3", 1).replace("S 1", "S 4000000000"), "promises 4000000000 cells"),
         (legacy("9", "4 0 1 2 3", 1).replace("UNSTRUCTURED_GRID", "POLYDATA"), "its dataset is POLYDATA"),
         (legacy("9", "4 0 1 2 3", 1)[:120], "cannot be read"),
         (legacy("3", "2 0 1", 1), "no triangles or quadrilaterals.*1 line"),
@@ -190,3 +191,29 @@ def test_a_structured_grid_is_read(tmp_path):
     points = "\n".join(f"{x} {y} 0" for y in range(3) for x in range(4))
     head = "# vtk DataFile Version 3.0\nplate\nASCII\nDATASET STRUCTURED_GRID\nDIMENSIONS 4 3 1\nPOINTS 12 float\n"
     assert len(read_mesh(written(tmp_path, "a.vtk", head + points + "\n")).quads()[0]) == 6
+
+
+@pytest.mark.parametrize("name", ["text.msh", "old.msh"])
+@pytest.mark.parametrize("more", [-1, 1, 40])
+def test_elements_beyond_those_promised_are_found(tmp_path, name, more):
+    """meshio passes over what follows the promised number."""
+    path = write(tmp_path / name, HALVES)
+    head, mark, rest = path.read_text().partition("$Elements\n")
+    first, _, lines = rest.partition("\n")
+    if name == "old.msh":
+        first = str(96 - more)
+    else:
+        words = first.split()
+        first = " ".join([words[0], str(96 - more), *words[2:]])
+    path.write_text(f"{head}{mark}{first}\n{lines}")
+    with pytest.raises(InputError, match=r"promises elements on \d+ lines, but has \d+"):
+        read_mesh(path)
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_types_and_cells_must_be_as_many(tmp_path, count):
+    good = legacy("9\n9", "4 0 1 2 3\n4 1 4 5 2", 2)
+    assert len(read_mesh(written(tmp_path, "a.vtk", good)).quads()[0]) == 2
+    bad = good.replace("CELL_TYPES 2\n9\n9\n", f"CELL_TYPES {count}\n" + count * "9\n")
+    with pytest.raises(InputError, match=f"promises 2 cells, but the types of {count}"):
+        read_mesh(written(tmp_path, "a.vtk", bad))

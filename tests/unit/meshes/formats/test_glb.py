@@ -74,6 +74,7 @@ GOOD = exported(np.eye(4))
         ),
         (changed(GOOD, lambda d: d["nodes"][0].update(children=[0])), "more parts|damaged"),
         (changed(GOOD, lambda d: [n.update(skin=0) for n in d["nodes"]]), "posed by bones"),
+        (changed(GOOD, lambda d: d["meshes"][0].update(weights=[0.0, 0.5])), "a mixture of others"),
         (changed(GOOD, lambda d: d.update(scenes=[])), "no scene"),
         (changed(GOOD, lambda d: d.update(nodes=5)), "damaged"),
         (changed(GOOD, lambda d: d.update(meshes=[])), "damaged"),

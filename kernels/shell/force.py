@@ -6,6 +6,7 @@ from typing import Any
 import warp as wp
 
 from ..cell.law import CellLaw
+from ..cell.surplus import take_back_function
 from ..lanes import fill, lane_types, scale, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
@@ -22,8 +23,7 @@ from .kinematics import (
     vectors_functions,
 )
 from .laws import SheetTraits, sheet_struct
-from .membrane import cell_answer_function, membrane_resultants, shear_moment_function
-from .surplus import take_back_function
+from .membrane import add_compression, cell_answer_function, membrane_resultants, shear_moment_function
 from .thickness import current_thickness
 
 
@@ -164,7 +164,8 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         m = stretch_membrane(x.by1, x.by2)
 
         answer = answer_cell(sheet.cell, block, m, cell_unknowns, cell_report)
-        answer = take_back(elements, laws, block, m, clock, answer, cell_report)
+        answer = add_compression(laws, m, answer)
+        answer = take_back(elements.yarn_inertia, block, m, clock, answer, cell_report)
         # once more: reading them again is cheaper than keeping them while the cell iterates
         shape = shape_functions(elements, block, Shape())
         area = elements.area[block]

@@ -14,6 +14,7 @@ from ..rows import CellReportRow
 from .kinematics import corner_angles
 from .laws import SheetTraits
 from .shear import moment_resultants, shear_friction_function
+from .thickness import compressive_energy, compressive_force
 
 
 @cache
@@ -66,6 +67,15 @@ def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
         return answer
 
     return answer_cell
+
+
+@wp.func
+def add_compression(laws: Any, m: Any, answer: Any):
+    """The cell's answer with the forces and the energy of the sheet's own compressive stiffness."""
+    answer.warp_force = answer.warp_force + compressive_force(laws, m.stretch1)
+    answer.weft_force = answer.weft_force + compressive_force(laws, m.stretch2)
+    answer.energy = answer.energy + m.strain1.dtype(0.5) * compressive_energy(laws, m)
+    return answer
 
 
 @wp.func

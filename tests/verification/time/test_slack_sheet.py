@@ -9,7 +9,7 @@ from weavesim.engine.setup import STEP_SAFETY
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.presets import PRESETS
-from weavesim.kernels.shell.surplus import LARGEST_CORRECTION
+from weavesim.kernels.cell.surplus import LARGEST_CORRECTION
 from weavesim.process.dynamics import Dynamics
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
@@ -30,7 +30,7 @@ def growth_per_step(share: float, ratio: np.ndarray, *, corrected: bool, step_co
     Args:
         share: of the stable step of the stiffer side.
         ratio: stiffness in compression over that in tension, of each oscillator.
-        corrected: with the force that ``kernels/shell/surplus.py`` adds, written again here for unit mass and step.
+        corrected: with the force that ``kernels/cell/surplus.py`` adds, written again here for unit mass and step.
     """
     tensile = (2.0 * share) ** 2 / np.maximum(ratio, 1.0)
     rng = np.random.default_rng(0)

@@ -10,8 +10,8 @@ from tests.support.sheet import plain_fabric
 from weavesim.engine.setup import STEP_SAFETY
 from weavesim.fabric.cell.membrane import LinearMembrane
 from weavesim.fabric.cell.weaves import PlainWeave
+from weavesim.kernels.cell.surplus import LARGEST_CORRECTION, LARGEST_SURPLUS
 from weavesim.kernels.rows import CellReportRow
-from weavesim.kernels.shell.surplus import LARGEST_CORRECTION, LARGEST_SURPLUS
 from weavesim.process.dynamics import Dynamics
 from weavesim.run.simulation import Simulation
 

@@ -11,11 +11,10 @@ from typing import Any
 
 import warp as wp
 
-from ..cell.law import CellLaw
 from ..lanes import fill, larger, smaller
 from ..operators import div, mul  # noqa: F401
 from ..rows import CellReportRow, ClockEntry
-from .thickness import compressive_energy, compressive_force
+from .law import CellLaw
 
 # Largest share c of the correction c (rho / 4 B dt^2) dlambda. With it an element is stable up to sqrt(1 - c/2) of the
 # step without it, 0.911, which must not be below STEP_SAFETY; from 0.32 on no oscillator with two stiffnesses grows.
@@ -33,42 +32,39 @@ def limited(value: Any, limit: Any):
 
 @cache
 def take_back_function(real: type, cell: CellLaw):
-    """Function that adds the sheet's compressive force and the correction to a cell's answer; books the surplus."""
+    """Function that adds the correction to the answer of cell and sheet, and books the surplus."""
     cell_shears = cell.depends_on_shear
 
     @wp.func
-    def take_back(elements: Any, laws: Any, block: int, m: Any, clock: Any, answer: Any, report: Any):
+    def take_back(yarn_inertia: Any, block: int, m: Any, clock: Any, answer: Any, report: Any):
         mean_step = real(clock[ClockEntry.mean_step])
         step = real(clock[ClockEntry.step])
         # half the inverse of the step behind these positions; there is none before the first
         last = wp.max(real(2.0) * mean_step - step, real(0.0))
         half = wp.where(last > real(0.1) * step, real(0.5) / last, real(0.0))
-        n1 = answer.warp_force + compressive_force(laws, m.stretch1)
-        n2 = answer.weft_force + compressive_force(laws, m.stretch2)
         change1 = m.strain1 - report[CellReportRow.warp_strain, block]
         change2 = m.strain2 - report[CellReportRow.weft_strain, block]
-        energy = answer.energy + real(0.5) * compressive_energy(laws, m)
         stretched = change1 * change1 + change2 * change2
         strained = stretched
-        work = (report[CellReportRow.warp_impulse, block] + mean_step * n1) * change1
-        work = work + (report[CellReportRow.weft_impulse, block] + mean_step * n2) * change2
+        work = (report[CellReportRow.warp_impulse, block] + mean_step * answer.warp_force) * change1
+        work = work + (report[CellReportRow.weft_impulse, block] + mean_step * answer.weft_force) * change2
         if wp.static(cell_shears):
             turn = m.angle - report[CellReportRow.shear_angle, block]
             work = work + (report[CellReportRow.moment_impulse, block] + mean_step * answer.moment) * turn
             strained = strained + turn * turn
             report[CellReportRow.shear_angle, block] = m.angle
             report[CellReportRow.moment_impulse, block] = mean_step * answer.moment
-        inertia = elements.yarn_inertia[block] * (real(1.0) / (step * step))
-        made = (energy - report[CellReportRow.energy, block]) - half * work
+        inertia = yarn_inertia[block] * (real(1.0) / (step * step))
+        made = (answer.energy - report[CellReportRow.energy, block]) - half * work
         surplus = report[CellReportRow.surplus, block] + limited(made, real(LARGEST_SURPLUS) * inertia * strained)
         # a force along the rate that takes all of it within a step, or gives back what was lost
         most = fill(surplus, LARGEST_CORRECTION)
         share = inertia * limited(surplus / (inertia * stretched + fill(surplus, 1.0e-30)), most)
-        answer.warp_force = n1 + share * change1
-        answer.weft_force = n2 + share * change2
+        answer.warp_force = answer.warp_force + share * change1
+        answer.weft_force = answer.weft_force + share * change2
         # half of its work is done in this step, the other half is part of the next one's
         report[CellReportRow.surplus, block] = surplus - (half * mean_step) * share * stretched
-        report[CellReportRow.energy, block] = energy
+        report[CellReportRow.energy, block] = answer.energy
         report[CellReportRow.warp_strain, block] = m.strain1
         report[CellReportRow.weft_strain, block] = m.strain2
         report[CellReportRow.warp_impulse, block] = mean_step * answer.warp_force

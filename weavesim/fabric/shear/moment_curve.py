@@ -49,7 +49,7 @@ class MomentCurve(ShearLaw):
     locking_width: Annotated[Positive, Quantity("locking width")] = Field(
         default=math.radians(5.0), description="angle over which that slope builds up [rad]"
     )
-    smoothing: Annotated[NotNegative, Quantity("shear moment")] = Field(
+    smoothing: Annotated[NotNegative, Quantity("friction moment")] = Field(
         default=0.0,
         description="root mean square distance from the points that the curve may have [N/m]; 0 goes through each, but "
         "for those closer than 0.18 degrees, which count as one",

@@ -24,6 +24,8 @@ def test_presets_fit_together(name):
         ({"thickness": 1.2e-5}, "a density of 6.192e.04"),
         ({"bending": YarnBending(warp=2.9, weft=2.9, twist=0.0)}, "droop"),
         ({"bending": YarnBending(warp=1.0, weft=1.0, twist=0.1)}, "droop over 0.516 m"),
+        ({"bending": YarnBending(warp=1.0, weft=1e-3, twist=1e-4)}, "stiffness, 1 N m, .*droop over 0.516 m"),
+        ({"bending": YarnBending(warp=1e-3, weft=1e-9, twist=0.0)}, "droop over 0.000516 m"),
         ({"bending": YarnBending(warp=2e-3, weft=1e-3, twist=0.1)}, "twist = 0.1 N m is 70.7 times"),
         ({"bending": IsotropicBending(modulus=20e9)}, "droop"),
         ({"bending": YarnBending(warp=2.9e-9, weft=2.9e-9, twist=0.0)}, "solid plate"),

@@ -22,9 +22,9 @@ from ..kernels.contact.mesh_distance import (
     mesh_distance_kernel,
     sampled_distance_kernel,
 )
-from .mesh_features import face_normals
-from .mesh_repair import diagonal, triangle_areas
-from .mesh_tool import MANY_TRIANGLES, MeshSurface
+from .mesh_features import face_normals, points_near
+from .mesh_repair import diagonal
+from .mesh_tool import ANNOUNCED, MANY_TRIANGLES, MeshSurface
 
 if TYPE_CHECKING:
     from .tool import Tool
@@ -35,11 +35,15 @@ logger = logging.getLogger(__name__)
 CHOSEN_VOXEL_COUNT = 6_000_000
 LARGEST_VOXEL_COUNT = 150_000_000
 ERROR_SAMPLE_COUNT = 20_000
-# Where samples err by more than this share of their spacing, or of the thinnest sheet, triangles are searched.
-ALLOWED_ERROR = 0.05
+# Where samples err by more than this share of their spacing, or of the thinnest sheet, triangles are searched; and by
+# more than the other share of their spacing without a sheet, when time does not matter.
+ALLOWED_ERROR = 0.08
+ALLOWED_ERROR_ALONE = 0.03
 # Error of 99 % of the points near the surface over the thickness of the thinnest sheet: more is doubtful, or refused.
 DOUBTFUL_ERROR = 0.1
 LARGEST_ERROR = 0.5
+# Faces whose outside is looked at.
+PROBED_FACE_COUNT = 8_000
 # How far from the middle of a face its outside is looked at, over the size of the mesh.
 FACE_PROBE = 1e-4
 
@@ -61,7 +65,8 @@ class SampledDistance:
         reach: distances are truncated to plus and minus this [m].
         voxel_count: number of values.
         tolerance: error of the samples from which on triangles are searched [m].
-        largest_error: largest difference to the mesh at random points within three voxels of its surface [m].
+        largest_error: largest difference to the mesh at random points near its surface [m]:
+            within three voxels, or the thickness of the sheet.
         usual_error: 99th percentile at these points [m].
         mean_error: root mean square at these points [m].
     """
@@ -102,8 +107,8 @@ class SampledDistance:
 
 Samples = Mapping[MeshSurface, SampledDistance]
 
-# The samples of each surface by device and tolerance, kept as long as the surface exists.
-_kept: WeakKeyDictionary[MeshSurface, dict[tuple[str, float], SampledDistance]] = WeakKeyDictionary()
+# The samples of each surface by device and thicknesses, kept as long as the surface exists.
+_kept: WeakKeyDictionary[MeshSurface, dict[tuple[str, float, float], SampledDistance]] = WeakKeyDictionary()
 
 
 def mesh_parts(tools: Iterable[Tool]) -> dict[str, MeshSurface]:
@@ -131,7 +136,7 @@ def sample_meshes(tools: Iterable[Tool], device: str, thickness: float = 0.0, th
     samples = {}
     thinnest = thickness if thinnest is None else thinnest
     for name, surface in mesh_parts(tools).items():
-        sampled = samples[surface] = sampled_distance(surface, device, thinnest)
+        sampled = samples[surface] = sampled_distance(surface, device, thinnest, thickness)
         if sampled.reach < thickness:
             raise InputError(
                 f"{name}: its mesh is sampled up to a distance of {sampled.reach:.4g} m, but the sheet is "
@@ -154,22 +159,26 @@ def error_in_words(sampled: SampledDistance, thickness: float) -> str:
     )
 
 
-def sampled_distance(surface: MeshSurface, device: str = "cpu", thickness: float = 0.0) -> SampledDistance:
+def sampled_distance(
+    surface: MeshSurface, device: str = "cpu", thickness: float = 0.0, thickest: float = 0.0
+) -> SampledDistance:
     """The sampled distance on ``device``; computed on the first call.
 
     Args:
         surface: a mesh.
         device: name in Warp.
         thickness: of the thinnest sheet that will meet it [m], zero if none: its share limits the error.
+        thickest: of the thickest sheet [m]: an automatic reach is not below it.
 
     Raises:
         InputError: its spacing or its reach needs too many samples.
     """
     of_surface = _kept.setdefault(surface, {})
-    if (device, thickness) not in of_surface:
-        other = next((kept for (where, _), kept in of_surface.items() if where == device), None)
-        of_surface[device, thickness] = _sample(surface, device, thickness, other)
-    return of_surface[device, thickness]
+    key = device, thickness, thickest
+    if key not in of_surface:
+        other = next((kept for (where, *_), kept in of_surface.items() if where == device), None)
+        of_surface[key] = _sample(surface, device, thickness, thickest, other)
+    return of_surface[key]
 
 
 def exact_distance(surface: MeshSurface, points: np.ndarray, device: str = "cpu") -> np.ndarray:
@@ -180,16 +189,14 @@ def exact_distance(surface: MeshSurface, points: np.ndarray, device: str = "cpu"
 class _Triangles:
     """The solid of a surface on a device, about its centre.
 
-    Attributes:
-        mesh: on the device.
-        crossed: whether surfaces lie inside the solid: then the nearest face does not tell the side.
-        largest: distance that is searched [m].
+    Its ``crossed`` says whether surfaces lie inside it, ``largest`` how far is searched [m].
     """
 
     def __init__(self, surface: MeshSurface, device: str) -> None:
         self.surface, self.device = surface, device
         if len(surface.faces) > MANY_TRIANGLES:
-            logger.info("%s: sorting %s triangles", surface.name, f"{len(surface.faces):,}")
+            count = f"{len(surface.faces):,}"
+            logger.info("%s: sampling the distance to %s triangles", surface.name, count, extra=ANNOUNCED)
         self.mesh = wp.Mesh(
             points=wp.array(surface.solid_vertices - surface.centre, dtype=wp.vec3, device=device),
             indices=wp.array(surface.solid_faces.ravel(), dtype=wp.int32, device=device),
@@ -202,8 +209,8 @@ class _Triangles:
     def _has_inner_faces(self) -> bool:
         """Whether the outside of a face lies inside the solid."""
         vertices, faces = self.surface.solid_vertices, self.surface.solid_faces
-        if len(faces) > ERROR_SAMPLE_COUNT:
-            faces = faces[np.random.default_rng(0).choice(len(faces), ERROR_SAMPLE_COUNT, replace=False)]
+        if len(faces) > PROBED_FACE_COUNT:
+            faces = faces[np.random.default_rng(0).choice(len(faces), PROBED_FACE_COUNT, replace=False)]
         normal, area = face_normals(vertices, faces)
         size = diagonal(self.surface.vertices)
         points = (vertices[faces].mean(axis=1) + FACE_PROBE * size * normal)[area > (FACE_PROBE * size) ** 2]
@@ -223,18 +230,22 @@ class _Grid:
     voxel_count: int  # of all tiles
 
 
-def _sample(surface: MeshSurface, device: str, thickness: float, other: SampledDistance | None) -> SampledDistance:
+def _sample(
+    surface: MeshSurface, device: str, thickness: float, thickest: float, other: SampledDistance | None
+) -> SampledDistance:
     """Sample a surface; the volume of ``other`` samples serves again."""
     triangles = _Triangles(surface, device)
-    grid = _chosen_grid(triangles, thickness)
-    volume = other.volume if other and other.spacing == grid.spacing else _filled_volume(triangles, grid)
-    tolerance = ALLOWED_ERROR * (min(grid.spacing, thickness) if thickness else grid.spacing)
-    doubted = _doubted_cells(triangles, volume, grid, tolerance)
+    grid = _chosen_grid(triangles, thickness, thickest)
+    same = other is not None and (other.spacing, other.reach) == (grid.spacing, grid.reach)
+    volume = other.volume if other and same else _filled_volume(triangles, grid)
+    tolerance = ALLOWED_ERROR * min(grid.spacing, thickness) if thickness else ALLOWED_ERROR_ALONE * grid.spacing
+    doubted = _doubted_cells(triangles, volume, grid, tolerance, thickness or grid.reach)
     record = SampledMesh()
     record.volume, record.doubted, record.mesh = volume.id, doubted.id, triangles.mesh.id
-    record.crossed, record.searched = triangles.crossed, _searched(grid)
+    record.crossed, record.searched = triangles.crossed, _searched(grid, thickness or grid.reach)
     record = wp.array([record], dtype=SampledMesh, device=device)
-    error = np.abs(_errors(triangles, record, grid))
+    offset = min(3.0 * grid.spacing, 0.5 * grid.reach, thickness or math.inf)
+    error = np.abs(_errors(triangles, record, offset))
     return SampledDistance(
         record=record,
         volume=volume,
@@ -253,28 +264,32 @@ def _sample(surface: MeshSurface, device: str, thickness: float, other: SampledD
     )
 
 
-def _searched(grid: _Grid) -> float:
-    """Distance up to which triangles are searched [m]: cells with a truncated corner are left as they are."""
-    return max(grid.reach - 2.0 * grid.spacing, 0.0)
+def _searched(grid: _Grid, needed: float) -> float:
+    """Sampled distance up to which triangles are searched [m], for right distances up to the ``needed`` one.
 
-
-def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolerance: float) -> wp.Volume:
-    """Cells whose samples err by more than ``tolerance`` [m].
-
-    Along a crease that turns the distance's gradient by twice an angle, samples err by h/2 sin(angle) in the middle of
-    a cell of size h, and the gradient there has the length cos(angle).
+    A wrong sample is wrong by less than two spacings. Cells with a truncated corner are left as they are.
     """
-    device, searched = triangles.device, _searched(grid)
+    return min(needed + 2.0 * grid.spacing, max(grid.reach - 2.0 * grid.spacing, 0.0))
+
+
+def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolerance: float, needed: float) -> wp.Volume:
+    """Cells whose samples err by more than ``tolerance`` [m], and whose distances may be below the ``needed`` one [m].
+
+    A crease that turns the gradient by twice an angle makes samples err by h/2 sin(angle) in the middle of a cell of
+    size h, where the gradient has the length cos(angle).
+    """
+    device, searched = triangles.device, _searched(grid, needed)
     near = np.abs(grid.centre_distance) < searched + 2.0 * float(TILE_REACH) * grid.spacing
     first_voxel: wp.array = wp.array(grid.first_voxel[near], dtype=wp.vec3i, device=device)
     doubted = wp.Volume.allocate_by_tiles(first_voxel, voxel_size=grid.spacing, bg_value=0, device=device)
     least = math.sqrt(1.0 - min(2.0 * tolerance / grid.spacing, 1.0) ** 2)
     gradient_range = wp.vec2(grid.spacing * least, grid.spacing * (2.0 - least))
     inputs = [triangles.mesh.id, triangles.crossed, volume.id, first_voxel, tolerance, gradient_range]
+    limits = wp.vec2(searched + grid.spacing, needed + 0.5 * math.sqrt(3.0) * grid.spacing)
     wp.launch(
         doubt_cells_kernel,
         dim=(len(first_voxel), int(TILE_SIZE) ** 3),
-        inputs=[*inputs, searched + grid.spacing],
+        inputs=[*inputs, limits],
         outputs=[doubted.id],
         device=device,
     )
@@ -284,13 +299,13 @@ def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolera
 def _query(triangles: _Triangles, points: np.ndarray) -> np.ndarray:
     device = triangles.device
     distance = wp.zeros(len(points), dtype=float, device=device)
-    near = wp.array(points - triangles.surface.centre, dtype=wp.vec3, device=device)
+    near: wp.array = wp.array(points - triangles.surface.centre, dtype=wp.vec3, device=device)
     inputs = [triangles.mesh.id, near, triangles.largest, triangles.crossed]
     wp.launch(mesh_distance_kernel, dim=len(points), inputs=inputs, outputs=[distance], device=device)
     return distance.numpy().astype(np.float64)
 
 
-def _chosen_grid(triangles: _Triangles, thickness: float) -> _Grid:
+def _chosen_grid(triangles: _Triangles, thickness: float, thickest: float) -> _Grid:
     """The preferred grid, or the finest one within the voxel limit."""
     surface = triangles.surface
     name, spacing = surface.name, surface.first_spacing
@@ -298,7 +313,7 @@ def _chosen_grid(triangles: _Triangles, thickness: float) -> _Grid:
         # samples of a curvature 1/r err by h^2 / 4 r: fine enough that fillets need no search
         spacing = min(spacing, math.sqrt(4.0 * surface.fillet_radius * ALLOWED_ERROR * thickness))
     while True:
-        grid = _grid(triangles, spacing)
+        grid = _grid(triangles, spacing, thickest)
         if grid.voxel_count <= (CHOSEN_VOXEL_COUNT if surface.spacing is None else LARGEST_VOXEL_COUNT):
             return grid
         if surface.spacing is not None:
@@ -314,13 +329,15 @@ def _chosen_grid(triangles: _Triangles, thickness: float) -> _Grid:
             )
 
 
-def _grid(triangles: _Triangles, spacing: float) -> _Grid:
+def _grid(triangles: _Triangles, spacing: float, thickest: float) -> _Grid:
     """The grid for one spacing; without tiles if those near the surface are too many to compute.
 
     Large blocks of tiles are halved again and again where they come near the surface or lie inside.
     """
     surface, size = triangles.surface, int(TILE_SIZE)
     reach = 6.0 * spacing if surface.reach is None else surface.reach
+    if surface.reach is None and reach < thickest:  # a small tool
+        reach = thickest + 3.0 * spacing
     vertices = surface.vertices - surface.centre
     lower, upper = vertices.min(axis=0) - reach, vertices.max(axis=0) + reach
     # one voxel beyond the box on every side, so that interpolation within the box never reads the background
@@ -370,22 +387,11 @@ def _filled_volume(triangles: _Triangles, grid: _Grid) -> wp.Volume:
     return volume
 
 
-def _errors(triangles: _Triangles, record: wp.array, grid: _Grid) -> np.ndarray:
-    """Differences between what the kernels read and the mesh at random points near its surface [m]."""
+def _errors(triangles: _Triangles, record: wp.array, offset: float) -> np.ndarray:
+    """Differences between what the kernels read and the mesh at random points up to ``offset`` off its surface [m]."""
     surface, device = triangles.surface, triangles.device
-    points = _points_near_surface(surface, min(3.0 * grid.spacing, 0.5 * grid.reach))
+    points = points_near(surface.vertices, surface.faces, ERROR_SAMPLE_COUNT, offset)
     value = wp.zeros(len(points), dtype=float, device=device)
     inputs = [record, wp.array(points - surface.centre, dtype=wp.vec3, device=device)]
     wp.launch(sampled_distance_kernel, dim=len(points), inputs=inputs, outputs=[value], device=device)
     return value.numpy() - _query(triangles, points)
-
-
-def _points_near_surface(surface: MeshSurface, offset: float) -> np.ndarray:
-    random = np.random.default_rng(0)
-    area = triangle_areas(surface.vertices, surface.faces)
-    face = surface.faces[random.choice(len(area), size=ERROR_SAMPLE_COUNT, p=area / area.sum())]
-    weight = random.dirichlet([1.0, 1.0, 1.0], size=ERROR_SAMPLE_COUNT)
-    points = np.einsum("ij,ijk->ik", weight, surface.vertices[face])
-    direction = random.normal(size=points.shape)
-    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    return points + offset * random.random((ERROR_SAMPLE_COUNT, 1)) * direction

@@ -11,6 +11,7 @@ exact in single precision write ``fill(x, x.dtype(4.4))``. Only a kernel, which 
 ``real(2.0)`` and, for lanes of zeros, ``lanes()``. Componentwise products of lanes: see operators.py.
 """
 
+import platform
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -20,6 +21,9 @@ import warp as wp
 
 CPU_LANE_COUNT = 16
 GPU_LANE_COUNT = 1
+
+# Sixteen scalars of single precision are read sooner one by one than by an AVX gather; eight of double are not.
+NO_GATHER_FLAGS = "-target-feature +prefer-no-gather"
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,17 @@ def lane_types(real: type, lane_count: int) -> LaneTypes:
 ALL_LANE_TYPES = tuple(
     lane_types(real, lane_count) for real in (wp.float32, wp.float64) for lane_count in (GPU_LANE_COUNT, CPU_LANE_COUNT)
 )
+
+
+def step_options(real: type) -> dict[str, str]:
+    """Options of the modules of the kernels of a step: on x86 processors, single precision without gathers.
+
+    The flags of a module replace those of Warp's configuration, which are set before a kernel is made.
+    """
+    flags = wp.config.cpu_compiler_flags
+    if real is wp.float64 or not flags or platform.machine().lower() not in ("x86_64", "amd64"):
+        return {}
+    return {"cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
 
 
 # --- scalars in lanes -------------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..cell.surplus import take_back_function
-from ..lanes import fill, lane_types, scale, where_positive
+from ..lanes import fill, lane_types, scale, step_options, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import ROWS_PER_CORNER, CornerRow, MotionRow
@@ -142,7 +142,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
     resist_bending, stabilise = resist_bending_function(traits), stabilisation_function(*layout, traits.flat)
     take_back, follows_thickness = take_back_function(real, cell), traits.follows_thickness
 
-    @wp.kernel(module="unique", enable_backward=False)
+    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
     def element_forces(
         # In
         first_block: wp.int32,

@@ -6,7 +6,7 @@ from typing import Any
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import dot, lane_types, rows3
+from ..lanes import dot, lane_types, rows3, step_options
 from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, MotionRow, NodeWorkRow
 from .node_advance import (
@@ -71,7 +71,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         present.half_thickness = lanes(laws.half_thickness)
         return present
 
-    @wp.kernel(module="unique", enable_backward=False)
+    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
     def node_motion(
         # In
         first_block: wp.int32,

@@ -19,6 +19,7 @@ from weavesim.kernels.lanes import (
     scale,
     smaller,
     square_root,
+    step_options,
     store,
     where_positive,
 )
@@ -189,3 +190,20 @@ def test_number_in_every_lane(types):
     wp.launch(fill_all, dim=1, outputs=[result], device="cpu")
     expected = np.repeat(np.array([0.5, 1.0 / 3.0, 0.1]), types.lane_count)
     assert np.array_equal(numbers(result), expected.astype(wp.dtype_to_numpy(types.real)).astype(np.float64))
+
+
+@pytest.mark.parametrize("machine", ["x86_64", "AMD64"])
+def test_single_precision_does_without_gathers_on_x86(monkeypatch, machine):
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    monkeypatch.setattr(wp.config, "cpu_compiler_flags", "-march=native")
+    assert step_options(wp.float32) == {"cpu_compiler_flags": "-march=native -target-feature +prefer-no-gather"}
+    assert step_options(wp.float64) == {}
+
+
+@pytest.mark.parametrize(
+    ("machine", "flags"), [("aarch64", "-march=native"), ("arm64", "-march=native"), ("x86_64", None)]
+)
+def test_other_processors_and_unset_flags_keep_the_options(monkeypatch, machine, flags):
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    monkeypatch.setattr(wp.config, "cpu_compiler_flags", flags)
+    assert step_options(wp.float32) == {}

@@ -1,4 +1,4 @@
-"""docs/reliability.md has a row for every kind of fault that testing found, and every row is held by tests that exist."""
+"""docs/reliability.md has a row for every kind of fault that testing found, and every row names tests that exist."""
 
 import ast
 import re

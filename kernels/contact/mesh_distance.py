@@ -153,7 +153,7 @@ def doubt_cells_kernel(
     first_voxel: wp.array(dtype=wp.vec3i),  # of each tile of doubted
     tolerance: float,  # of the distance [m]
     gradient_range: wp.vec2,  # of the gradient's length times the spacing [m]
-    searched: float,  # cells farther than this from the surface are trusted [m]
+    limits: wp.vec2,  # largest distance of a doubted cell's middle: as sampled, and exact [m]
     # Out
     doubted: wp.uint64,
 ):
@@ -169,15 +169,13 @@ def doubt_cells_kernel(
     middle = wp.vec3(float(i) + 0.5, float(j) + 0.5, float(k) + 0.5)
     value = wp.volume_sample_grad_f(volume, middle, wp.Volume.LINEAR, gradient)
     doubt = 0
-    if wp.abs(value) < searched:
+    if wp.abs(value) < limits[0]:
+        point = wp.volume_index_to_world(volume, middle)
+        exact = mesh_signed_distance(mesh, point, 4.0 * limits[0], crossed)
         length = wp.length(gradient)
-        if length < gradient_range[0] or length > gradient_range[1]:
+        wrong = length < gradient_range[0] or length > gradient_range[1] or wp.abs(exact - value) > tolerance
+        if wrong and wp.abs(exact) < limits[1]:
             doubt = 1
-        else:
-            point = wp.volume_index_to_world(volume, middle)
-            exact = mesh_signed_distance(mesh, point, 4.0 * searched, crossed)
-            if wp.abs(exact - value) > tolerance:
-                doubt = 1
     wp.volume_store_i(doubted, i, j, k, doubt)
 
 

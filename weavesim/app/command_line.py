@@ -16,6 +16,7 @@ Exit codes:
 from __future__ import annotations
 
 import inspect
+import logging
 import re
 import signal
 import sys
@@ -178,6 +179,7 @@ def scene_command(
             _typed(options, parameters),
             _interruptible() as interrupted,
             side_by_side(partial(_announce_compilation, scene)),
+            _announced(),
         ):
             result = run(checked)
             number = interrupted.signal
@@ -209,6 +211,28 @@ def _announce_compilation(scene: str, kernel_count: int) -> None:
     kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
     text = f"{scene}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
     say(text, error=True)
+
+
+class _Announcements(logging.Handler):
+    """Shows what takes seconds before a run: log records with ``announced``."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if getattr(record, "announced", False):
+            say(record.getMessage(), error=True)
+
+
+@contextmanager
+def _announced() -> Iterator[None]:
+    """Show which large meshes are being prepared."""
+    logger, handler = logging.getLogger("weavesim.tools"), _Announcements(logging.INFO)
+    level = logger.level
+    logger.setLevel(logging.INFO)
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
 
 
 @contextmanager

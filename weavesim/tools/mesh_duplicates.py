@@ -19,8 +19,8 @@ def separated(name: str, vertices: np.ndarray, faces: np.ndarray) -> tuple[np.nd
     """
     triangle, run = _triangle_numbers(faces), _closed_runs(faces)
     # a body has no triangle twice; what belongs to none, open or repeated, is loose
-    pair = np.unique(np.column_stack([run, triangle]), axis=0)
-    distinct, counts = np.bincount(pair[:, 0]), np.bincount(run)
+    count = int(triangle.max()) + 1
+    distinct, counts = np.bincount(np.unique(run * count + triangle) // count), np.bincount(run)
     alone = ((distinct == counts) & (counts >= 4))[run]
     alone[run == run[-1]] &= not _is_open(faces[run == run[-1]])
     removed = 0
@@ -122,8 +122,9 @@ def _shared_walls(faces: np.ndarray, counts: np.ndarray) -> np.ndarray:
     inner = (of_multiple == 2) & (of_single == 0)
     patch = labels(len(faces), _linked(edge, inner[edge] & multiple[:, None]))
     rim = np.zeros(patch.max() + 1, dtype=bool)
-    of_patch, times = np.unique(np.column_stack([np.repeat(patch, 3), edge.ravel()]), axis=0, return_counts=True)
-    rim[of_patch[times % 2 == 1, 0]] = True
+    count = int(edge.max()) + 1
+    of_patch, times = np.unique(np.repeat(patch, 3) * count + edge.ravel(), return_counts=True)
+    rim[of_patch[times % 2 == 1] // count] = True
     wall = multiple & (counts % 2 == 0) & rim[patch]
     if not np.any(wall):
         return none

@@ -53,6 +53,7 @@ LEAST_SHEET = 0.01
 LARGEST_REVERSE = 0.1
 # From this number of triangles on, work that takes seconds is announced.
 MANY_TRIANGLES = 300_000
+ANNOUNCED = {"announced": True}
 
 
 class MeshSurface:
@@ -92,7 +93,7 @@ class MeshSurface:
         self.source_notes = tuple(source_notes)
         vertices, faces = checked_triangles(name, vertices, faces)
         if len(faces) > MANY_TRIANGLES:
-            logger.info("%s: checking %s triangles", name, f"{len(faces):,}")
+            logger.info("%s: checking %s triangles", name, f"{len(faces):,}", extra=ANNOUNCED)
         size = extent(vertices, faces)
         for plane in mirror:
             vertices, faces = mirrored_mesh(name, vertices, faces, plane, SEAM * size)

@@ -24,7 +24,7 @@ from ..kernels.contact.mesh_distance import (
 )
 from .mesh_features import face_normals
 from .mesh_repair import diagonal, triangle_areas
-from .mesh_tool import MANY_TRIANGLES, MeshSurface
+from .mesh_tool import ANNOUNCED, MANY_TRIANGLES, MeshSurface
 
 if TYPE_CHECKING:
     from .tool import Tool
@@ -35,11 +35,15 @@ logger = logging.getLogger(__name__)
 CHOSEN_VOXEL_COUNT = 6_000_000
 LARGEST_VOXEL_COUNT = 150_000_000
 ERROR_SAMPLE_COUNT = 20_000
-# Where samples err by more than this share of their spacing, or of the thinnest sheet, triangles are searched.
-ALLOWED_ERROR = 0.05
+# Where samples err by more than this share of their spacing, or of the thinnest sheet, triangles are searched; and by
+# more than the other share of their spacing without a sheet, when time does not matter.
+ALLOWED_ERROR = 0.08
+ALLOWED_ERROR_ALONE = 0.03
 # Error of 99 % of the points near the surface over the thickness of the thinnest sheet: more is doubtful, or refused.
 DOUBTFUL_ERROR = 0.1
 LARGEST_ERROR = 0.5
+# Faces whose outside is looked at.
+PROBED_FACE_COUNT = 8_000
 # How far from the middle of a face its outside is looked at, over the size of the mesh.
 FACE_PROBE = 1e-4
 
@@ -61,7 +65,8 @@ class SampledDistance:
         reach: distances are truncated to plus and minus this [m].
         voxel_count: number of values.
         tolerance: error of the samples from which on triangles are searched [m].
-        largest_error: largest difference to the mesh at random points within three voxels of its surface [m].
+        largest_error: largest difference to the mesh at random points near its surface [m]:
+            within three voxels, or the thickness of the sheet.
         usual_error: 99th percentile at these points [m].
         mean_error: root mean square at these points [m].
     """
@@ -180,16 +185,14 @@ def exact_distance(surface: MeshSurface, points: np.ndarray, device: str = "cpu"
 class _Triangles:
     """The solid of a surface on a device, about its centre.
 
-    Attributes:
-        mesh: on the device.
-        crossed: whether surfaces lie inside the solid: then the nearest face does not tell the side.
-        largest: distance that is searched [m].
+    Its ``crossed`` says whether surfaces lie inside it, ``largest`` how far is searched [m].
     """
 
     def __init__(self, surface: MeshSurface, device: str) -> None:
         self.surface, self.device = surface, device
         if len(surface.faces) > MANY_TRIANGLES:
-            logger.info("%s: sorting %s triangles", surface.name, f"{len(surface.faces):,}")
+            count = f"{len(surface.faces):,}"
+            logger.info("%s: sampling the distance to %s triangles", surface.name, count, extra=ANNOUNCED)
         self.mesh = wp.Mesh(
             points=wp.array(surface.solid_vertices - surface.centre, dtype=wp.vec3, device=device),
             indices=wp.array(surface.solid_faces.ravel(), dtype=wp.int32, device=device),
@@ -202,8 +205,8 @@ class _Triangles:
     def _has_inner_faces(self) -> bool:
         """Whether the outside of a face lies inside the solid."""
         vertices, faces = self.surface.solid_vertices, self.surface.solid_faces
-        if len(faces) > ERROR_SAMPLE_COUNT:
-            faces = faces[np.random.default_rng(0).choice(len(faces), ERROR_SAMPLE_COUNT, replace=False)]
+        if len(faces) > PROBED_FACE_COUNT:
+            faces = faces[np.random.default_rng(0).choice(len(faces), PROBED_FACE_COUNT, replace=False)]
         normal, area = face_normals(vertices, faces)
         size = diagonal(self.surface.vertices)
         points = (vertices[faces].mean(axis=1) + FACE_PROBE * size * normal)[area > (FACE_PROBE * size) ** 2]
@@ -228,13 +231,14 @@ def _sample(surface: MeshSurface, device: str, thickness: float, other: SampledD
     triangles = _Triangles(surface, device)
     grid = _chosen_grid(triangles, thickness)
     volume = other.volume if other and other.spacing == grid.spacing else _filled_volume(triangles, grid)
-    tolerance = ALLOWED_ERROR * (min(grid.spacing, thickness) if thickness else grid.spacing)
-    doubted = _doubted_cells(triangles, volume, grid, tolerance)
+    tolerance = ALLOWED_ERROR * min(grid.spacing, thickness) if thickness else ALLOWED_ERROR_ALONE * grid.spacing
+    doubted = _doubted_cells(triangles, volume, grid, tolerance, thickness or grid.reach)
     record = SampledMesh()
     record.volume, record.doubted, record.mesh = volume.id, doubted.id, triangles.mesh.id
-    record.crossed, record.searched = triangles.crossed, _searched(grid)
+    record.crossed, record.searched = triangles.crossed, _searched(grid, thickness or grid.reach)
     record = wp.array([record], dtype=SampledMesh, device=device)
-    error = np.abs(_errors(triangles, record, grid))
+    offset = min(3.0 * grid.spacing, 0.5 * grid.reach, thickness or math.inf)
+    error = np.abs(_errors(triangles, record, offset))
     return SampledDistance(
         record=record,
         volume=volume,
@@ -253,28 +257,32 @@ def _sample(surface: MeshSurface, device: str, thickness: float, other: SampledD
     )
 
 
-def _searched(grid: _Grid) -> float:
-    """Distance up to which triangles are searched [m]: cells with a truncated corner are left as they are."""
-    return max(grid.reach - 2.0 * grid.spacing, 0.0)
+def _searched(grid: _Grid, needed: float) -> float:
+    """Sampled distance up to which triangles are searched [m], for right distances up to the ``needed`` one.
 
-
-def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolerance: float) -> wp.Volume:
-    """Cells whose samples err by more than ``tolerance`` [m].
-
-    Along a crease that turns the distance's gradient by twice an angle, samples err by h/2 sin(angle) in the middle of
-    a cell of size h, and the gradient there has the length cos(angle).
+    A wrong sample is wrong by less than two spacings. Cells with a truncated corner are left as they are.
     """
-    device, searched = triangles.device, _searched(grid)
+    return min(needed + 2.0 * grid.spacing, max(grid.reach - 2.0 * grid.spacing, 0.0))
+
+
+def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolerance: float, needed: float) -> wp.Volume:
+    """Cells whose samples err by more than ``tolerance`` [m], and whose distances may be below the ``needed`` one [m].
+
+    A crease that turns the gradient by twice an angle makes samples err by h/2 sin(angle) in the middle of a cell of
+    size h, where the gradient has the length cos(angle).
+    """
+    device, searched = triangles.device, _searched(grid, needed)
     near = np.abs(grid.centre_distance) < searched + 2.0 * float(TILE_REACH) * grid.spacing
     first_voxel: wp.array = wp.array(grid.first_voxel[near], dtype=wp.vec3i, device=device)
     doubted = wp.Volume.allocate_by_tiles(first_voxel, voxel_size=grid.spacing, bg_value=0, device=device)
     least = math.sqrt(1.0 - min(2.0 * tolerance / grid.spacing, 1.0) ** 2)
     gradient_range = wp.vec2(grid.spacing * least, grid.spacing * (2.0 - least))
     inputs = [triangles.mesh.id, triangles.crossed, volume.id, first_voxel, tolerance, gradient_range]
+    limits = wp.vec2(searched + grid.spacing, needed + 0.5 * math.sqrt(3.0) * grid.spacing)
     wp.launch(
         doubt_cells_kernel,
         dim=(len(first_voxel), int(TILE_SIZE) ** 3),
-        inputs=[*inputs, searched + grid.spacing],
+        inputs=[*inputs, limits],
         outputs=[doubted.id],
         device=device,
     )
@@ -370,10 +378,10 @@ def _filled_volume(triangles: _Triangles, grid: _Grid) -> wp.Volume:
     return volume
 
 
-def _errors(triangles: _Triangles, record: wp.array, grid: _Grid) -> np.ndarray:
-    """Differences between what the kernels read and the mesh at random points near its surface [m]."""
+def _errors(triangles: _Triangles, record: wp.array, offset: float) -> np.ndarray:
+    """Differences between what the kernels read and the mesh at random points up to ``offset`` off its surface [m]."""
     surface, device = triangles.surface, triangles.device
-    points = _points_near_surface(surface, min(3.0 * grid.spacing, 0.5 * grid.reach))
+    points = _points_near_surface(surface, offset)
     value = wp.zeros(len(points), dtype=float, device=device)
     inputs = [record, wp.array(points - surface.centre, dtype=wp.vec3, device=device)]
     wp.launch(sampled_distance_kernel, dim=len(points), inputs=inputs, outputs=[value], device=device)

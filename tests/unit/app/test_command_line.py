@@ -9,6 +9,7 @@ from types import SimpleNamespace
 from typing import Annotated, Literal
 
 import pytest
+import trimesh
 from pydantic import Field
 
 from tests.support.paths import ROOT
@@ -243,3 +244,16 @@ def test_scene_script_offers_the_common_options(name):
     done = subprocess.run([sys.executable, script, "--help"], capture_output=True, text=True, env=CHECKOUT)
     assert done.returncode == 0, done.stderr
     assert all(option in done.stdout for option in COMMON_OPTIONS)
+
+
+def test_large_tool_meshes_are_announced(monkeypatch, capsys):
+    from weavesim.app.command_line import _announced
+    from weavesim.tools.mesh_tool import MeshSurface
+
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.05)
+    monkeypatch.setattr("weavesim.tools.mesh_tool.MANY_TRIANGLES", 300)
+    with _announced():
+        MeshSurface(ball.vertices, ball.faces, name="punch.stl")
+    assert capsys.readouterr().err == "punch.stl: checking 320 triangles\n"
+    MeshSurface(ball.vertices, ball.faces, name="punch.stl")
+    assert capsys.readouterr().err == ""

@@ -18,6 +18,7 @@ def random_cell(rng: np.random.Generator, kind: str) -> PlainWeave:
 
     def within(quantity: str) -> float:
         low, high = getattr(QUANTITIES[quantity], kind)
+        low = low or 1e-9
         return 10.0 ** rng.uniform(np.log10(low), np.log10(high))
 
     values = {

@@ -30,24 +30,31 @@ class ToolReach(Guard):
 
     def before(self, start: Start) -> Iterable[Doubt]:
         """Tools further from the sheet, on all of their way, than the sheet can move."""
-        setup, distances, index = start.model.setup, ToolDistances(start.model), 0
+        setup, distances, first = start.model.setup, ToolDistances(start.model), 0
         for world in setup.worlds:
             nodes = np.concatenate([sheet.blank.node_position for sheet in world.sheets])
-            for tool in world.tools:
-                way = _way(tool, setup.duration)
-                nearest = min(float(distances(index, place, nodes)[0].min()) for place in way)
-                reach = _reach(world, tool, setup.duration)
-                if nearest > reach:
+            ways = [_way(tool, setup.duration) for tool in world.tools]
+            nearest = [[float(distances(first + k, at, nodes)[0].min()) for at in way] for k, way in enumerate(ways)]
+            thickness = max(sheet.fabric.thickness for sheet in world.sheets)
+            for k, tool in enumerate(world.tools):
+                # what presses the sheet on another tool does not carry it away
+                held = any(
+                    not other.motion.by_force and min(nearest[i]) <= thickness
+                    for i, other in enumerate(world.tools)
+                    if i != k
+                )
+                reach = _reach(world, tool, setup.duration, held)
+                if min(nearest[k]) > reach:
                     yield self.doubt(
                         Level.WARNING,
-                        f"{tool.name}: it stays {1e3 * nearest:.4g} mm away from the blank, which can move by about "
-                        f"{1e3 * reach:.3g} mm",
+                        f"{tool.name}: it stays {1e3 * min(nearest[k]):.4g} mm away from the blank, which can move by "
+                        f"about {1e3 * reach:.3g} mm",
                         "it will never meet the sheet: check the place of its origin, its stroke and the unit of its "
                         "mesh",
-                        value=nearest,
+                        value=min(nearest[k]),
                         limit=reach,
                     )
-                index += 1
+            first += len(world.tools)
 
 
 class NeverTouched(Guard):
@@ -82,12 +89,12 @@ def _way(tool: Tool, duration: float) -> np.ndarray:
     return np.unique(np.interp(np.linspace(0.0, duration, PLACE_COUNT), times, displacements))
 
 
-def _reach(world: World, own: Tool, duration: float) -> float:
-    """How far nodes of a sheet may move without ``own`` [m]."""
+def _reach(world: World, own: Tool, duration: float, held: bool) -> float:
+    """How far nodes of a sheet may move without ``own`` [m]; ``held``: against forces of tools."""
     size = max(float(np.ptp(sheet.blank.node_position, axis=0).max()) for sheet in world.sheets)
     strokes = [float(np.ptp(_way(tool, duration))) for tool in world.tools if tool is not own]
     for tool in world.tools:
-        if tool.motion.by_force:
+        if tool.motion.by_force and not held:
             # in free flight, but no further than the sheet is long
             force = float(np.abs(tool.motion.curve()[1]).max())
             strokes.append(min(0.5 * force / tool.motion.driven_mass * duration**2, size))

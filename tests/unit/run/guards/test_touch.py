@@ -95,7 +95,7 @@ def test_a_sheet_that_moves_by_itself_may_reach_a_tool(given):
 
 def test_a_sheet_that_others_move_may_reach_a_tool():
     punch = Tool(
-        "punch", Sphere(0.01, origin=(0.01, 0.01, 0.0107)), Stroke((0.0, 1.0), (0.0, 0.03)), axis=(0.0, 0.0, -1.0)
+        "punch", Sphere(0.01, origin=(0.01, 0.01, 0.0107)), Stroke((0.0, 1.0), (0.0, 0.014)), axis=(0.0, 0.0, -1.0)
     )
     weight = Tool(
         "weight", Plane(origin=(0.0, 0.0, 0.0006), rotation=FACE_DOWN), ForceDriven.constant(1.0, 0.01),
@@ -104,3 +104,17 @@ def test_a_sheet_that_others_move_may_reach_a_tool():
     table = Tool("table", Plane(origin=(0.0, 0.0, -0.015)))
     for mover in (punch, weight):
         assert "tool_reach" not in spoken(small_run(tools=[mover, table], duration=1.0))
+
+
+@pytest.mark.parametrize(("height", "told"), [(0.2, True), (0.06, True), (0.0505, False)])
+def test_a_punch_above_a_held_sheet_is_told_by_its_stroke(height, told):
+    """The force of a holder presses the sheet on the die; it does not carry it 50 mm up to the punch."""
+    holder = Tool(
+        "holder", Plane(origin=(0.0, 0.0, 0.0006), rotation=FACE_DOWN), ForceDriven.constant(1.0, 0.01),
+        axis=(0.0, 0.0, -1.0),
+    )  # fmt: skip
+    die = Tool("die", Plane(origin=(0.0, 0.0, -0.0006)))
+    ball = Sphere(0.03, origin=(0.01, 0.01, 0.0306 + height))
+    punch = Tool("punch", ball, Stroke((0.0, 1.0), (0.0, 0.05)), axis=(0.0, 0.0, -1.0))
+    said = spoken(small_run(tools=[punch, die, holder], duration=1.0))
+    assert ("tool_reach" in said) == told

@@ -85,6 +85,14 @@ class CellReportRow(Rows):
     iterations = "1", "iterations of this step"
     snap_loss = "J/m^2", "energy lost in snaps so far"
     worst_residual = "1", "worst relative residual so far"
+    surplus = "J/m^2", "energy that the time integration has made, and not yet taken back; negative where it lost some"
+    energy = "J/m^2", "energy of the membrane at the last step"
+    warp_strain = "1", "warp stretch - 1 at the last step"
+    weft_strain = "1", "weft stretch - 1 at the last step"
+    shear_angle = "rad", "shear angle at the last step, if the cell depends on it"
+    warp_impulse = "N s/m", "force along the warp at the last step, with its correction, times the mean step"
+    weft_impulse = "N s/m", "the same along the weft"
+    moment_impulse = "N s/m", "shear moment of the cell at the last step times the mean step"
 
 
 class SlipRow(Rows):
@@ -133,6 +141,7 @@ class SheetEnergy(Rows):
     transverse_shear = "J", "of transverse shear"
     hourglass = "J", "of the stabilisation"
     snap_loss = "J", "lost in snaps of the unit cell so far"
+    surplus = "J", "made by the time integration at kinks of the membrane, not yet taken back; negative: lost"
     shear_friction_loss = "J", "lost between the yarns so far"
     bending_friction_loss = "J", "lost inside the bent yarns so far"
 

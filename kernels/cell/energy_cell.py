@@ -216,7 +216,7 @@ def solution_functions(
     cell: CellEnergy, crossover_of: wp.Function, condensed: wp.Function, lane_state: wp.Function
 ) -> tuple[wp.Function, wp.Function]:
     """``solve`` and ``stable_tangent``."""
-    n, equilibrium = cell.unknown_count, equilibrium_function(cell)
+    n, equilibrium, energy_of = cell.unknown_count, equilibrium_function(cell), cell.energy
 
     @wp.func
     def solve(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer: Any):
@@ -226,6 +226,7 @@ def solution_functions(
         force2 = type(strain1)()
         moment = type(strain1)()
         pressure = type(strain1)()
+        energy = type(strain1)()
         residual = type(strain1)()
         iterations = type(strain1)()
         i = wp.int32(0)
@@ -237,10 +238,11 @@ def solution_functions(
             force2[i] = strain1.dtype(g[1])
             moment[i] = strain1.dtype(g[2])
             pressure[i] = strain1.dtype(crossover_of(p, x))
+            energy[i] = strain1.dtype(energy_of(p, x))
             residual[i] = strain1.dtype(worst)
             iterations[i] = strain1.dtype(count)
             i = i + 1
-        return type(answer)(force1, force2, moment, pressure, residual, iterations, q)
+        return type(answer)(force1, force2, moment, pressure, energy, residual, iterations, q)
 
     @wp.func
     def stable_tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int, t: Any):

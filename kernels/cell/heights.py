@@ -12,7 +12,7 @@ import warp as wp
 from ..lanes import fill, inverses, lane_maximum, larger, magnitude, smaller, where_positive
 from ..operators import div, mul  # noqa: F401
 from .law import MAXIMUM_ITERATIONS
-from .yarn import yarn_expansion, yarn_forces, yarn_remainder
+from .yarn import ELONGATION, MOMENT, STIFFNESS, yarn_expansion, yarn_forces, yarn_remainder
 
 # Row of w_1 + w_2 in a step.
 CLOSING = wp.constant(2)
@@ -99,18 +99,20 @@ def pair_expansion(cell: Any, state1: Any, state2: Any):
 
 
 @wp.func
-def third_order(own: Any, stiffness: Any, inverse: Any, www: Any, newton: Any):
-    """What the third derivatives add to Newton's step: -H^-1 Pi_www d d/2."""
+def third_order(cell: Any, state1: Any, state2: Any, own: Any, stiffness: Any, inverse: Any, newton: Any):
+    """What the third derivatives add to Newton's step, -H^-1 Pi_www d d/2, and the derivatives uw, uww."""
     half = inverse.dtype(0.5)
+    uw, uww, www = pair_expansion(cell, state1, state2)
     bent = wp.matrix_from_rows(half * www[0] * newton[0] * newton[0], half * www[1] * newton[1] * newton[1])
-    return against(own, stiffness, inverse, bent, fill(inverse, 0.0))
+    return against(own, stiffness, inverse, bent, fill(inverse, 0.0)), uw, uww
 
 
 @wp.func
-def step_ratio(newton: Any, extra: Any):
-    """Size of what the third derivatives add to Newton's step, over the size of that."""
+def twice_squared_ratio(newton: Any, extra: Any):
+    """Size of what the third derivatives add to Newton's step, over the size of that: twice its square."""
     added = magnitude(extra[0]) + magnitude(extra[1])
-    return added / (magnitude(newton[0]) + magnitude(newton[1]) + fill(added, 1.0e-37))
+    ratio = added / (magnitude(newton[0]) + magnitude(newton[1]) + fill(added, 1.0e-37))
+    return ratio.dtype(2.0) * ratio * ratio
 
 
 @wp.func
@@ -150,6 +152,17 @@ def advanced(w: Any, closing: Any, unfinished: Any, change: Any):
 def along_step(force: Any, pressure: Any, step: Any):
     """Work of dPi/dw over a step: ``force`` of the yarns, ``pressure`` of the contact."""
     return force[0] * step[0] + force[1] * step[1] + pressure * step[CLOSING]
+
+
+@wp.func
+def energy_after(cell: Any, state1: Any, state2: Any, force: Any, pressure: Any, closing: Any, newton: Any, extra: Any):
+    """Twice Pi after the last step, from the states of the yarns before it: to the fourth order g d_1 + 2/3 g d_2."""
+    bent1 = state1[MOMENT] * state1[MOMENT] * fill(closing, cell.inverse_rotation_stiffness[0])
+    bent2 = state2[MOMENT] * state2[MOMENT] * fill(closing, cell.inverse_rotation_stiffness[1])
+    drawn1 = state1[STIFFNESS] * state1[ELONGATION] * state1[ELONGATION]
+    drawn2 = state2[STIFFNESS] * state2[ELONGATION] * state2[ELONGATION]
+    change = along_step(force, pressure, newton) + closing.dtype(2.0 / 3.0) * along_step(force, pressure, extra)
+    return (drawn1 + drawn2) + (bent1 + bent2) + pressure * closing + change
 
 
 @wp.func
@@ -195,7 +208,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
     most a quarter of the chord; a step that overshoots (the directional derivative changes sign and keeps more than
     half its size) is partly undone, by a Newton step along it, so that the point stays between two known slopes.
 
-    Returns w, dPi/du, crossover force of the half cell, relative residual, iterations.
+    Returns w, dPi/du, crossover force of the half cell, 2 Pi, relative residual, iterations.
     """
     w = start
     zero = fill(u1, 0.0)
@@ -204,6 +217,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
     slope = zero  # directional derivative at the start of the step, <= 0
     force = type(start)()
     crossover = zero
+    energy = zero
     residual = fill(u1, 1.0)
     iterations = zero
     for iteration in range(MAXIMUM_ITERATIONS + 1):
@@ -216,19 +230,18 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         unbalanced = larger(magnitude(by_w[0] + pressure), magnitude(by_w[1] + pressure))
         residual = unbalanced * inverse_size
         newton = against(own, stiffness, inverse, by_w, closing)
-        uw, uww, www = pair_expansion(cell, state1, state2)
-        extra = third_order(own, stiffness, inverse, www, newton)
+        extra, uw, uww = third_order(cell, state1, state2, own, stiffness, inverse, newton)
         closed = settled_closing(own, inverse, by_w, closing) + extra[CLOSING]
         # residual after both: the ratio of the two parts once more, and terms beyond the third derivatives
-        ratio = step_ratio(newton, extra)
         beyond, changes = pair_remainder(cell, state1, state2, closing, closed, newton + extra)
         size = smaller(size, residual_size(cell, sizes + changes, stiffness * closed))
-        remainder = (u1.dtype(2.0) * unbalanced * ratio * ratio + beyond) / size
+        remainder = (unbalanced * twice_squared_ratio(newton, extra) + beyond) / size
         better = where_positive(definite, residual - remainder, zero)
         remainder = where_positive(better, remainder, residual)
         # a NaN compares false and is caught by the caller; it must not stall the other lanes
         unfinished = where_positive(remainder - fill(u1, cell.tolerance), fill(u1, 1.0), zero)
         if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
+            energy = energy_after(cell, state1, state2, by_w, pressure, closing, newton, extra)
             w, force = last_step(w, newton + extra, better, by_u, uw, uww)
             crossover = -(stiffness * where_positive(better, closed, closing))
             residual = remainder
@@ -236,4 +249,4 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         iterations = iterations + unfinished
         change, step, slope = safeguarded(cell, by_w, pressure, own, stiffness, newton, step, slope)
         w, closing = advanced(w, closing, unfinished, change)
-    return w, force, crossover, residual, iterations
+    return w, force, crossover, energy, residual, iterations

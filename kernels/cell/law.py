@@ -25,6 +25,7 @@ def cell_answer_struct(real: type, lane_count: int, row_count: int):
         weft_force: lanes
         moment: lanes
         pressure: lanes  # between warp and weft, per reference area [N/m^2]
+        energy: lanes  # psi [J/m^2]
         residual: lanes  # relative
         iterations: lanes
         unknowns: wp.types.matrix((row_count, lane_count), real)

@@ -44,6 +44,7 @@ def unit_cell_struct(real: type):
         tensile_stiffness: wp.types.vector(2, real)  # EA / l0 in tension
         compressive_stiffness: wp.types.vector(2, real)  # EA_c / l0 in compression
         rotation_stiffness: wp.types.vector(2, real)  # 3 EI / l0, a stiffness times an area
+        inverse_rotation_stiffness: wp.types.vector(2, real)  # 0 without bending stiffness
         contact_stiffness: real  # E_3 A_3 / L_3 of the half cell
         unilateral: wp.int32  # 1: the yarns may separate
         tolerance: real  # residual relative to the forces in balance
@@ -118,17 +119,24 @@ def condensed_tangent(cell: Any, u1: Any, u2: Any, w: Any, in_tension: bool):
 
 
 @wp.func
+def energy_unit(cell: Any):
+    """Energy of a half cell of one over its area [J/m^2]."""
+    return cell.stiffness_unit / ((cell.half_spacing[0] + cell.half_spacing[0]) * cell.half_spacing[1])
+
+
+@wp.func
 def equilibrium(cell: Any, strain1: Any, strain2: Any, start: Any):
-    """Height changes, n_1, n_2, pressure, residual, iterations."""
+    """Height changes, n_1, n_2, pressure, energy, residual, iterations."""
     u1 = cell.half_spacing[0] * strain1
     u2 = cell.half_spacing[1] * strain2
-    w, force, crossover, residual, iterations = solve_unit_cell(cell, u1, u2, cell.per_length_unit * start)
+    w, force, crossover, energy, residual, iterations = solve_unit_cell(cell, u1, u2, cell.per_length_unit * start)
     half = u1.dtype(0.5) * cell.stiffness_unit
     return (
         cell.length_unit * w,
         (half / cell.half_spacing[1]) * force[0],
         (half / cell.half_spacing[0]) * force[1],
         (half * cell.per_length_unit / (cell.half_spacing[0] * cell.half_spacing[1])) * crossover,
+        (u1.dtype(0.5) * energy_unit(cell)) * energy,
         residual,
         iterations,
     )
@@ -136,14 +144,8 @@ def equilibrium(cell: Any, strain1: Any, strain2: Any, start: Any):
 
 @wp.func
 def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer: Any):
-    w, n1, n2, pressure, residual, iterations = equilibrium(cell, strain1, strain2, start)
-    return type(answer)(n1, n2, fill(n1, 0.0), pressure, residual, iterations, w)
-
-
-@wp.func
-def energy_unit(cell: Any):
-    """Energy of a half cell of one over its area [J/m^2]."""
-    return cell.stiffness_unit / ((cell.half_spacing[0] + cell.half_spacing[0]) * cell.half_spacing[1])
+    w, n1, n2, pressure, energy, residual, iterations = equilibrium(cell, strain1, strain2, start)
+    return type(answer)(n1, n2, fill(n1, 0.0), pressure, energy, residual, iterations, w)
 
 
 @wp.func
@@ -176,7 +178,7 @@ def tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, t: Any):
 
 @wp.func
 def stable_tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int, t: Any):
-    solution, n1, n2, pressure, residual, iterations = equilibrium(cell, strain1, strain2, q)
+    solution, n1, n2, pressure, energy, residual, iterations = equilibrium(cell, strain1, strain2, q)
     k11, k12, k22 = condensed_tangent(
         cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, cell.per_length_unit * solution, True
     )

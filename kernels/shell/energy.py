@@ -24,7 +24,7 @@ from .kinematics import (
 )
 from .laws import SheetTraits, sheet_struct
 from .membrane import unknowns_function
-from .thickness import compressive_force
+from .thickness import compressive_energy, compressive_force
 
 
 @cache
@@ -46,15 +46,6 @@ def cell_energies_function(real: type, cell: CellLaw):
         return answer
 
     return book_cell
-
-
-@wp.func
-def compressive_energy(laws: Any, m: Any):
-    """Twice psi of the sheet's own compressive stiffness [J/m^2]."""
-    one = fill(m.stretch1, 1.0)
-    warp = compressive_force(laws, m.stretch1) * (m.stretch1 - one)
-    weft = compressive_force(laws, m.stretch2) * (m.stretch2 - one)
-    return warp + weft
 
 
 @cache
@@ -166,6 +157,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         energies[part_count + SheetEnergy.in_plane_bending, e] = in_plane_bending * square
         energies[part_count + SheetEnergy.hourglass, e] = half * area * hourglass
         energies[part_count + SheetEnergy.snap_loss, e] = area * cell_report[CellReportRow.snap_loss, e]
+        energies[part_count + SheetEnergy.surplus, e] = area * cell_report[CellReportRow.surplus, e]
 
         fields[ElementField.shear_angle, e] = m.angle
         fields[ElementField.warp_stretch, e] = m.stretch1

@@ -6,6 +6,7 @@ from typing import Any
 import warp as wp
 
 from ..cell.law import CellLaw
+from ..cell.surplus import take_back_function
 from ..lanes import fill, lane_types, scale, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
@@ -22,7 +23,7 @@ from .kinematics import (
     vectors_functions,
 )
 from .laws import SheetTraits, sheet_struct
-from .membrane import cell_answer_function, membrane_resultants, shear_moment_function
+from .membrane import add_compression, cell_answer_function, membrane_resultants, shear_moment_function
 from .thickness import current_thickness
 
 
@@ -139,7 +140,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)
     answer_cell, shear_moment = cell_answer_function(*layout, cell), shear_moment_function(cell, traits)
     resist_bending, stabilise = resist_bending_function(traits), stabilisation_function(*layout, traits.flat)
-    follows_thickness = traits.follows_thickness
+    take_back, follows_thickness = take_back_function(real, cell), traits.follows_thickness
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_forces(
@@ -147,6 +148,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         first_block: wp.int32,
         sheet: Sheet,
         motion: wp.array(dtype=real),
+        clock: wp.array(dtype=wp.float64),
         # Out
         cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),  # rows: see CellReportRow
@@ -162,6 +164,8 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         m = stretch_membrane(x.by1, x.by2)
 
         answer = answer_cell(sheet.cell, block, m, cell_unknowns, cell_report)
+        answer = add_compression(laws, m, answer)
+        answer = take_back(elements.yarn_inertia, block, m, clock, answer, cell_report)
         # once more: reading them again is cheaper than keeping them while the cell iterates
         shape = shape_functions(elements, block, Shape())
         area = elements.area[block]

@@ -30,6 +30,7 @@ def element_struct(real: type, lane_count: int):
         shape_gradient: wp.array2d(dtype=types.lanes)  # rows: see GradientRow
         hourglass_offset: wp.array2d(dtype=types.lanes)  # rows: see OffsetRow
         area: wp.array(dtype=types.lanes)  # reference area [m^2]; 0 for padding
+        yarn_inertia: wp.array(dtype=types.lanes)  # areal density over 4 max B, of motions that stretch yarns [kg]
         initial_curvature: wp.array2d(dtype=types.lanes)  # rows: see CurvatureRow; not read for a flat sheet
         initial_transverse_shear: wp.array2d(dtype=types.lanes)  # rows: see TransverseShearRow
         initial_hourglass: wp.array2d(dtype=types.lanes)  # rows: see HourglassRow

@@ -14,7 +14,7 @@ from ..rows import CellReportRow
 from .kinematics import corner_angles
 from .laws import SheetTraits
 from .shear import moment_resultants, shear_friction_function
-from .thickness import compressive_force
+from .thickness import compressive_energy, compressive_force
 
 
 @cache
@@ -62,9 +62,20 @@ def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
             freed = snap_loss(cell, m.strain1, m.strain2, m.angle, start, unknowns)
             if lane_maximum(freed) > freed.dtype(0.0):
                 cell_report[CellReportRow.snap_loss, block] = cell_report[CellReportRow.snap_loss, block] + freed
+                # a loss that the motion does not get back
+                cell_report[CellReportRow.energy, block] = cell_report[CellReportRow.energy, block] - freed
         return answer
 
     return answer_cell
+
+
+@wp.func
+def add_compression(laws: Any, m: Any, answer: Any):
+    """The cell's answer with the forces and the energy of the sheet's own compressive stiffness."""
+    answer.warp_force = answer.warp_force + compressive_force(laws, m.stretch1)
+    answer.weft_force = answer.weft_force + compressive_force(laws, m.stretch2)
+    answer.energy = answer.energy + m.strain1.dtype(0.5) * compressive_energy(laws, m)
+    return answer
 
 
 @wp.func
@@ -100,10 +111,10 @@ def shear_moment_function(cell: CellLaw, traits: SheetTraits):
 
 @wp.func
 def membrane_resultants(laws: Any, m: Any, answer: Any, moment: Any, shear12: Any, r: Any):
-    """Set T of the unit cell, the sheet's own compressive stiffness, and shear."""
+    """Set T of shear and of the membrane forces of the answer, which include the sheet's compressive stiffness."""
     inverse1, inverse2 = inverses(m.stretch1, m.stretch2)
-    t11 = (answer.warp_force + compressive_force(laws, m.stretch1)) * inverse1
-    t22 = (answer.weft_force + compressive_force(laws, m.stretch2)) * inverse2
+    t11 = answer.warp_force * inverse1
+    t22 = answer.weft_force * inverse2
     turned11, turned12, turned22 = moment_resultants(moment, m.m12, inverse1, inverse2, m.inverse_ratio)
     r.t11 = t11 + turned11
     r.t12 = turned12 + shear12

@@ -16,6 +16,15 @@ def compressive_force(laws: Any, stretch: Any):
 
 
 @wp.func
+def compressive_energy(laws: Any, m: Any):
+    """Twice psi of the sheet's own compressive stiffness [J/m^2]."""
+    one = fill(m.stretch1, 1.0)
+    warp = compressive_force(laws, m.stretch1) * (m.stretch1 - one)
+    weft = compressive_force(laws, m.stretch2) * (m.stretch2 - one)
+    return warp + weft
+
+
+@wp.func
 def current_thickness(laws: Any, area_ratio: Any, crossover_pressure: Any):
     """t = t_0 J^-n / (1 + p/E_c) [m], with the crossover pressure p."""
     pressed = where_positive(crossover_pressure, crossover_pressure, fill(area_ratio, 0.0))

@@ -143,7 +143,7 @@ class Launches:
         wp.launch(
             self._kernels[index].forces,
             dim=sheet.element_count // sheet.lane_count if count is None else count,
-            inputs=[first, arguments.sheet, own.motion],
+            inputs=[first, arguments.sheet, own.motion, self.state.clock],
             outputs=[arguments.cell_unknowns, arguments.cell_report, arguments.slip, arguments.corner_force],
             device=sheet.device,
         )

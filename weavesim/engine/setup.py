@@ -40,8 +40,8 @@ class Solver(Parameters):
         lane_count: elements per kernel thread, 1 or 16; chosen by the device if None.
         time_step: largest step allowed [s]; must be stable. None uses the stable step.
         target_step: step for which the mass is scaled up [s]; None adds no mass.
-        step_safety: share of the stable step 2/omega that is used; a smaller one calms yarns that rattle between
-            slack and taut (theory, section 7).
+        step_safety: share of the stable step 2/omega that is used; a smaller one reduces the error of the time
+            integration.
     """
 
     device: str = "cpu"

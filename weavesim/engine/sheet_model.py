@@ -212,6 +212,7 @@ class SheetModel:
             "shape_gradient": gradient,
             "hourglass_offset": self._padded(geometry.hourglass_offset, self.element_count),
             "area": self._padded(geometry.area, self.element_count),
+            "yarn_inertia": self._padded(0.25 * self.areal_density / geometry.largest_gradient, self.element_count),
         }
         for name, strain in (
             ("initial_curvature", geometry.curvature),

@@ -73,6 +73,13 @@ class ElementGeometry:
         return 2.0 * (b[0] ** 2 + b[2] ** 2), 2.0 * (b[1] ** 2 + b[3] ** 2)
 
     @property
+    def largest_gradient(self) -> np.ndarray:
+        """Largest eigenvalue of the sums over the corners of N_,alpha N_,beta [1/m^2]."""
+        b11, b22 = self.squared_gradients
+        b12 = 2.0 * (self.gradient[0] * self.gradient[1] + self.gradient[2] * self.gradient[3])
+        return 0.5 * (b11 + b22) + np.hypot(0.5 * (b11 - b22), b12)
+
+    @property
     def squared_hourglass(self) -> np.ndarray:
         """Sum over the corners of the squared hourglass vector."""
         return 4.0 + 2.0 * np.square(self.hourglass_offset).sum(axis=0)

@@ -126,7 +126,8 @@ def _shared_walls(faces: np.ndarray, counts: np.ndarray) -> np.ndarray:
     of_patch, times = np.unique(np.repeat(patch, 3) * count + edge.ravel(), return_counts=True)
     rim[of_patch[times % 2 == 1] // count] = True
     wall = multiple & (counts % 2 == 0) & rim[patch]
-    if not np.any(wall):
+    # a body is more than walls: where most faces are double, they are copies
+    if not 0 < np.count_nonzero(wall) < 0.5 * len(faces):
         return none
     # only if what remains of the connected whole is closed
     whole = labels(len(faces), _linked(edge, np.ones_like(edge, dtype=bool)))

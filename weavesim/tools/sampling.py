@@ -292,7 +292,7 @@ def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolera
 def _query(triangles: _Triangles, points: np.ndarray) -> np.ndarray:
     device = triangles.device
     distance = wp.zeros(len(points), dtype=float, device=device)
-    near = wp.array(points - triangles.surface.centre, dtype=wp.vec3, device=device)
+    near: wp.array = wp.array(points - triangles.surface.centre, dtype=wp.vec3, device=device)
     inputs = [triangles.mesh.id, near, triangles.largest, triangles.crossed]
     wp.launch(mesh_distance_kernel, dim=len(points), inputs=inputs, outputs=[distance], device=device)
     return distance.numpy().astype(np.float64)

@@ -7,8 +7,9 @@ from tests.support.oracles import box_distance, union_distance
 from tests.support.solids import LEFT, RIGHT, SIZE, agrees, ball, box, notes, points_about, sheet, shuffled, together
 from weavesim.errors import InputError
 from weavesim.tools.mesh_bodies import winding_numbers
-from weavesim.tools.mesh_tool import MeshSurface
+from weavesim.tools.mesh_tool import MeshShape, MeshSurface
 from weavesim.tools.sampling import exact_distance
+from weavesim.tools.tool import Tool
 
 # --- bodies that lie apart, touch, overlap, or contain each other ----------------------------------------------------
 
@@ -201,3 +202,36 @@ def test_winding_numbers_count_the_bodies_around_a_point():
     vertices, faces = together(box((0.1, 0.1, 0.1)), box())
     points = np.array([[0.0, 0.0, 0.0], [0.04, 0.0, 0.0], [0.06, 0.0, 0.0]])
     np.testing.assert_allclose(winding_numbers(vertices, faces, points), [2.0, 1.0, 0.0], atol=1e-12)
+
+
+def crossing_tube(turns, count=240, radius=0.004):
+    """A closed tube along a figure of eight or more loops, which crosses itself."""
+    angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    path = 0.05 * np.column_stack([np.sin(turns[0] * angle), np.sin(turns[1] * angle), np.zeros(count)])
+    along = np.roll(path, -1, axis=0) - np.roll(path, 1, axis=0)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    across = np.column_stack([-along[:, 1], along[:, 0], np.zeros(count)])
+    ring = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    up = np.array([0.0, 0.0, 1.0])
+    vertices = path[:, None] + radius * (
+        np.cos(ring)[None, :, None] * across[:, None] + np.sin(ring)[None, :, None] * up
+    )
+    i, j = np.meshgrid(np.arange(count), np.arange(12), indexing="ij")
+    a, b = (12 * i + j).ravel(), (12 * ((i + 1) % count) + j).ravel()
+    c, d = (12 * ((i + 1) % count) + (j + 1) % 12).ravel(), (12 * i + (j + 1) % 12).ravel()
+    return path, (vertices.reshape(-1, 3), np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])]))
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+@pytest.mark.parametrize("turns", [(1, 2), (2, 3)])
+def test_a_body_that_crosses_itself_is_solid_where_it_does(turns, inverted):
+    path, (vertices, faces) = crossing_tube(turns)
+    surface = MeshSurface(vertices, faces[:, ::-1] if inverted else faces)
+    points = np.random.default_rng(7).uniform(-1.0, 1.0, (3000, 3)) * (0.06, 0.06, 0.006)
+    points = np.concatenate([points, np.random.default_rng(8).uniform(-1.0, 1.0, (500, 3)) * 0.005])
+    expected = np.min(np.linalg.norm(points[:, None] - path[None], axis=2), axis=1) - 0.004
+    clear = np.abs(expected) > 4e-4
+    np.testing.assert_array_equal((exact_distance(surface, points) < 0.0)[clear], (expected < 0.0)[clear])
+    value = Tool("tube", MeshShape.from_triangles(vertices, faces)).distance(points)[0]
+    clear &= np.abs(expected) > 8e-4
+    np.testing.assert_array_equal((value < 0.0)[clear], (expected < 0.0)[clear])

@@ -179,7 +179,7 @@ def swing(fabric, step: float | None, limit: float) -> np.ndarray:
     velocity = 1e-6 * np.random.default_rng(0).normal(size=blank.node_position.shape)
     simulation = one_sheet_run(
         name="swing", blank=blank, fabric=fabric, duration=1.0, initial_velocity=velocity, precision="float64",
-        lane_count=1, threads=1,
+        lane_count=1, threads=1, accept_unusual=True,
     )  # fmt: skip
     result = []
     for _ in range(20):

@@ -209,7 +209,9 @@ class PlainWeave(CrossedYarns):
         cell.tensile_stiffness = vec2(*(tensile / stiffness_unit))
         cell.compressive_stiffness = vec2(*(compressive / stiffness_unit))
         rotation_unit = stiffness_unit * length_unit**2
-        cell.rotation_stiffness = vec2(*(3.0 * np.array(self.bending_stiffness) / length / rotation_unit))
+        rotation = 3.0 * np.array(self.bending_stiffness) / length / rotation_unit
+        cell.rotation_stiffness = vec2(*rotation)
+        cell.inverse_rotation_stiffness = vec2(*(1.0 / k if k > 0.0 else 0.0 for k in rotation.tolist()))
         cell.contact_stiffness = self.contact_stiffness / stiffness_unit
         cell.unilateral = int(self.contact == "unilateral")
         cell.tolerance = UNIT_CELL_TOLERANCE[precision.value]

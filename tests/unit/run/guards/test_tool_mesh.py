@@ -2,7 +2,11 @@
 
 import math
 
+import pytest
+import trimesh
+
 from tests.support.runs import small_run
+from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import Sphere
 from weavesim.tools.tool import Tool
 
@@ -27,3 +31,31 @@ def test_a_radius_that_it_follows_coarsely_is_a_note():
 def test_nothing_is_said_of_a_large_radius():
     simulation = small_run(tools=[ball(0.02)])
     assert simulation.warnings == [] and simulation.info.notes == ()
+
+
+def mesh_tool(size, centre, **options) -> Tool:
+    mesh = trimesh.creation.box(size)
+    return Tool("block", MeshShape.from_triangles(mesh.vertices, mesh.faces, origin=centre, **options))
+
+
+def test_sharp_edges_that_face_the_sheet_are_warned_of_with_their_number_and_place():
+    size = (0.01, 0.008, 0.004)
+    warnings = small_run(tools=[mesh_tool(size, (0.01, 0.01, -0.0006 - 0.002))]).warnings
+    assert any("block: 4 sharp edges face the sheet, one about (" in warning for warning in warnings)
+
+
+@pytest.mark.parametrize(
+    ("size", "centre"),
+    [((0.2, 0.2, 0.004), (0.01, 0.01, -0.0026)), ((0.1, 0.1, 0.02), (0.01, 0.01, -0.0106))],
+    ids=["wide plate", "wide block"],
+)
+def test_sharp_edges_beyond_the_sheet_are_not(size, centre):
+    assert not any("sharp edges" in warning for warning in small_run(tools=[mesh_tool(size, centre)]).warnings)
+
+
+def test_a_far_fleck_is_warned_of():
+    plate, fleck = trimesh.creation.box((0.1, 0.1, 0.004)), trimesh.creation.box((0.002, 0.002, 0.002))
+    fleck.apply_translation((0.5, 0.5, 0.0))
+    both = trimesh.util.concatenate([plate, fleck])
+    tool = Tool("table", MeshShape.from_triangles(both.vertices, both.faces, origin=(0.01, 0.01, -0.0026)))
+    assert any("12 triangles, 3.46 mm across, lie far from the rest" in w for w in small_run(tools=[tool]).warnings)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
-from .input_files import MEBIBYTE, read_bounded, shown
+from .input_files import MEBIBYTE, path_of, read_bounded, shown
 
 LARGEST_DOCUMENT = MEBIBYTE
 DEEPEST_NESTING = 12
@@ -52,7 +52,7 @@ def read_document(path: str | Path, what: str) -> Document:
         InputError: a file that is missing, too large, damaged or nested too deeply; a key that occurs twice; a value
             that no parameter can have: a date, a number that is not finite or too large.
     """
-    path = Path(path)
+    path = path_of(path, what)
     where = f"{what} {shown(path)}"
     content = read_bounded(path, what, LARGEST_DOCUMENT)
     try:
@@ -68,7 +68,7 @@ def read_document(path: str | Path, what: str) -> Document:
     except RecursionError:
         raise InputError(f"{where}: nested too deeply") from None
     except ValueError as error:
-        reason = "a number of thousands of digits" if "digits" in str(error) else shown(error)
+        reason = "a number of thousands of digits" if "digits" in str(error) else _reason(error, text, path.suffix)
         raise InputError(f"{where}: {reason}") from None
     if not isinstance(values, dict):
         raise InputError(f"{where}: a table of parameters is needed, not {_kind(values)}")
@@ -79,6 +79,35 @@ def read_document(path: str | Path, what: str) -> Document:
             place = f"{where}, line {line}" if line else where
             raise InputError(f"{place}: {dotted(keys)}: {problem}")
     return document
+
+
+# What people write in TOML that is none, and what to do.
+_NO_TOML = (
+    (re.compile(r"[=\[,\s][+-]?\.\d"), "a number needs a digit before its point, as in 0.5"),
+    (re.compile(r"\d\.(?![\d_])"), "a number needs a digit after its point, as in 1.0"),
+    (re.compile(r"=\s*[+-]?\d+,\d"), "write decimals with a point, as in 0.5"),
+    (re.compile(r"(?i)=\s*[+-]?\d[\d.]*(?:e[+-]?\d+)?\s*(?!e[+-]?\d)[a-z%°µ]"), "a number stands without its unit"),
+    (re.compile(r"=\s*(?:True|False|TRUE|FALSE)\b"), "write true or false"),
+    (re.compile(r"=\s*(?!true\b|false\b|nan\b|inf\b)[A-Za-z]"), "a text needs quotation marks"),
+    (re.compile(r"^\s*[\w.-]+\s*:"), 'TOML has "name = value"'),
+)  # fmt: skip
+
+
+def _reason(error: ValueError, text: str, suffix: str) -> str:
+    """What is wrong in a text that is no TOML, or no JSON, and the likely slip."""
+    if isinstance(error, json.JSONDecodeError):
+        name = "" if suffix.lower() == ".json" else "; a file whose name does not end in .toml is read as JSON"
+        return f"no valid JSON: {shown(error)}{name}"
+    if suffix.lower() != ".toml":
+        return shown(error)
+    hint = ""
+    place = re.search(r"at line (\d+)", str(error))
+    if text.lstrip().startswith("{"):
+        hint = "; it looks like JSON: let its name end in .json"
+    elif place and not str(error).startswith("Cannot"):  # that is said well enough
+        line = text.split("\n")[int(place[1]) - 1][:10_000]
+        hint = next((f"; {advice}" for pattern, advice in _NO_TOML if pattern.search(line)), "")
+    return f"no valid TOML: {shown(error)}{hint}"
 
 
 def dotted(keys: Iterable[object]) -> str:

@@ -21,6 +21,17 @@ def shown(text: object) -> str:
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(text))
 
 
+def path_of(path: object, what: str) -> Path:
+    """A path that a user gives.
+
+    Raises:
+        InputError: something else than a text or a path.
+    """
+    if not isinstance(path, str | os.PathLike) or not isinstance(os.fspath(path), str):
+        raise InputError(f"{what} = {shown(repr(path))[:80]}: the path of a file is needed, as a text or a Path")
+    return Path(path)
+
+
 def read_bounded(path: str | Path, what: str, largest: int) -> bytes:
     """The content of a regular file; never waits, and never reads more than ``largest`` bytes.
 

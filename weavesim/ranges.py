@@ -25,19 +25,19 @@ logger = logging.getLogger(__name__)
 
 Range = tuple[float, float]
 
-# Units that are often given in place of ours, and the factor from them to ours.
+# Units that are often given in place of ours, and the factor from them to ours, the likelier first.
 SLIPS: dict[str, tuple[tuple[str, float], ...]] = {
-    "m": (("mm", 1.0e-3), ("inch", 0.0254), ("um", 1.0e-6), ("cm", 1.0e-2), ("km", 1.0e3)),
+    "m": (("mm", 1.0e-3), ("inch", 0.0254), ("cm", 1.0e-2), ("um", 1.0e-6)),
     "m^2": (("mm^2", 1.0e-6), ("cm^2", 1.0e-4)),
     "m^4": (("mm^4", 1.0e-12),),
     "1/m": (("1/mm", 1.0e3), ("1/cm", 1.0e2)),
     "rad": (("degrees", math.pi / 180.0),),
     "degrees": (("rad", 180.0 / math.pi),),
-    "Pa": (("GPa", 1.0e9), ("MPa", 1.0e6), ("kPa", 1.0e3)),
-    "N/m": (("N/mm", 1.0e3), ("kN/m", 1.0e3), ("mN/m", 1.0e-3)),
+    "Pa": (("GPa", 1.0e9), ("MPa", 1.0e6)),
+    "N/m": (("N/mm", 1.0e3),),
     "N m": (("N mm", 1.0e-3), ("mN mm", 1.0e-6)),
     "N": (("kN", 1.0e3), ("mN", 1.0e-3)),
-    "kg": (("g", 1.0e-3), ("t", 1.0e3)),
+    "kg": (("g", 1.0e-3),),
     "kg/m^2": (("g/m^2", 1.0e-3),),
     "kg/m^3": (("g/cm^3", 1.0e3), ("t/mm^3", 1.0e12)),
     "m/s": (("mm/s", 1.0e-3), ("mm/min", 1.0e-3 / 60.0)),
@@ -47,6 +47,13 @@ SLIPS: dict[str, tuple[tuple[str, float], ...]] = {
     "1": (("per cent", 1.0e-2),),
     "m/unit": (),
 }
+# Nobody writes 0.0001 km or 1e9 mN: sizes that are written in another unit, of which some are small by nature.
+WRITTEN: Range = (1.0e-3, 1.0e5)
+SMALLEST_WRITTEN = {"mm^4": 1.0e-13, "t/mm^3": 1.0e-10}
+# Units of which both are likely; of the others only the first that fits is named.
+TWO_WAYS = ("Pa", "m/s")
+# Only what is thin is measured in micrometres.
+THICKEST_IN_MICROMETRES = 0.05
 
 
 class Row(NamedTuple):
@@ -72,16 +79,17 @@ QUANTITIES: dict[str, Row] = {
     "areal density": Row("mass per area of a sheet", "kg/m^2", (1.0e-4, 50.0), (0.01, 20.0)),
     "fibre density": Row("density of fibres", "kg/m^3", (100.0, 3.0e4), (500.0, 9.0e3)),
     "sheet modulus": Row("modulus of a sheet in bending", "Pa", (0.0, 1.0e13), (1.0e3, 1.0e12)),
-    "shear modulus": Row("modulus of a sheet in shear", "Pa", (0.0, 1.0e13), (10.0, 1.0e11)),
+    "shear modulus": Row("modulus of a sheet in shear", "Pa", (0.0, 1.0e13), (1.0e3, 1.0e11)),
     "membrane stiffness": Row("yarn stiffness per width", "N/m", (0.0, 1.0e13), (1.0, 1.0e9)),
     "compressive stiffness": Row("stiffness in compression, per width", "N/m", (0.0, 1.0e13), (1.0e-3, 1.0e8)),
     "bending stiffness": Row("bending stiffness per width", "N m", (0.0, 1.0e6), (1.0e-8, 10.0)),
-    "in-plane bending": Row("in-plane bending stiffness", "N m", (0.0, 1.0e6), (1.0e-9, 10.0)),
+    "in-plane bending": Row("in-plane bending stiffness", "N m", (0.0, 1.0e6), (1.0e-9, 1.0)),
     "bending moment": Row("bending moment per width", "N", (0.0, 1.0e9), (1.0e-7, 1.0e4)),
     "curvature": Row("curvature of a sheet", "1/m", (1.0e-6, 1.0e7), (1.0, 1.0e4)),
     "shear angle": Row("shear angle of a sheet", "rad", (0.0, _RIGHT_ANGLE), (0.01, _RIGHT_ANGLE)),
     "locking width": Row("angle over which locking builds up", "rad", (1.0e-6, _RIGHT_ANGLE), (1.0e-3, 0.8)),
-    "shear moment": Row("shear moment per area", "N/m", (0.0, 1.0e9), (1.0e-4, 1.0e6)),
+    "shear moment": Row("largest shear moment per area", "N/m", (0.0, 1.0e9), (0.2, 2.0e4)),
+    "friction moment": Row("shear moment of friction or of noise", "N/m", (0.0, 1.0e9), (1.0e-3, 2.0e4)),
     "shear stiffness": Row("slope of the shear moment over the angle", "N/m", (0.0, 1.0e12), (1.0e-3, 1.0e8)),
     "friction length": Row("friction coefficient times contact radius", "m", (0.0, 0.02), (1.0e-7, 5.0e-3)),
     # yarns and crossovers
@@ -200,12 +208,20 @@ def illegal(value: Any, row: Row) -> str | None:
 
 
 def slip(size: float, row: Row, before: str) -> str:
-    """The likely slip behind a size, as a clause that begins with ``before``."""
+    """The likely slip behind a size, or two, as a clause that begins with ``before``."""
+    if row.unit == "m/unit":
+        return f"{before}it is 0.001 for a file in millimetres, 0.0254 for inches, 1 for metres"
     low, high = row.plausible
-    for other, factor in SLIPS[row.unit]:
-        if low <= size * factor <= high:
-            return f"{before}write {size * factor:.4g} for {size:.4g} {other}"
-    return f"{before}it is in {row.unit}" if row.unit not in ("1", "m/unit") else ""
+    likely = [
+        f"{size * factor:.4g} for {size:.4g} {other}"
+        for other, factor in SLIPS[row.unit]
+        if low <= size * factor <= high
+        and SMALLEST_WRITTEN.get(other, WRITTEN[0]) <= size <= WRITTEN[1]
+        and (other != "um" or high <= THICKEST_IN_MICROMETRES)
+    ]
+    if likely:
+        return f"{before}write {' or '.join(likely[: 2 if row.unit in TWO_WAYS else 1])}"
+    return f"{before}it is in {row.unit}" if row.unit != "1" else ""
 
 
 def _unit(row: Row) -> str:

@@ -103,8 +103,15 @@ def third_order(cell: Any, state1: Any, state2: Any, own: Any, stiffness: Any, i
     """What the third derivatives add to Newton's step, -H^-1 Pi_www d d/2, and the derivatives uw, uww."""
     half = inverse.dtype(0.5)
     uw, uww, www = pair_expansion(cell, state1, state2)
-    bent = wp.matrix_from_rows(half * www[0] * newton[0] * newton[0], half * www[1] * newton[1] * newton[1])
-    return against(own, stiffness, inverse, bent, fill(inverse, 0.0)), uw, uww
+    bent1 = half * www[0] * newton[0] * newton[0]
+    bent2 = half * www[1] * newton[1] * newton[1]
+    apart = stiffness * (bent2 - bent1)
+    pressed1 = own[1] * bent1
+    pressed2 = own[0] * bent2
+    extra = wp.matrix_from_rows(
+        (apart - pressed1) * inverse, -((apart + pressed2) * inverse), -((pressed1 + pressed2) * inverse)
+    )
+    return extra, uw, uww
 
 
 @wp.func

@@ -38,6 +38,8 @@ def unit_cell_struct(real: type):
         length_unit: real  # [m]
         per_length_unit: real  # [1/m]
         stiffness_unit: real  # [N/m]
+        per_width: wp.types.vector(2, real)  # n_1 and n_2 of a yarn force of one [N/m]
+        per_area: real  # pressure of a crossover force of one [N/m^2]
         half_spacing: wp.types.vector(2, real)  # L_1, L_2
         crimp_height: wp.types.vector(2, real)  # h_1, h_2
         chord_length: wp.types.vector(2, real)  # l0_1, l0_2
@@ -121,7 +123,7 @@ def condensed_tangent(cell: Any, u1: Any, u2: Any, w: Any, in_tension: bool):
 @wp.func
 def energy_unit(cell: Any):
     """Energy of a half cell of one over its area [J/m^2]."""
-    return cell.stiffness_unit / ((cell.half_spacing[0] + cell.half_spacing[0]) * cell.half_spacing[1])
+    return cell.per_area * cell.length_unit
 
 
 @wp.func
@@ -130,12 +132,11 @@ def equilibrium(cell: Any, strain1: Any, strain2: Any, start: Any):
     u1 = cell.half_spacing[0] * strain1
     u2 = cell.half_spacing[1] * strain2
     w, force, crossover, energy, residual, iterations = solve_unit_cell(cell, u1, u2, cell.per_length_unit * start)
-    half = u1.dtype(0.5) * cell.stiffness_unit
     return (
         cell.length_unit * w,
-        (half / cell.half_spacing[1]) * force[0],
-        (half / cell.half_spacing[0]) * force[1],
-        (half * cell.per_length_unit / (cell.half_spacing[0] * cell.half_spacing[1])) * crossover,
+        cell.per_width[0] * force[0],
+        cell.per_width[1] * force[1],
+        cell.per_area * crossover,
         (u1.dtype(0.5) * energy_unit(cell)) * energy,
         residual,
         iterations,

@@ -26,6 +26,17 @@ def test_documents_are_read(tmp_path):
     [
         ("a = 1\na = 2\n", "Cannot overwrite a value .*line 2"),
         ("a = \n", "line 1"),
+        ("a = .5", "a digit before its point"),
+        ("a = [0.1, .2]", "a digit before its point"),
+        ("a = 1.\n", "a digit after its point"),
+        ("a = 0,6", "decimals with a point"),
+        ("a = 1.2 mm", "without its unit"),
+        ("a = 2e-3m", "without its unit"),
+        ("a = True", "write true or false"),
+        ("kind = MomentCurve", "a text needs quotation marks"),
+        ("a: 1", 'TOML has "name = value"'),
+        ('{"a": 1}', "it looks like JSON: let its name end in .json"),
+        ("a = 1e-3\na = 2e-3\n", "no valid TOML: Cannot overwrite a value .at line 2, column 9.$"),
         ("a = [[[[[[[[[[[[[[1]]]]]]]]]]]]]]", "line 1: a: nested too deeply"),
         ("a = " + "[" * 50_000, "nested too deeply"),
         ("a = " + "{b=" * 20_000, "nested too deeply"),
@@ -76,6 +87,12 @@ def test_bad_toml_is_refused(tmp_path, text, message):
 def test_bad_json_is_refused(tmp_path, text, message):
     with pytest.raises(InputError, match=message):
         read(tmp_path, text, "own.json")
+
+
+@pytest.mark.parametrize("name", ["own.yaml", "own.tml", "own"])
+def test_a_file_of_another_kind_is_told_how_it_was_read(tmp_path, name):
+    with pytest.raises(InputError, match="no valid JSON: .*does not end in .toml is read as JSON"):
+        read(tmp_path, "a: 1\n", name)
 
 
 def test_a_file_without_end_is_refused(tmp_path):

@@ -6,7 +6,7 @@ import socket
 import pytest
 
 from weavesim.errors import InputError
-from weavesim.input_files import check_bounded, read_bounded, shown, within_folder
+from weavesim.input_files import check_bounded, path_of, read_bounded, shown, within_folder
 
 
 def test_a_file_is_read_up_to_its_largest_size(tmp_path):
@@ -16,6 +16,12 @@ def test_a_file_is_read_up_to_its_largest_size(tmp_path):
     for read in (read_bounded, check_bounded):
         with pytest.raises(InputError, match="data file .*data: .* MiB or more; at most"):
             read(path, "data file", 4)
+
+
+@pytest.mark.parametrize("value", [None, 1, 2.5, b"x.toml", ["x"], {}, True])
+def test_what_is_no_path_is_refused(value):
+    with pytest.raises(InputError, match="fabric file = .*the path of a file is needed"):
+        path_of(value, "fabric file")
 
 
 def test_a_huge_file_is_not_read(tmp_path):

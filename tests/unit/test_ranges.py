@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 import pytest
 
+from scenes.hemisphere import cloth
 from tests.support.paths import ROOT
 from weavesim import Dynamics, InputError, Setup, Sheet, Tool
 from weavesim.app.command_line import SCENES
@@ -28,7 +29,7 @@ from weavesim.fabric import (
     load_fabric,
 )
 from weavesim.process import Stroke
-from weavesim.ranges import QUANTITIES, SLIPS, Quantity, argument, quantity_of, unusual_values
+from weavesim.ranges import QUANTITIES, SLIPS, Quantity, argument, illegal, quantity_of, unusual_values
 from weavesim.sheet.blank import Blank
 from weavesim.tools import Sphere
 
@@ -99,6 +100,11 @@ def test_plausible_is_within_legal(name):
 @pytest.mark.parametrize("name", PRESETS)
 def test_presets_and_scenes_are_usual(name):
     assert not list(unusual_values(PRESETS[name]()))
+
+
+@pytest.mark.parametrize("case", ["low-bending", "high-bending"])
+def test_the_cloth_of_the_hemisphere_is_usual(case):
+    assert not list(unusual_values(cloth(case)))
 
 
 FABRIC = glass_polypropylene()
@@ -188,6 +194,38 @@ def test_an_unusual_value_is_a_question_that_can_be_answered(given, message):
     with pytest.raises(InputError, match=message) as raised:
         given()
     assert "--accept-unusual" in str(raised.value)
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_a_slip_is_one_that_people_make(name):
+    """Sizes that nobody writes in the other unit, such as 1e9 mN or 0.0001 km, are no likely slip."""
+    quantity = Quantity(name)
+    low, high = quantity.row.plausible
+    for share in (1.2, 3.0, 10.0, 100.0, 1e3, 1e4, 1e6, 1e9):
+        for size in {high * share, low / share} - {0.0}:
+            text = illegal(size, quantity.row) or quantity.unusual(size)
+            assert " km" not in text and " kPa" not in text
+            for written, other in re.findall(r"for ([-+.e\d]+) (\S+)", text) if "write" in text else ():
+                smallest = 1e-13 if other == "mm^4" else 1e-10 if other == "t/mm^3" else 1e-3
+                assert smallest <= float(written) <= 1e5, text
+                assert other != "um" or high <= 0.05
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("sheet modulus", 20.0, "write 2e.10 for 20 GPa or 2e.07 for 20 MPa"),
+        ("shear modulus", 10.0, "write 1e.10 for 10 GPa or 1e.07 for 10 MPa"),
+        ("speed", 300.0, "write 0.3 for 300 mm/s or 0.005 for 300 mm/min"),
+        ("mesh size", 1.1e-4, "usual are 0.0002 to 0.1 m; it is in m"),
+        ("in-plane bending", 5.0, "write 0.005 for 5 N mm"),
+        ("shear moment", 0.198, "write 198 for 0.198 N/mm"),
+        ("unit scale", 1000.0, "it is 0.001 for a file in millimetres"),
+        ("unit scale", 25.4, "0.0254 for inches"),
+    ],
+)
+def test_the_slip_is_told(name, value, message):
+    assert re.search(message, Quantity(name).unusual(value))
 
 
 def test_the_answer_is_kept_with_the_setup():

@@ -58,6 +58,8 @@ def _check_order(x: np.ndarray, name: str) -> None:
         return
     k = int(np.argmax(step <= 0.0))
     text = f"{name} must increase; entry {k + 1} is {x[k]:.6g}, entry {k + 2} is {x[k + 1]:.6g}"
+    if np.all(step < 0.0):
+        raise ValueError(f"{text}: they decrease all along; write the points, and their values, in the reverse order")
     top = int(np.argmax(x))
     rises, falls = np.all(step[:top] > 0.0), np.all(step[top:] <= 0.0)
     if rises and falls and 0.2 * len(x) < len(x) - 1 - top:

@@ -9,7 +9,7 @@ from typing import Any
 from ..checks import Parameters
 from ..documents import Document, dotted, read_document
 from ..errors import InputError, did_you_mean
-from ..input_files import shown
+from ..input_files import path_of, shown
 from ..ranges import check_usual
 from .columns import ColumnReader, is_reference, unit_of
 from .construction import MISTAKES, chosen, constructed, without_python
@@ -30,6 +30,8 @@ def resolve_fabric(name_or_path: str, *, accept_unusual: bool = False) -> Fabric
     Raises:
         InputError: no such preset or file, or a file with mistakes.
     """
+    if not isinstance(name_or_path, str):
+        name_or_path = str(path_of(name_or_path, "fabric"))
     if name_or_path in PRESETS:
         return PRESETS[name_or_path]()
     if Path(name_or_path).suffix.lower() in SUFFIXES:
@@ -55,6 +57,8 @@ def load_fabric(path: str | Path, *, accept_unusual: bool = False) -> Fabric:
         InputError: a file that is missing or unreadable, an unknown kind, or values that are not allowed or
             unusual; with the key, and its line where that is known.
     """
+    if isinstance(path, str) and path in PRESETS and not Path(path).exists():
+        raise InputError(f"fabric file {path}: this is a preset, no file; take weavesim.resolve_fabric({path!r})")
     document = read_document(path, "fabric file")
     reader = _Reader(document)
     try:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from .bending.law import YarnName
+from .bending.yarns import YarnBending
 from .cell.weaves import CrossedYarns
 
 if TYPE_CHECKING:
@@ -13,13 +16,15 @@ if TYPE_CHECKING:
 # From loose knits and nonwovens to meshes of metal wire [kg/m^3].
 USUAL_DENSITY = (100.0, 4000.0)
 # (D / weight per area)^(1/3), over which a strip droops under its weight: from silk to stiff prepregs [m].
-USUAL_BENDING_LENGTH = (2.0e-3, 0.6)
+USUAL_BENDING_LENGTH = (2.0e-3, 0.4)
 # 12 D / t^3: yarns and fibres slide on each other, so that a fabric is far softer than a plate of its fibres [Pa].
 USUAL_BENDING_MODULUS = (1.0e2, 2.0e10)
 # A sheet has about the height of two crossed yarns; flattened, spread ones are far apart only in the direction of z.
 USUAL_THICKNESS_RATIO = (0.3, 200.0)
 # Height of a crossover over the distance of the yarns.
 LARGEST_USUAL_CRIMP = 1.5
+# Twist over the mean of warp and weft: 0.5 of a plate, less of yarns that slide on each other.
+LARGEST_USUAL_TWIST = 3.0
 GRAVITY = 9.81
 
 
@@ -32,10 +37,27 @@ def disproportionate_values(fabric: Fabric) -> Iterator[str]:
             f"areal_density = {fabric.areal_density:.4g} kg/m^2 over thickness = {fabric.thickness:.4g} m is a density "
             f"of {density:.4g} kg/m^3; usual are {low:g} to {high:g}: check both units (g/m^2, mm)"
         )
-    stiffness = fabric.bending_stiffness_scale
+    yield from _bending(fabric)
+    if isinstance(fabric.bending, YarnBending):
+        yield from _twist(fabric.bending, fabric.thickness)
+    if isinstance(fabric.unit_cell, CrossedYarns):
+        yield from _crossovers(fabric, fabric.unit_cell)
+
+
+def _bending(fabric: Fabric) -> Iterator[str]:
+    """Of the stiffer family, and of the softer one if it has any stiffness."""
+    yarns: tuple[YarnName, ...] = ("warp", "weft")
+    families = [fabric.bending.strip_stiffness(yarn, fabric.thickness) for yarn in yarns]
+    for stiffness in sorted({value for value in families if value > 0.0}, reverse=True):
+        if found := list(_stiffness(fabric, stiffness)):
+            yield from found
+            return
+
+
+def _stiffness(fabric: Fabric, stiffness: float) -> Iterator[str]:
     length = (stiffness / (GRAVITY * fabric.areal_density)) ** (1.0 / 3.0)
     low, high = USUAL_BENDING_LENGTH
-    if stiffness > 0.0 and not low <= length <= high:
+    if not low <= length <= high:
         yield (
             f"the bending stiffness, {stiffness:.4g} N m, and areal_density = {fabric.areal_density:.4g} kg/m^2 let a "
             f"strip droop over {length:.3g} m; usual are {low:g} to {high:g} m: check the bending law (N mm, MPa), "
@@ -43,14 +65,22 @@ def disproportionate_values(fabric: Fabric) -> Iterator[str]:
         )
     modulus = 12.0 * stiffness / fabric.thickness**3
     low, high = USUAL_BENDING_MODULUS
-    if stiffness > 0.0 and not low <= modulus <= high:
+    if not low <= modulus <= high:
         yield (
             f"the bending stiffness, {stiffness:.4g} N m, of a sheet {fabric.thickness:.4g} m thick is that of a solid "
             f"plate with a modulus of {modulus:.3g} Pa; usual for fabrics are {low:g} to {high:g} Pa: check the "
             "bending law (N mm, MPa) and thickness (mm)"
         )
-    if isinstance(fabric.unit_cell, CrossedYarns):
-        yield from _crossovers(fabric, fabric.unit_cell)
+
+
+def _twist(bending: YarnBending, thickness: float) -> Iterator[str]:
+    warp, weft = bending.strip_stiffness("warp", thickness), bending.strip_stiffness("weft", thickness)
+    if min(warp, weft) > 0.0 and bending.twist > LARGEST_USUAL_TWIST * math.sqrt(warp * weft):
+        yield (
+            f"bending.twist = {bending.twist:.4g} N m is {bending.twist / math.sqrt(warp * weft):.3g} times the "
+            f"stiffness of warp and weft, {warp:.4g} and {weft:.4g} N m; usual are up to {LARGEST_USUAL_TWIST:g} "
+            "times: check the units (N mm)"
+        )
 
 
 def _crossovers(fabric: Fabric, cell: CrossedYarns) -> Iterator[str]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError
-from ..input_files import read_bounded, shown
+from ..input_files import path_of, read_bounded, shown
 
 # Bytes of a file that are still read: 40 million triangles of a binary STL. Text that is taken apart word by word, and
 # what meshio reads, needs ten to twenty times its size in memory.
@@ -57,10 +57,7 @@ def opened(path: str | os.PathLike[str], what: str, large: tuple[str, ...] = ())
     Raises:
         InputError: missing, empty, not a regular file, or too large.
     """
-    try:
-        path = Path(path)
-    except TypeError:
-        raise InputError(f"{what} = {shown(repr(path))}: the path of a file is needed") from None
+    path = path_of(path, what)
     try:
         missing = not path.exists() and not path.is_symlink()
     except (OSError, ValueError):

@@ -12,7 +12,7 @@ from ..arrays import FloatArray, IndexArray
 from ..checks import Parameters
 from ..errors import InputError
 from ..meshes import read_mesh
-from ..quantities import finite, positive
+from ..quantities import finite
 from ..ranges import argument
 from .mesh_checks import (
     ROWS,
@@ -241,8 +241,9 @@ class Blank(Parameters):
         material_coordinates: Any = None,
     ) -> Blank:
         check_arrays(position, quads, names)
-        if merge_nodes is not None and finite("merge_nodes", merge_nodes) != 0.0:
-            distance = positive("merge_nodes", merge_nodes)
+        if merge_nodes is not None and (distance := finite("merge_nodes", merge_nodes)) != 0.0:
+            if distance < 0.0:
+                raise InputError(f"merge_nodes = {merge_nodes!r}: a distance in metres is needed, or 0 for none")
             count = len(position)
             position, quads, kept = merged_nodes(position, quads, distance)
             names = Names(names.mesh, kept if names.nodes is None else names.nodes[kept], names.elements)

@@ -164,3 +164,15 @@ def _across(vertices: np.ndarray, axis: np.ndarray) -> np.ndarray:
     widths = np.array([np.ptp(corners @ (-y, x)) for x, y in along])
     x, y = along[np.argmin(widths)]
     return flat @ np.array([[x, -y], [y, x]])
+
+
+def points_near(vertices: np.ndarray, faces: np.ndarray, count: int, offset: float) -> np.ndarray:
+    """Random points (count, 3) up to ``offset`` [m] off the surface, evenly over its area."""
+    random = np.random.default_rng(0)
+    area = face_normals(vertices, faces)[1]
+    face = faces[random.choice(len(area), size=count, p=area / area.sum())]
+    weight = random.dirichlet([1.0, 1.0, 1.0], size=count)
+    points = np.einsum("ij,ijk->ik", weight, vertices[face])
+    direction = random.normal(size=points.shape)
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    return points + offset * random.random((count, 1)) * direction

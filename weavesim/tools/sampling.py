@@ -22,8 +22,8 @@ from ..kernels.contact.mesh_distance import (
     mesh_distance_kernel,
     sampled_distance_kernel,
 )
-from .mesh_features import face_normals
-from .mesh_repair import diagonal, triangle_areas
+from .mesh_features import face_normals, points_near
+from .mesh_repair import diagonal
 from .mesh_tool import ANNOUNCED, MANY_TRIANGLES, MeshSurface
 
 if TYPE_CHECKING:
@@ -107,8 +107,8 @@ class SampledDistance:
 
 Samples = Mapping[MeshSurface, SampledDistance]
 
-# The samples of each surface by device and tolerance, kept as long as the surface exists.
-_kept: WeakKeyDictionary[MeshSurface, dict[tuple[str, float], SampledDistance]] = WeakKeyDictionary()
+# The samples of each surface by device and thicknesses, kept as long as the surface exists.
+_kept: WeakKeyDictionary[MeshSurface, dict[tuple[str, float, float], SampledDistance]] = WeakKeyDictionary()
 
 
 def mesh_parts(tools: Iterable[Tool]) -> dict[str, MeshSurface]:
@@ -136,7 +136,7 @@ def sample_meshes(tools: Iterable[Tool], device: str, thickness: float = 0.0, th
     samples = {}
     thinnest = thickness if thinnest is None else thinnest
     for name, surface in mesh_parts(tools).items():
-        sampled = samples[surface] = sampled_distance(surface, device, thinnest)
+        sampled = samples[surface] = sampled_distance(surface, device, thinnest, thickness)
         if sampled.reach < thickness:
             raise InputError(
                 f"{name}: its mesh is sampled up to a distance of {sampled.reach:.4g} m, but the sheet is "
@@ -159,22 +159,26 @@ def error_in_words(sampled: SampledDistance, thickness: float) -> str:
     )
 
 
-def sampled_distance(surface: MeshSurface, device: str = "cpu", thickness: float = 0.0) -> SampledDistance:
+def sampled_distance(
+    surface: MeshSurface, device: str = "cpu", thickness: float = 0.0, thickest: float = 0.0
+) -> SampledDistance:
     """The sampled distance on ``device``; computed on the first call.
 
     Args:
         surface: a mesh.
         device: name in Warp.
         thickness: of the thinnest sheet that will meet it [m], zero if none: its share limits the error.
+        thickest: of the thickest sheet [m]: an automatic reach is not below it.
 
     Raises:
         InputError: its spacing or its reach needs too many samples.
     """
     of_surface = _kept.setdefault(surface, {})
-    if (device, thickness) not in of_surface:
-        other = next((kept for (where, _), kept in of_surface.items() if where == device), None)
-        of_surface[device, thickness] = _sample(surface, device, thickness, other)
-    return of_surface[device, thickness]
+    key = device, thickness, thickest
+    if key not in of_surface:
+        other = next((kept for (where, *_), kept in of_surface.items() if where == device), None)
+        of_surface[key] = _sample(surface, device, thickness, thickest, other)
+    return of_surface[key]
 
 
 def exact_distance(surface: MeshSurface, points: np.ndarray, device: str = "cpu") -> np.ndarray:
@@ -226,11 +230,14 @@ class _Grid:
     voxel_count: int  # of all tiles
 
 
-def _sample(surface: MeshSurface, device: str, thickness: float, other: SampledDistance | None) -> SampledDistance:
+def _sample(
+    surface: MeshSurface, device: str, thickness: float, thickest: float, other: SampledDistance | None
+) -> SampledDistance:
     """Sample a surface; the volume of ``other`` samples serves again."""
     triangles = _Triangles(surface, device)
-    grid = _chosen_grid(triangles, thickness)
-    volume = other.volume if other and other.spacing == grid.spacing else _filled_volume(triangles, grid)
+    grid = _chosen_grid(triangles, thickness, thickest)
+    same = other is not None and (other.spacing, other.reach) == (grid.spacing, grid.reach)
+    volume = other.volume if other and same else _filled_volume(triangles, grid)
     tolerance = ALLOWED_ERROR * min(grid.spacing, thickness) if thickness else ALLOWED_ERROR_ALONE * grid.spacing
     doubted = _doubted_cells(triangles, volume, grid, tolerance, thickness or grid.reach)
     record = SampledMesh()
@@ -298,7 +305,7 @@ def _query(triangles: _Triangles, points: np.ndarray) -> np.ndarray:
     return distance.numpy().astype(np.float64)
 
 
-def _chosen_grid(triangles: _Triangles, thickness: float) -> _Grid:
+def _chosen_grid(triangles: _Triangles, thickness: float, thickest: float) -> _Grid:
     """The preferred grid, or the finest one within the voxel limit."""
     surface = triangles.surface
     name, spacing = surface.name, surface.first_spacing
@@ -306,7 +313,7 @@ def _chosen_grid(triangles: _Triangles, thickness: float) -> _Grid:
         # samples of a curvature 1/r err by h^2 / 4 r: fine enough that fillets need no search
         spacing = min(spacing, math.sqrt(4.0 * surface.fillet_radius * ALLOWED_ERROR * thickness))
     while True:
-        grid = _grid(triangles, spacing)
+        grid = _grid(triangles, spacing, thickest)
         if grid.voxel_count <= (CHOSEN_VOXEL_COUNT if surface.spacing is None else LARGEST_VOXEL_COUNT):
             return grid
         if surface.spacing is not None:
@@ -322,13 +329,15 @@ def _chosen_grid(triangles: _Triangles, thickness: float) -> _Grid:
             )
 
 
-def _grid(triangles: _Triangles, spacing: float) -> _Grid:
+def _grid(triangles: _Triangles, spacing: float, thickest: float) -> _Grid:
     """The grid for one spacing; without tiles if those near the surface are too many to compute.
 
     Large blocks of tiles are halved again and again where they come near the surface or lie inside.
     """
     surface, size = triangles.surface, int(TILE_SIZE)
     reach = 6.0 * spacing if surface.reach is None else surface.reach
+    if surface.reach is None and reach < thickest:  # a small tool
+        reach = thickest + 3.0 * spacing
     vertices = surface.vertices - surface.centre
     lower, upper = vertices.min(axis=0) - reach, vertices.max(axis=0) + reach
     # one voxel beyond the box on every side, so that interpolation within the box never reads the background
@@ -381,19 +390,8 @@ def _filled_volume(triangles: _Triangles, grid: _Grid) -> wp.Volume:
 def _errors(triangles: _Triangles, record: wp.array, offset: float) -> np.ndarray:
     """Differences between what the kernels read and the mesh at random points up to ``offset`` off its surface [m]."""
     surface, device = triangles.surface, triangles.device
-    points = _points_near_surface(surface, offset)
+    points = points_near(surface.vertices, surface.faces, ERROR_SAMPLE_COUNT, offset)
     value = wp.zeros(len(points), dtype=float, device=device)
     inputs = [record, wp.array(points - surface.centre, dtype=wp.vec3, device=device)]
     wp.launch(sampled_distance_kernel, dim=len(points), inputs=inputs, outputs=[value], device=device)
     return value.numpy() - _query(triangles, points)
-
-
-def _points_near_surface(surface: MeshSurface, offset: float) -> np.ndarray:
-    random = np.random.default_rng(0)
-    area = triangle_areas(surface.vertices, surface.faces)
-    face = surface.faces[random.choice(len(area), size=ERROR_SAMPLE_COUNT, p=area / area.sum())]
-    weight = random.dirichlet([1.0, 1.0, 1.0], size=ERROR_SAMPLE_COUNT)
-    points = np.einsum("ij,ijk->ik", weight, surface.vertices[face])
-    direction = random.normal(size=points.shape)
-    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    return points + offset * random.random((ERROR_SAMPLE_COUNT, 1)) * direction

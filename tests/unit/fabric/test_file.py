@@ -261,6 +261,18 @@ def test_mistakes_have_their_line_and_the_nearest_name(tmp_path, line, message):
         load_fabric(path)
 
 
+def test_a_preset_is_no_file():
+    with pytest.raises(InputError, match="this is a preset, no file; take weavesim.resolve_fabric"):
+        load_fabric("assumed-twill")
+
+
+@pytest.mark.parametrize("read", [load_fabric, resolve_fabric])
+@pytest.mark.parametrize("value", [None, 3, b"a.toml", ["a.toml"], {"name": "a"}])
+def test_what_is_no_path_is_refused(read, value):
+    with pytest.raises(InputError, match="the path of a file is needed"):
+        read(value)
+
+
 def test_the_name_of_a_file_is_no_trap(tmp_path):
     path = tmp_path / ("o\u2028x" * 30 + ".toml")
     path.write_text('based_on = "glass-polypropylene"\n')

@@ -140,7 +140,7 @@ class BendingCurve(FamilyBending):
         middle = 0.5 * (up + down)
         middle = np.maximum(middle - middle[0], 0.0)
         return cls(
-            curvature=tuple(curvature), moment_values=tuple(middle),
+            curvature=tuple(curvature.tolist()), moment_values=tuple(middle.tolist()),
             friction_limit=float(np.mean(0.5 * (up - down)[1:])), friction_stiffness=friction_stiffness,
         )  # fmt: skip
 

@@ -66,7 +66,7 @@ class ShearFriction(CrossoverFriction):
     along the yarns: the law dissipates and never creates energy.
     """
 
-    limit: Annotated[tuple[NotNegative, ...], Quantity("shear moment")] = Field(
+    limit: Annotated[tuple[NotNegative, ...], Quantity("friction moment")] = Field(
         default=(0.0,),
         description="moment at which the yarns slip without tension, at each angle; constant beyond the last [N/m]",
     )

@@ -49,7 +49,7 @@ class MomentCurve(ShearLaw):
     locking_width: Annotated[Positive, Quantity("locking width")] = Field(
         default=math.radians(5.0), description="angle over which that slope builds up [rad]"
     )
-    smoothing: Annotated[NotNegative, Quantity("shear moment")] = Field(
+    smoothing: Annotated[NotNegative, Quantity("friction moment")] = Field(
         default=0.0,
         description="root mean square distance from the points that the curve may have [N/m]; 0 goes through each, but "
         "for those closer than 0.18 degrees, which count as one",
@@ -63,6 +63,11 @@ class MomentCurve(ShearLaw):
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.angle, self.moment_values, ("angles", "moments"), from_zero=True)
+        if max(self.moment_values) <= 0.0 > min(self.moment_values):
+            raise ValueError(
+                f"moments must not be negative, but all are (down to {min(self.moment_values):.4g} N/m): change the "
+                "sign, which is the machine's; in a reference to a table, scale = -1"
+            )
         if min(self.moment_values) < 0.0 and self.smoothing == 0.0:
             raise ValueError(
                 f"moments must not be negative (the smallest is {min(self.moment_values):.4g} N/m): shear may not "
@@ -95,8 +100,8 @@ class MomentCurve(ShearLaw):
         """
         angle = np.linspace(0.0, argument("trusted_angle", trusted_angle, "shear angle"), 221)
         return cls(
-            angle=tuple(angle),
-            moment_values=tuple(np.polynomial.Polynomial((0.0, *coefficients))(angle)),
+            angle=tuple(angle.tolist()),
+            moment_values=tuple(np.polynomial.Polynomial((0.0, *coefficients))(angle).tolist()),
             **options,
         )
 
@@ -121,7 +126,7 @@ class MomentCurve(ShearLaw):
         if convention not in ("yarn frame", "moment"):
             raise InputError(f'convention = {convention!r}: "yarn frame" or "moment" is needed')
         factor = np.cos(angle) if convention == "yarn frame" else 1.0
-        return cls(angle=tuple(angle), moment_values=tuple(thickness * stress * factor), **options)
+        return cls(angle=tuple(angle.tolist()), moment_values=tuple((thickness * stress * factor).tolist()), **options)
 
     @classmethod
     def from_picture_frame(
@@ -147,7 +152,7 @@ class MomentCurve(ShearLaw):
         angle, force = measured_columns(angle=angle, machine_force=machine_force)
         frame_side, fabric_side = _checked_sides(frame_side, frame_side if fabric_side is None else fabric_side)
         moment = force * frame_side * np.sin(0.25 * math.pi - 0.5 * angle) / fabric_side**2
-        return cls(angle=tuple(angle), moment_values=tuple(moment), **options)
+        return cls(angle=tuple(angle.tolist()), moment_values=tuple(moment.tolist()), **options)
 
     @classmethod
     def from_normalised_force(
@@ -181,7 +186,9 @@ class MomentCurve(ShearLaw):
         elif convention != "fabric area":
             raise InputError(f'convention = {convention!r}: "frame side" or "fabric area" is needed')
         angle, force = measured_columns(angle=angle, force_per_length=force_per_length)
-        return cls(angle=tuple(angle), moment_values=tuple(force * np.cos(angle) * ratio), **options)
+        return cls(
+            angle=tuple(angle.tolist()), moment_values=tuple((force * np.cos(angle) * ratio).tolist()), **options
+        )
 
     @classmethod
     def from_loading_and_unloading(
@@ -197,7 +204,7 @@ class MomentCurve(ShearLaw):
             InputError: columns of unequal length or without numbers, or a middle below zero.
         """
         angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
-        return cls(angle=tuple(angle), moment_values=(0.0, *(0.5 * (up + down))[1:]), **options)
+        return cls(angle=tuple(angle.tolist()), moment_values=(0.0, *(0.5 * (up + down))[1:].tolist()), **options)
 
     def moment(self, angle: np.ndarray, thickness: float = 0.0) -> np.ndarray:
         """m(gamma) [N/m], including locking."""

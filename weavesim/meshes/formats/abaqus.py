@@ -28,6 +28,7 @@ _REFUSED = {
     "IMPERFECTION": "write the deck with the nodes where they are",
     "PARAMETER": "write the deck with numbers in place of the parameters",
     "RIGID SURFACE": "mesh the tool with rigid elements, or export it as STL",
+    **dict.fromkeys(("ADJUST", "SYMMETRIC MODEL GENERATION"), "write the deck with all nodes where they are"),
     "IMPORT": "write the deck with all nodes and elements",
 }
 _TYPE_NAME = re.compile(r"[A-Z0-9]{1,12}\Z")
@@ -211,9 +212,18 @@ def _take_nodes(deck: _Deck, card: _Card, grid: Grid) -> None:
         try:
             ids[row] = whole(fields[0])
             given = fields[1:4]
+            # coordinates, then a normal: none of them with a point are numbers with decimal commas
+            if len(fields) > 4 and not any(b"." in word or b"E" in word.upper() for word in fields[1:]):
+                raise deck.source.error(
+                    f"line {line}: {len(fields) - 1} whole numbers in place of three coordinates, as decimal "
+                    "commas make them",
+                    "write decimals with a point",
+                )
             if not given or ids[row] < 1:
                 raise ValueError
             position[row, : len(given)] = _coordinates(given)
+        except InputError:
+            raise
         except (ValueError, IndexError):
             raise ValueError(line) from None
         deck.plane |= len(given) < 3

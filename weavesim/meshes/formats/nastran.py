@@ -105,6 +105,14 @@ def _mesh(
 def _point(source: Source, line: int, fields: list[bytes]) -> list[float]:
     if fields[1:2] not in ([], [b""], [b"0"]):
         raise source.error(f"line {line}: a grid point in another system than the basic one", _ONE_SYSTEM)
+    for field in fields[5:6]:  # the system of displacements: a whole number
+        if field:
+            _whole(field)
+    if any(field.strip(b"0") for field in fields[5:8]) and not any(b"." in field for field in fields[2:5]):
+        raise source.error(
+            f"line {line}: whole numbers in place of coordinates, as decimal commas make them",
+            "write decimals with a point",
+        )
     result = []
     for field in [*fields[2:5], b"", b"", b""][:3]:
         try:

@@ -54,6 +54,8 @@ def read_obj(source: Source) -> MeshFile:
                 raise source.error(
                     f"line {line}: curved surfaces ({key.decode()}) are not read", "export the tool as a triangle mesh"
                 )
+            elif key in (b"call", b"csh"):
+                raise source.error(f"line {line}: other files are not read", "copy them into this one")
             elif key not in _WITHOUT_SHAPE:
                 raise source.error(f"line {line}: not a statement of OBJ")
         except InputError:

@@ -33,6 +33,8 @@ def read_stl(source: Source) -> MeshFile:
     head = data[:512].lstrip().lower()
     if head.startswith(b"solid") and is_text(data):
         return _ascii(source)
+    if head.startswith(b"solid") and b"\0" in data and is_text(stripped := data.rstrip(b"\0 \t\r\n\x1a")):
+        return _ascii(Source(source.path, source.what, stripped))  # filled up to a whole block
     kind = looks_like(data)
     if kind and "STL" not in kind:
         raise source.error(f"it looks like {kind}, not like STL", "give it the name of its format, or export STL")

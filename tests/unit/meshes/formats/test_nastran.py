@@ -101,6 +101,11 @@ def test_shells_of_second_order(tmp_path):
         (free().replace("$ by hand", "CQUAD4,1,1,101,102,103,104"), "element 1 of the deck is given twice"),
         (free().replace("$ by hand", "GRID,101,,5.,5.,5."), "node 101 of the deck is given twice, at different places"),
         (free().replace("$ by hand", "GRID,900,,nan,5.,5."), "line 4: the numbers of GRID"),
+        (
+            free().replace("$ by hand", "GRID,900,,0,1,0,2,0,3"),
+            "line 4: whole numbers in place of coordinates, as decimal",
+        ),
+        (free().replace("$ by hand", "GRID,900,,0.5,1.5,0.2,0.1"), "line 4: the numbers of GRID"),
         (free().replace("$ by hand", "GRID,x,,1.,5.,5."), "line 4: the numbers of GRID"),
         (free().replace("$ by hand", "grid points: see below"), "line 4 is no card of bulk data"),
         ("BEGIN BULK\n+,1,2\n", "line 2 continues a card that was not begun"),

@@ -33,6 +33,7 @@ def corners(mesh) -> np.ndarray:
         TWO.upper(),
         "\ufeff" + TWO,
         "\n  " + TWO,
+        TWO + "\n" + "\0" * 300,
         ONE.replace("solid die", "solid Stempel Größe 3").encode("latin-1"),
         ONE.replace("solid die", "solid facet vertex"),
         ONE.replace("normal 0 0 1", "normal nan -nan(ind) 1.#QNAN"),
@@ -41,8 +42,8 @@ def corners(mesh) -> np.ndarray:
         binary_stl(NODES, TRIANGLES, b"solid\n facet normal"),
     ],
     ids=[
-        "one", "two", "no endsolid between", "empty solid", "CRLF", "CR", "capitals", "BOM", "blanks", "Latin-1",
-        "name of keywords", "no normals", "binary", "binary solid", "binary facet",
+        "one", "two", "no endsolid between", "empty solid", "CRLF", "CR", "capitals", "BOM", "blanks", "filled up",
+        "Latin-1", "name of keywords", "no normals", "binary", "binary solid", "binary facet",
     ],
 )  # fmt: skip
 def test_all_triangles_are_read(tmp_path, content):

@@ -69,6 +69,13 @@ class RunOptions(Parameters):
         default=False, description="take unusual values as meant, such as a thickness that looks like millimetres"
     )
 
+    @field_validator("out", mode="before")
+    @classmethod
+    def _is_named(cls, value: Any) -> Any:
+        if isinstance(value, str) and not value.strip():
+            raise ValueError("a folder is needed ('.' is the current one)")
+        return value
+
     @field_validator("write", "without")
     @classmethod
     def _are_known(cls, value: str | None) -> str | None:

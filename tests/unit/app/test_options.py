@@ -38,3 +38,9 @@ def test_a_mesh_size_in_millimetres_is_refused(size, message):
 def test_the_solver_takes_what_the_options_say():
     solver = RunOptions(threads=2, precision="float64", target_step=1e-6).solver(step_safety=0.5)
     assert (solver.threads, solver.precision, solver.target_step, solver.step_safety) == (2, "float64", 1e-6, 0.5)
+
+
+@pytest.mark.parametrize("name", ["", " "])
+def test_a_folder_needs_a_name(name):
+    with pytest.raises(InputError, match="out = .*a folder is needed"):
+        RunOptions(out=name)

@@ -21,6 +21,7 @@ from weavesim.fabric import (
     BendingCurve,
     Fabric,
     IsotropicBending,
+    LinearMembrane,
     LinearShear,
     MomentCurve,
     PlainWeave,
@@ -260,8 +261,19 @@ def test_options_ask_too():
     assert RunOptions(mesh_size=0.2, accept_unusual=True).mesh_size == 0.2
 
 
+def test_slow_forming_is_usual():
+    """100 mm at 1 mm/s."""
+    of(duration=100.0)
+
+
 def test_composites_practice_is_usual():
-    """Thin spread tow to thick fabrics."""
+    """Thin spread tow to thick fabrics, and a ply of unidirectional carbon."""
+    ply = Fabric(
+        name="ply", areal_density=0.2, thickness=1.5e-4,
+        unit_cell=LinearMembrane(warp_stiffness=2e7, weft_stiffness=1e4), shear=LinearShear(modulus=1e5),
+        bending=YarnBending(warp=0.03, weft=1e-5, twist=1e-5), transverse_shear_modulus=5e6,
+    )  # fmt: skip
+    assert not list(unusual_values(ply))
     for thickness, density, modulus in ((5e-5, 0.06, 1e8), (2e-3, 2.0, 5e6), (4e-4, 0.2, 2e7), (1.0e-3, 0.3, 2e6)):
         fabric = changed(
             thickness=thickness, areal_density=density, compaction=Fabric.model_fields["compaction"].default,

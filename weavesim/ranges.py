@@ -221,7 +221,7 @@ def slip(size: float, row: Row, before: str) -> str:
     ]
     if likely:
         return f"{before}write {' or '.join(likely[: 2 if row.unit in TWO_WAYS else 1])}"
-    return f"{before}it is in {row.unit}" if row.unit != "1" else ""
+    return ""
 
 
 def _unit(row: Row) -> str:

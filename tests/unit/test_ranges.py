@@ -218,7 +218,7 @@ def test_a_slip_is_one_that_people_make(name):
         ("sheet modulus", 20.0, "write 2e.10 for 20 GPa or 2e.07 for 20 MPa"),
         ("shear modulus", 10.0, "write 1e.10 for 10 GPa or 1e.07 for 10 MPa"),
         ("speed", 300.0, "write 0.3 for 300 mm/s or 0.005 for 300 mm/min"),
-        ("mesh size", 1.1e-4, "usual are 0.0002 to 0.1 m; it is in m"),
+        ("mesh size", 1.1e-4, "usual are 0.0002 to 0.1 m$"),
         ("in-plane bending", 5.0, "write 0.005 for 5 N mm"),
         ("shear moment", 0.198, "write 198 for 0.198 N/mm"),
         ("unit scale", 1000.0, "it is 0.001 for a file in millimetres"),

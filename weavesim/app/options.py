@@ -83,9 +83,9 @@ class RunOptions(Parameters):
         for name, need in needs.items():
             default = type(self).model_fields[name].get_default(call_default_factory=True)
             if getattr(self, name) != default and not need.is_met(self):
-                raise ValueError(
-                    as_typed(f"{name} = {getattr(self, name)}: has no effect without {need.text}; leave it out")
-                )
+                # not the whole sentence: "without" and "out" are options too
+                given = f"{as_typed(name)} = {getattr(self, name)}"
+                raise ValueError(f"{given}: has no effect without {as_typed(need.text)}; leave it out")
         return self
 
     @model_validator(mode="after")

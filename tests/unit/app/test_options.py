@@ -3,6 +3,7 @@
 import pytest
 
 from weavesim.app.options import RunOptions
+from weavesim.checks import typed_as
 from weavesim.errors import InputError
 
 
@@ -38,3 +39,10 @@ def test_a_mesh_size_in_millimetres_is_refused(size, message):
 def test_the_solver_takes_what_the_options_say():
     solver = RunOptions(threads=2, precision="float64", target_step=1e-6).solver(step_safety=0.5)
     assert (solver.threads, solver.precision, solver.target_step, solver.step_safety) == (2, "float64", 1e-6, 0.5)
+
+
+def test_a_message_about_no_effect_has_only_the_names_of_options_as_typed():
+    names = {"threads": "--threads", "device": "--device", "without": "--without", "out": "--out"}
+    with typed_as(names), pytest.raises(InputError) as raised:
+        RunOptions(threads=2, device="cuda:0")
+    assert str(raised.value).endswith("--threads = 2: has no effect without --device = cpu; leave it out")

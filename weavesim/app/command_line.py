@@ -25,6 +25,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin
 
 import typer
@@ -266,9 +267,18 @@ def _option(name: str, field: Any, panel: str) -> inspect.Parameter:
     flag = _flag(name)
     kind = _plain_type(field.annotation)
     declaration = f"{flag}/--no-{flag[2:]}" if kind is bool else flag
-    option = typer.Option(declaration, help=field.description, rich_help_panel=panel)
+    # a parser of our own: an empty name would become the current folder
+    given = {"parser": _path, "metavar": "<path>"} if Path in (kind, *get_args(kind)) else {}
+    option = typer.Option(declaration, help=field.description, rich_help_panel=panel, **given)
     default = inspect.Parameter.empty if field.is_required() else field.get_default(call_default_factory=True)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])
+
+
+def _path(value: str | Path) -> Path:
+    """A path as typed, which must have a name."""
+    if not str(value).strip():
+        raise typer.BadParameter("it is empty; a path is needed ('.' is the current folder)")
+    return Path(value)
 
 
 def _plain_type(annotation: Any) -> Any:

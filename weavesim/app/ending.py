@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Iterator, Mapping
 from enum import IntEnum
@@ -76,8 +77,16 @@ def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> I
         yield f"{start}Results are in {out}."
     if any(one.get("verdict") == DO_NOT_USE for one in every):
         yield "Do not use the result: see its warnings."
-    for report in sorted(out.rglob("report.html")):
+    for report in _reports(result, out):
         yield f"Open {report} in a browser."
+
+
+def _reports(result: Mapping[str, Any], out: Path) -> Iterator[Path]:
+    """Reports of this run, not of others below its folder."""
+    cases = [name for name, value in result.items() if isinstance(value, Mapping) and "outcome" in value]
+    for folder in [out / case for case in cases] or [out]:
+        if os.path.isfile(folder / "report.html"):
+            yield folder / "report.html"
 
 
 def _by(number: int | None) -> str:

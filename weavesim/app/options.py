@@ -69,11 +69,28 @@ class RunOptions(Parameters):
         default=False, description="take unusual values as meant, such as a thickness that looks like millimetres"
     )
 
+    @field_validator("out", mode="before")
+    @classmethod
+    def _is_named(cls, value: Any) -> Any:
+        if isinstance(value, str) and not value.strip():
+            raise ValueError("a folder is needed ('.' is the current one)")
+        return value
+
     @field_validator("write", "without")
     @classmethod
     def _are_known(cls, value: str | None) -> str | None:
         chosen_writers(_names(value))
         return value
+
+    @model_validator(mode="after")
+    def _leaves_results(self) -> Self:
+        if not self.writers:
+            given = "write" if self.write is not None else "without"
+            raise ValueError(
+                f"{as_typed(given)} = {getattr(self, given)!r}: no results would be written; choose from "
+                f"{', '.join(known_writers())}"
+            )
+        return self
 
     @model_validator(mode="after")
     def _has_an_effect(self) -> Self:

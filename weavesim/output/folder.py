@@ -60,6 +60,8 @@ class ResultFolder:
         overwrite: bool = False,
         options: Mapping[str, Any] | None = None,
     ) -> None:
+        if not str(path).strip():
+            raise InputError("output folder: its name is empty; '.' is the current folder")
         self.path = Path(path)
         self.history = History()
         self.warnings = Failures()

@@ -156,6 +156,8 @@ def test_report_is_pointed_at(weavesim_command, tmp_path):
         (["--part", "third"], "third"),
         (["--holder-gap", "0"], "--holder-gap = 0"),
         (["--colour", "red"], "--colour"),
+        (["--out", ""], "a path is needed"),
+        (["--out", "  "], "a path is needed"),
     ],
 )
 def test_bad_option_is_reported_before_the_run(weavesim_command, arguments, message):

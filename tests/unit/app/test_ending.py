@@ -58,3 +58,13 @@ def test_the_signal_and_the_verdict_are_named(tmp_path):
     assert "Finished, although interrupted by SIGHUP at the end" in text(FINE, signal.SIGHUP, tmp_path)
     assert "Do not use the result" in text(BAD, None, tmp_path)
     assert text(BROKEN, None, tmp_path).startswith("Stopped early. ")
+
+
+def test_only_reports_of_this_run_are_named(tmp_path):
+    for name in ("", "one", "two", "another run"):
+        (tmp_path / name).mkdir(exist_ok=True)
+        (tmp_path / name / "report.html").write_text("page")
+    assert text(FINE, None, tmp_path).count("Open ") == 1
+    assert f"Open {tmp_path / 'report.html'} in" in text(FINE, None, tmp_path)
+    cases = text({"one": FINE, "three": LESS, "outcome": "finished"}, None, tmp_path)
+    assert cases.count("Open ") == 1 and f"Open {tmp_path / 'one' / 'report.html'} in" in cases

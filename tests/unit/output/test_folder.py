@@ -171,6 +171,12 @@ def test_folders_that_cannot_be(tmp_path):
             ResultFolder(tmp_path / name)
 
 
+@pytest.mark.parametrize("name", ["", "  "])
+def test_a_folder_needs_a_name(name):
+    with pytest.raises(InputError, match="current folder"):
+        ResultFolder(name)
+
+
 @pytest.mark.parametrize("name", ["../../evil", "/tmp/evil", "..", "a/b", "a\nb", "nul", "x" * 300, "gr\udcf6\udcdfe"])
 def test_a_run_cannot_write_outside_its_folder(tmp_path, coarse_run, name):
     """Whoever makes the information on a run: set-ups refuse such names already."""

@@ -104,8 +104,7 @@ def _smallest_gap(start: Start, world: World, first: int, pair: tuple[int, int])
     nodes = np.concatenate([sheet.blank.node_position for sheet in world.sheets])
     points = [_surface(distances, first + k, world.tools[k], nodes, size) for k in pair]
     best = (np.inf, 0.0)
-    knots = [tool.motion.curve()[0] for tool in tools]
-    times = np.unique(np.concatenate([np.linspace(0.0, duration, PLACE_COUNT), *(each[[0, -1]] for each in knots)]))
+    times = np.unique(np.concatenate([np.linspace(0.0, duration, PLACE_COUNT), *map(_turns, tools)]))
     for time in times[(times >= 0.0) & (times <= duration)]:
         at = [float(np.interp(time, *tool.motion.curve())) for tool in tools]
         for own, other in ((0, 1), (1, 0)):
@@ -115,6 +114,12 @@ def _smallest_gap(start: Start, world: World, first: int, pair: tuple[int, int])
                 gap = float(distances(first + pair[other], at[other], moved[within])[0].min())
                 best = min(best, (gap, float(time)))
     return best
+
+
+def _turns(tool: Tool) -> np.ndarray:
+    """Times of the first and last knot of a stroke, and of the furthest in both directions [s]."""
+    times, displacements = tool.motion.curve()
+    return times[[0, -1, int(np.argmin(displacements)), int(np.argmax(displacements))]]
 
 
 def _over(points: np.ndarray, nodes: np.ndarray) -> np.ndarray:

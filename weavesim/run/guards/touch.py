@@ -86,7 +86,10 @@ def _way(tool: Tool, duration: float) -> np.ndarray:
     if tool.motion.by_force:
         return np.zeros(1)
     times, displacements = tool.motion.curve()
-    return np.unique(np.interp(np.linspace(0.0, duration, PLACE_COUNT), times, displacements))
+    # a stroke may go further between these times
+    knots = displacements[times <= duration]
+    ends = [knots.min(), knots.max()] if len(knots) else []
+    return np.unique([*np.interp(np.linspace(0.0, duration, PLACE_COUNT), times, displacements), *ends])
 
 
 def _reach(world: World, own: Tool, duration: float, held: bool) -> float:

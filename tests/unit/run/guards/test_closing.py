@@ -75,6 +75,12 @@ def test_a_gap_that_is_too_small_on_the_way_only_is_told_too():
     assert doubt.time == pytest.approx(5e-4) and doubt.value == pytest.approx(0.0006, abs=1e-5)
 
 
+def test_a_gap_that_is_too_small_for_a_moment_is_told_too():
+    motion = Stroke((0.0, 4.1e-4, 4.2e-4, 4.3e-4, 1e-3), (0.0, 0.0, 0.0016, 0.0, 0.0))
+    (doubt,) = closing(closed(*PAIRS["two planes"], 0.0, motion=motion))
+    assert doubt.time == pytest.approx(4.2e-4) and doubt.value == pytest.approx(0.0006, abs=1e-5)
+
+
 def test_a_lower_tool_that_rises_is_seen():
     (doubt,) = closing(
         closed(*PAIRS["two planes"], 0.0, motion=Fixed(), lower_motion=Stroke((0.0, 1e-3), (0.0, 0.0015)))

@@ -118,3 +118,9 @@ def test_a_punch_above_a_held_sheet_is_told_by_its_stroke(height, told):
     punch = Tool("punch", ball, Stroke((0.0, 1.0), (0.0, 0.05)), axis=(0.0, 0.0, -1.0))
     said = spoken(small_run(tools=[punch, die, holder], duration=1.0))
     assert ("tool_reach" in said) == told
+
+
+def test_a_short_touch_between_the_places_looked_at_is_not_out_of_reach():
+    there_and_back = Stroke((0.0, 4.2e-4, 4.35e-4, 4.5e-4), (0.0, 0.0, 0.0205, 0.0))
+    punch = Tool("punch", Sphere(0.01, origin=(0.01, 0.01, -0.0306)), there_and_back)
+    assert "tool_reach" not in spoken(small_run(tools=[punch], duration=1e-3))

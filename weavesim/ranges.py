@@ -119,7 +119,7 @@ QUANTITIES: dict[str, Row] = {
     "damping rate": Row("mass-proportional damping rate", "1/s", (0.0, 1.0e9), (0.0, 1.0e6)),
     "damping ratio": Row("share of critical damping", "1", (0.0, 100.0), (0.0, 2.0)),
     "stabilisation": Row("share of the stiffness of an hourglass mode", "1", (0.0, 100.0), (0.0, 2.0)),
-    "duration": Row("duration of a run", "s", (1.0e-12, 1.0e6), (1.0e-7, 60.0)),
+    "duration": Row("duration of a run", "s", (1.0e-12, 1.0e6), (1.0e-7, 300.0)),
     "time": Row("point in time", "s", (0.0, 1.0e7), (0.0, 600.0)),
     "time step": Row("time step", "s", (1.0e-15, 10.0), (1.0e-9, 0.01)),
     "energy share": Row("ratio of energies", "1", (0.0, 1.0e9), (0.0, 0.5)),
@@ -221,7 +221,7 @@ def slip(size: float, row: Row, before: str) -> str:
     ]
     if likely:
         return f"{before}write {' or '.join(likely[: 2 if row.unit in TWO_WAYS else 1])}"
-    return f"{before}it is in {row.unit}" if row.unit != "1" else ""
+    return ""
 
 
 def _unit(row: Row) -> str:

@@ -101,6 +101,8 @@ class BendingCurve(FamilyBending):
         check_curve(self.curvature, self.moment_values, ("curvatures", "moments"), from_zero=True)
         scatter = noise(np.array(self.curvature), np.array(self.moment_values))
         if min(self.moment_values) < 0.0 and self.smoothing == 0.0:
+            if max(self.moment_values) <= 0.0:
+                raise ValueError("moments must not be negative, but all are: change the sign, which is the machine's")
             raise ValueError(
                 "moments must not be negative: bending may not release energy; noise can be smoothed, for example with "
                 f"smoothing = {scatter:.2g}"
@@ -156,6 +158,8 @@ class BendingCurve(FamilyBending):
         Raises:
             InputError: a slip curvature that is not above 0, or negative numbers.
         """
+        rigidity = argument("rigidity", rigidity, "bending stiffness", zero=True)
+        hysteresis = argument("hysteresis", hysteresis, "bending moment", zero=True)
         slip_curvature = argument("slip_curvature", slip_curvature, "curvature")
         return cls(
             curvature=(0.0, 1.0), moment_values=(0.0, rigidity), extrapolation="trusted",

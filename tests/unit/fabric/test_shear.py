@@ -44,6 +44,10 @@ def test_picture_frame_conventions_agree():
         (lambda: MomentCurve(angle=(0.0, 0.5, 0.4), moment_values=(0.0, 1.0, 2.0)), "increase"),
         (lambda: MomentCurve(angle=(0.0, 1.7), moment_values=(0.0, 1.0)), "at most 1.571 rad"),
         (lambda: MomentCurve(angle=(0.0, 0.5), moment_values=(0.0, -1.0)), "moments must not be negative"),
+        (
+            lambda: ShearFriction.from_loading_and_unloading((0.0, 0.5), (0.0, 1.0), (0.0, 2.0), stiffness=1.0),
+            "unloading lies above loading",
+        ),
         (lambda: MomentCurve.from_polynomial("ab"), "coefficients = 'ab': a list of at least one number"),
         (lambda: MomentCurve.from_polynomial(()), "coefficients = .*: a list of at least one number"),
         (lambda: MomentCurve.from_polynomial(3.0), "coefficients = 3.0: a list of at least one number"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Iterator
 from typing import Annotated, Self
 
 import numpy as np
@@ -16,10 +17,14 @@ from ..curve import (
     Extrapolation,
     MeasuredCurve,
     check_curve,
+    check_loop,
     check_table,
     measured_columns,
     noise,
 )
+
+# A test that ends at a larger radius than 0.2 m says little of draping: the curvature is probably in 1/cm [1/m].
+SMALLEST_USUAL_CURVATURE = 5.0
 
 
 class FamilyBending(Kinded):
@@ -114,6 +119,13 @@ class BendingCurve(FamilyBending):
             )
         return self
 
+    def disproportions(self) -> Iterator[str]:
+        if self.trusted_curvature is not None and self.end < SMALLEST_USUAL_CURVATURE:
+            yield (
+                f"curvature goes to {self.end:.4g} 1/m only, a radius of {1.0 / self.end:.3g} m; usual tests go to "
+                f"{SMALLEST_USUAL_CURVATURE:g} 1/m and more: write {100.0 * self.end:.4g} for {self.end:.4g} 1/cm"
+            )
+
     @classmethod
     def straight(cls, stiffness: float) -> BendingCurve:
         """A constant bending stiffness per width [N m]."""
@@ -139,6 +151,7 @@ class BendingCurve(FamilyBending):
             InputError: columns of unequal length or without numbers, or unloading above loading.
         """
         curvature, up, down = measured_columns(curvature=curvature, loading=loading, unloading=unloading)
+        check_loop(up, down)
         middle = 0.5 * (up + down)
         middle = np.maximum(middle - middle[0], 0.0)
         return cls(

@@ -222,6 +222,7 @@ def test_a_slip_is_one_that_people_make(name):
         ("in-plane bending", 5.0, "write 0.005 for 5 N mm"),
         ("shear moment", 0.198, "write 198 for 0.198 N/mm"),
         ("unit scale", 1000.0, "it is 0.001 for a file in millimetres"),
+        ("shear angle", 0.03, "usual are 0.05 to 1.571 rad$"),
         ("unit scale", 25.4, "0.0254 for inches"),
     ],
 )

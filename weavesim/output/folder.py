@@ -15,7 +15,7 @@ from ..names import file_name
 from ..run.frame import Frame, Outcome, RunInfo, SheetInfo
 from .claim.lock import FolderLock
 from .claim.record import SETUP_NAME, RunRecord
-from .claim.remains import check_free, remove_results
+from .claim.remains import check_free, check_names, remove_results
 from .curves import Curves
 from .files import check_writable, noting, plain, write_text
 from .history import History
@@ -72,6 +72,7 @@ class ResultFolder:
         self._outcome: Outcome | None = None
         self._record: RunRecord | None = None
         check_writable(self.path)
+        check_names(self.path)
         self._lock = FolderLock(self.path)
         if not overwrite:
             check_free(self.path)
@@ -216,5 +217,5 @@ class ResultFolder:
         """Note the files that are not there although nobody has said so."""
         assert self._record is not None
         for name in self._record.missing():
-            if name not in self.warnings.names:
+            if not {name, Path(name).name} & set(self.warnings.names):
                 self.warnings.note(name, f"{name} is missing or empty")

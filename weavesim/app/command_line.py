@@ -280,7 +280,7 @@ def _option(name: str, field: Any, panel: str) -> inspect.Parameter:
     kind = _plain_type(field.annotation)
     declaration = f"{flag}/--no-{flag[2:]}" if kind is bool else flag
     # a parser of our own: an empty name would become the current folder
-    given = {"parser": _path, "metavar": "<path>"} if Path in (kind, *get_args(kind)) else {}
+    given: dict[str, Any] = {"parser": _path, "metavar": "<path>"} if Path in (kind, *get_args(kind)) else {}
     option = typer.Option(declaration, help=field.description, rich_help_panel=panel, **given)
     default = inspect.Parameter.empty if field.is_required() else field.get_default(call_default_factory=True)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])

@@ -31,7 +31,7 @@ class ResultFolder:
     the others and the run continue.
 
     Attributes:
-        path: the folder; created if necessary. Its contents are not touched before the run starts.
+        path: the folder, absolute; created if necessary. Its contents are not touched before the run starts.
         history: scalars of all frames, and the last frame.
         warnings: what could not be written or computed.
 
@@ -62,7 +62,7 @@ class ResultFolder:
     ) -> None:
         if not str(path).strip():
             raise InputError("output folder: its name is empty; '.' is the current folder")
-        self.path = Path(path)
+        self.path = Path(path).absolute()  # wherever the process goes meanwhile
         self.history = History()
         self.warnings = Failures()
         self._wanted = Wanted(points, measured_angles, measured_outline, curves, draw_in)

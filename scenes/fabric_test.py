@@ -15,8 +15,8 @@ from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
 from weavesim.ranges import Quantity
 
-# Only the fabric damps a test. Near the largest stable step, a yarn that rattles between slack and taut gains energy,
-# because its stiffness jumps there; at this share of that step the small damping of a test is sufficient.
+# Only the fabric damps a test. The share dates from when a yarn that rattles between slack and taut gained energy near
+# the largest stable step; it no longer does (decision 26), and the share is kept so that tests keep their answers.
 STEP_SAFETY = 0.6
 
 

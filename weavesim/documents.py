@@ -119,9 +119,12 @@ def parse_json(text: str | bytes) -> Any:
     """What a JSON text says, if it says it once and in finite numbers.
 
     Raises:
-        ValueError: no JSON, a key that occurs twice in one table, NaN or infinity.
+        ValueError: no text, no JSON, a key that occurs twice in one table, NaN or infinity.
         RecursionError: nested too deeply.
     """
+
+    if not isinstance(text, str | bytes):
+        raise ValueError(f"a text is needed, not {_kind(text)}")
 
     def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         result: dict[str, Any] = {}

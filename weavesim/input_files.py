@@ -25,9 +25,10 @@ def path_of(path: object, what: str) -> Path:
     """A path that a user gives.
 
     Raises:
-        InputError: something else than a text or a path.
+        InputError: something else than a text or a path, or an empty one.
     """
-    if not isinstance(path, str | os.PathLike) or not isinstance(os.fspath(path), str):
+    # an empty name would be the current folder
+    if not isinstance(path, str | os.PathLike) or not isinstance(os.fspath(path), str) or not str(path).strip():
         raise InputError(f"{what} = {shown(repr(path))[:80]}: the path of a file is needed, as a text or a Path")
     return Path(path)
 
@@ -63,6 +64,7 @@ def check_bounded(path: str | Path, what: str, largest: int) -> int:
     Raises:
         InputError: a file that is missing, is not regular (a folder, a device, a pipe), or is too large.
     """
+    path = path_of(path, what)  # not a number either: it would be the descriptor of an open file
     try:
         found = os.stat(path)
     except (OSError, ValueError) as error:

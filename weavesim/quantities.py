@@ -96,6 +96,8 @@ def _unit_vector(value: Any) -> Vector:
     length = float(np.linalg.norm(given))
     if length < 1e-12:
         raise ValueError("a direction is needed, other than zero")
+    if not math.isfinite(length):  # the square of a component overflows, and the direction would be zero
+        raise ValueError("a direction of moderate length is needed, such as (0, 0, 1)")
     # a vector that is already scaled keeps its bits
     return given if abs(length - 1.0) <= UNIT_ROUNDING else _vector(np.array(given) / length)
 

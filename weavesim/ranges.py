@@ -86,7 +86,7 @@ QUANTITIES: dict[str, Row] = {
     "in-plane bending": Row("in-plane bending stiffness", "N m", (0.0, 1.0e6), (1.0e-9, 1.0)),
     "bending moment": Row("bending moment per width", "N", (0.0, 1.0e9), (1.0e-7, 1.0e4)),
     "curvature": Row("curvature of a sheet", "1/m", (1.0e-6, 1.0e7), (1.0, 1.0e4)),
-    "shear angle": Row("shear angle of a sheet", "rad", (0.0, _RIGHT_ANGLE), (0.01, _RIGHT_ANGLE)),
+    "shear angle": Row("shear angle of a sheet", "rad", (0.0, _RIGHT_ANGLE), (0.05, _RIGHT_ANGLE)),
     "locking width": Row("angle over which locking builds up", "rad", (1.0e-6, _RIGHT_ANGLE), (1.0e-3, 0.8)),
     "shear moment": Row("largest shear moment per area", "N/m", (0.0, 1.0e9), (0.2, 2.0e4)),
     "friction moment": Row("shear moment of friction or of noise", "N/m", (0.0, 1.0e9), (1.0e-3, 2.0e4)),
@@ -119,11 +119,12 @@ QUANTITIES: dict[str, Row] = {
     "damping rate": Row("mass-proportional damping rate", "1/s", (0.0, 1.0e9), (0.0, 1.0e6)),
     "damping ratio": Row("share of critical damping", "1", (0.0, 100.0), (0.0, 2.0)),
     "stabilisation": Row("share of the stiffness of an hourglass mode", "1", (0.0, 100.0), (0.0, 2.0)),
-    "duration": Row("duration of a run", "s", (1.0e-12, 1.0e6), (1.0e-7, 60.0)),
+    "duration": Row("duration of a run", "s", (1.0e-12, 1.0e6), (1.0e-7, 300.0)),
     "time": Row("point in time", "s", (0.0, 1.0e7), (0.0, 600.0)),
     "time step": Row("time step", "s", (1.0e-15, 10.0), (1.0e-9, 0.01)),
     "energy share": Row("ratio of energies", "1", (0.0, 1.0e9), (0.0, 0.5)),
     "angle": Row("angle of yarns or of a test", "degrees", (0.0, 3600.0), (0.0, 180.0)),
+    "turn": Row("angle of a rotation", "rad", (0.0, 2.0 * math.pi), (0.0, 2.0 * math.pi)),
     "unit scale": Row("metres per unit of a file", "m/unit", (1.0e-9, 1.0e3), (1.0e-7, 1.0)),
 }
 
@@ -221,7 +222,7 @@ def slip(size: float, row: Row, before: str) -> str:
     ]
     if likely:
         return f"{before}write {' or '.join(likely[: 2 if row.unit in TWO_WAYS else 1])}"
-    return f"{before}it is in {row.unit}" if row.unit != "1" else ""
+    return ""
 
 
 def _unit(row: Row) -> str:

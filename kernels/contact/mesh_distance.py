@@ -7,6 +7,9 @@ import warp as wp
 TILE_SIZE = wp.constant(8)  # voxels along each edge of a tile, fixed by the volume format
 # Distance of a tile's farthest voxel from its centre, in voxels: 3.5 sqrt(3), rounded up.
 TILE_REACH = wp.constant(6.07)
+# Blocks of half a tile's edge, and as much for these, with room for the error of simplified triangles.
+BLOCK_SIZE = wp.constant(4)
+BLOCK_REACH = wp.constant(2.65)
 # Nearest points whose barycentric coordinates all exceed this lie within a face, not on its edge.
 FACE_INTERIOR = wp.constant(1.0e-3)
 
@@ -26,6 +29,16 @@ class SampledMesh:
     crossed: wp.int32  # whether surfaces lie inside the solid, so that the winding number alone tells the side
     doubted: wp.uint64  # id of a wp.Volume: 1 in each cell (by its lowest corner) whose triangles are searched
     searched: float  # only for distances below this [m]
+
+
+@wp.struct
+class SampledTriangles:
+    """Triangles whose distance is sampled: finer ones near the surface, or the same twice."""
+
+    near: wp.uint64  # id of a wp.Mesh
+    far: wp.uint64  # id of a wp.Mesh of fewer triangles
+    band: float  # within this distance the finer ones count [m]
+    crossed: wp.int32  # as in SampledMesh
 
 
 @wp.func
@@ -86,6 +99,15 @@ def sampled_mesh_distance(sampled: SampledMesh, point: wp.vec3):
     return distance, normal
 
 
+@wp.func
+def unsigned_distance(mesh: wp.uint64, point: wp.vec3, largest: float):
+    query = wp.mesh_query_point_no_sign(mesh, point, largest)
+    distance = largest
+    if query.result:
+        distance = wp.length(point - wp.mesh_eval_position(mesh, query.face, query.u, query.v))
+    return distance
+
+
 @wp.kernel(enable_backward=False)
 def mesh_distance_kernel(
     # In
@@ -116,10 +138,9 @@ def sampled_distance_kernel(
 @wp.kernel(enable_backward=False)
 def fill_tiles_kernel(
     # In
-    mesh: wp.uint64,
-    crossed: wp.int32,
+    triangles: SampledTriangles,
     first_voxel: wp.array(dtype=wp.vec3i),  # of each tile
-    centre_distance: wp.array(dtype=float),  # signed distance at the middle of each tile [m]
+    centre_distance: wp.array2d(dtype=float),  # signed distance at the middle of the eight blocks of each tile [m]
     lower: wp.vec3,  # position of voxel (0, 0, 0) [m]
     spacing: float,
     reach: float,  # values are clamped to +-reach [m]
@@ -127,19 +148,25 @@ def fill_tiles_kernel(
     volume: wp.uint64,
 ):
     tile, voxel = wp.tid()
-    i = first_voxel[tile][0] + voxel / (TILE_SIZE * TILE_SIZE)
-    j = first_voxel[tile][1] + (voxel / TILE_SIZE) % TILE_SIZE
-    k = first_voxel[tile][2] + voxel % TILE_SIZE
+    x = voxel / (TILE_SIZE * TILE_SIZE)
+    y = (voxel / TILE_SIZE) % TILE_SIZE
+    z = voxel % TILE_SIZE
+    i = first_voxel[tile][0] + x
+    j = first_voxel[tile][1] + y
+    k = first_voxel[tile][2] + z
     point = lower + spacing * wp.vec3(float(i), float(j), float(k))
-    centre = centre_distance[tile]
-    spread = TILE_REACH * spacing
+    centre = centre_distance[tile, 4 * (x / BLOCK_SIZE) + 2 * (y / BLOCK_SIZE) + z / BLOCK_SIZE]
+    spread = BLOCK_REACH * spacing
     value = wp.sign(centre) * reach
-    if wp.abs(centre) < spread:  # the surface may pass through the tile
-        value = mesh_signed_distance(mesh, point, 2.0 * spread, crossed)
+    if wp.abs(centre) < spread:  # the surface may pass through the block
+        value = mesh_signed_distance(triangles.far, point, 2.0 * spread, triangles.crossed)
+        if wp.abs(value) < triangles.band and triangles.near != triangles.far:
+            value = mesh_signed_distance(triangles.near, point, 2.0 * spread, triangles.crossed)
     elif wp.abs(centre) < reach + spread:  # the sign is that of the centre
-        query = wp.mesh_query_point_no_sign(mesh, point, reach)
-        if query.result:
-            value = wp.sign(centre) * wp.length(point - wp.mesh_eval_position(mesh, query.face, query.u, query.v))
+        value = unsigned_distance(triangles.far, point, reach)
+        if value < triangles.band and triangles.near != triangles.far:
+            value = unsigned_distance(triangles.near, point, reach)
+        value = wp.sign(centre) * value
     value = wp.clamp(value, -reach, reach)
     wp.volume_store_f(volume, i, j, k, value)
 

@@ -7,6 +7,7 @@ import pytest
 
 from weavesim.documents import LARGEST_DOCUMENT, read_document
 from weavesim.errors import InputError
+from weavesim.fabric import Fabric
 
 
 def read(tmp_path, text, name="own.toml"):
@@ -136,3 +137,9 @@ def test_the_line_of_a_key_is_found(tmp_path, keys, line):
     text = 'a = 1\n# b\n[b]\nc = 2 # c\n[b.d]\n"e" = 3\n["q r"]\nt = {u = 1, v = 2}\n'
     assert read(tmp_path, text).line_of(keys) == line
     assert read(tmp_path, "{}", "own.json").line_of(keys) == 0
+
+
+@pytest.mark.parametrize("value", [None, 3, ["{}"], {"name": "x"}])
+def test_what_is_no_text_is_no_json(value):
+    with pytest.raises(InputError, match="a text is needed"):
+        Fabric.from_json(value)

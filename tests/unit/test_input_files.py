@@ -18,10 +18,15 @@ def test_a_file_is_read_up_to_its_largest_size(tmp_path):
             read(path, "data file", 4)
 
 
-@pytest.mark.parametrize("value", [None, 1, 2.5, b"x.toml", ["x"], {}, True])
+@pytest.mark.parametrize("value", [None, 1, 2.5, b"x.toml", ["x"], {}, True, "", " "])
 def test_what_is_no_path_is_refused(value):
-    with pytest.raises(InputError, match="fabric file = .*the path of a file is needed"):
-        path_of(value, "fabric file")
+    for read in (
+        path_of,
+        lambda path, what: read_bounded(path, what, 5),
+        lambda path, what: check_bounded(path, what, 5),
+    ):
+        with pytest.raises(InputError, match="fabric file = .*the path of a file is needed"):
+            read(value, "fabric file")
 
 
 def test_a_huge_file_is_not_read(tmp_path):

@@ -53,3 +53,9 @@ def test_what_is_no_finite_number_is_refused(value):
 def test_a_bad_value_is_named(check, message):
     with pytest.raises(InputError, match=message):
         check()
+
+
+@pytest.mark.parametrize("value", [(1e300, 0.0, 1.0), (0.0, -1e200, 0.0), (1e308, 1e308, 1e308)])
+def test_a_direction_whose_length_overflows_is_refused(value):
+    with pytest.raises(InputError, match="axis = .*a direction of moderate length"):
+        unit_vector("axis", value)

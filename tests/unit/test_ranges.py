@@ -21,6 +21,7 @@ from weavesim.fabric import (
     BendingCurve,
     Fabric,
     IsotropicBending,
+    LinearMembrane,
     LinearShear,
     MomentCurve,
     PlainWeave,
@@ -217,10 +218,11 @@ def test_a_slip_is_one_that_people_make(name):
         ("sheet modulus", 20.0, "write 2e.10 for 20 GPa or 2e.07 for 20 MPa"),
         ("shear modulus", 10.0, "write 1e.10 for 10 GPa or 1e.07 for 10 MPa"),
         ("speed", 300.0, "write 0.3 for 300 mm/s or 0.005 for 300 mm/min"),
-        ("mesh size", 1.1e-4, "usual are 0.0002 to 0.1 m; it is in m"),
+        ("mesh size", 1.1e-4, "usual are 0.0002 to 0.1 m$"),
         ("in-plane bending", 5.0, "write 0.005 for 5 N mm"),
         ("shear moment", 0.198, "write 198 for 0.198 N/mm"),
         ("unit scale", 1000.0, "it is 0.001 for a file in millimetres"),
+        ("shear angle", 0.03, "usual are 0.05 to 1.571 rad$"),
         ("unit scale", 25.4, "0.0254 for inches"),
     ],
 )
@@ -260,8 +262,19 @@ def test_options_ask_too():
     assert RunOptions(mesh_size=0.2, accept_unusual=True).mesh_size == 0.2
 
 
+def test_slow_forming_is_usual():
+    """100 mm at 1 mm/s."""
+    of(duration=100.0)
+
+
 def test_composites_practice_is_usual():
-    """Thin spread tow to thick fabrics."""
+    """Thin spread tow to thick fabrics, and a ply of unidirectional carbon."""
+    ply = Fabric(
+        name="ply", areal_density=0.2, thickness=1.5e-4,
+        unit_cell=LinearMembrane(warp_stiffness=2e7, weft_stiffness=1e4), shear=LinearShear(modulus=1e5),
+        bending=YarnBending(warp=0.03, weft=1e-5, twist=1e-5), transverse_shear_modulus=5e6,
+    )  # fmt: skip
+    assert not list(unusual_values(ply))
     for thickness, density, modulus in ((5e-5, 0.06, 1e8), (2e-3, 2.0, 5e6), (4e-4, 0.2, 2e7), (1.0e-3, 0.3, 2e6)):
         fabric = changed(
             thickness=thickness, areal_density=density, compaction=Fabric.model_fields["compaction"].default,

@@ -33,13 +33,15 @@ import typer
 from .. import __version__
 from ..device import Precision
 from ..errors import InputError, RunError
-from ..run.interruption import Interrupted, Interruption, interruption
+from ..run.interruption import Interrupted, Interruption, interruption, leaving_at_once
 from .ending import ExitCode, closing_lines, exit_code, interrupted_code
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup
 
+
+logger = logging.getLogger(__name__)
 
 application = typer.Typer(
     help="Draping and forming of woven fabrics.",
@@ -52,10 +54,9 @@ application = typer.Typer(
 def main(*leading: str) -> None:
     """Run the command line with the ``leading`` arguments followed by those of the process; exits with a code."""
     hold_standard_streams()
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of a script: kill -INT ends it too
-        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        application(args=[*leading, *sys.argv[1:]], prog_name="weavesim")
+        with leaving_at_once():
+            application(args=[*leading, *sys.argv[1:]], prog_name="weavesim")
     except InputError as error:
         _fail(error, ExitCode.INPUT_ERROR)
     except RunError as error:
@@ -203,9 +204,20 @@ def _interruptible() -> Iterator[Interruption]:
             yield interrupted
     except KeyboardInterrupt as error:
         # before the run, or while its results were written for somebody who did not wait
-        number = error.signal if isinstance(error, Interrupted) else signal.SIGINT
-        say(f"Interrupted by {signal.Signals(number).name}.")
-        raise typer.Exit(interrupted_code(number)) from None
+        raise _interrupted(error.signal if isinstance(error, Interrupted) else signal.SIGINT) from None
+    except (InputError, RunError, typer.Exit):
+        raise
+    except Exception:
+        if interrupted.signal is None:
+            raise
+        # code that the signal met in the middle may raise what it likes
+        logger.debug("a signal ended this", exc_info=True)
+        raise _interrupted(interrupted.signal) from None
+
+
+def _interrupted(number: int) -> typer.Exit:
+    say(f"Interrupted by {signal.Signals(number).name}.")
+    return typer.Exit(interrupted_code(number))
 
 
 def _announce_compilation(scene: str, kernel_count: int) -> None:
@@ -268,7 +280,7 @@ def _option(name: str, field: Any, panel: str) -> inspect.Parameter:
     kind = _plain_type(field.annotation)
     declaration = f"{flag}/--no-{flag[2:]}" if kind is bool else flag
     # a parser of our own: an empty name would become the current folder
-    given = {"parser": _path, "metavar": "<path>"} if Path in (kind, *get_args(kind)) else {}
+    given: dict[str, Any] = {"parser": _path, "metavar": "<path>"} if Path in (kind, *get_args(kind)) else {}
     option = typer.Option(declaration, help=field.description, rich_help_panel=panel, **given)
     default = inspect.Parameter.empty if field.is_required() else field.get_default(call_default_factory=True)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])

@@ -83,6 +83,16 @@ class RunOptions(Parameters):
         return value
 
     @model_validator(mode="after")
+    def _leaves_results(self) -> Self:
+        if not self.writers:
+            given = "write" if self.write is not None else "without"
+            raise ValueError(
+                f"{as_typed(given)} = {getattr(self, given)!r}: no results would be written; choose from "
+                f"{', '.join(known_writers())}"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _has_an_effect(self) -> Self:
         needs = {
             name: need for cls in reversed(type(self).__mro__) for name, need in vars(cls).get("needs", {}).items()
@@ -90,9 +100,9 @@ class RunOptions(Parameters):
         for name, need in needs.items():
             default = type(self).model_fields[name].get_default(call_default_factory=True)
             if getattr(self, name) != default and not need.is_met(self):
-                raise ValueError(
-                    as_typed(f"{name} = {getattr(self, name)}: has no effect without {need.text}; leave it out")
-                )
+                # not the whole sentence: "without" and "out" are options too
+                given = f"{as_typed(name)} = {getattr(self, name)}"
+                raise ValueError(f"{given}: has no effect without {as_typed(need.text)}; leave it out")
         return self
 
     @model_validator(mode="after")

@@ -95,6 +95,12 @@ def measured_columns(**columns: Column) -> tuple[np.ndarray, ...]:
     return tuple(result)
 
 
+def check_loop(loading: np.ndarray, unloading: np.ndarray) -> None:
+    """Raise InputError if unloading is above loading on the whole: friction would supply energy."""
+    if np.mean(unloading - loading) > 0.0:
+        raise InputError("unloading lies above loading, by its mean: exchange the two columns")
+
+
 def limited_slopes(slope: np.ndarray, rise: np.ndarray) -> np.ndarray:
     """Slopes at points (n,) with which cubic pieces never leave the band between their end values.
 
@@ -164,14 +170,17 @@ class MeasuredCurve:
         raw = np.asarray(knots, dtype=float), np.asarray(values, dtype=float)
         points = smoothed(*raw, smoothing) if smoothing > 0.0 else merged(*raw, resolution)
         curve = cls.through(*points, extrapolation)
+        exact = _trapezoid(*raw)
         if smoothing > 0.0:
-            what, largest, exact = f"smoothing = {smoothing:.4g}", LARGEST_SMOOTHING_LOSS, _trapezoid(*raw)
+            what, largest, area = f"smoothing = {smoothing:.4g}", LARGEST_SMOOTHING_LOSS, curve.energy
         else:
-            what, largest = f"merging points closer than {resolution:.4g}", LARGEST_MERGING_LOSS
-            exact = cls.through(*raw, extrapolation).energy
-        if abs(curve.energy - exact) > largest * abs(exact):
+            # by straight lines: cubic pieces between a few points depend on every point
+            what, largest, area = (
+                f"merging points closer than {resolution:.4g}", LARGEST_MERGING_LOSS, _trapezoid(*points),
+            )  # fmt: skip
+        if abs(area - exact) > largest * abs(exact):
             raise ValueError(
-                f"{what} changes the area under the curve from {exact:.4g} to {curve.energy:.4g}, by more than "
+                f"{what} changes the area under the curve from {exact:.4g} to {area:.4g}, by more than "
                 f"{largest:.0%}: " + ("give a smaller one" if smoothing > 0.0 else "it rises within too short a range")
             )
         return curve

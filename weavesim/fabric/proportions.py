@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 USUAL_DENSITY = (100.0, 4000.0)
 # (D / weight per area)^(1/3), over which a strip droops under its weight: from silk to stiff prepregs [m].
 USUAL_BENDING_LENGTH = (2.0e-3, 0.4)
-# 12 D / t^3: yarns and fibres slide on each other, so that a fabric is far softer than a plate of its fibres [Pa].
-USUAL_BENDING_MODULUS = (1.0e2, 2.0e10)
+# 12 D / t^3: yarns and fibres slide on each other, so that a fabric is softer than a plate of its fibres; a ply of
+# carbon in cold resin is about as stiff [Pa].
+USUAL_BENDING_MODULUS = (1.0e2, 2.0e11)
 # A sheet has about the height of two crossed yarns; flattened, spread ones are far apart only in the direction of z.
 USUAL_THICKNESS_RATIO = (0.3, 200.0)
 # Height of a crossover over the distance of the yarns.

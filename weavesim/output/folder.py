@@ -15,7 +15,7 @@ from ..names import file_name
 from ..run.frame import Frame, Outcome, RunInfo, SheetInfo
 from .claim.lock import FolderLock
 from .claim.record import SETUP_NAME, RunRecord
-from .claim.remains import check_free, remove_results
+from .claim.remains import check_free, check_names, remove_results
 from .curves import Curves
 from .files import check_writable, noting, plain, write_text
 from .history import History
@@ -31,7 +31,7 @@ class ResultFolder:
     the others and the run continue.
 
     Attributes:
-        path: the folder; created if necessary. Its contents are not touched before the run starts.
+        path: the folder, absolute; created if necessary. Its contents are not touched before the run starts.
         history: scalars of all frames, and the last frame.
         warnings: what could not be written or computed.
 
@@ -62,7 +62,7 @@ class ResultFolder:
     ) -> None:
         if not str(path).strip():
             raise InputError("output folder: its name is empty; '.' is the current folder")
-        self.path = Path(path)
+        self.path = Path(path).absolute()  # wherever the process goes meanwhile
         self.history = History()
         self.warnings = Failures()
         self._wanted = Wanted(points, measured_angles, measured_outline, curves, draw_in)
@@ -72,6 +72,7 @@ class ResultFolder:
         self._outcome: Outcome | None = None
         self._record: RunRecord | None = None
         check_writable(self.path)
+        check_names(self.path)
         self._lock = FolderLock(self.path)
         if not overwrite:
             check_free(self.path)
@@ -216,5 +217,5 @@ class ResultFolder:
         """Note the files that are not there although nobody has said so."""
         assert self._record is not None
         for name in self._record.missing():
-            if name not in self.warnings.names:
+            if not {name, Path(name).name} & set(self.warnings.names):
                 self.warnings.note(name, f"{name} is missing or empty")

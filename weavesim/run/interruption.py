@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 import time
@@ -66,6 +67,27 @@ class Interruption:
             self._presses += 1
             if self._presses >= LAST_PRESS or (not first and time.monotonic() - self._since > PATIENCE):
                 raise KeyboardInterrupt
+
+
+@contextmanager
+def leaving_at_once() -> Iterator[None]:
+    """Inside this context a signal ends the process at once, with 128 plus its number, where ``interruption`` does not
+    take it: an exception in the middle of an import would come out as something else.
+
+    SIGINT is taken even if it is ignored, as in the background of a script. Only the main thread can do it.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    taken = [number for number in SIGNALS if number == signal.SIGINT or before[number] is not signal.SIG_IGN]
+    for number in taken:
+        signal.signal(number, lambda number, stack: os._exit(128 + number))
+    try:
+        yield
+    finally:
+        for number in taken:
+            signal.signal(number, before[number] or signal.SIG_DFL)
 
 
 _current: Interruption | None = None

@@ -13,13 +13,14 @@ from ..checks import Parameters
 from ..errors import InputError
 from ..meshes import read_mesh
 from ..quantities import finite
-from ..ranges import argument
+from ..ranges import QUANTITIES, argument, illegal
 from .mesh_checks import (
     ROWS,
     Names,
     check_arrays,
     check_coincident,
     check_connection,
+    check_count,
     check_elements,
     faces_down,
     merged_nodes,
@@ -149,6 +150,9 @@ class Blank(Parameters):
                 f"blank from {lower} to {upper} m with elements of {element_size} m: elements are larger than the "
                 "blank; write 0.005 for 5 mm"
             )
+        if problem := illegal(float(extent.max()), QUANTITIES["length"]):
+            raise InputError(f"blank from {lower} to {upper} m, {extent.max():.4g} m wide: {problem}")
+        check_count(float(np.prod(extent / size)), f"elements of {element_size} m")
         count = np.maximum(1, np.rint(extent / size)).astype(int)
         x, y = (np.linspace(lower[i], upper[i], count[i] + 1) for i in range(2))
         plan = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..quantities import finite, positive
+from .mesh_checks import check_count
 from .topology import checked_distortion
 
 # A vertex where the outline turns by more than this becomes a node; others are treated as parts of a curve [rad].
@@ -50,6 +51,7 @@ def fitted_mesh(
     cosine, sine = np.cos(np.deg2rad(mesh_angle)), np.sin(np.deg2rad(mesh_angle))
     turn = np.array([[cosine, -sine], [sine, cosine]])
     centre = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
+    check_count(0.5 * float(np.prod(np.ptp(outline, axis=0) / element_size)), f"elements of {element_size:g} m")
     # in the frame of the grid, in element sizes
     border = Outline((outline - centre) @ turn / element_size)
     if border.turn.min() < -CORNER_TURN:

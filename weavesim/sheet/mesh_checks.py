@@ -18,6 +18,23 @@ _COINCIDENT = 1.0e-3
 _MOST_AT_ONE_PLACE = 64
 
 
+# More do not fit into the memory of any device [elements].
+LARGEST_ELEMENT_COUNT = 2.0e7
+
+
+def check_count(count: float, what: str) -> None:
+    """Refuse to make a mesh that no machine can hold, before memory is taken for it.
+
+    Raises:
+        InputError: more than ``LARGEST_ELEMENT_COUNT`` elements.
+    """
+    if not count <= LARGEST_ELEMENT_COUNT:
+        raise InputError(
+            f"{what} divide the blank into about {count:,.0f}; at most {LARGEST_ELEMENT_COUNT:,.0f} are allowed: "
+            "give larger elements"
+        )
+
+
 @dataclass(frozen=True)
 class Names:
     """What messages call a mesh, its nodes and elements: by the file's numbers, or by rows counted from 0.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -250,6 +251,27 @@ def _boolean_union(vertices: np.ndarray, solids: list[np.ndarray]) -> tuple[np.n
         return None
     mesh = union.to_mesh64()
     return np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
+
+
+def simplified(
+    vertices: np.ndarray, faces: np.ndarray, tolerances: Sequence[float]
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Closed bodies of fewer triangles, within each of rising tolerances [m]; as given if no manifold."""
+    import manifold3d
+
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.ascontiguousarray(vertices), tri_verts=np.ascontiguousarray(faces.astype(np.uint64))
+    )
+    body = manifold3d.Manifold(mesh)
+    result = []
+    for tolerance in tolerances:
+        body = body.simplify(tolerance)
+        if body.status() == manifold3d.Error.NoError and not body.is_empty():
+            mesh = body.to_mesh64()
+            vertices = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
+            faces = np.array(mesh.tri_verts, dtype=np.int64)
+        result.append((vertices, faces))
+    return result
 
 
 def far_flecks(name: str, vertices: np.ndarray, parts: list[np.ndarray]) -> list[str]:

@@ -24,23 +24,26 @@ def separated(name: str, vertices: np.ndarray, faces: np.ndarray) -> tuple[np.nd
     alone = ((distinct == counts) & (counts >= 4))[run]
     alone[run == run[-1]] &= not _is_open(faces[run == run[-1]])
     removed = 0
+    some_repeated = count < len(faces)
     # bodies that repeat another
     bodies, mixed = np.flatnonzero((distinct == counts) & (counts >= 4)), _mixed(triangle)
-    if len(bodies) > 1:
+    if some_repeated and len(bodies) > 1:
         content = np.zeros(len(counts), dtype=np.uint64)
         np.add.at(content, run, mixed)
         _, first = np.unique(content[bodies], return_index=True)
         again = np.isin(run, np.delete(bodies, first)) & alone
         removed = int(again.sum())
         faces, triangle, run, alone = (values[~again] for values in (faces, triangle, run, alone))
-    repeated = ~alone & np.isin(triangle, triangle[alone])
-    removed += int(repeated.sum())
-    faces, run, alone = (values[~repeated] for values in (faces, run, alone))
+    if some_repeated:
+        repeated = ~alone & np.isin(triangle, triangle[alone])
+        removed += int(repeated.sum())
+        faces, run, alone = (values[~repeated] for values in (faces, run, alone))
     notes = [f"{name}: {removed} duplicate triangles removed"] if removed else []
     loose = faces[~alone]
     if len(loose):
-        loose, found = without_duplicates(name, loose)
-        notes += found
+        if some_repeated:
+            loose, found = without_duplicates(name, loose)
+            notes += found
         edges = directed_edges(loose)
         border = edges[odd_edges(edges, np.zeros(len(loose), dtype=int))]
         check_fins(name, vertices, border, directed_edges(faces[alone]))

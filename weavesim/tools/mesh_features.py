@@ -11,7 +11,7 @@ from .mesh_topology import neighbours
 # Edges sharper than this [rad] are real edges, not between the facets of a fillet.
 SHARP = math.radians(50.0)
 # Faces whose curvature is estimated at most; of larger meshes a random part stands for all.
-CURVATURE_FACE_COUNT = 200_000
+CURVATURE_FACE_COUNT = 50_000
 # Parts whose silhouettes are drawn at most.
 LARGEST_PART_COUNT = 50
 # Pixels across the smaller side of a silhouette, and in all.

@@ -127,8 +127,10 @@ def ends_at(coordinate: np.ndarray, tolerance: float) -> bool:
 
 def directed_border(border: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Border edges in the direction of their faces."""
-    edges = directed_edges(faces)
     count = int(faces.max()) + 1
+    at_border = np.zeros(count, dtype=bool)
+    at_border[border.ravel()] = True
+    edges = directed_edges(faces[np.count_nonzero(at_border[faces], axis=1) >= 2])
     low, high = edges.min(axis=1), edges.max(axis=1)
     given = border.min(axis=1) * count + border.max(axis=1)
     return edges[np.isin(low * count + high, given)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -11,9 +12,14 @@ from ..sheet.symmetry import Symmetry
 from .shapes import Plane, Shape
 from .tool import Tool
 
+logger = logging.getLogger(__name__)
+
 # Largest size of a tool over that of the blank: its usual range. An inch read as a metre makes it 39 times as large,
 # an inch read as a millimetre 25 times as small.
 USUAL_SIZE_RATIO = (0.06, 10.5)
+# A tool of such a size may well be far larger or smaller than the blank, as a patch on a mould or a pin under a sheet
+# are: it is a warning, not a question [m].
+USUAL_SIZE = (0.02, 4.0)
 # Longest travel of a tool over the size of the blank.
 USUAL_TRAVEL = 4.0
 
@@ -28,10 +34,14 @@ def disproportionate_tools(sheet: Sheet, tools: Sequence[Tool], symmetry: Symmet
             low, high = USUAL_SIZE_RATIO
             if not low <= ratio <= high:
                 times = f"{ratio:.3g} times as large" if ratio > 1.0 else f"{1.0 / ratio:.3g} times as small"
-                yield (
+                sentence = (
                     f"tool {tool.name} is {size:.4g} m across, {times} as the blank of sheet {sheet.name}, "
                     f"{blank:.4g} m; usual are {low:g} to {high:g} times: check both units (mm, inch; unit_scale)"
                 )
+                if USUAL_SIZE[0] <= size <= USUAL_SIZE[1]:
+                    logger.warning("%s", sentence)
+                else:
+                    yield sentence
         travel = 0.0 if tool.motion.by_force else float(np.ptp(np.append(tool.motion.curve()[1], 0.0)))
         if travel > USUAL_TRAVEL * blank:
             yield (

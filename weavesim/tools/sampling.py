@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -14,22 +13,20 @@ import warp as wp
 
 from ..errors import InputError
 from ..kernels.contact.mesh_distance import (
+    BLOCK_SIZE,
     TILE_REACH,
     TILE_SIZE,
     SampledMesh,
     doubt_cells_kernel,
     fill_tiles_kernel,
-    mesh_distance_kernel,
     sampled_distance_kernel,
 )
-from .mesh_features import face_normals, points_near
-from .mesh_repair import diagonal
-from .mesh_tool import ANNOUNCED, MANY_TRIANGLES, MeshSurface
+from .mesh_features import points_near
+from .mesh_tool import MeshSurface
+from .solid_triangles import SolidTriangles
 
 if TYPE_CHECKING:
     from .tool import Tool
-
-logger = logging.getLogger(__name__)
 
 # Largest number of voxels: the first for an automatic spacing, the second for a given one.
 CHOSEN_VOXEL_COUNT = 6_000_000
@@ -42,10 +39,8 @@ ALLOWED_ERROR_ALONE = 0.03
 # Error of 99 % of the points near the surface over the thickness of the thinnest sheet: more is doubtful, or refused.
 DOUBTFUL_ERROR = 0.1
 LARGEST_ERROR = 0.5
-# Faces whose outside is looked at.
-PROBED_FACE_COUNT = 8_000
-# How far from the middle of a face its outside is looked at, over the size of the mesh.
-FACE_PROBE = 1e-4
+# Half the diagonal of a cell, in spacings.
+HALF_CELL = 0.5 * math.sqrt(3.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +59,7 @@ class SampledDistance:
         spacing: of the voxels [m].
         reach: distances are truncated to plus and minus this [m].
         voxel_count: number of values.
+        band: samples within this distance are those of ``mesh`` to 0.002 of the spacing, the others to 0.02 [m].
         tolerance: error of the samples from which on triangles are searched [m].
         largest_error: largest difference to the mesh at random points near its surface [m]:
             within three voxels, or the thickness of the sheet.
@@ -81,6 +77,7 @@ class SampledDistance:
     spacing: float
     reach: float
     voxel_count: int
+    band: float
     tolerance: float
     largest_error: float
     usual_error: float
@@ -183,38 +180,8 @@ def sampled_distance(
 
 def exact_distance(surface: MeshSurface, points: np.ndarray, device: str = "cpu") -> np.ndarray:
     """Exact signed distance (n,) [m] of ``points`` (n, 3), by searching the triangles."""
-    return _query(_Triangles(surface, device), points)
-
-
-class _Triangles:
-    """The solid of a surface on a device, about its centre.
-
-    Its ``crossed`` says whether surfaces lie inside it, ``largest`` how far is searched [m].
-    """
-
-    def __init__(self, surface: MeshSurface, device: str) -> None:
-        self.surface, self.device = surface, device
-        if len(surface.faces) > MANY_TRIANGLES:
-            count = f"{len(surface.faces):,}"
-            logger.info("%s: sampling the distance to %s triangles", surface.name, count, extra=ANNOUNCED)
-        self.mesh = wp.Mesh(
-            points=wp.array(surface.solid_vertices - surface.centre, dtype=wp.vec3, device=device),
-            indices=wp.array(surface.solid_faces.ravel(), dtype=wp.int32, device=device),
-            support_winding_number=True,
-        )
-        self.largest = 10.0 * diagonal(surface.solid_vertices)
-        self.crossed = 1
-        self.crossed = int(self._has_inner_faces())
-
-    def _has_inner_faces(self) -> bool:
-        """Whether the outside of a face lies inside the solid."""
-        vertices, faces = self.surface.solid_vertices, self.surface.solid_faces
-        if len(faces) > PROBED_FACE_COUNT:
-            faces = faces[np.random.default_rng(0).choice(len(faces), PROBED_FACE_COUNT, replace=False)]
-        normal, area = face_normals(vertices, faces)
-        size = diagonal(self.surface.vertices)
-        points = (vertices[faces].mean(axis=1) + FACE_PROBE * size * normal)[area > (FACE_PROBE * size) ** 2]
-        return bool(len(points)) and bool(np.any(_query(self, points) < 0.0))
+    triangles = SolidTriangles(surface, device)
+    return triangles.distance(points, triangles.mesh, triangles.crossed)
 
 
 @dataclass(frozen=True)
@@ -234,15 +201,19 @@ def _sample(
     surface: MeshSurface, device: str, thickness: float, thickest: float, other: SampledDistance | None
 ) -> SampledDistance:
     """Sample a surface; the volume of ``other`` samples serves again."""
-    triangles = _Triangles(surface, device)
-    grid = _chosen_grid(triangles, thickness, thickest)
-    same = other is not None and (other.spacing, other.reach) == (grid.spacing, grid.reach)
-    volume = other.volume if other and same else _filled_volume(triangles, grid)
+    spacing = _preferred_spacing(surface, thickness)
+    triangles = SolidTriangles(surface, device, spacing)
+    grid = _chosen_grid(triangles, spacing, thickest)
+    needed = thickness or min(3.5 * grid.spacing, grid.reach)
+    # all corners of a cell whose middle may be doubted
+    band = max(needed + 2.1 * HALF_CELL * grid.spacing, other.band if other else 0.0)
+    same = other is not None and (other.spacing, other.reach, other.band) == (grid.spacing, grid.reach, band)
+    volume = other.volume if other and same else _filled_volume(triangles, grid, band)
     tolerance = ALLOWED_ERROR * min(grid.spacing, thickness) if thickness else ALLOWED_ERROR_ALONE * grid.spacing
-    doubted = _doubted_cells(triangles, volume, grid, tolerance, thickness or grid.reach)
+    doubted = _doubted_cells(triangles, volume, grid, tolerance, needed)
     record = SampledMesh()
     record.volume, record.doubted, record.mesh = volume.id, doubted.id, triangles.mesh.id
-    record.crossed, record.searched = triangles.crossed, _searched(grid, thickness or grid.reach)
+    record.crossed, record.searched = triangles.crossed, _searched(grid, needed)
     record = wp.array([record], dtype=SampledMesh, device=device)
     offset = min(3.0 * grid.spacing, 0.5 * grid.reach, thickness or math.inf)
     error = np.abs(_errors(triangles, record, offset))
@@ -257,6 +228,7 @@ def _sample(
         spacing=grid.spacing,
         reach=grid.reach,
         voxel_count=grid.voxel_count,
+        band=band,
         tolerance=tolerance,
         largest_error=float(error.max()),
         usual_error=float(np.quantile(error, 0.99)),
@@ -267,12 +239,15 @@ def _sample(
 def _searched(grid: _Grid, needed: float) -> float:
     """Sampled distance up to which triangles are searched [m], for right distances up to the ``needed`` one.
 
-    A wrong sample is wrong by less than two spacings. Cells with a truncated corner are left as they are.
+    Between right samples distances are wrong by no more than the way to the corners, half a cell's diagonal. Cells with
+    a truncated corner are left as they are.
     """
-    return min(needed + 2.0 * grid.spacing, max(grid.reach - 2.0 * grid.spacing, 0.0))
+    return min(needed + 1.05 * HALF_CELL * grid.spacing, max(grid.reach - 2.0 * grid.spacing, 0.0))
 
 
-def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolerance: float, needed: float) -> wp.Volume:
+def _doubted_cells(
+    triangles: SolidTriangles, volume: wp.Volume, grid: _Grid, tolerance: float, needed: float
+) -> wp.Volume:
     """Cells whose samples err by more than ``tolerance`` [m], and whose distances may be below the ``needed`` one [m].
 
     A crease that turns the gradient by twice an angle makes samples err by h/2 sin(angle) in the middle of a cell of
@@ -284,8 +259,8 @@ def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolera
     doubted = wp.Volume.allocate_by_tiles(first_voxel, voxel_size=grid.spacing, bg_value=0, device=device)
     least = math.sqrt(1.0 - min(2.0 * tolerance / grid.spacing, 1.0) ** 2)
     gradient_range = wp.vec2(grid.spacing * least, grid.spacing * (2.0 - least))
-    inputs = [triangles.mesh.id, triangles.crossed, volume.id, first_voxel, tolerance, gradient_range]
-    limits = wp.vec2(searched + grid.spacing, needed + 0.5 * math.sqrt(3.0) * grid.spacing)
+    inputs = [triangles.near.id, triangles.crossed, volume.id, first_voxel, tolerance, gradient_range]
+    limits = wp.vec2(needed + 2.05 * HALF_CELL * grid.spacing, needed + HALF_CELL * grid.spacing)
     wp.launch(
         doubt_cells_kernel,
         dim=(len(first_voxel), int(TILE_SIZE) ** 3),
@@ -296,22 +271,17 @@ def _doubted_cells(triangles: _Triangles, volume: wp.Volume, grid: _Grid, tolera
     return doubted
 
 
-def _query(triangles: _Triangles, points: np.ndarray) -> np.ndarray:
-    device = triangles.device
-    distance = wp.zeros(len(points), dtype=float, device=device)
-    near: wp.array = wp.array(points - triangles.surface.centre, dtype=wp.vec3, device=device)
-    inputs = [triangles.mesh.id, near, triangles.largest, triangles.crossed]
-    wp.launch(mesh_distance_kernel, dim=len(points), inputs=inputs, outputs=[distance], device=device)
-    return distance.numpy().astype(np.float64)
-
-
-def _chosen_grid(triangles: _Triangles, thickness: float, thickest: float) -> _Grid:
-    """The preferred grid, or the finest one within the voxel limit."""
-    surface = triangles.surface
-    name, spacing = surface.name, surface.first_spacing
+def _preferred_spacing(surface: MeshSurface, thickness: float) -> float:
+    spacing = surface.first_spacing
     if surface.spacing is None and surface.reach is None and thickness and math.isfinite(surface.fillet_radius):
         # samples of a curvature 1/r err by h^2 / 4 r: fine enough that fillets need no search
         spacing = min(spacing, math.sqrt(4.0 * surface.fillet_radius * ALLOWED_ERROR * thickness))
+    return spacing
+
+
+def _chosen_grid(triangles: SolidTriangles, spacing: float, thickest: float) -> _Grid:
+    """The preferred grid, or the finest one within the voxel limit."""
+    surface, name = triangles.surface, triangles.surface.name
     while True:
         grid = _grid(triangles, spacing, thickest)
         if grid.voxel_count <= (CHOSEN_VOXEL_COUNT if surface.spacing is None else LARGEST_VOXEL_COUNT):
@@ -329,7 +299,7 @@ def _chosen_grid(triangles: _Triangles, thickness: float, thickest: float) -> _G
             )
 
 
-def _grid(triangles: _Triangles, spacing: float, thickest: float) -> _Grid:
+def _grid(triangles: SolidTriangles, spacing: float, thickest: float) -> _Grid:
     """The grid for one spacing; without tiles if those near the surface are too many to compute.
 
     Large blocks of tiles are halved again and again where they come near the surface or lie inside.
@@ -351,7 +321,7 @@ def _grid(triangles: _Triangles, spacing: float, thickest: float) -> _Grid:
         spread = float(TILE_REACH) + 0.5 * math.sqrt(3.0) * (width - size)
         first = width * index - size
         centre = surface.centre + lower + spacing * (first + 0.5 * (width - 1))
-        distance = _query(triangles, centre)
+        distance = triangles.distance(centre, triangles.far, triangles.crossed)
         near = distance < reach + spread * spacing
         index = index[near]
         if level == 0 or len(index) * 8 * size**3 > 8 * LARGEST_VOXEL_COUNT:
@@ -365,7 +335,7 @@ def _grid(triangles: _Triangles, spacing: float, thickest: float) -> _Grid:
     return _Grid(lower, upper, spacing, reach, first[near], distance[near], len(index) * size**3)
 
 
-def _filled_volume(triangles: _Triangles, grid: _Grid) -> wp.Volume:
+def _filled_volume(triangles: SolidTriangles, grid: _Grid, band: float) -> wp.Volume:
     device = triangles.device
     first_voxel: wp.array = wp.array(grid.first_voxel, dtype=wp.vec3i, device=device)
     volume = wp.Volume.allocate_by_tiles(
@@ -375,8 +345,12 @@ def _filled_volume(triangles: _Triangles, grid: _Grid) -> wp.Volume:
         translation=tuple(grid.lower),
         device=device,
     )
-    centre_distance: wp.array = wp.array(grid.centre_distance, dtype=float, device=device)
-    inputs = [triangles.mesh.id, triangles.crossed, first_voxel, centre_distance, wp.vec3(*grid.lower)]
+    block = np.stack(np.meshgrid(*(np.arange(2),) * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    middle = grid.first_voxel[:, None] + int(BLOCK_SIZE) * (block + 0.5) - 0.5
+    points = triangles.surface.centre + grid.lower + grid.spacing * middle.reshape(-1, 3)
+    distance = triangles.distance(points, triangles.far, triangles.crossed)
+    centre_distance: wp.array = wp.array(distance.reshape(-1, 8), dtype=float, device=device)
+    inputs = [triangles.sampled(band), first_voxel, centre_distance, wp.vec3(*grid.lower)]
     wp.launch(
         fill_tiles_kernel,
         dim=(len(grid.first_voxel), int(TILE_SIZE) ** 3),
@@ -387,11 +361,11 @@ def _filled_volume(triangles: _Triangles, grid: _Grid) -> wp.Volume:
     return volume
 
 
-def _errors(triangles: _Triangles, record: wp.array, offset: float) -> np.ndarray:
+def _errors(triangles: SolidTriangles, record: wp.array, offset: float) -> np.ndarray:
     """Differences between what the kernels read and the mesh at random points up to ``offset`` off its surface [m]."""
     surface, device = triangles.surface, triangles.device
     points = points_near(surface.vertices, surface.faces, ERROR_SAMPLE_COUNT, offset)
     value = wp.zeros(len(points), dtype=float, device=device)
     inputs = [record, wp.array(points - surface.centre, dtype=wp.vec3, device=device)]
     wp.launch(sampled_distance_kernel, dim=len(points), inputs=inputs, outputs=[value], device=device)
-    return value.numpy() - _query(triangles, points)
+    return value.numpy() - triangles.distance(points, triangles.mesh, triangles.crossed)

@@ -16,7 +16,7 @@ from pydantic import BeforeValidator, SerializeAsAny, field_validator, model_val
 from ..checks import Kinded, NotNegative, Positive
 from ..errors import InputError
 from ..quantities import FiniteVector, Vector, unit_vector, vector
-from ..ranges import Quantity
+from ..ranges import Quantity, argument
 from .drawing import CIRCLE_COUNT, Triangles, ring_triangles, stadium_rings, swept
 
 if TYPE_CHECKING:
@@ -29,7 +29,12 @@ IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def rotation_matrix(axis: Any, angle: float) -> Matrix:
-    """Rotation by ``angle`` [rad] about ``axis``; its columns are the rotated coordinate axes."""
+    """Rotation by ``angle`` [rad] about ``axis``; its columns are the rotated coordinate axes.
+
+    Raises:
+        InputError: no direction, or an angle beyond a whole turn.
+    """
+    angle = argument("angle", angle, "turn", negative=True)
     x, y, z = unit_vector("axis of the rotation", axis)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     matrix = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)

@@ -2,6 +2,7 @@
 
 import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -259,3 +260,33 @@ def test_large_tool_meshes_are_announced(monkeypatch, capsys):
     assert capsys.readouterr().err == "punch.stl: checking 320 triangles\n"
     MeshSurface(ball.vertices, ball.faces, name="punch.stl")
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_a_signal_during_the_imports_ends_the_command_with_its_code(name):
+    """Code in which a signal raises an exception may turn it into another one."""
+    program = f"""
+import os, signal
+from weavesim.app import command_line
+def load():
+    try:
+        os.kill(os.getpid(), signal.{name})
+        signal.pause()
+    except KeyboardInterrupt:
+        raise ValueError("not what came")
+command_line.application.command("late")(load)
+command_line.main("late")
+"""
+    done = subprocess.run([sys.executable, "-c", program], env=CHECKOUT, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 128 + getattr(signal, name) and "Traceback" not in done.stderr
+
+
+def test_an_interrupted_command_does_not_show_what_the_signal_broke(weavesim_command):
+    def broken(parameters):
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise ValueError("not what came") from None
+
+    code, out, err = weavesim_command("double-dome", run=broken)
+    assert code == 143 and "Interrupted by SIGTERM." in out and "not what came" not in out + err

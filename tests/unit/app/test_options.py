@@ -3,7 +3,9 @@
 import pytest
 
 from weavesim.app.options import RunOptions
+from weavesim.checks import typed_as
 from weavesim.errors import InputError
+from weavesim.output.writer import known_writers
 
 
 @pytest.mark.parametrize(
@@ -40,7 +42,25 @@ def test_the_solver_takes_what_the_options_say():
     assert (solver.threads, solver.precision, solver.target_step, solver.step_safety) == (2, "float64", 1e-6, 0.5)
 
 
+def test_a_message_about_no_effect_has_only_the_names_of_options_as_typed():
+    names = {"threads": "--threads", "device": "--device", "without": "--without", "out": "--out"}
+    with typed_as(names), pytest.raises(InputError) as raised:
+        RunOptions(threads=2, device="cuda:0")
+    assert str(raised.value).endswith("--threads = 2: has no effect without --device = cpu; leave it out")
+
+
 @pytest.mark.parametrize("name", ["", " "])
 def test_a_folder_needs_a_name(name):
     with pytest.raises(InputError, match="out = .*a folder is needed"):
         RunOptions(out=name)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"write": ""}, {"write": " , "}, {"write": "film", "without": "film"}, {"without": None}],
+)
+def test_a_run_that_would_leave_no_results_is_refused(given):
+    if given == {"without": None}:  # all that there are
+        given = {"without": ",".join(known_writers())}
+    with pytest.raises(InputError, match="no results would be written; choose from film"):
+        RunOptions(**given)

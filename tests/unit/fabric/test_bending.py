@@ -33,6 +33,16 @@ def test_kawabata_numbers_come_back():
         (lambda: IsotropicBending(modulus=1.0, poisson_ratio=math.nan), "poisson_ratio"),
         (lambda: YarnBending(warp=-1.0, weft=1.0, twist=1.0), "warp = -1.0"),
         (lambda: YarnBending(warp=1.0, weft=1.0, twist=1.0, coupling=1.1), "coupling"),
+        (
+            lambda: BendingCurve.from_loading_and_unloading(
+                (0.0, 10.0, 20.0), (0.0, 1.0, 2.0), (0.0, 2.0, 3.0), friction_stiffness=1.0
+            ),
+            "unloading lies above loading",
+        ),
+        (lambda: BendingCurve.from_kawabata(-1e-3, 1e-2), "rigidity = -0.001"),
+        (lambda: BendingCurve.from_kawabata(1e-3, -1e-2), "hysteresis = -0.01"),
+        (lambda: BendingCurve.from_kawabata("0.5", 1e-2), "rigidity = '0.5'"),
+        (lambda: BendingCurve(curvature=(0.0, 1.0), moment_values=(0.0, -1.0)), "but all are: change the sign"),
         (lambda: BendingCurve.from_kawabata(1e-3, 1e-2, slip_curvature=0.0), "slip_curvature = 0"),
         (lambda: BendingCurve.from_kawabata(1e-3, 1e-2, slip_curvature="x"), "slip_curvature = 'x'"),
         (

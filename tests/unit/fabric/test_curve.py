@@ -277,3 +277,10 @@ def test_slopes_within_their_limit_keep_their_bits():
     assert np.array_equal(limited_slopes(slope, rise), slope)
     assert limited_slopes(np.array([9.0, 9.0, -1.0, 9.0]), rise).tolist() == [3.0, 3.0, 0.0, 9.0]
     assert limited_slopes(np.array([1.0, 0.5, 1.0]), np.array([1.0, -1.0])).tolist() == [1.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("first", [1e-6, 1e-4, 2e-3])
+def test_a_point_close_to_the_origin_does_no_harm(first):
+    """The lines through few points keep their area, while cubic pieces change with every point."""
+    law = MomentCurve(angle=(0.0, first, 0.5, 1.0), moment_values=(0.0, 6.0 * first, 3.0, 9.0))
+    assert law.moment(np.array([0.5, 1.0]), 1e-3) == pytest.approx((3.0, 9.0), rel=1e-6)

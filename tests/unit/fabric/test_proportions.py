@@ -2,8 +2,9 @@ import re
 
 import pytest
 
-from weavesim.fabric import Compaction, IsotropicBending, PlainWeave, YarnBending, glass_polypropylene
+from weavesim.fabric import BendingCurve, Compaction, IsotropicBending, PlainWeave, YarnBending, glass_polypropylene
 from weavesim.fabric.presets import PRESETS
+from weavesim.ranges import unusual_values
 
 
 def sentences(**values):
@@ -44,3 +45,12 @@ def test_no_bending_and_no_height_are_allowed():
 
 
 PRESETS_SHEAR = glass_polypropylene().shear.locking_at_most(100.0)
+
+
+@pytest.mark.parametrize("end", [0.25, 1.0, 2.5, 4.0])
+def test_a_bending_test_in_centimetres_is_named(end):
+    curve = BendingCurve(curvature=(0.0, 0.4 * end, end), moment_values=(0.0, 1e-4, 3e-4))
+    fabric = glass_polypropylene().model_copy(update={"bending": YarnBending(warp=1e-3, weft=curve, twist=1e-4)})
+    assert any(f"write {100 * end:g} for {end:g} 1/cm" in sentence for sentence in unusual_values(fabric))
+    for usual in (BendingCurve.from_kawabata(1e-3, 2e-2), curve.model_copy(update={"curvature": (0.0, 100.0, 250.0)})):
+        assert not list(unusual_values(usual))

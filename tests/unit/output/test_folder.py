@@ -171,6 +171,19 @@ def test_folders_that_cannot_be(tmp_path):
             ResultFolder(tmp_path / name)
 
 
+def test_a_relative_folder_stays_where_it_was(tmp_path, coarse_run, monkeypatch):
+    (tmp_path / "else").mkdir()
+    monkeypatch.chdir(tmp_path)
+    folder, (info, frames) = ResultFolder("out", writers=["tables", "summary"]), coarse_run
+    folder.start(info)
+    monkeypatch.chdir(tmp_path / "else")
+    for frame in frames:
+        folder.frame(frame)
+    folder.finish(Outcome.FINISHED)
+    assert folder.write({})["missing"] == [] and list((tmp_path / "else").iterdir()) == []
+    assert {"summary.json", "history.csv", "run.json"} <= {path.name for path in (tmp_path / "out").iterdir()}
+
+
 @pytest.mark.parametrize("name", ["", "  "])
 def test_a_folder_needs_a_name(name):
     with pytest.raises(InputError, match="current folder"):

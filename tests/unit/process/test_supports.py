@@ -32,7 +32,7 @@ PULL = SmoothStroke.ramped(1e-3, speed=1.0, ramp_time=1e-4)
         (lambda: PULL.and_back(rest=-1.0), "must not be negative"),
         (lambda: small_run(supports=[Support("grip", [25])]), "counted from 0"),
         (lambda: small_run(supports=[Support("a", [1, 2]), Support("b", [2, 3])]), "node 2 is also held by a"),
-        (lambda: small_run(supports=[Support("a", [1]), Support("a", [3])]), "empty or already used"),
+        (lambda: small_run(supports=[Support("a", [1]), Support("a", [3])]), "of entry 1 is that of entry 0 already"),
         (lambda: small_run(supports=["grip"]), "supports.0 = 'grip': a Support is needed"),
         (
             lambda: small_run(supports=[Support("a", [0, 7], (Drive(PULL, (1.0, 1.0, 0.0)),))], symmetry=("y",)),

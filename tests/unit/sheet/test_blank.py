@@ -298,3 +298,24 @@ def test_the_parts_of_a_large_blank_take_little_time():
 def test_a_distortion_out_of_range_is_refused(distortion):
     with pytest.raises(InputError, match="distortion"):
         Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.01, distortion=distortion)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Blank.rectangle((0.0, 0.0), (0.3, 0.2), 1e-6),
+        lambda: Blank.rectangle((0.0, 0.0), (3.0, 3.0), 2e-4),
+        lambda: Blank.rectangle((0.0, 0.0), (0.3, 0.2), (1e-3, 1e-9)),
+        lambda: Blank.rectangle((0.0, 0.0), (0.3, 0.2), 1e-100),
+        lambda: Blank.disc(0.1, 1e-6),
+        lambda: Blank.fitted(np.array([(0, 0), (1, 0), (1, 1), (0, 1.0)]), 1e-5),
+    ],
+)
+def test_a_mesh_that_no_machine_can_hold_is_refused_at_once(make):
+    with pytest.raises(InputError, match="divide the blank into about .*at most 20,000,000 are allowed"):
+        make()
+
+
+def test_a_rectangle_in_millimetres_is_told_so():
+    with pytest.raises(InputError, match=r"300 m wide: at most 20 m is allowed: write 0.3 for 300 mm$"):
+        Blank.rectangle((0.0, 0.0), (300.0, 200.0), 5.0)

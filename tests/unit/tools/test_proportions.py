@@ -42,6 +42,15 @@ def test_usual_tools_are_not_named(size):
     assert not sentences(Sphere(size))
 
 
+@pytest.mark.parametrize(
+    ("blank", "radius"), [(0.05, 0.5), (0.1, 1.0), (0.1, 1.5), (0.15, 1.9), (1.0, 0.025), (2.0, 0.02), (5.0, 0.1)]
+)
+def test_a_patch_on_a_mould_and_a_pin_under_a_sheet_are_only_warned_about(blank, radius, caplog):
+    sheet = Sheet(Blank.rectangle((0.0, 0.0), (blank, blank), 0.1 * blank), glass_polypropylene())
+    assert not list(disproportionate_tools(sheet, [Tool("mould", Sphere(radius))], WHOLE))
+    assert "tool mould is" in caplog.text and "check both units" in caplog.text
+
+
 def test_a_stroke_of_several_blanks_is_named():
     (sentence,) = sentences(Sphere(0.1), Stroke((0.0, 1.0), (0.0, -2.5)))
     assert "travels 2.5 m, 5.32 times" in sentence
@@ -50,8 +59,8 @@ def test_a_stroke_of_several_blanks_is_named():
 
 
 def test_a_blank_that_is_cut_counts_as_a_whole():
-    """3 m are 6 times the whole blank of 0.47 m, and 13 times the quarter that is computed."""
+    """4.4 m are 9 times the whole blank of 0.47 m, and 19 times the quarter that is computed."""
     quarter = Sheet(Blank.rectangle((0.0, 0.0), (0.235, 0.135), 0.1), glass_polypropylene())
-    tools = [Tool("die", Sphere(1.5))]
+    tools = [Tool("die", Sphere(2.2))]
     assert list(disproportionate_tools(quarter, tools, WHOLE))
     assert not list(disproportionate_tools(quarter, tools, Symmetry(("x", "y"))))

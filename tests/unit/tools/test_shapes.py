@@ -280,3 +280,11 @@ def test_rotation_matrix_turns_the_right_way():
         rotation_matrix((0, 0, 2.0), math.pi / 2), [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-15
     )
     assert Sphere(0.1).rotation == IDENTITY
+
+
+@pytest.mark.parametrize(
+    ("angle", "right"), [(90.0, "1.571 for 90"), (-45, "at most 6.283 rad"), (180.0, "3.142 for 180")]
+)
+def test_a_rotation_in_degrees_is_refused(angle, right):
+    with pytest.raises(InputError, match=f"angle = .*{right}"):
+        rotation_matrix((0.0, 0.0, 1.0), angle)

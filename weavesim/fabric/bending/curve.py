@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Iterator
 from typing import Annotated, Self
 
 import numpy as np
@@ -16,10 +17,14 @@ from ..curve import (
     Extrapolation,
     MeasuredCurve,
     check_curve,
+    check_loop,
     check_table,
     measured_columns,
     noise,
 )
+
+# A test that ends at a larger radius than 0.2 m says little of draping: the curvature is probably in 1/cm [1/m].
+SMALLEST_USUAL_CURVATURE = 5.0
 
 
 class FamilyBending(Kinded):
@@ -101,6 +106,8 @@ class BendingCurve(FamilyBending):
         check_curve(self.curvature, self.moment_values, ("curvatures", "moments"), from_zero=True)
         scatter = noise(np.array(self.curvature), np.array(self.moment_values))
         if min(self.moment_values) < 0.0 and self.smoothing == 0.0:
+            if max(self.moment_values) <= 0.0:
+                raise ValueError("moments must not be negative, but all are: change the sign, which is the machine's")
             raise ValueError(
                 "moments must not be negative: bending may not release energy; noise can be smoothed, for example with "
                 f"smoothing = {scatter:.2g}"
@@ -111,6 +118,13 @@ class BendingCurve(FamilyBending):
                 f"friction_limit = {self.friction_limit:.4g} N needs a friction_stiffness [N m]: the slope before slip"
             )
         return self
+
+    def disproportions(self) -> Iterator[str]:
+        if self.trusted_curvature is not None and self.end < SMALLEST_USUAL_CURVATURE:
+            yield (
+                f"curvature goes to {self.end:.4g} 1/m only, a radius of {1.0 / self.end:.3g} m; usual tests go to "
+                f"{SMALLEST_USUAL_CURVATURE:g} 1/m and more: write {100.0 * self.end:.4g} for {self.end:.4g} 1/cm"
+            )
 
     @classmethod
     def straight(cls, stiffness: float) -> BendingCurve:
@@ -137,6 +151,7 @@ class BendingCurve(FamilyBending):
             InputError: columns of unequal length or without numbers, or unloading above loading.
         """
         curvature, up, down = measured_columns(curvature=curvature, loading=loading, unloading=unloading)
+        check_loop(up, down)
         middle = 0.5 * (up + down)
         middle = np.maximum(middle - middle[0], 0.0)
         return cls(
@@ -156,6 +171,8 @@ class BendingCurve(FamilyBending):
         Raises:
             InputError: a slip curvature that is not above 0, or negative numbers.
         """
+        rigidity = argument("rigidity", rigidity, "bending stiffness", zero=True)
+        hysteresis = argument("hysteresis", hysteresis, "bending moment", zero=True)
         slip_curvature = argument("slip_curvature", slip_curvature, "curvature")
         return cls(
             curvature=(0.0, 1.0), moment_values=(0.0, rigidity), extrapolation="trusted",

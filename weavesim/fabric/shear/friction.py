@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from ...checks import Kinded, NotNegative, Positive
 from ...ranges import Quantity
-from ..curve import Column, check_curve, check_table, measured_columns, noise
+from ..curve import Column, check_curve, check_loop, check_table, measured_columns, noise
 from ..device_form import DeviceForm, Tabulated
 from .law import LARGEST_SHEAR_ANGLE
 
@@ -110,10 +110,11 @@ class ShearFriction(CrossoverFriction):
             InputError: columns of unequal length or without numbers, or a loop without height.
         """
         angle, up, down = measured_columns(angle=angle, loading=loading, unloading=unloading)
+        check_loop(up, down)
         half = np.maximum(0.5 * (up - down), 0.0)
         # at zero angle the loop is closed or was not measured, but friction does not vanish there
         return cls(
-            stiffness=stiffness, angle=tuple(angle), limit=(half[1], *half[1:]),
+            stiffness=stiffness, angle=tuple(angle.tolist()), limit=(float(half[1]), *half[1:].tolist()),
             crossover_friction_length=crossover_friction_length,
         )  # fmt: skip
 

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from ...checks import NotNegative, Positive
 from ...errors import InputError
+from ...quantities import finite
 from ...ranges import Quantity, argument
 from ..curve import (
     CURVE_PIECE_COUNT,
@@ -97,7 +98,11 @@ class MomentCurve(ShearLaw):
         """m = c_1 gamma + c_2 gamma^2 + ... [N/m] for gamma > 0 in rad, ``coefficients`` from c_1 on.
 
         Beyond ``trusted_angle`` [rad] the curve is extrapolated with its end slope.
+
+        Raises:
+            InputError: no coefficients, or ones that are no numbers.
         """
+        coefficients = _coefficients("coefficients", coefficients)
         angle = np.linspace(0.0, argument("trusted_angle", trusted_angle, "shear angle"), 221)
         return cls(
             angle=tuple(angle.tolist()),
@@ -119,7 +124,11 @@ class MomentCurve(ShearLaw):
 
         convention "yarn frame": tau is a nominal shear stress over the yarn's current frame, m = t tau cos(gamma);
         "moment": m = t tau. Beyond ``trusted_angle`` the curve is extrapolated with its end slope.
+
+        Raises:
+            InputError: no coefficients, or ones that are no numbers.
         """
+        tangent_coefficients = _coefficients("tangent_coefficients", tangent_coefficients)
         thickness = argument("thickness", thickness, "sheet thickness")
         angle = np.linspace(0.0, argument("trusted_angle", trusted_angle, "shear angle"), 221)
         stress = np.polynomial.Polynomial(tangent_coefficients).integ()(angle)
@@ -234,3 +243,9 @@ def _checked_sides(frame_side: float, fabric_side: float) -> tuple[float, float]
     if fabric_side > frame_side:
         raise InputError(f"fabric_side = {fabric_side:.4g} m: must not exceed that of the frame, {frame_side:.4g} m")
     return frame_side, fabric_side
+
+
+def _coefficients(name: str, values: Sequence[float]) -> tuple[float, ...]:
+    if isinstance(values, str) or not np.iterable(values) or not len(values):
+        raise InputError(f"{name} = {values!r}: a list of at least one number is needed")
+    return tuple(finite(f"{name}[{row}]", value) for row, value in enumerate(values))

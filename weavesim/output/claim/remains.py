@@ -23,6 +23,21 @@ TEMPORARY = ".*.partial.*"
 FOLDERS = ("pictures", "paraview")
 
 
+def check_names(folder: Path) -> None:
+    """Check that no folder has the name of a result, which could not be written then, and no file that of a folder.
+
+    Raises:
+        InputError: one does.
+    """
+    for name in (*(pattern for pattern in PATTERNS if "*" not in pattern and "/" not in pattern), *FOLDERS):
+        path = folder / name
+        if path.is_dir() if name not in FOLDERS else path.exists() and not path.is_dir():
+            kind = "file" if name in FOLDERS else "folder"
+            raise InputError(
+                f"output folder {folder}: {name} in it is a {kind}; move it, or give another folder (--out)"
+            )
+
+
 def check_free(folder: Path) -> None:
     """Check that a folder holds no results.
 
@@ -43,6 +58,7 @@ def remove_results(folder: Path) -> None:
     Raises:
         InputError: a file that cannot be removed.
     """
+    check_names(folder)
     try:
         _remove(folder / SUMMARY_NAME)
         for name in _recorded(folder):

@@ -24,6 +24,10 @@ REFUSED_OVERLAP = 0.25
 # slender than the elements has come through.
 LARGEST_DEPTH = 0.05
 USELESS_DEPTH = 0.25
+# Of the thickness: how far a tool of any width may stand out of the sheet before it has come through.
+USELESS_PROTRUSION = 2.0
+# Of the thickness: how far it is followed.
+LONGEST_PROTRUSION = 10.0
 # Cells of elements are searched down to this share of the thickness.
 RESOLUTION = 0.25
 
@@ -80,9 +84,11 @@ class StartOverlap(Guard):
 
 
 class Seen(NamedTuple):
-    """The deepest that one tool has been in one sheet: the distance of the sheet's middle [m], place and time."""
+    """The deepest that one tool has been in one sheet: the distance of the sheet's middle [m], how far the tool stood
+    out of the sheet [m], place and time."""
 
     distance: float
+    protrusion: float
     place: tuple[float, float]
     time: float
 
@@ -120,7 +126,8 @@ class BetweenNodes(Guard):
             position = frame.sheets[pair[0]].position
             found = _deepest(self._distances, pair[1], displacement, position, sheet, limit)
             if found.element is not None:
-                self._deepest[pair] = Seen(found.distance, _place(sheet, found), frame.time)
+                out = _protrusion(self._distances, pair[1], displacement, position, sheet, found)
+                self._deepest[pair] = Seen(found.distance, out, _place(sheet, found), frame.time)
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """The deepest of each tool in each sheet."""
@@ -128,10 +135,13 @@ class BetweenNodes(Guard):
         for (place, index), seen in self._deepest.items():
             thickness, tool = info.sheets[place].fabric.thickness, info.tools[index]
             slender = tool.smallest_width < _size(self._sheets[place])
+            useless = slender and -seen.distance > USELESS_DEPTH * thickness
+            useless |= seen.protrusion > USELESS_PROTRUSION * thickness
+            least = "at least " if seen.protrusion >= LONGEST_PROTRUSION * thickness else ""
             yield self.doubt(
-                Level.DO_NOT_USE if slender and -seen.distance > USELESS_DEPTH * thickness else Level.WARNING,
+                Level.DO_NOT_USE if useless else Level.WARNING,
                 f"{info.tool_names[index]} came through the sheet between its nodes: the middle of the sheet was "
-                f"{-1e3 * seen.distance:.3g} mm inside it",
+                f"{-1e3 * seen.distance:.3g} mm inside it, and it stood out by {least}{1e3 * seen.protrusion:.3g} mm",
                 "only nodes meet tools: take a finer mesh, round the tool's edges, or a wider tool",
                 sheet=info.sheets[place].name,
                 place=seen.place,
@@ -165,6 +175,21 @@ def _deepest(
     corners = position[sheet.blank.quads]
     resolution = RESOLUTION * sheet.fabric.thickness
     return deepest_point(lambda points: distances(tool, displacement, points)[0], corners, limit, resolution)
+
+
+def _protrusion(
+    distances: ToolDistances, tool: int, displacement: float, position: np.ndarray, sheet: SheetModel, found: Deepest
+) -> float:
+    """How far a tool reaches from the deepest point to the nearer side of the sheet, along its normal [m]."""
+    assert found.element is not None and found.point is not None
+    a, b, c, d = position[sheet.blank.quads[found.element]]
+    normal = np.cross(c - a, d - b)
+    normal /= max(float(np.linalg.norm(normal)), 1e-300)
+    steps = sheet.fabric.thickness * np.arange(RESOLUTION, LONGEST_PROTRUSION + RESOLUTION, RESOLUTION)
+    way = steps[:, None] * normal
+    outside = distances(tool, displacement, np.concatenate([found.point + way, found.point - way]))[0] >= 0.0
+    sides = outside.reshape(2, -1)
+    return min(float(steps[side.argmax()]) if side.any() else float(steps[-1]) for side in sides)
 
 
 def _place(sheet: SheetModel, found: Deepest) -> tuple[float, float]:

@@ -88,11 +88,15 @@ def _on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> bo
     names = [sheet.name for sheet in world.sheets]
     nodes = np.concatenate([frame.position for frame in start.frame.sheets if frame.name in names])
     up = np.concatenate([frame.director for frame in start.frame.sheets if frame.name in names])
+    step = 0.5 * min(sheet.fabric.thickness for sheet in world.sheets) * up
     sides = []
     for tool in (first + a, first + b):
-        distance, normal = distances(tool, start.frame.tool_displacement[tool], nodes)
-        nearest = int(np.argmin(distance))
-        sides.append(float(normal[nearest] @ up[nearest]))
+        at = start.frame.tool_displacement[tool]
+        nearest = int(np.argmin(distances(tool, at, nodes)[0]))
+        # far from a sampled tool the distance has a slope, but no normal
+        beside = np.stack([nodes[nearest] + step[nearest], nodes[nearest] - step[nearest]])
+        above, below = distances(tool, at, beside)[0]
+        sides.append(float(above - below))
     return sides[0] * sides[1] < 0.0
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..frame import Outcome
-from ..watch.tool_distance import ToolDistances
+from ..watch.tool_distance import ToolDistances, deepest_point
 from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class ToolReach(Guard):
                     if i != k
                 )
                 reach = _reach(world, tool, setup.duration, held)
-                if min(nearest[k]) > reach:
+                if min(nearest[k]) > reach and not _near(start, first + k, ways[k], reach):
                     yield self.doubt(
                         Level.WARNING,
                         f"{tool.name}: it stays {1e3 * min(nearest[k]):.4g} mm away from the blank, which can move by "
@@ -79,6 +80,23 @@ class NeverTouched(Guard):
                     f"{name} never touched a node of the sheet",
                     "it missed the sheet, or passed between its nodes" if moves else "leave it out, or check its place",
                 )
+
+
+def _near(start: Start, tool: int, way: np.ndarray, reach: float) -> bool:
+    """Whether any point of a sheet, also between nodes, is nearer to a tool on its way than ``reach`` [m]."""
+    distances = ToolDistances(start.model)
+    for sheet, frame in zip(start.model.sheets, start.frame.sheets, strict=True):
+        if sheet.places.tools.start <= tool < sheet.places.tools.stop:
+            corners, resolution = frame.position[sheet.blank.quads], 0.25 * sheet.fabric.thickness
+            for at in way:
+                of_tool = partial(_distance, distances, tool, float(at))
+                if deepest_point(of_tool, corners, reach, resolution).element is not None:
+                    return True
+    return False
+
+
+def _distance(distances: ToolDistances, tool: int, displacement: float, points: np.ndarray) -> np.ndarray:
+    return distances(tool, displacement, points)[0]
 
 
 def _way(tool: Tool, duration: float) -> np.ndarray:

@@ -58,10 +58,12 @@ class Deepest(NamedTuple):
     Attributes:
         distance: from the tool's surface [m], negative inside.
         element: that contains it; None if no point is nearer than the limit.
+        point: it, (3,) [m].
     """
 
     distance: float
     element: int | None = None
+    point: np.ndarray | None = None
 
 
 def deepest_point(
@@ -84,10 +86,11 @@ def deepest_point(
     place = np.zeros((len(corners), 2))
     best = Deepest(limit)
     while len(element):
-        distance = distance_of(_points(corners[element], place))
+        points = _points(corners[element], place)
+        distance = distance_of(points)
         lowest = int(np.argmin(distance))
         if distance[lowest] < best.distance:
-            best = Deepest(float(distance[lowest]), int(element[lowest]))
+            best = Deepest(float(distance[lowest]), int(element[lowest]), points[lowest])
         reach = distance - half * radius[element]
         (kept,) = np.nonzero((reach < best.distance) & (half * radius[element] > resolution))
         if len(kept) > LARGEST_CELL_COUNT:

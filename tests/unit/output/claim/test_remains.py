@@ -50,6 +50,23 @@ def test_results_are_not_overwritten_without_being_asked(tmp_path, name):
     assert (tmp_path / name).read_text() == "x"  # not before the run starts
 
 
+@pytest.mark.parametrize("name", ["summary.json", "run.json", "run.log", "history.csv", "report.html", "setup.json"])
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_a_folder_with_the_name_of_a_result_is_told_before(tmp_path, name, overwrite):
+    write(tmp_path, [f"{name}/mine.txt"])
+    with pytest.raises(InputError, match=f"{name} in it is a folder; move it"):
+        ResultFolder(tmp_path, overwrite=overwrite)
+    assert names(tmp_path) == {f"{name}/mine.txt"}
+
+
+@pytest.mark.parametrize("name", ["pictures", "paraview"])
+def test_a_file_with_the_name_of_a_folder_of_results_is_told_before(tmp_path, name):
+    write(tmp_path, [name])
+    with pytest.raises(InputError, match=f"{name} in it is a file; move it"):
+        ResultFolder(tmp_path, overwrite=True)
+    assert names(tmp_path) == {name}
+
+
 def test_results_that_came_meanwhile_are_not_overwritten(tmp_path, coarse_run):
     folder = ResultFolder(tmp_path)
     play(ResultFolder(tmp_path, writers=["summary"]), coarse_run, 2)

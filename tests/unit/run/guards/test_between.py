@@ -71,6 +71,32 @@ def test_a_tool_that_passes_between_nodes_is_told_before_and_seen_after(name):
     assert run.verdict == "do not use"
 
 
+def cone(radius: float, height: float, count: int = 32) -> MeshShape:
+    """A cone that stands on its tip at z = 0: wide, and without a sharp edge that faces the sheet."""
+    turn = 2.0 * np.pi * np.arange(count) / count
+    rim = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(count, height)])
+    k, following = np.arange(count), np.roll(np.arange(count), -1)
+    tip, top = np.full(count, count), np.full(count, count + 1)
+    faces = np.concatenate([np.column_stack([tip, following, k]), np.column_stack([top, k, following])])
+    return MeshShape.from_triangles(np.vstack([rim, [[0, 0, 0], [0, 0, height]]]), faces, spacing=2.5e-4, reach=1.5e-3)
+
+
+@pytest.mark.parametrize(
+    ("radius", "travel", "useless"), [(0.012, 0.008, True), (0.009, 0.006, True), (0.03, 1e-3, False)]
+)
+def test_a_wide_tool_with_a_tip_that_comes_through_makes_a_result_useless(radius, travel, useless):
+    run = poked(cone(radius, 0.03), 0.005, (0.0325, 0.0325), travel)
+    assert "narrow_tool" not in spoken(run)
+    run.run()
+    doubt = spoken(run)["between_nodes"]
+    assert (doubt.level == Level.DO_NOT_USE) == useless and "stood out by" in doubt.text
+
+
+def test_a_tool_between_nodes_is_not_out_of_reach():
+    run = poked(*PASSING["a blade of 1 x 50 mm"])
+    assert "tool_reach" not in spoken(run)
+
+
 @pytest.mark.parametrize("frame_count", [1, 9])
 def test_it_is_seen_with_any_number_of_frames(frame_count):
     shape, size, at = PASSING["a pin of 3 mm"]

@@ -15,6 +15,7 @@ from weavesim.tools.tool import Tool
 THICKNESS = glass_polypropylene().thickness
 HALF = 0.5 * THICKNESS
 FACE_DOWN = rotation_matrix((1.0, 0.0, 0.0), np.pi)
+FACE_UP = rotation_matrix((1.0, 0.0, 0.0), 0.0)
 DOWN = (0.0, 0.0, -1.0)
 
 
@@ -67,6 +68,23 @@ def test_the_gap_at_the_end_of_the_stroke_is_told_before(name, lack):
 def test_tools_that_run_into_each_other_are_refused(name):
     with pytest.raises(InputError, match=r"punch and die run into each other by 0\.[345]\d* mm at 0\.001 s"):
         closed(*PAIRS[name], 0.001 + THICKNESS + 0.0004)
+
+
+@pytest.mark.parametrize("start", [0.002, 0.006, 0.05])
+@pytest.mark.parametrize("from_below", [False, True])
+def test_a_mesh_that_starts_beyond_the_reach_of_its_samples_is_seen_too(start, from_below):
+    """Its distance has no normal there, which must not hide on which side of the sheet it is."""
+    sign = -1.0 if from_below else 1.0
+    block = slab(0.0).placed((0.0, 0.0, sign * (HALF + start)), FACE_UP if from_below else FACE_DOWN)
+    plane = Plane(origin=(0.0, 0.0, -sign * HALF), rotation=FACE_DOWN if from_below else FACE_UP)
+    motion = Stroke((0.0, 1e-3), (0.0, -sign * (start + 0.0004)))
+    blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005)
+    run = small_run(
+        blank=blank, tools=[Tool("punch", block, motion), Tool("die", plane)], duration=1e-3, frame_count=1,
+        accept_unusual=True,
+    )  # fmt: skip
+    (doubt,) = closing(run)
+    assert doubt.value == pytest.approx(THICKNESS - 0.0004, abs=1e-4)
 
 
 def test_a_gap_that_is_too_small_on_the_way_only_is_told_too():

@@ -145,7 +145,7 @@ def test_bad_input_is_refused_before_the_run(values, words, tmp_path):
     for name, text in older.items():
         (tmp_path / name).write_text(text)
     with pytest.raises(InputError, match=words):
-        SCENE.run(DoubleDomeParameters(out=tmp_path, **values))
+        SCENE.run(DoubleDomeParameters(out=tmp_path, overwrite=True, **values))
     assert {name: (tmp_path / name).read_text() for name in older} == older
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..sheet.symmetry import AXES
+from ..sheet.topology import doubled_normals
 
 if TYPE_CHECKING:
     from ..sheet.blank import Blank
@@ -14,12 +15,6 @@ if TYPE_CHECKING:
 
 # Neighbours whose normals differ by more are folded onto each other [degrees].
 LARGEST_FOLD = 170.0
-
-
-def _normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """Normals of all elements, from their diagonals, (element_count, 3) [m^2]."""
-    a, b, c, d = (position[corner] for corner in quads.T)
-    return np.cross(c - a, d - b)
 
 
 def folded_elements(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
@@ -48,7 +43,7 @@ def neighbours(quads: np.ndarray) -> np.ndarray:
 
 def folded_pairs(position: np.ndarray, quads: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     """Which neighbours are folded onto each other, (k,) bool, for the ``pairs`` of ``neighbours``."""
-    normal = _normals(position, quads)
+    normal = doubled_normals(position, quads)
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1.0e-300)[:, None]
     cosine = np.einsum("ki,ki->k", normal[pairs[:, 0]], normal[pairs[:, 1]])
     return cosine < np.cos(np.deg2rad(LARGEST_FOLD))
@@ -58,7 +53,7 @@ def inverted_elements(position: np.ndarray, director: np.ndarray, blank: Blank) 
     """Which elements are turned over against the directors of their nodes, (element_count,) bool."""
 
     def side(points: np.ndarray, directors: np.ndarray) -> np.ndarray:
-        return np.einsum("ei,ei->e", _normals(points, blank.quads), directors[blank.quads].sum(axis=1))
+        return np.einsum("ei,ei->e", doubled_normals(points, blank.quads), directors[blank.quads].sum(axis=1))
 
     return side(position, director) * side(blank.node_position, blank.initial_director) < 0.0
 

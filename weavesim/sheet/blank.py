@@ -25,7 +25,7 @@ from .mesh_checks import (
     faces_down,
     merged_nodes,
 )
-from .topology import checked_distortion
+from .topology import checked_distortion, doubled_normals
 
 # Allowed deviation from length one, and from the plane of the element; smallest sine of the angle between the yarns.
 _UNIT_TOLERANCE = 1.0e-6
@@ -258,7 +258,7 @@ class Blank(Parameters):
         if merge_nodes is None:
             check_coincident(position, quads, names)
         check_connection(position, quads, names)
-        normal = np.cross(position[quads[:, 2]] - position[quads[:, 0]], position[quads[:, 3]] - position[quads[:, 1]])
+        normal = doubled_normals(position, quads)
         director = np.zeros_like(position)
         for corner in range(4):
             np.add.at(director, quads[:, corner], normal)
@@ -370,8 +370,7 @@ def _check_directions(blank: Blank) -> None:
         # not <= rather than >: NaN is refused too
         good = np.abs(np.linalg.norm(rows, axis=1) - 1.0) <= _UNIT_TOLERANCE
         _check_rows(name, rows, good, "a direction of length 1 is needed")
-    corner = blank.node_position[blank.quads]
-    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    normal = doubled_normals(blank.node_position, blank.quads)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     warp, weft = blank.warp_direction, blank.weft_direction
     for name, yarn in (("warp_direction", warp), ("weft_direction", weft)):

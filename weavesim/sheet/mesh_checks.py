@@ -9,15 +9,13 @@ import numpy as np
 
 from ..errors import InputError
 from ..ranges import QUANTITIES
-from .topology import part_of_nodes
+from .topology import doubled_normals, part_of_nodes
 
 _LARGEST_EXTENT_M = QUANTITIES["length"].legal[1]
 # Nodes closer than this share of the shortest edge coincide.
 _COINCIDENT = 1.0e-3
 # Elements meet at a place in fours; this many nodes there are a mistake.
 _MOST_AT_ONE_PLACE = 64
-
-
 # More do not fit into the memory of any device [elements].
 LARGEST_ELEMENT_COUNT = 2.0e7
 
@@ -110,7 +108,7 @@ def check_elements(position: np.ndarray, quads: np.ndarray, names: Names = ROWS)
             "remove one of them"
         )
     corner = position[quads]
-    mean_normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    mean_normal = doubled_normals(position, quads)
     size = np.linalg.norm(mean_normal, axis=1)
     mean_normal /= np.maximum(size, 1.0e-300)[:, None]
     edge = np.roll(corner, -1, axis=1) - corner
@@ -201,17 +199,7 @@ def merged_nodes(position: np.ndarray, quads: np.ndarray, distance: float) -> tu
             f"merge_nodes = {distance:g}: must be below {shortest:.4g} m, the shortest edge of an element, or elements "
             "lose their edges"
         )
-    pairs = close_pairs(position, distance)
-    lowest = np.arange(len(position))
-    while True:
-        before = lowest.copy()
-        least = np.minimum(before[pairs[:, 0]], before[pairs[:, 1]])
-        np.minimum.at(lowest, pairs[:, 0], least)
-        np.minimum.at(lowest, pairs[:, 1], least)
-        lowest = lowest[lowest]
-        if np.array_equal(lowest, before):
-            break
-    kept, row = np.unique(lowest, return_inverse=True)
+    kept, row = np.unique(part_of_nodes(close_pairs(position, distance), len(position)), return_inverse=True)
     return position[kept], row.reshape(-1)[quads].astype(quads.dtype), kept
 
 
@@ -252,9 +240,8 @@ def close_pairs(position: np.ndarray, distance: float) -> np.ndarray:
 
 def faces_down(position: np.ndarray, quads: np.ndarray) -> bool:
     """Whether a sheet as a whole is wound clockwise as seen from above."""
-    corner = position[quads]
-    area = 0.5 * np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
-    return bool(area[:, 2].sum() < -0.5 * np.linalg.norm(area, axis=1).sum())
+    normal = doubled_normals(position, quads)
+    return bool(normal[:, 2].sum() < -0.5 * np.linalg.norm(normal, axis=1).sum())
 
 
 def _shortest_edge(position: np.ndarray, quads: np.ndarray) -> float:

@@ -39,14 +39,30 @@ def flat_areas(blank: Blank) -> np.ndarray:
     return 0.5 * np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
 
 
-def part_of_nodes(quads: np.ndarray, node_count: int) -> np.ndarray:
-    """Lowest node number in the connected part of each node, (node_count,); elements connect their corners."""
+def doubled_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Normals of elements (m, 4), from their diagonals, as long as twice the area, (m, 3) [m^2].
+
+    Args:
+        position: of the nodes, (node_count, 3) [m].
+        quads: corner nodes of each element, (m, 4).
+    """
+    a, b, c, d = (position[corner] for corner in quads.T)
+    return np.cross(c - a, d - b)
+
+
+def part_of_nodes(groups: np.ndarray, node_count: int) -> np.ndarray:
+    """Lowest node number in the connected part of each node, (node_count,).
+
+    Args:
+        groups: nodes that are connected, such as the corners of each element, (m, k).
+        node_count: of all nodes.
+    """
     part = np.arange(node_count)
     while True:
-        lowest = part[quads].min(axis=1)
+        lowest = part[groups].min(axis=1)
         before = part.copy()
-        # the parts of all corners are merged into the lowest of them
-        np.minimum.at(part, before[quads].ravel(), np.repeat(lowest, 4))
+        # the parts of all nodes of a group are merged into the lowest of them
+        np.minimum.at(part, before[groups].ravel(), np.repeat(lowest, groups.shape[1]))
         while not np.array_equal(part, part[part]):
             part = part[part]
         if np.array_equal(part, before):

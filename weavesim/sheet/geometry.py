@@ -57,9 +57,14 @@ class ElementGeometry:
         )  # fmt: skip
 
     @property
+    def largest_size(self) -> float:
+        """Of an element, as the square root of its area [m]."""
+        return math.sqrt(self.area.max())
+
+    @property
     def flat(self) -> bool:
         """True where every initial strain is zero to round-off."""
-        length = math.sqrt(self.area.max())
+        length = self.largest_size
         return bool(
             np.abs(self.curvature).max() * length < 1e-12
             and np.abs(self.transverse_shear).max() < 1e-12

@@ -40,8 +40,8 @@ class NarrowTool(Guard):
 
     def before(self, start: Start) -> Iterable[Doubt]:
         """Tools of which a part is narrower than an element."""
-        for sheet, _, index in _meetings(start):
-            tool, size = start.model.setup.tools[index], _size(sheet)
+        for sheet, _, index in start.meetings():
+            tool, size = start.model.setup.tools[index], sheet.geometry.largest_size
             if tool.smallest_width < size:
                 yield self.doubt(
                     Level.WARNING,
@@ -65,7 +65,7 @@ class StartOverlap(Guard):
             InputError: a tool that overlaps the sheet by more than a quarter of its thickness.
         """
         distances, displacement = ToolDistances(start.model), start.frame.tool_displacement
-        for sheet, position, index in _meetings(start):
+        for sheet, position, index in start.meetings():
             thickness, name = sheet.fabric.thickness, start.model.setup.tools[index].name
             limit = (0.5 - LARGEST_OVERLAP) * thickness - _sampling_error(start, index)
             found = _deepest(distances, index, displacement[index], position, sheet, limit)
@@ -111,8 +111,8 @@ class BetweenNodes(Guard):
     def before(self, start: Start) -> Iterable[Doubt]:
         """Nothing; remembers what there is to watch."""
         self._distances, self._sheets = ToolDistances(start.model), start.model.sheets
-        for sheet, _, index in _meetings(start):
-            tool, size = start.model.setup.tools[index], _size(sheet)
+        for sheet, _, index in start.meetings():
+            tool, size = start.model.setup.tools[index], sheet.geometry.largest_size
             if tool.smallest_radius < size or tool.smallest_width < 2.0 * size:
                 self._watched.append((self._sheets.index(sheet), index))
         return ()
@@ -134,7 +134,7 @@ class BetweenNodes(Guard):
         info = run.run.info
         for (place, index), seen in self._deepest.items():
             thickness, tool = info.sheets[place].fabric.thickness, info.tools[index]
-            slender = tool.smallest_width < _size(self._sheets[place])
+            slender = tool.smallest_width < self._sheets[place].geometry.largest_size
             useless = slender and -seen.distance > USELESS_DEPTH * thickness
             useless |= seen.protrusion > USELESS_PROTRUSION * thickness
             least = "at least " if seen.protrusion >= LONGEST_PROTRUSION * thickness else ""
@@ -151,22 +151,10 @@ class BetweenNodes(Guard):
             )
 
 
-def _meetings(start: Start) -> Iterable[tuple[SheetModel, np.ndarray, int]]:
-    """Every sheet with its positions and each tool that it may touch, by index among those of the run."""
-    for sheet, frame in zip(start.model.sheets, start.frame.sheets, strict=True):
-        for index in range(sheet.places.tools.start, sheet.places.tools.stop):
-            yield sheet, frame.position, index
-
-
 def _sampling_error(start: Start, index: int) -> float:
     """Error of the distances from a tool that 99 % of all points have at most [m]; 0 for formulas."""
     surfaces = [part.surface for part in start.model.setup.tools[index].shape.parts()]
     return max((start.model.samples[surface].usual_error for surface in surfaces if surface is not None), default=0.0)
-
-
-def _size(sheet: SheetModel) -> float:
-    """Of its largest element [m]."""
-    return float(np.sqrt(sheet.geometry.area.max()))
 
 
 def _deepest(

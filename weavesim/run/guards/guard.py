@@ -7,7 +7,7 @@ while they run, and at their end.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 from importlib import import_module
@@ -17,7 +17,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ...errors import InputError
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ...engine.model import Model
+    from ...engine.sheet_model import SheetModel
     from ..frame import Frame
     from ..ledger import Ledger
     from ..verdict import Judged
@@ -98,6 +101,12 @@ class Start:
     model: Model
     ledger: Ledger
     frame: Frame
+
+    def meetings(self) -> Iterator[tuple[SheetModel, np.ndarray, int]]:
+        """Every sheet, its positions (node_count, 3) [m], and each tool that it may touch, by index in the run."""
+        for sheet, frame in zip(self.model.sheets, self.frame.sheets, strict=True):
+            for index in range(sheet.places.tools.start, sheet.places.tools.stop):
+                yield sheet, frame.position, index
 
 
 class Guard:

@@ -24,21 +24,18 @@ class ToolRadius(Guard):
 
     def before(self, start: Start) -> Iterable[Doubt]:
         """Tools with few elements along a quarter turn of their smallest radius; sharp edges have their own guard."""
-        sheets = iter(start.model.sheets)
-        for world in start.model.setup.worlds:
-            for _ in world.sheets:
-                size = float(np.sqrt(next(sheets).geometry.area.max()))
-                for tool in world.tools:
-                    count = 0.5 * np.pi * tool.fillet_radius / size
-                    if count < LEAST_ELEMENTS_PER_QUARTER_TURN:
-                        yield self.doubt(
-                            Level.NOTE if count >= FEWEST_ELEMENTS_PER_QUARTER_TURN else Level.WARNING,
-                            f"{tool.name}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees "
-                            f"of its {tool.fillet_radius * 1e3:.3g} mm radius",
-                            "below five the sheet sags over the edge",
-                            value=count,
-                            limit=LEAST_ELEMENTS_PER_QUARTER_TURN,
-                        )
+        for sheet, _, index in start.meetings():
+            tool, size = start.model.setup.tools[index], sheet.geometry.largest_size
+            count = 0.5 * np.pi * tool.fillet_radius / size
+            if count < LEAST_ELEMENTS_PER_QUARTER_TURN:
+                yield self.doubt(
+                    Level.NOTE if count >= FEWEST_ELEMENTS_PER_QUARTER_TURN else Level.WARNING,
+                    f"{tool.name}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees "
+                    f"of its {tool.fillet_radius * 1e3:.3g} mm radius",
+                    "below five the sheet sags over the edge",
+                    value=count,
+                    limit=LEAST_ELEMENTS_PER_QUARTER_TURN,
+                )
 
 
 class SharpEdges(Guard):
@@ -49,21 +46,18 @@ class SharpEdges(Guard):
 
     def before(self, start: Start) -> Iterable[Doubt]:
         """Tools with convex sharp edges that the sheet may be drawn over."""
-        sheets = iter(start.model.sheets)
-        for world in start.model.setup.worlds:
-            for sheet in world.sheets:
-                size = float(np.sqrt(next(sheets).geometry.area.max()))
-                for tool in world.tools:
-                    edges = tool.sharp_edges_facing(sheet.oriented_blank.node_position)
-                    if len(edges):
-                        place = ", ".join(f"{1e3 * c:.4g}" for c in edges[0])
-                        yield self.doubt(
-                            Level.WARNING,
-                            f"{tool.name}: {len(edges)} sharp edges face the sheet, one about ({place}) mm",
-                            f"the sheet meets tools at its nodes, {size * 1e3:.2g} mm apart, and a sharp edge comes "
-                            "through between them: round it, or use a finer mesh",
-                            sheet=sheet.name if len(start.model.sheets) > 1 else None,
-                        )
+        for sheet, _, index in start.meetings():
+            tool, size = start.model.setup.tools[index], sheet.geometry.largest_size
+            edges = tool.sharp_edges_facing(sheet.blank.node_position)
+            if len(edges):
+                place = ", ".join(f"{1e3 * c:.4g}" for c in edges[0])
+                yield self.doubt(
+                    Level.WARNING,
+                    f"{tool.name}: {len(edges)} sharp edges face the sheet, one about ({place}) mm",
+                    f"the sheet meets tools at its nodes, {size * 1e3:.2g} mm apart, and a sharp edge comes "
+                    "through between them: round it, or use a finer mesh",
+                    sheet=sheet.name if len(start.model.sheets) > 1 else None,
+                )
 
 
 class ToolMeshes(Guard):
@@ -104,7 +98,7 @@ class BendingLength(Guard):
             if gravity == 0.0 or stiffness <= 0.0:  # a membrane has no such length
                 continue
             length = (stiffness / (fabric.areal_density * gravity)) ** (1.0 / 3.0)
-            size = float(np.sqrt(sheet.geometry.area.max()))
+            size = sheet.geometry.largest_size
             if length < LEAST_ELEMENTS_PER_BENDING_LENGTH * size:
                 yield self.doubt(
                     Level.WARNING,

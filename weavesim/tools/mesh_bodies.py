@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import InputError
 from .mesh_duplicates import check_fins
 from .mesh_features import face_normals
+from .mesh_repair import diagonal
 from .mesh_topology import (
     Contacts,
     directed_edges,
@@ -21,6 +23,9 @@ from .mesh_topology import (
     place,
     seam_contacts,
 )
+
+if TYPE_CHECKING:
+    import manifold3d
 
 # A closed body of less volume than this share of its area times its size encloses nothing.
 LEAST_VOLUME = 1e-8
@@ -94,6 +99,12 @@ def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: floa
     return Parts(bodies, faces[~closed_face], component[~closed_face], border, notes)
 
 
+def _boxes(vertices: np.ndarray, parts: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper corners of the box around each part (m, 3) of a mesh, (part_count, 3) each [m]."""
+    corners = [vertices[part.ravel()] for part in parts]
+    return np.array([points.min(axis=0) for points in corners]), np.array([points.max(axis=0) for points in corners])
+
+
 def _rows_of(group: np.ndarray, wanted: np.ndarray) -> list[np.ndarray]:
     """Rows of each group, in the order of their first row, among the wanted ones."""
     rows = np.flatnonzero(wanted)
@@ -147,8 +158,7 @@ def volume(vertices: np.ndarray, faces: np.ndarray) -> float:
 def _outwards(name: str, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     enclosed = volume(vertices, faces)
     corners = vertices[faces.ravel()]
-    size = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    if abs(enclosed) < LEAST_VOLUME * size * float(face_normals(vertices, faces)[1].sum()):
+    if abs(enclosed) < LEAST_VOLUME * diagonal(corners) * float(face_normals(vertices, faces)[1].sum()):
         raise InputError(
             f"{name}: the {len(faces)} triangles about {place(corners.mean(axis=0))} are closed, but enclose nothing: "
             "they are a sheet with two coincident sides; export one side of it, or a body with a thickness."
@@ -160,8 +170,7 @@ def _nested(name: str, vertices: np.ndarray, bodies: list[np.ndarray], notes: li
     """Bodies with those inside them as their cavities, and bodies in cavities as bodies again."""
     if len(bodies) < 2:
         return bodies
-    low = np.array([vertices[body.ravel()].min(axis=0) for body in bodies])
-    high = np.array([vertices[body.ravel()].max(axis=0) for body in bodies])
+    low, high = _boxes(vertices, bodies)
     around: list[list[int]] = []
     for k, body in enumerate(bodies):
         outer = np.flatnonzero(np.all(low <= low[k], axis=1) & np.all(high >= high[k], axis=1))
@@ -208,8 +217,7 @@ def united(vertices: np.ndarray, solids: list[np.ndarray]) -> tuple[np.ndarray, 
     Returns:
         vertices; faces of each solid; how many were united; how many of these could not be and remain as given.
     """
-    boxes = [vertices[faces.ravel()] for faces in solids]
-    low, high = (np.array([getattr(box, way)(axis=0) for box in boxes]) for way in ("min", "max"))
+    low, high = _boxes(vertices, solids)
     slack = 1e-6 * float(np.linalg.norm(high.max(axis=0) - low.min(axis=0)))
     meets = [
         np.flatnonzero(np.all((low <= high[k] + slack) & (high >= low[k] - slack), axis=1)) for k in range(len(low))
@@ -239,47 +247,51 @@ def _boolean_union(vertices: np.ndarray, solids: list[np.ndarray]) -> tuple[np.n
     given = []
     for faces in solids:
         used, index = np.unique(faces, return_inverse=True)
-        mesh = manifold3d.Mesh64(
-            vert_properties=np.ascontiguousarray(vertices[used]),
-            tri_verts=np.ascontiguousarray(index.reshape(-1, 3).astype(np.uint64)),
-        )
-        given.append(manifold3d.Manifold(mesh))
-    if any(solid.status() != manifold3d.Error.NoError or solid.is_empty() for solid in given):
+        given.append(_manifold(vertices[used], index.reshape(-1, 3)))
+    if not all(map(_is_solid, given)):
         return None
     union = manifold3d.Manifold.batch_boolean(given, manifold3d.OpType.Add)
-    if union.status() != manifold3d.Error.NoError or union.is_empty():
-        return None
-    mesh = union.to_mesh64()
-    return np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
+    return _triangles_of(union) if _is_solid(union) else None
 
 
 def simplified(
     vertices: np.ndarray, faces: np.ndarray, tolerances: Sequence[float]
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """Closed bodies of fewer triangles, within each of rising tolerances [m]; as given if no manifold."""
+    body = _manifold(vertices, faces)
+    result = [(vertices, faces)]
+    for tolerance in tolerances:
+        body = body.simplify(tolerance)
+        result.append(_triangles_of(body) if _is_solid(body) else result[-1])
+    return result[1:]
+
+
+def _manifold(vertices: np.ndarray, faces: np.ndarray) -> manifold3d.Manifold:
     import manifold3d
 
     mesh = manifold3d.Mesh64(
         vert_properties=np.ascontiguousarray(vertices), tri_verts=np.ascontiguousarray(faces.astype(np.uint64))
     )
-    body = manifold3d.Manifold(mesh)
-    result = []
-    for tolerance in tolerances:
-        body = body.simplify(tolerance)
-        if body.status() == manifold3d.Error.NoError and not body.is_empty():
-            mesh = body.to_mesh64()
-            vertices = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
-            faces = np.array(mesh.tri_verts, dtype=np.int64)
-        result.append((vertices, faces))
-    return result
+    return manifold3d.Manifold(mesh)
+
+
+def _is_solid(body: manifold3d.Manifold) -> bool:
+    import manifold3d
+
+    return body.status() == manifold3d.Error.NoError and not body.is_empty()
+
+
+def _triangles_of(body: manifold3d.Manifold) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) [m] and faces (m, 3)."""
+    mesh = body.to_mesh64()
+    return np.array(mesh.vert_properties[:, :3], dtype=np.float64), np.array(mesh.tri_verts, dtype=np.int64)
 
 
 def far_flecks(name: str, vertices: np.ndarray, parts: list[np.ndarray]) -> list[str]:
     """Notes of parts that are small, and farther from the largest one than that is long: probably leftovers."""
     if len(parts) < 2:
         return []
-    corners = [vertices[part.ravel()] for part in parts]
-    low, high = (np.array([getattr(part, way)(axis=0) for part in corners]) for way in ("min", "max"))
+    low, high = _boxes(vertices, parts)
     size = np.linalg.norm(high - low, axis=1)
     main = int(np.argmax(size))
     gap = np.linalg.norm(np.maximum(np.maximum(low - high[main], low[main] - high), 0.0), axis=1)

@@ -21,15 +21,15 @@ def separated(name: str, vertices: np.ndarray, faces: np.ndarray) -> tuple[np.nd
     # a body has no triangle twice; what belongs to none, open or repeated, is loose
     count = int(triangle.max()) + 1
     distinct, counts = np.bincount(np.unique(run * count + triangle) // count), np.bincount(run)
-    alone = ((distinct == counts) & (counts >= 4))[run]
+    whole = (distinct == counts) & (counts >= 4)
+    alone, bodies = whole[run], np.flatnonzero(whole)
     alone[run == run[-1]] &= not _is_open(faces[run == run[-1]])
     removed = 0
     some_repeated = count < len(faces)
     # bodies that repeat another
-    bodies, mixed = np.flatnonzero((distinct == counts) & (counts >= 4)), _mixed(triangle)
     if some_repeated and len(bodies) > 1:
         content = np.zeros(len(counts), dtype=np.uint64)
-        np.add.at(content, run, mixed)
+        np.add.at(content, run, _mixed(triangle))
         _, first = np.unique(content[bodies], return_index=True)
         again = np.isin(run, np.delete(bodies, first)) & alone
         removed = int(again.sum())
@@ -71,8 +71,8 @@ def _closed_runs(faces: np.ndarray) -> np.ndarray:
     key = edge_keys(directed_edges(faces))
     order = np.argsort(key, kind="stable")
     start = np.append(True, key[order[1:]] != key[order[:-1]])
-    place = np.arange(len(key))
-    nth = place - np.maximum.accumulate(np.where(start, place, 0))
+    index = np.arange(len(key))
+    nth = index - np.maximum.accumulate(np.where(start, index, 0))
     change = np.empty(len(key), dtype=np.int64)
     change[order] = np.where(nth % 2 == 0, 1, -1)  # opens an edge, or closes it
     ends = np.cumsum(change.reshape(-1, 3).sum(axis=1)) == 0

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from .mesh_repair import diagonal
 from .mesh_topology import neighbours
 
 # Edges sharper than this [rad] are real edges, not between the facets of a fillet.
@@ -64,7 +65,7 @@ def fillet_radius(vertices: np.ndarray, faces: np.ndarray) -> float:
     if not len(usable):
         return math.inf
     curvature = _largest_curvature(vertices, faces[usable], normal[usable], vertex_normal)
-    convex = curvature > 0.5 / float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    convex = curvature > 0.5 / diagonal(vertices)
     if not np.any(convex):
         return math.inf
     radius, weight = 1.0 / curvature[convex], area[usable][convex]

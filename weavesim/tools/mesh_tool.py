@@ -42,7 +42,7 @@ from .mesh_repair import (
     welded,
     without_unused,
 )
-from .mesh_topology import Border
+from .mesh_topology import border_in_words
 from .shapes import Shape, Triangles
 
 logger = logging.getLogger(__name__)
@@ -152,10 +152,11 @@ class MeshSurface:
         """Direction from an open sheet to the fabric, and its faces oriented towards it."""
         normal, area = face_normals(vertices, parts.sheet)
         total, mean = float(area.sum()), area @ normal
-        what = f"{self.name} is an open sheet ({Border(vertices, parts.border)})"
+        border = border_in_words(vertices, parts.border)
+        what = f"{self.name} is an open sheet ({border})"
         if parts.bodies:
             body_area = sum(float(face_normals(vertices, body)[1].sum()) for body in parts.bodies)
-            what = f"{self.name} has closed bodies and an open sheet ({Border(vertices, parts.border)})"
+            what = f"{self.name} has closed bodies and an open sheet ({border})"
             if total < LEAST_SHEET * (total + body_area):
                 raise InputError(
                     f"{what} with {100 * total / (total + body_area):.2g} % of the area, probably a leftover: remove "
@@ -288,9 +289,7 @@ class MeshShape(Shape):
         mesh = read_mesh(path, "tool mesh")
         faces, notes = mesh.triangles()
         mesh.check_unit(unit_scale)
-        used = np.zeros(len(mesh.vertices), dtype=bool)
-        used[faces] = True
-        check_size(mesh.name, mesh.vertices[used], unit_scale)
+        check_size(mesh.name, without_unused(mesh.vertices, [faces])[0], unit_scale)
         options = {"name": mesh.name, "path": str(path), "source_notes": notes, **options}
         return cls.from_triangles(unit_scale * mesh.vertices, faces, **options)
 

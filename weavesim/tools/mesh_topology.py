@@ -132,25 +132,19 @@ def _touching(
     return np.column_stack([edge[kept], other[kept]])
 
 
-@dataclass(frozen=True)
-class Border:
-    """The open border of a mesh, in words for messages.
+def border_in_words(vertices: np.ndarray, edges: np.ndarray) -> str:
+    """The open border of a mesh for messages: number of edges and loops, and the smallest loop's place and size.
 
-    Attributes:
-        edges: (k, 2), in the direction of their faces.
+    Args:
+        vertices: (n, 3) [m].
+        edges: (k, 2).
     """
-
-    vertices: np.ndarray
-    edges: np.ndarray
-
-    def __str__(self) -> str:
-        """Number of edges and loops, and the smallest loop's place and size."""
-        index = np.unique(self.edges, return_inverse=True)[1].reshape(-1, 2)
-        loop = labels(int(index.max()) + 1, index)[index[:, 0]]
-        counts = np.bincount(loop)
-        corners = self.vertices[self.edges[loop == np.argmin(counts)].ravel()]
-        loops = f"in {len(counts)} loops, the smallest" if len(counts) > 1 else "in one loop"
-        return (
-            f"{len(self.edges)} open edges {loops} of {counts.min()} edges, "
-            f"{1e3 * float(np.linalg.norm(np.ptp(corners, axis=0))):.3g} mm across, at {place(corners[0])}"
-        )
+    index = np.unique(edges, return_inverse=True)[1].reshape(-1, 2)
+    loop = labels(int(index.max()) + 1, index)[index[:, 0]]
+    counts = np.bincount(loop)
+    corners = vertices[edges[loop == np.argmin(counts)].ravel()]
+    loops = f"in {len(counts)} loops, the smallest" if len(counts) > 1 else "in one loop"
+    return (
+        f"{len(edges)} open edges {loops} of {counts.min()} edges, "
+        f"{1e3 * float(np.linalg.norm(np.ptp(corners, axis=0))):.3g} mm across, at {place(corners[0])}"
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -41,6 +42,8 @@ DOUBTFUL_ERROR = 0.1
 LARGEST_ERROR = 0.5
 # Half the diagonal of a cell, in spacings.
 HALF_CELL = 0.5 * math.sqrt(3.0)
+# Places of the eight cubes in one of twice their edge.
+HALVES = np.array(list(product(range(2), repeat=3)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,11 +327,10 @@ def _grid(triangles: SolidTriangles, spacing: float, thickest: float) -> _Grid:
         distance = triangles.distance(centre, triangles.far, triangles.crossed)
         near = distance < reach + spread * spacing
         index = index[near]
-        if level == 0 or len(index) * 8 * size**3 > 8 * LARGEST_VOXEL_COUNT:
+        if level == 0 or len(index) * size**3 > LARGEST_VOXEL_COUNT:
             break
         level -= 1
-        corner = np.stack(np.meshgrid(*(np.arange(2),) * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-        index = (2 * index[:, None] + corner).reshape(-1, 3)
+        index = (2 * index[:, None] + HALVES).reshape(-1, 3)
         index = index[np.all(index < counts, axis=1)]
     if level:
         return _Grid(lower, upper, spacing, reach, np.empty((0, 3)), np.empty(0), len(index) * (size * 2**level) ** 3)
@@ -345,8 +347,7 @@ def _filled_volume(triangles: SolidTriangles, grid: _Grid, band: float) -> wp.Vo
         translation=tuple(grid.lower),
         device=device,
     )
-    block = np.stack(np.meshgrid(*(np.arange(2),) * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    middle = grid.first_voxel[:, None] + int(BLOCK_SIZE) * (block + 0.5) - 0.5
+    middle = grid.first_voxel[:, None] + int(BLOCK_SIZE) * (HALVES + 0.5) - 0.5
     points = triangles.surface.centre + grid.lower + grid.spacing * middle.reshape(-1, 3)
     distance = triangles.distance(points, triangles.far, triangles.crossed)
     centre_distance: wp.array = wp.array(distance.reshape(-1, 8), dtype=float, device=device)

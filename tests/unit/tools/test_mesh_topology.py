@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from weavesim.tools.mesh_topology import Border, directed_edges, neighbours, oriented, seam_contacts
+from weavesim.tools.mesh_topology import border_in_words, directed_edges, neighbours, oriented, seam_contacts
 
 SQUARE = np.array([[0, 1, 2], [0, 2, 3]])
 
@@ -51,6 +51,6 @@ def test_seams_are_found_whatever_the_division(ratio):
 def test_a_border_says_how_long_it_is_and_where():
     vertices = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [5, 5, 0], [5.1, 5, 0], [5, 5.1, 0]]) * 1e-2
     edges = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 4]])
-    text = str(Border(vertices, edges))
+    text = border_in_words(vertices, edges)
     assert text == "7 open edges in 2 loops, the smallest of 3 edges, 1.41 mm across, at (50, 50, 0) mm"
-    assert str(Border(vertices, edges[:4])).startswith("4 open edges in one loop of 4 edges, 28.3 mm across")
+    assert border_in_words(vertices, edges[:4]).startswith("4 open edges in one loop of 4 edges, 28.3 mm across")

@@ -64,7 +64,7 @@ class _Deck:
 
 def read_abaqus(source: Source) -> MeshFile:
     if not is_text(source.data):
-        raise source.error(f"it looks like {looks_like(source.data) or 'binary data'}, not like a deck")
+        raise source.misnamed("a deck", "binary data")
     deck = _Deck(source)
     seen = False
     current = deck.grid

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..kinds import looks_like
 from ..mesh_file import POLYGON, QUAD, SECOND_ORDER, TRIANGLE, Cells, MeshFile, check_finite, check_references
 from ..source import Source, counted, listed, whole
 
@@ -33,7 +32,7 @@ _VOLUMES = re.compile(r"(tetra|hexahedron|wedge|pyramid|polyhedron|penta_prism|h
 def read_by_meshio(source: Source) -> MeshFile:
     ending, name, start = FORMATS[source.suffix]
     if not source.data.lstrip().lower().startswith(start):
-        raise source.error(f"it looks like {looks_like(source.data) or 'something else'}, not like {name}")
+        raise source.misnamed(name)
     promised = _PROMISED[ending](source)
     if promised is not None and promised > len(source.data):
         raise source.error(f"it promises {promised} cells, more than a file of this size can have")
@@ -161,7 +160,7 @@ def _in_vtu(source: Source) -> int | None:
     end = source.data.find(b"<AppendedData")
     head = source.data[: end if end >= 0 else None]
     if b"<VTKFile" not in head:
-        raise source.error(f"it looks like {looks_like(source.data) or 'something else'}, not like VTK in XML")
+        raise source.misnamed("VTK in XML")
     pieces = re.findall(rb"<Piece\b[^>]*>", head)
     counts = [re.search(rb"NumberOfCells\s*=\s*[\"'](\d{1,18})[\"']", piece) for piece in pieces]
     if not pieces or not all(counts):
@@ -212,7 +211,7 @@ def _check_lines_of_gmsh(source: Source, start: int, second: bool) -> None:
 
 def _in_medit(source: Source) -> int | None:
     if b"MeshVersionFormatted" not in source.data[:1000]:
-        raise source.error(f"it looks like {looks_like(source.data) or 'something else'}, not like Medit's text format")
+        raise source.misnamed("Medit's text format")
     text = re.sub(rb"#[^\n]*", b"", source.data)
     kinds = rb"(?m)^\s*(?:Edges|Triangles|Quadrilaterals|Tetrahedra|Prisms|Pyramids|Hexahedra|Hexaedra)\s+(\d{1,18})\b"
     return sum(map(int, re.findall(kinds, text)))

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from ..kinds import looks_like
 from ..mesh_file import TRIANGLE, Cells, MeshFile, check_finite, check_references
 from ..source import LARGEST_COUNT, Source
 
@@ -47,7 +46,7 @@ def _description(source: Source) -> dict[str, Any]:
     """The JSON that describes the scene."""
     data = source.data
     if not data.startswith(b"glTF"):
-        raise source.error(f"it looks like {looks_like(data) or 'something else'}, not like binary glTF")
+        raise source.misnamed("binary glTF")
     if len(data) < 20:
         raise source.error("it ends within its header", "copy or export it again")
     version, length, size, kind = struct.unpack_from("<4xIIII", data)

@@ -28,7 +28,7 @@ _EXPONENT = re.compile(rb"(?<=[0-9.])([+-])(?=\d+\Z)")
 
 def read_nastran(source: Source) -> MeshFile:
     if not is_text(source.data):
-        raise source.error(f"it looks like {looks_like(source.data) or 'binary data'}, not like a Nastran deck")
+        raise source.misnamed("a Nastran deck", "binary data")
     ids: list[int] = []
     position: list[list[float]] = []
     rows: dict[str, list[tuple[int, list[int]]]] = {}

@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 
-from ..kinds import looks_like
 from ..mesh_file import MeshFile, cells_by_corners, check_references
 from ..source import LARGEST_COUNT, Source, numbers, whole
 
@@ -21,7 +20,7 @@ def read_off(source: Source) -> MeshFile:
         if words:
             rows.append((line, words))
     if not rows or not rows[0][1][0].endswith(b"OFF"):
-        raise source.error(f"it looks like {looks_like(source.data) or 'no OFF file'}, not like OFF")
+        raise source.misnamed("OFF", "no OFF file")
     head = rows[0][1]
     if not _HEADER.match(head[0]) or head[1:2] == [b"BINARY"]:
         raise source.error("it is OFF in binary, or of another dimension than three", "export ASCII OFF, STL or PLY")

@@ -11,7 +11,6 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import InputError
-from ..kinds import looks_like
 from ..mesh_file import TRIANGLE, Cells, MeshFile, check_references
 from ..source import LARGEST_COUNT, LARGEST_TEXT, Source, number, whole
 
@@ -52,7 +51,7 @@ def read_threemf(source: Source) -> MeshFile:
     try:
         archive = _Archive(source, zipfile.ZipFile(io.BytesIO(source.data)))
     except (zipfile.BadZipFile, ValueError, OSError, NotImplementedError):
-        raise source.error(f"it looks like {looks_like(source.data) or 'no archive'}, not like 3MF") from None
+        raise source.misnamed("3MF", "no archive") from None
     entries = archive.zip.infolist()
     size = sum(entry.file_size for entry in entries)
     if size > LARGEST_TEXT:

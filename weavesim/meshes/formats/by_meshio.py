@@ -11,7 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
-from ..mesh_file import POLYGON, QUAD, SECOND_ORDER, TRIANGLE, Cells, MeshFile, check_finite, check_references
+from ..mesh_file import (
+    POLYGON,
+    QUAD,
+    SECOND_ORDER,
+    TRIANGLE,
+    Cells,
+    MeshFile,
+    cells_of,
+    check_finite,
+    check_references,
+)
 from ..source import Source, counted, listed, whole
 
 # File name ending: name of the format in meshio, and in words, and what its files begin with.
@@ -69,25 +79,21 @@ def _mesh(source: Source, name: str, vertices: np.ndarray, blocks: list[tuple[st
                 f"it contains {counted(len(nodes), 'cell')} of kind {kind}, which fill a volume",
                 "write its surface only",
             )
-        if kind == POLYGON:
-            kind = {3: TRIANGLE, 4: QUAD}.get(nodes.shape[1], POLYGON)
         if kind not in (TRIANGLE, QUAD, POLYGON, *SECOND_ORDER):
             raise source.error(
                 f"it contains {counted(len(nodes), 'cell')} of kind {kind}, which is not read", "write first order only"
             )
         check_references(source, nodes, labels, len(vertices), "cell")
-        cells.setdefault((kind, nodes.shape[1]), []).append((nodes, labels))
+        # of first order, the number of corners says the kind: a polygon may be a triangle
+        cells.setdefault((kind if kind in SECOND_ORDER else "", nodes.shape[1]), []).append((nodes, labels))
     notes = []
     if left_out:
         found = listed([f"{count} {kind}" for kind, count in left_out.items()], 10)
         notes.append(f"cells that bound no surface left out: {found}")
     result = []
-    for (kind, count), parts in cells.items():
-        called = {TRIANGLE: "triangles", QUAD: "quadrilaterals", POLYGON: f"polygons of {count} corners"}.get(
-            kind, kind
-        )
+    for (kind, _), parts in cells.items():
         nodes, labels = (np.concatenate(part) for part in zip(*parts, strict=True))
-        result.append(Cells(kind, called, nodes.astype(np.int64), labels))
+        result.append(Cells(kind, kind, nodes, labels) if kind else cells_of(source, nodes, labels, "cell"))
     if not result:
         raise source.error(
             f"it contains no triangles or quadrilaterals, {listed(notes)}" if notes else "it has no cells"

@@ -63,6 +63,11 @@ class _Deck:
 
 
 def read_abaqus(source: Source) -> MeshFile:
+    """Vertices and surface cells of a deck of Abaqus or CalculiX, of all instances of its parts.
+
+    Raises:
+        InputError: damaged, or volumes, elements of an unknown type, or keywords that are not followed.
+    """
     if not is_text(source.data):
         raise source.misnamed("a deck", "binary data")
     deck = _Deck(source)

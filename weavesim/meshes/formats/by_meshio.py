@@ -40,6 +40,11 @@ _VOLUMES = re.compile(r"(tetra|hexahedron|wedge|pyramid|polyhedron|penta_prism|h
 
 
 def read_by_meshio(source: Source) -> MeshFile:
+    """Vertices and surface cells of a VTK, Gmsh or Medit file.
+
+    Raises:
+        InputError: damaged or cut off, volumes, or cells that meshio or this package does not read.
+    """
     ending, name, start = FORMATS[source.suffix]
     if not source.data.lstrip().lower().startswith(start):
         raise source.misnamed(name)

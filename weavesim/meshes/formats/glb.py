@@ -20,6 +20,11 @@ _MOST_NODES = 100_000
 
 
 def read_glb(source: Source) -> MeshFile:
+    """Vertices and surface cells of a binary glTF file.
+
+    Raises:
+        InputError: damaged, or an extension, a posed or mixed shape, numbers in other files, or no binary glTF.
+    """
     description = _description(source)
     try:
         expected, left_out, bodies = _promised(source, description)

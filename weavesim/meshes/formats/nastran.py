@@ -27,6 +27,11 @@ _EXPONENT = re.compile(rb"(?<=[0-9.])([+-])(?=\d+\Z)")
 
 
 def read_nastran(source: Source) -> MeshFile:
+    """Vertices and surface cells of a deck of Nastran or OptiStruct.
+
+    Raises:
+        InputError: damaged, or volumes, other coordinate systems, or elements that are not read.
+    """
     if not is_text(source.data):
         raise source.misnamed("a Nastran deck", "binary data")
     ids: list[int] = []

@@ -14,6 +14,11 @@ _HEADER = re.compile(rb"(?:ST)?C?N?OFF\Z")
 
 
 def read_off(source: Source) -> MeshFile:
+    """Vertices and surface cells of an OFF file, ASCII.
+
+    Raises:
+        InputError: damaged or cut off, in binary or of another dimension, or no OFF.
+    """
     rows = []
     for line, text in enumerate(source.data.splitlines(), 1):
         words = text.split(b"#", 1)[0].split()

@@ -37,6 +37,11 @@ class _Element:
 
 
 def read_ply(source: Source) -> MeshFile:
+    """Vertices and surface cells of a PLY file, ASCII or binary.
+
+    Raises:
+        InputError: damaged or cut off, or strips of triangles, or no PLY.
+    """
     order, elements, start = _header(source)
     if not order and len(source.data) > LARGEST_TEXT:
         raise source.error(f"it is text of more than {LARGEST_TEXT / 2**20:g} MiB", "export binary PLY")

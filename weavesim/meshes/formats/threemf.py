@@ -74,6 +74,11 @@ class _Archive:
 
 
 def read_threemf(source: Source) -> MeshFile:
+    """Vertices and surface cells of a 3MF file, with its unit.
+
+    Raises:
+        InputError: damaged, or an extension that adds shapes, or no 3MF.
+    """
     try:
         archive = _Archive(source, zipfile.ZipFile(io.BytesIO(source.data)))
     except (zipfile.BadZipFile, ValueError, OSError, NotImplementedError):

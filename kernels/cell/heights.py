@@ -71,14 +71,14 @@ def regular_parts(cell: Any, hessian: Any, elastic: Any, stiffness: Any):
 
 
 @wp.func
-def against(own: Any, stiffness: Any, inverse: Any, force: Any, closing: Any):
-    """-H^-1 (force + k closing) for w_1, w_2 and their sum; ``own`` of the yarns, 1/det H = ``inverse``.
+def yielding(own: Any, stiffness: Any, inverse: Any, force: Any, pressed: Any):
+    """-H^-1 of forces on w_1, w_2, for these and their sum; ``own`` of the yarns, 1/det H = ``inverse``.
 
-    The force k closing of the contact is the same on both yarns: it moves them only where their own stiffness resists.
+    ``pressed`` is ``force`` plus that of the contact, which is the same on both yarns and no part of their difference.
     """
     apart = stiffness * (force[1] - force[0])
-    pressed1 = own[1] * (force[0] + stiffness * closing)
-    pressed2 = own[0] * (force[1] + stiffness * closing)
+    pressed1 = own[1] * pressed[0]
+    pressed2 = own[0] * pressed[1]
     return wp.matrix_from_rows(
         (apart - pressed1) * inverse, -((apart + pressed2) * inverse), -((pressed1 + pressed2) * inverse)
     )
@@ -103,15 +103,8 @@ def third_order(cell: Any, state1: Any, state2: Any, own: Any, stiffness: Any, i
     """What the third derivatives add to Newton's step, -H^-1 Pi_www d d/2, and the derivatives uw, uww."""
     half = inverse.dtype(0.5)
     uw, uww, www = pair_expansion(cell, state1, state2)
-    bent1 = half * www[0] * newton[0] * newton[0]
-    bent2 = half * www[1] * newton[1] * newton[1]
-    apart = stiffness * (bent2 - bent1)
-    pressed1 = own[1] * bent1
-    pressed2 = own[0] * bent2
-    extra = wp.matrix_from_rows(
-        (apart - pressed1) * inverse, -((apart + pressed2) * inverse), -((pressed1 + pressed2) * inverse)
-    )
-    return extra, uw, uww
+    bent = wp.matrix_from_rows(half * www[0] * newton[0] * newton[0], half * www[1] * newton[1] * newton[1])
+    return yielding(own, stiffness, inverse, bent, bent), uw, uww
 
 
 @wp.func
@@ -236,7 +229,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         inverse, inverse_size = inverses(own[0] * own[1] + stiffness * (own[0] + own[1]), size)
         unbalanced = larger(magnitude(by_w[0] + pressure), magnitude(by_w[1] + pressure))
         residual = unbalanced * inverse_size
-        newton = against(own, stiffness, inverse, by_w, closing)
+        newton = yielding(own, stiffness, inverse, by_w, wp.matrix_from_rows(by_w[0] + pressure, by_w[1] + pressure))
         extra, uw, uww = third_order(cell, state1, state2, own, stiffness, inverse, newton)
         closed = settled_closing(own, inverse, by_w, closing) + extra[CLOSING]
         # residual after both: the ratio of the two parts once more, and terms beyond the third derivatives

@@ -27,7 +27,6 @@ def judged(
     """A sound run of a sheet 1 mm thick without tools, but for these numbers, extremes and tallies."""
     own = {
         "min_stretch": Extreme(0.99), "max_stretch": Extreme(1.01), "angle": Extreme(0.5), "depth": Extreme(1e-5),
-        "touched": np.zeros(0, dtype=bool),
         "rows": np.zeros((ExtremeRow.row_count(), 1)),
     }  # fmt: skip
     fabric = glass_polypropylene().model_copy(update={"thickness": THICKNESS})
@@ -38,6 +37,7 @@ def judged(
         extremes=SimpleNamespace(
             sheets=[SimpleNamespace(**(own | (extremes or {})))],
             tools={name: np.zeros(0) for name in ToolWatchRow.names()},
+            touched=np.zeros(0, dtype=bool),
         ),
         conditions=[SimpleNamespace(**({name: Tally() for name in TALLIES} | (tallies or {})))],
         run=SimpleNamespace(outcome=Outcome.FINISHED, info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),

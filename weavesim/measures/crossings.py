@@ -6,6 +6,8 @@ from itertools import product
 
 import numpy as np
 
+from .proximity import join
+
 # Share of the product of three edges below which a volume is rounding, and counts as zero.
 ROUNDING = 1.0e-13
 # Elements larger than the median by more than this are compared with all others.
@@ -105,10 +107,9 @@ class Crossings:
         node, triangle = self._corner_node, self._corner_triangle
         wanted = nodes[node]
         node, triangle = node[wanted], triangle[wanted]
-        first = np.searchsorted(node, node, side="left")
-        count = np.arange(len(node)) - first  # of the triangles before it around the same node
-        later = np.repeat(np.arange(len(node)), count)
-        earlier = np.repeat(first, count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+        place = np.arange(len(node))
+        # each with the triangles before it around the same node
+        later, earlier = join(place, np.searchsorted(node, node, side="left"), place)
         a, b = triangle[earlier], triangle[later]
         common = (self._triangles[a][:, :, None] == self._triangles[b][:, None, :]).any(axis=2).sum(axis=1)
         apart = (common == 1) & (a // 2 != b // 2)
@@ -184,9 +185,8 @@ def near_pairs(centre: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.
         first, last = (np.searchsorted(ranked, ranked + step, side=side) for side in ("left", "right"))
         if step == 0:
             first = np.arange(1, len(ranked) + 1)
-        count = last - first
-        other = np.repeat(first, count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-        found.append(_meeting(centre, radius, np.repeat(own, count), own[other]))
+        body, other = join(own, first, last)
+        found.append(_meeting(centre, radius, body, own[other]))
     pairs = np.concatenate(found)
     return pairs.min(axis=1), pairs.max(axis=1)
 

@@ -53,7 +53,7 @@ def _near_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> tup
     for shift in product((-1, 0, 1), repeat=3):
         step = (shift[0] * stride[1] + shift[1]) * stride[2] + shift[2]
         first, last = (np.searchsorted(ranked, element_key + step, side=side) for side in ("left", "right"))
-        element, place = _join(np.arange(len(quads)), first, last)
+        element, place = join(np.arange(len(quads)), first, last)
         node = order[place]
         near = np.sum((position[node] - centre[element]) ** 2, axis=1) < reach[element] ** 2
         elements.append(element[near])
@@ -61,8 +61,8 @@ def _near_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> tup
     return np.concatenate(nodes), np.concatenate(elements)
 
 
-def _join(left: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Every (left[i], j) with first[i] <= j < last[i]."""
+def join(left: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Every (left[i], j) with first[i] <= j < last[i], as two arrays; all three given are (n,)."""
     count = last - first
     ends = np.cumsum(count)
     within = np.arange(int(count.sum())) - np.repeat(ends - count, count)
@@ -77,7 +77,7 @@ def _neighbour_keys(quads: np.ndarray, node_count: int) -> np.ndarray:
     element, reached = np.repeat(np.arange(len(quads)), 4), quads.ravel().astype(np.int64)
     for _ in range(2):
         first, last = (np.searchsorted(edges[:, 0], reached, side=side) for side in ("left", "right"))
-        element, place = _join(element, first, last)
+        element, place = join(element, first, last)
         keys = np.unique(element * node_count + edges[place, 1])
         element, reached = np.divmod(keys, node_count)
     return keys

@@ -6,7 +6,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -70,24 +70,35 @@ class Interruption:
 
 
 @contextmanager
+def _signals_taken(handler: Callable[[int, object], object]) -> Iterator[None]:
+    """Inside this context ``handler`` gets all signals that the process does not ignore; only in the main thread.
+
+    SIGINT is taken even if it is ignored, as in the background of a script.
+    """
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    taken = [number for number in SIGNALS if number == signal.SIGINT or before[number] is not signal.SIG_IGN]
+    try:
+        for number in taken:
+            signal.signal(number, handler)
+        yield
+    finally:
+        for number in taken:
+            # None: installed outside Python, which cannot restore it
+            signal.signal(number, before[number] or signal.SIG_DFL)
+
+
+@contextmanager
 def leaving_at_once() -> Iterator[None]:
     """Inside this context a signal ends the process at once, with 128 plus its number, where ``interruption`` does not
     take it: an exception in the middle of an import would come out as something else.
 
-    SIGINT is taken even if it is ignored, as in the background of a script. Only the main thread can do it.
+    Only the main thread can do it.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {number: signal.getsignal(number) for number in SIGNALS}
-    taken = [number for number in SIGNALS if number == signal.SIGINT or before[number] is not signal.SIG_IGN]
-    for number in taken:
-        signal.signal(number, lambda number, stack: os._exit(128 + number))
-    try:
+    with _signals_taken(lambda number, stack: os._exit(128 + number)):
         yield
-    finally:
-        for number in taken:
-            signal.signal(number, before[number] or signal.SIG_DFL)
 
 
 _current: Interruption | None = None
@@ -108,14 +119,8 @@ def interruption() -> Iterator[Interruption]:
         yield _current
         return
     _current = Interruption()
-    before = {number: signal.getsignal(number) for number in SIGNALS}
-    taken = [number for number in SIGNALS if number == signal.SIGINT or before[number] is not signal.SIG_IGN]
     try:
-        for number in taken:
-            signal.signal(number, _current.handle)
-        yield _current
+        with _signals_taken(_current.handle):
+            yield _current
     finally:
         _current = None
-        for number in taken:
-            # None: installed outside Python, which cannot restore it
-            signal.signal(number, before[number] or signal.SIG_DFL)

@@ -146,6 +146,18 @@ def _furthest(judged: Judged, name: str) -> list[float]:
     return [getattr(sheet, name).value for sheet in judged.extremes.sheets]
 
 
+def _penetration_at_nodes(judged: Judged) -> float | None:
+    """None in a run without tools."""
+    if not judged.run.info.tools:
+        return None
+    return 1e3 * (max(_furthest(judged, "depth")) or judged.run.penetration.at_nodes)
+
+
+def _penetration_at_element_centres(judged: Judged) -> float | None:
+    """None in a run without tools."""
+    return 1e3 * judged.run.penetration.at_element_centres if judged.run.info.tools else None
+
+
 def _peak_forces(judged: Judged) -> dict[str, float]:
     return dict(zip(judged.run.info.tool_names, judged.extremes.tools["peak"].tolist(), strict=True))
 
@@ -233,11 +245,11 @@ RUN_FINDINGS = (
     Finding("peak_tool_force", NEWTONS, "largest force of the sheets on each tool in any step, by name", _peak_forces),
     Finding(
         "penetration_at_nodes", MILLIMETRES, "deepest node in a tool at any time, if any was touched",
-        lambda judged: 1e3 * (max(_furthest(judged, "depth")) or judged.run.penetration.at_nodes),
+        _penetration_at_nodes,
     ),
     Finding(
         "penetration_at_element_centres", MILLIMETRES, "deepest centre of an element in a tool, of the watched states",
-        lambda judged: 1e3 * judged.run.penetration.at_element_centres,
+        _penetration_at_element_centres,
     ),
     Finding(
         "self_intersections", PURE, "pairs of triangles of a sheet that pass through each other, at the end",

@@ -10,14 +10,16 @@ from tests.support.runs import small_run
 from weavesim.measures.units import split_unit
 from weavesim.process.dynamics import Dynamics
 from weavesim.run.verdict import RUN_FINDINGS, summary
+from weavesim.tools.shapes import Plane
+from weavesim.tools.tool import Tool
 
 
 @pytest.fixture(scope="module")
 def pulled():
-    """A square whose right half moves away."""
+    """A square whose right half moves away, above a table that it does not touch."""
     velocity = np.zeros((25, 3))
     velocity[:, 0] = 2.0 * np.linspace(0.0, 1.0, 5).repeat(5)
-    simulation = small_run(initial_velocity=velocity)
+    simulation = small_run(initial_velocity=velocity, tools=[Tool("table", Plane(origin=(0.0, 0.0, -0.1)))])
     simulation.run()
     return simulation
 
@@ -26,6 +28,15 @@ def test_every_number_is_in_the_summary_by_its_key_and_in_order(pulled):
     assert list(summary(pulled)) == [finding.key for finding in RUN_FINDINGS]
     for finding in RUN_FINDINGS:
         assert split_unit(finding.key) == (finding.name, finding.unit) and finding.description
+
+
+def test_no_depth_in_a_tool_is_given_where_there_is_none(pulled):
+    """Not even minus infinity, which no JSON has."""
+    depths = {"penetration_at_nodes_mm", "penetration_at_element_centres_mm"}
+    assert {finding.key for finding in RUN_FINDINGS} - set(small_run().summary()) >= depths
+    gap = -(100.0 - 0.5e3 * pulled.info.sheet.fabric.thickness)
+    for key in depths:
+        assert summary(pulled)[key] == pytest.approx(gap, rel=1e-3)
 
 
 def test_numbers_are_those_of_the_last_frame(pulled):

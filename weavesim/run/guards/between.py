@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...errors import InputError
-from ..watch.tool_distance import Deepest, ToolDistances, deepest_point
+from ..watch.tool_distance import RESOLUTION, Deepest, ToolDistances
 from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
@@ -28,8 +28,6 @@ USELESS_DEPTH = 0.25
 USELESS_PROTRUSION = 2.0
 # Of the thickness: how far it is followed.
 LONGEST_PROTRUSION = 10.0
-# Cells of elements are searched down to this share of the thickness.
-RESOLUTION = 0.25
 
 
 class NarrowTool(Guard):
@@ -68,7 +66,7 @@ class StartOverlap(Guard):
         for sheet, position, index in start.meetings():
             thickness, name = sheet.fabric.thickness, start.model.setup.tools[index].name
             limit = (0.5 - LARGEST_OVERLAP) * thickness - _sampling_error(start, index)
-            found = _deepest(distances, index, displacement[index], position, sheet, limit)
+            found = distances.deepest(index, displacement[index], position, sheet, limit)
             overlap = 0.5 * thickness - found.distance
             if found.element is None:
                 continue
@@ -124,7 +122,7 @@ class BetweenNodes(Guard):
             sheet, displacement = self._sheets[pair[0]], frame.tool_displacement[pair[1]]
             limit = self._deepest[pair].distance if pair in self._deepest else -LARGEST_DEPTH * sheet.fabric.thickness
             position = frame.sheets[pair[0]].position
-            found = _deepest(self._distances, pair[1], displacement, position, sheet, limit)
+            found = self._distances.deepest(pair[1], displacement, position, sheet, limit)
             if found.element is not None:
                 out = _protrusion(self._distances, pair[1], displacement, position, sheet, found)
                 self._deepest[pair] = Seen(found.distance, out, _place(sheet, found), frame.time)
@@ -155,14 +153,6 @@ def _sampling_error(start: Start, index: int) -> float:
     """Error of the distances from a tool that 99 % of all points have at most [m]; 0 for formulas."""
     surfaces = [part.surface for part in start.model.setup.tools[index].shape.parts()]
     return max((start.model.samples[surface].usual_error for surface in surfaces if surface is not None), default=0.0)
-
-
-def _deepest(
-    distances: ToolDistances, tool: int, displacement: float, position: np.ndarray, sheet: SheetModel, limit: float
-) -> Deepest:
-    corners = position[sheet.blank.quads]
-    resolution = RESOLUTION * sheet.fabric.thickness
-    return deepest_point(lambda points: distances(tool, displacement, points)[0], corners, limit, resolution)
 
 
 def _protrusion(

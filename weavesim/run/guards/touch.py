@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..frame import Outcome
-from ..watch.tool_distance import ToolDistances, deepest_point
+from ..watch.tool_distance import ToolDistances
 from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ class ToolReach(Guard):
                     if i != k
                 )
                 reach = _reach(world, tool, setup.duration, held)
-                if min(nearest[k]) > reach and not _near(start, first + k, ways[k], reach):
+                if min(nearest[k]) > reach and not _near(start, distances, first + k, ways[k], reach):
                     yield self.doubt(
                         Level.WARNING,
                         f"{tool.name}: it stays {1e3 * min(nearest[k]):.4g} mm away from the blank, which can move by "
@@ -69,10 +68,7 @@ class NeverTouched(Guard):
         if run.run.outcome is not Outcome.FINISHED:
             return
         info = run.run.info
-        touched = np.zeros(len(info.tools), dtype=bool)
-        for sheet, extremes in zip(info.sheets, run.extremes.sheets, strict=True):
-            touched[list(sheet.tools)] |= extremes.touched
-        for tool, name, met in zip(info.tools, info.tool_names, touched, strict=True):
+        for tool, name, met in zip(info.tools, info.tool_names, run.extremes.touched, strict=True):
             if not met:
                 moves = tool.motion.by_force or len(set(tool.motion.curve()[1])) > 1
                 yield self.doubt(
@@ -82,21 +78,14 @@ class NeverTouched(Guard):
                 )
 
 
-def _near(start: Start, tool: int, way: np.ndarray, reach: float) -> bool:
+def _near(start: Start, distances: ToolDistances, tool: int, way: np.ndarray, reach: float) -> bool:
     """Whether any point of a sheet, also between nodes, is nearer to a tool on its way than ``reach`` [m]."""
-    distances = ToolDistances(start.model)
     for sheet, frame in zip(start.model.sheets, start.frame.sheets, strict=True):
         if sheet.places.tools.start <= tool < sheet.places.tools.stop:
-            corners, resolution = frame.position[sheet.blank.quads], 0.25 * sheet.fabric.thickness
             for at in way:
-                of_tool = partial(_distance, distances, tool, float(at))
-                if deepest_point(of_tool, corners, reach, resolution).element is not None:
+                if distances.deepest(tool, float(at), frame.position, sheet, reach).element is not None:
                     return True
     return False
-
-
-def _distance(distances: ToolDistances, tool: int, displacement: float, points: np.ndarray) -> np.ndarray:
-    return distances(tool, displacement, points)[0]
 
 
 def _way(tool: Tool, duration: float) -> np.ndarray:

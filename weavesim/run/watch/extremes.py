@@ -90,8 +90,17 @@ class Extremes:
 
     def __init__(self, model: Model) -> None:
         self.sheets = tuple(SheetExtremes(sheet) for sheet in model.sheets)
+        self._places = tuple(sheet.places.tools for sheet in model.sheets)
         self._tool_count = model.tools.count
         self.tools = {name: np.zeros(self._tool_count) for name in ToolWatchRow.names()}
+
+    @property
+    def touched(self) -> np.ndarray:
+        """Whether each tool has touched a node of any sheet, (tool_count,) bool."""
+        touched = np.zeros(self._tool_count, dtype=bool)
+        for places, sheet in zip(self._places, self.sheets, strict=True):
+            touched[places.start : places.stop] |= sheet.touched
+        return touched
 
     def read(self, state: State, time: float) -> None:
         """Read what the device has found by ``time`` [s]; waits for it."""

@@ -9,11 +9,14 @@ import numpy as np
 import warp as wp
 
 from ...engine.model import Model
+from ...engine.sheet_model import SheetModel
 from ...kernels.contact.tool_distance import sample_distance_kernel
 from ...kernels.contact.tool_shapes import further_kinds
 
 # Cells of elements that are divided further at once, the most promising first.
 LARGEST_CELL_COUNT = 4000
+# They are divided down to this share of the sheet's thickness.
+RESOLUTION = 0.25
 # A curved cell reaches this much further than a flat one of the same corners.
 CURVED = 1.2
 
@@ -50,6 +53,19 @@ class ToolDistances:
             device=model.device,
         )  # fmt: skip
         return distance.numpy().astype(np.float64), normal.numpy().astype(np.float64)
+
+    def deepest(self, tool: int, displacement: float, position: np.ndarray, sheet: SheetModel, limit: float) -> Deepest:
+        """The point of a sheet that lies deepest in a tool, to a quarter of the thickness; see ``deepest_point``.
+
+        Args:
+            tool: index among the tools of the run.
+            displacement: along its axis [m].
+            position: nodes of the sheet, (node_count, 3) [m].
+            sheet: it.
+            limit: only points nearer than this are looked for [m].
+        """
+        corners, resolution = position[sheet.blank.quads], RESOLUTION * sheet.fabric.thickness
+        return deepest_point(lambda points: self(tool, displacement, points)[0], corners, limit, resolution)
 
 
 class Deepest(NamedTuple):

@@ -6,6 +6,7 @@ import pytest
 from tests.support.runs import small_run
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import ForceDriven
+from weavesim.run.frame import Outcome
 from weavesim.run.guards import Level
 from weavesim.tools.shapes import Plane, rotation_matrix
 from weavesim.tools.tool import Tool
@@ -46,3 +47,13 @@ def test_one_that_falls_and_bounces_is_doubted_with_its_numbers(gap, force):
 def test_it_is_the_same_with_any_number_of_frames():
     few, many = (doubt_of(held(0.002, 20.0, 0.0, frame_count=count)) for count in (1, 40))
     assert few == many
+
+
+def test_one_that_never_met_the_sheet_does_not_bounce():
+    """At its end the run says that it touched nothing; before, that it is not there yet."""
+    run = held(0.01, 1.0, 0.0, mass=0.5)
+    assert doubt_of(run) is None and run.verdict == "do not use"
+    assert "holder never touched a node of the sheet" in {doubt.text for doubt in run.doubts()}
+    run.outcome = Outcome.INTERRUPTED
+    doubt = doubt_of(run)
+    assert doubt.level == Level.DO_NOT_USE and "has not met the sheet yet" in doubt.advice

@@ -5,6 +5,8 @@ import pytest
 
 from tests.support.runs import small_run
 from weavesim.run.watch.watch import WATCH_COUNT
+from weavesim.tools.shapes import Plane
+from weavesim.tools.tool import Tool
 
 VERDICT = (
     "kinetic_energy_ratio", "hourglass_energy_ratio", "energy_balance_error", "damping_loss_ratio", "verdict", "doubts",
@@ -14,10 +16,11 @@ VERDICT = (
 
 
 def pulled(frame_count: int):
-    """A square whose right half moves away, and comes back."""
+    """A square whose right half moves away, and comes back, above a table that it does not touch."""
     velocity = np.zeros((25, 3))
     velocity[:, 0] = 20.0 * np.linspace(0.0, 1.0, 5).repeat(5)
-    simulation = small_run(initial_velocity=velocity, duration=4e-4, frame_count=frame_count)
+    table = Tool("table", Plane(origin=(0.0, 0.0, -0.001)))
+    simulation = small_run(initial_velocity=velocity, duration=4e-4, frame_count=frame_count, tools=[table])
     simulation.run()
     return simulation
 

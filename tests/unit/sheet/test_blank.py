@@ -7,7 +7,6 @@ from weavesim.errors import InputError
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
-from weavesim.sheet.topology import part_of_nodes
 
 SQUARES = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
 NODES = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]) * 0.01
@@ -265,33 +264,10 @@ def test_a_blank_is_one_sheet(nodes, quads, message):
         Blank.from_mesh(nodes, quads)
 
 
-@pytest.mark.parametrize("part_count", [1, 2, 7])
-def test_parts_are_found_in_any_order_of_nodes_and_elements(part_count):
-    """Rectangles of 20 x 15 elements side by side, numbered at random; each part is named by its smallest node."""
-    one = Blank.rectangle((0.0, 0.0), (0.2, 0.15), 0.01).quads.astype(int)
-    count = one.max() + 1
-    random = np.random.default_rng(part_count)
-    number = random.permutation(part_count * count)
-    quads = np.vstack([number[one + k * count] for k in range(part_count)])
-    part = part_of_nodes(quads[random.permutation(len(quads))], len(number))
-    for k in range(part_count):
-        nodes = number[k * count : (k + 1) * count]
-        assert set(part[nodes]) == {nodes.min()}
-
-
 def test_arrays_that_do_not_fit_the_mesh_are_refused():
     good = Blank.from_mesh(NODES, SQUARES)
     with pytest.raises(InputError, match=r"warp_direction: shape \(1, 3\), but \(2, 3\) is needed"):
         good.model_copy(update={"warp_direction": good.warp_direction[:1]})
-
-
-def test_the_parts_of_a_large_blank_take_little_time():
-    import time
-
-    quads = Blank.rectangle((0.0, 0.0), (3.0, 3.0), 0.01).quads
-    started = time.process_time()
-    part_of_nodes(quads, quads.max() + 1)
-    assert time.process_time() - started < 1.0
 
 
 @pytest.mark.parametrize("distortion", [-0.1, 0.4, 0.9])

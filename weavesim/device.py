@@ -199,7 +199,7 @@ def load_kernel(kernel: wp.Kernel, device: wp.Device) -> None:
     Raises:
         InputError: a kernel can be stored nowhere.
     """
-    is_compiled(kernel, device)
+    is_compiled(kernel, device)  # removes a damaged one
     size = _block_size(device)
     before = kernel_cache.folder_of(kernel, size)
     was_there = before.exists()

@@ -54,9 +54,8 @@ def damage(folder: Path) -> str:
             if file.suffix == ".meta" and not isinstance(json.loads(file.read_bytes()), dict):
                 return f"{file.name} is damaged"
         seal = _seal(folder)
-        return next(
-            (f"{file.name} has changed" for file in files if seal.get(file.name, _hash(file)) != _hash(file)), ""
-        )
+        sealed = (file for file in files if file.name in seal)
+        return next((f"{file.name} has changed" for file in sealed if seal[file.name] != _hash(file)), "")
     except OSError as error:
         return f"it cannot be read ({error.strerror or error})"
     except ValueError:

@@ -1,3 +1,5 @@
+"""One table of quantities: what is illegal or unusual is told with the likely slip, wherever it is given."""
+
 import json
 import math
 import re
@@ -99,7 +101,7 @@ def test_plausible_is_within_legal(name):
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_presets_and_scenes_are_usual(name):
+def test_presets_are_usual(name):
     assert not list(unusual_values(PRESETS[name]()))
 
 
@@ -367,8 +369,7 @@ def test_a_wrong_unit_is_told_alike_wherever_it_is_given(name, form, tmp_path):
     with pytest.raises(InputError, match=message):
         if form == "setup from json":
             setup = json.loads(of().to_json())
-            given = json.loads(json.dumps(content))
-            for key, value in given.items():
+            for key, value in content.items():
                 old = setup["worlds"][0]["sheets"][0]["fabric"].get(key)
                 merge = isinstance(value, dict) and isinstance(old, dict) and old.get("kind") == value.get("kind")
                 setup["worlds"][0]["sheets"][0]["fabric"][key] = old | value if merge else value

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from ..run.frame import Outcome
+from ..run.guards.guard import VERDICTS, Level
 
-# Of a summary: the result must not be used.
-DO_NOT_USE = "do not use"
+DO_NOT_USE = VERDICTS[Level.DO_NOT_USE]
+
 # A shell reports a process that a signal ended with this plus the number of the signal.
 SIGNALLED = 128
 
@@ -34,8 +35,12 @@ def interrupted_code(number: int) -> int:
 
 def summaries(result: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
     """The summaries in what ``Scene.run`` returns: one, or one per case."""
-    cases = [value for value in result.values() if isinstance(value, Mapping) and "outcome" in value]
-    yield from cases or [result]
+    yield from _cases(result).values() or [result]
+
+
+def _cases(result: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """Summaries by case; none if there is one for the whole result."""
+    return {name: value for name, value in result.items() if isinstance(value, Mapping) and "outcome" in value}
 
 
 def exit_code(result: Mapping[str, Any], number: int | None) -> int:
@@ -83,8 +88,7 @@ def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> I
 
 def _reports(result: Mapping[str, Any], out: Path) -> Iterator[Path]:
     """Reports of this run, not of others below its folder."""
-    cases = [name for name, value in result.items() if isinstance(value, Mapping) and "outcome" in value]
-    for folder in [out / case for case in cases] or [out]:
+    for folder in [out / case for case in _cases(result)] or [out]:
         if os.path.isfile(folder / "report.html"):
             yield folder / "report.html"
 

@@ -148,20 +148,15 @@ class _Warnings(logging.Handler):
         self._show = show
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._show(f"warning: {one_line(record.getMessage())}")
+        self._show(f"warning: {shown(record.getMessage())}")
 
 
 class _OneLine(logging.Formatter):
     """Keeps every message on one line: a name with line breaks in it must not look like several messages."""
 
     def formatMessage(self, record: logging.LogRecord) -> str:
-        record.message = one_line(record.message)
+        record.message = shown(record.message)
         return super().formatMessage(record)
-
-
-def one_line(text: str) -> str:
-    """``text`` with control characters escaped."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 class RunLog:

@@ -30,7 +30,6 @@ from ..kernels.contact.mesh_distance import (
 )
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
-from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
@@ -115,7 +114,7 @@ class KernelSet:
             (nodes,),
             solver.precision,
             solver.device,
-            solver.lane_count or (CPU_LANE_COUNT if is_cpu else GPU_LANE_COUNT),
+            solver.lanes(is_cpu=is_cpu),
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,

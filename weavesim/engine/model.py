@@ -9,7 +9,6 @@ import warp as wp
 
 from ..device import initialise, load_kernel, resolve_device
 from ..errors import InputError
-from ..kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from ..process.device import build_device_drives
 from ..sheet.sheet import Sheet
 from ..tools.device import build_device_tools
@@ -17,7 +16,7 @@ from ..tools.sampling import SampledDistance, mesh_parts, sample_meshes
 from .compilation import MeshKernelSet, compile_missing, mesh_kernels
 from .layout import Span, padded
 from .setup import Setup, World
-from .sheet_model import CONTACT_SHARE, SPARE_NODE_COUNT, Numerics, Places, SheetModel
+from .sheet_model import SPARE_NODE_COUNT, Numerics, Places, SheetModel
 
 
 class Model:
@@ -25,7 +24,6 @@ class Model:
 
     Args:
         setup: of the run.
-        contact_share: stiffness of the contact, see ``CONTACT_SHARE``.
 
     Attributes:
         sheets: constants of every sheet, in the order of ``setup.sheets``.
@@ -38,12 +36,12 @@ class Model:
         InputError: no such device, tools that cannot be sampled, or a mesh that the sheet cannot carry.
     """
 
-    def __init__(self, setup: Setup, *, contact_share: float = CONTACT_SHARE) -> None:
+    def __init__(self, setup: Setup) -> None:
         initialise()
         self.setup, solver = setup, setup.solver
         self.device, self.precision = resolve_device(solver.device), solver.precision
-        self.lane_count = solver.lane_count or (CPU_LANE_COUNT if self.device.is_cpu else GPU_LANE_COUNT)
-        numerics = Numerics(self.device, self.precision, self.lane_count, solver.target_step, contact_share)
+        self.lane_count = solver.lanes(is_cpu=self.device.is_cpu)
+        numerics = Numerics(self.device, self.precision, self.lane_count, solver.target_step)
         self.real, self.types = numerics.real, numerics.types
         self.sheets = tuple(
             SheetModel(numerics, sheet, world, places)

@@ -78,6 +78,10 @@ class Solver(Parameters):
             raise ValueError(f"must be above 0 and at most {STEP_SAFETY} to be stable")
         return value
 
+    def lanes(self, *, is_cpu: bool) -> int:
+        """Elements per kernel thread on a CPU or a GPU."""
+        return self.lane_count or LANE_COUNTS[is_cpu]
+
 
 class Rest(Parameters):
     """Ends a run at the first frame in which its sheets are at rest.

@@ -46,14 +46,12 @@ class Numerics:
         precision: of state and kernels.
         lane_count: elements or nodes per kernel thread.
         target_step: with mass scaling, the stable step aimed at [s]; None adds no mass.
-        contact_share: see ``CONTACT_SHARE``.
     """
 
     device: wp.Device
     precision: Precision
     lane_count: int
     target_step: float | None = None
-    contact_share: float = CONTACT_SHARE
 
     @property
     def real(self) -> type:
@@ -125,7 +123,7 @@ class SheetModel:
         self.node_mass = self._to_nodes(corner_mass)
         self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
         # squared, of one tool's spring [1/s^2]
-        self._contact_frequency = numerics.contact_share / self.reference_step**2
+        self._contact_frequency = CONTACT_SHARE / self.reference_step**2
         self.contact_stiffness = self._contact_frequency * self.node_mass
 
         # padding elements keep an infinite areal density: they never limit the step

@@ -37,7 +37,7 @@ class ColumnReader:
         self._tables: dict[Path, Table] = {}
         self.notes: list[str] = []
 
-    def read(self, value: Mapping[str, Any], name: str, unit: str) -> tuple[float, ...]:
+    def read(self, value: Mapping[str, Any], unit: str) -> tuple[float, ...]:
         """The numbers of a column in ``unit``, or as they stand there if the unit is not known.
 
         Raises:

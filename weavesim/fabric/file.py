@@ -120,7 +120,7 @@ class _Reader:
         name = keys[-1]
         if is_reference(value):
             try:
-                return self.columns.read(value, name, unit_of(owner, name))
+                return self.columns.read(value, unit_of(owner, name))
             except InputError as error:
                 raise _Mistake(keys, f"{dotted(keys)}: {error}") from None
         # arguments of constructors accept any kind

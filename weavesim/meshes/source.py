@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..input_files import path_of, read_bounded, shown
+from .kinds import looks_like
 
 # Bytes of a file that are still read: 40 million triangles of a binary STL. Text that is taken apart word by word, and
 # what meshio reads, needs ten to twenty times its size in memory.
@@ -45,6 +46,15 @@ class Source:
     def error(self, problem: str, advice: str = "export the mesh again") -> InputError:
         """The reason why this file is refused. Never quotes the file: it may be somebody else's secret."""
         return InputError(f"{self.name} cannot be read: {problem}; {advice}.")
+
+    def misnamed(self, expected: str, otherwise: str = "something else") -> InputError:
+        """The reason why a file is refused that is not in the format that its name says, in words.
+
+        Args:
+            expected: the format that it should be in.
+            otherwise: what it looks like if nothing is recognised.
+        """
+        return self.error(f"it looks like {looks_like(self.data) or otherwise}, not like {expected}")
 
     def line_of(self, position: int) -> int:
         """Number of the line, from 1, that contains the byte at ``position``."""

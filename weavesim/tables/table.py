@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
@@ -69,7 +69,8 @@ class Table:
             InputError: a column that is missing or occurs twice, a unit that does not fit, a cell that is no number,
                 or numbers that can be read in two ways; with the line.
         """
-        return _with_place(self.path, self.what, lambda: self._read(wanted))
+        with _faults_of(self.path, self.what):
+            return self._read(wanted)
 
     def _read(self, wanted: Sequence[Wanted]) -> Columns:
         header = find_header(self._lines, [item.column for item in wanted])
@@ -104,17 +105,16 @@ def read_table(path: str | Path, what: str) -> Table:
         InputError: a file that is missing, is not regular, is too large, or is no text.
     """
     content = read_bounded(path, what, LARGEST_TABLE)
-    lines, notes = _with_place(Path(path), what, lambda: text_lines(content))
+    with _faults_of(Path(path), what):
+        lines, notes = text_lines(content)
     return Table(Path(path), what, lines, notes)
 
 
-Read = TypeVar("Read")
-
-
-def _with_place(path: Path, what: str, read: Callable[[], Read]) -> Read:
-    """What ``read`` returns; its faults get the name of the file."""
+@contextmanager
+def _faults_of(path: Path, what: str) -> Iterator[None]:
+    """Raise the faults of a table as an InputError with the name of its file."""
     try:
-        return read()
+        yield
     except TableFault as fault:
         line = f", line {fault.line}" if fault.line else ""
         raise InputError(f"{what} {shown(path)}{line}: {fault}") from None

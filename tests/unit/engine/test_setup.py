@@ -169,6 +169,8 @@ def test_a_cell_of_a_user_is_known_once_its_module_is_imported():
 
 def test_lanes_are_those_of_the_kernels():
     assert LANE_COUNTS == (GPU_LANE_COUNT, CPU_LANE_COUNT)
+    assert Solver().lanes(is_cpu=True) == CPU_LANE_COUNT and Solver().lanes(is_cpu=False) == GPU_LANE_COUNT
+    assert Solver(lane_count=GPU_LANE_COUNT).lanes(is_cpu=True) == GPU_LANE_COUNT
 
 
 def test_a_setup_of_one_world_is_short():

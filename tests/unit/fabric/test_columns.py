@@ -1,15 +1,19 @@
 """Columns of test tables in fabric files, with the small inputs of public bug reports."""
 
+import os
+
 import numpy as np
 import pytest
 
 from tests.support.paths import ROOT
 from weavesim.errors import InputError
+from weavesim.fabric import columns
 from weavesim.fabric.bending import BendingCurve
 from weavesim.fabric.columns import unit_of
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import load_fabric
 from weavesim.fabric.shear import MomentCurve, ShearFriction
+from weavesim.tables import read_table
 
 ANGLE = np.arange(0.0, 61.0, 5.0)
 FORCE = np.array([0.0, 1.07, 2.32, 3.77, 5.46, 7.38, 9.55, 11.99, 14.69, 17.67, 20.93, 24.48, 28.33])
@@ -114,8 +118,6 @@ def test_a_unit_in_the_header_is_converted_and_reported(tmp_path):
     ],
 )
 def test_references_stay_in_the_folder_and_are_complete(tmp_path, change, message):
-    import os
-
     home = tmp_path / "home"
     home.mkdir()
     (tmp_path / "frame.csv").write_text("secret,force\n0,0\n")
@@ -131,11 +133,8 @@ def test_references_stay_in_the_folder_and_are_complete(tmp_path, change, messag
 
 
 def test_a_table_below_the_folder_is_read_once(tmp_path, monkeypatch):
-    from weavesim.fabric import columns
-
     calls = []
-    monkeypatch.setattr(columns, "read_table", lambda *given: calls.append(given) or read(*given))
-    read = __import__("weavesim.tables", fromlist=["read_table"]).read_table
+    monkeypatch.setattr(columns, "read_table", lambda *given: calls.append(given) or read_table(*given))
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "frame.csv").write_text(table(","))
     shear_of(tmp_path, "", SHEAR.replace("frame.csv", "data/frame.csv"))

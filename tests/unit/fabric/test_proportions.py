@@ -1,3 +1,5 @@
+"""Values of a fabric that hardly fit each other are named."""
+
 import re
 
 import pytest

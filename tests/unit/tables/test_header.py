@@ -45,7 +45,7 @@ def test_where_it_was_found_is_noted_unless_it_is_the_first_line(lines, notes):
         (["hunter2", "12345"], "no column angle$"),
         (["user:hunter2", "other:secret"], "no table with the column angle: no line"),
         (["hunter2"], "no table"),
-        ([f"c{k}" for k in range(0)], "empty"),
+        ([], "empty"),
         ([",".join(f"column{k}" for k in range(50)), ",".join("0" for _ in range(50))], r"'column11', \.\.\."),
     ],
 )

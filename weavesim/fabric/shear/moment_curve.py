@@ -64,6 +64,7 @@ class MomentCurve(ShearLaw):
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
         check_curve(self.angle, self.moment_values, ("angles", "moments"), from_zero=True)
+        scatter = noise(np.array(self.angle), np.array(self.moment_values))
         if max(self.moment_values) <= 0.0 > min(self.moment_values):
             raise ValueError(
                 f"moments must not be negative, but all are (down to {min(self.moment_values):.4g} N/m): change the "
@@ -73,9 +74,8 @@ class MomentCurve(ShearLaw):
             raise ValueError(
                 f"moments must not be negative (the smallest is {min(self.moment_values):.4g} N/m): shear may not "
                 "release energy; remove the machine's own force from the test data, and noise, for example with "
-                f"smoothing = {noise(np.array(self.angle), np.array(self.moment_values)):.2g}"
+                f"smoothing = {scatter:.2g}"
             )
-        scatter = noise(np.array(self.angle), np.array(self.moment_values))
         check_table(self.measured, LARGEST_SHEAR_ANGLE, self.angle[-1], "rad", scatter)
         return self
 

@@ -63,8 +63,13 @@ class _Deck:
 
 
 def read_abaqus(source: Source) -> MeshFile:
+    """Vertices and surface cells of a deck of Abaqus or CalculiX, of all instances of its parts.
+
+    Raises:
+        InputError: damaged, or volumes, elements of an unknown type, or keywords that are not followed.
+    """
     if not is_text(source.data):
-        raise source.error(f"it looks like {looks_like(source.data) or 'binary data'}, not like a deck")
+        raise source.misnamed("a deck", "binary data")
     deck = _Deck(source)
     seen = False
     current = deck.grid

@@ -11,8 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
-from ..kinds import looks_like
-from ..mesh_file import POLYGON, QUAD, SECOND_ORDER, TRIANGLE, Cells, MeshFile, check_finite, check_references
+from ..mesh_file import (
+    POLYGON,
+    QUAD,
+    SECOND_ORDER,
+    TRIANGLE,
+    Cells,
+    MeshFile,
+    cells_of,
+    check_finite,
+    check_references,
+)
 from ..source import Source, counted, listed, whole
 
 # File name ending: name of the format in meshio, and in words, and what its files begin with.
@@ -31,9 +40,14 @@ _VOLUMES = re.compile(r"(tetra|hexahedron|wedge|pyramid|polyhedron|penta_prism|h
 
 
 def read_by_meshio(source: Source) -> MeshFile:
+    """Vertices and surface cells of a VTK, Gmsh or Medit file.
+
+    Raises:
+        InputError: damaged or cut off, volumes, or cells that meshio or this package does not read.
+    """
     ending, name, start = FORMATS[source.suffix]
     if not source.data.lstrip().lower().startswith(start):
-        raise source.error(f"it looks like {looks_like(source.data) or 'something else'}, not like {name}")
+        raise source.misnamed(name)
     promised = _PROMISED[ending](source)
     if promised is not None and promised > len(source.data):
         raise source.error(f"it promises {promised} cells, more than a file of this size can have")
@@ -70,25 +84,21 @@ def _mesh(source: Source, name: str, vertices: np.ndarray, blocks: list[tuple[st
                 f"it contains {counted(len(nodes), 'cell')} of kind {kind}, which fill a volume",
                 "write its surface only",
             )
-        if kind == POLYGON:
-            kind = {3: TRIANGLE, 4: QUAD}.get(nodes.shape[1], POLYGON)
         if kind not in (TRIANGLE, QUAD, POLYGON, *SECOND_ORDER):
             raise source.error(
                 f"it contains {counted(len(nodes), 'cell')} of kind {kind}, which is not read", "write first order only"
             )
         check_references(source, nodes, labels, len(vertices), "cell")
-        cells.setdefault((kind, nodes.shape[1]), []).append((nodes, labels))
+        # of first order, the number of corners says the kind: a polygon may be a triangle
+        cells.setdefault((kind if kind in SECOND_ORDER else "", nodes.shape[1]), []).append((nodes, labels))
     notes = []
     if left_out:
         found = listed([f"{count} {kind}" for kind, count in left_out.items()], 10)
         notes.append(f"cells that bound no surface left out: {found}")
     result = []
-    for (kind, count), parts in cells.items():
-        called = {TRIANGLE: "triangles", QUAD: "quadrilaterals", POLYGON: f"polygons of {count} corners"}.get(
-            kind, kind
-        )
+    for (kind, _), parts in cells.items():
         nodes, labels = (np.concatenate(part) for part in zip(*parts, strict=True))
-        result.append(Cells(kind, called, nodes.astype(np.int64), labels))
+        result.append(Cells(kind, kind, nodes, labels) if kind else cells_of(source, nodes, labels, "cell"))
     if not result:
         raise source.error(
             f"it contains no triangles or quadrilaterals, {listed(notes)}" if notes else "it has no cells"
@@ -161,7 +171,7 @@ def _in_vtu(source: Source) -> int | None:
     end = source.data.find(b"<AppendedData")
     head = source.data[: end if end >= 0 else None]
     if b"<VTKFile" not in head:
-        raise source.error(f"it looks like {looks_like(source.data) or 'something else'}, not like VTK in XML")
+        raise source.misnamed("VTK in XML")
     pieces = re.findall(rb"<Piece\b[^>]*>", head)
     counts = [re.search(rb"NumberOfCells\s*=\s*[\"'](\d{1,18})[\"']", piece) for piece in pieces]
     if not pieces or not all(counts):
@@ -212,7 +222,7 @@ def _check_lines_of_gmsh(source: Source, start: int, second: bool) -> None:
 
 def _in_medit(source: Source) -> int | None:
     if b"MeshVersionFormatted" not in source.data[:1000]:
-        raise source.error(f"it looks like {looks_like(source.data) or 'something else'}, not like Medit's text format")
+        raise source.misnamed("Medit's text format")
     text = re.sub(rb"#[^\n]*", b"", source.data)
     kinds = rb"(?m)^\s*(?:Edges|Triangles|Quadrilaterals|Tetrahedra|Prisms|Pyramids|Hexahedra|Hexaedra)\s+(\d{1,18})\b"
     return sum(map(int, re.findall(kinds, text)))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 from ...errors import InputError
 from ...input_files import read_bounded, shown, within_folder
@@ -25,17 +24,17 @@ def lines_of_deck(source: Source) -> Iterator[tuple[Line, bytes]]:
     Raises:
         InputError: an included file outside the folder of the deck, or too many or too large ones.
     """
-    return _Lines(source).of(source.path, source.data, None, 0)
+    return _Lines(source).of(source.data, None, 0)
 
 
 class _Lines:
     def __init__(self, source: Source) -> None:
         self.source = source
-        self.folder = Path(source.path).parent
+        self.folder = source.path.parent
         self.byte_count = len(source.data)
         self.file_count = 0
 
-    def of(self, path: Path, data: bytes, name: str | None, level: int) -> Iterator[tuple[Line, bytes]]:
+    def of(self, data: bytes, name: str | None, level: int) -> Iterator[tuple[Line, bytes]]:
         for number, text in enumerate(data.splitlines(), 1):
             text = text.strip()
             if not text or text.startswith(b"**"):
@@ -63,4 +62,4 @@ class _Lines:
             raise InputError(f"{what}: more than {LARGEST_TEXT / 2**20:g} MiB in all files together")
         if not is_text(data):
             raise InputError(f"{what}: it is no text")
-        yield from self.of(path, data, shown(path.name), level)
+        yield from self.of(data, shown(path.name), level)

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from ..kinds import looks_like
 from ..mesh_file import TRIANGLE, Cells, MeshFile, check_finite, check_references
 from ..source import LARGEST_COUNT, Source
 
@@ -21,6 +20,11 @@ _MOST_NODES = 100_000
 
 
 def read_glb(source: Source) -> MeshFile:
+    """Vertices and surface cells of a binary glTF file.
+
+    Raises:
+        InputError: damaged, or an extension, a posed or mixed shape, numbers in other files, or no binary glTF.
+    """
     description = _description(source)
     try:
         expected, left_out, bodies = _promised(source, description)
@@ -47,7 +51,7 @@ def _description(source: Source) -> dict[str, Any]:
     """The JSON that describes the scene."""
     data = source.data
     if not data.startswith(b"glTF"):
-        raise source.error(f"it looks like {looks_like(data) or 'something else'}, not like binary glTF")
+        raise source.misnamed("binary glTF")
     if len(data) < 20:
         raise source.error("it ends within its header", "copy or export it again")
     version, length, size, kind = struct.unpack_from("<4xIIII", data)

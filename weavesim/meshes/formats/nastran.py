@@ -27,8 +27,13 @@ _EXPONENT = re.compile(rb"(?<=[0-9.])([+-])(?=\d+\Z)")
 
 
 def read_nastran(source: Source) -> MeshFile:
+    """Vertices and surface cells of a deck of Nastran or OptiStruct.
+
+    Raises:
+        InputError: damaged, or volumes, other coordinate systems, or elements that are not read.
+    """
     if not is_text(source.data):
-        raise source.error(f"it looks like {looks_like(source.data) or 'binary data'}, not like a Nastran deck")
+        raise source.misnamed("a Nastran deck", "binary data")
     ids: list[int] = []
     position: list[list[float]] = []
     rows: dict[str, list[tuple[int, list[int]]]] = {}

@@ -22,6 +22,11 @@ _CURVED = frozenset(
 
 
 def read_obj(source: Source) -> MeshFile:
+    """Vertices and surface cells of an OBJ file.
+
+    Raises:
+        InputError: damaged, or curved surfaces, references to other files, or something that is no OBJ.
+    """
     kind = looks_like(source.data)
     if not is_text(source.data) or (kind and "OBJ" not in kind):
         raise source.error(

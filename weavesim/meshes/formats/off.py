@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 
-from ..kinds import looks_like
 from ..mesh_file import MeshFile, cells_by_corners, check_references
 from ..source import LARGEST_COUNT, Source, numbers, whole
 
@@ -15,13 +14,18 @@ _HEADER = re.compile(rb"(?:ST)?C?N?OFF\Z")
 
 
 def read_off(source: Source) -> MeshFile:
+    """Vertices and surface cells of an OFF file, ASCII.
+
+    Raises:
+        InputError: damaged or cut off, in binary or of another dimension, or no OFF.
+    """
     rows = []
     for line, text in enumerate(source.data.splitlines(), 1):
         words = text.split(b"#", 1)[0].split()
         if words:
             rows.append((line, words))
     if not rows or not rows[0][1][0].endswith(b"OFF"):
-        raise source.error(f"it looks like {looks_like(source.data) or 'no OFF file'}, not like OFF")
+        raise source.misnamed("OFF", "no OFF file")
     head = rows[0][1]
     if not _HEADER.match(head[0]) or head[1:2] == [b"BINARY"]:
         raise source.error("it is OFF in binary, or of another dimension than three", "export ASCII OFF, STL or PLY")

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..kinds import looks_like
 from ..mesh_file import Cells, MeshFile, cells_by_corners, cells_of, check_finite, check_references
 from ..source import LARGEST_COUNT, LARGEST_TEXT, Source, counted, numbers, whole
 
@@ -38,6 +37,11 @@ class _Element:
 
 
 def read_ply(source: Source) -> MeshFile:
+    """Vertices and surface cells of a PLY file, ASCII or binary.
+
+    Raises:
+        InputError: damaged or cut off, or strips of triangles, or no PLY.
+    """
     order, elements, start = _header(source)
     if not order and len(source.data) > LARGEST_TEXT:
         raise source.error(f"it is text of more than {LARGEST_TEXT / 2**20:g} MiB", "export binary PLY")
@@ -58,7 +62,7 @@ def _header(source: Source) -> tuple[str, list[_Element], int]:
     """Byte order ("" for text), elements, and where the data begin."""
     head = source.data[:_LARGEST_HEADER]
     if head.split(None, 1)[:1] != [b"ply"] or not head.startswith(b"ply"):
-        raise source.error(f"it looks like {looks_like(source.data) or 'no PLY file'}, not like PLY")
+        raise source.misnamed("PLY", "no PLY file")
     end = head.find(b"end_header")
     if end < 0:
         raise source.error("its header has no end_header")

@@ -27,6 +27,11 @@ _PORTION = 2**24
 
 
 def read_stl(source: Source) -> MeshFile:
+    """Vertices and surface cells of an STL file, ASCII or binary.
+
+    Raises:
+        InputError: damaged or cut off, or no STL.
+    """
     data = source.data
     if is_binary_stl(data):
         return _binary(source, [])

@@ -6,12 +6,12 @@ import io
 import zipfile
 import zlib
 from dataclasses import dataclass, field
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 
 from ...errors import InputError
-from ..kinds import looks_like
 from ..mesh_file import TRIANGLE, Cells, MeshFile, check_references
 from ..source import LARGEST_COUNT, LARGEST_TEXT, Source, number, whole
 
@@ -24,13 +24,38 @@ _MOST_PLACES = 20_000
 _MOST_LEVELS = 50
 
 
-@dataclass
-class _Object:
+class _Reference(NamedTuple):
+    """Where an object stands, and its place: 4 x 3, as it multiplies rows (x, y, z, 1)."""
+
+    model: str
+    number: str
+    place: np.ndarray
+
+
+class _Object(NamedTuple):
     """A body, or a group of others with their places."""
 
     vertices: np.ndarray
     triangles: np.ndarray
-    components: list[tuple[str, str, np.ndarray]] = field(default_factory=list)
+    components: list[_Reference]
+
+
+class _Model(NamedTuple):
+    """Objects by number, what the build places, and the unit."""
+
+    objects: dict[str, _Object]
+    build: list[_Reference]
+    unit: str
+
+
+@dataclass
+class _Bodies:
+    """Vertices (n, 3) and triangles (m, 3) of each body that was placed."""
+
+    vertices: list[np.ndarray] = field(default_factory=list)
+    triangles: list[np.ndarray] = field(default_factory=list)
+    vertex_count: int = 0
+    reference_count: int = 0
 
 
 @dataclass
@@ -39,9 +64,9 @@ class _Archive:
 
     source: Source
     zip: zipfile.ZipFile
-    models: dict[str, tuple[dict[str, _Object], list[tuple[str, str, np.ndarray]], str]] = field(default_factory=dict)
+    models: dict[str, _Model] = field(default_factory=dict)
 
-    def model(self, name: str) -> tuple[dict[str, _Object], list[tuple[str, str, np.ndarray]], str]:
+    def model(self, name: str) -> _Model:
         name = name.lstrip("/")
         if name not in self.models:
             self.models[name] = _model(self.source, _content(self.source, self.zip, name), name)
@@ -49,10 +74,15 @@ class _Archive:
 
 
 def read_threemf(source: Source) -> MeshFile:
+    """Vertices and surface cells of a 3MF file, with its unit.
+
+    Raises:
+        InputError: damaged, or an extension that adds shapes, or no 3MF.
+    """
     try:
         archive = _Archive(source, zipfile.ZipFile(io.BytesIO(source.data)))
     except (zipfile.BadZipFile, ValueError, OSError, NotImplementedError):
-        raise source.error(f"it looks like {looks_like(source.data) or 'no archive'}, not like 3MF") from None
+        raise source.misnamed("3MF", "no archive") from None
     entries = archive.zip.infolist()
     size = sum(entry.file_size for entry in entries)
     if size > LARGEST_TEXT:
@@ -63,13 +93,13 @@ def read_threemf(source: Source) -> MeshFile:
     _, build, unit = archive.model(root)
     if unit not in _METRES:
         raise source.error("its unit is none of 3MF")
-    vertices: list[np.ndarray] = []
-    triangles: list[np.ndarray] = []
-    _place(archive, build, np.eye(4, 3), vertices, triangles, [0, 0], 0)
-    if not triangles:
+    bodies = _Bodies()
+    _place(archive, build, np.eye(4, 3), bodies, 0)
+    if not bodies.triangles:
         raise source.error("its build places no bodies")
-    points, faces = np.concatenate(vertices), np.concatenate(triangles)
-    notes = [f"{len(vertices)} bodies taken where the build places them"] if len(vertices) > 1 else []
+    points, faces = np.concatenate(bodies.vertices), np.concatenate(bodies.triangles)
+    count = len(bodies.vertices)
+    notes = [f"{count} bodies taken where the build places them"] if count > 1 else []
     cells = Cells(TRIANGLE, "triangles", faces, np.arange(1, len(faces) + 1))
     return MeshFile(source.name, "3MF", points, (cells,), tuple(notes), "triangle", metres_per_unit=_METRES[unit])
 
@@ -83,12 +113,9 @@ def _content(source: Source, archive: zipfile.ZipFile, name: str) -> bytes:
         raise source.error("one of its parts is missing, damaged or encrypted", "copy or export it again") from None
 
 
-def _model(
-    source: Source, content: bytes, name: str
-) -> tuple[dict[str, _Object], list[tuple[str, str, np.ndarray]], str]:
-    """Objects by number, places of the build, and the unit."""
+def _model(source: Source, content: bytes, name: str) -> _Model:
     objects: dict[str, _Object] = {}
-    build: list[tuple[str, str, np.ndarray]] = []
+    build: list[_Reference] = []
     unit = "millimeter"
     spaces: dict[str, str] = {}
     try:
@@ -117,7 +144,7 @@ def _model(
         raise
     except (ElementTree.ParseError, ValueError, LookupError):
         raise source.error("its model is damaged, or has numbers that are not finite", "export it again") from None
-    return objects, build, unit
+    return _Model(objects, build, unit)
 
 
 def _object(source: Source, item: ElementTree.Element, name: str) -> _Object:
@@ -138,40 +165,32 @@ def _object(source: Source, item: ElementTree.Element, name: str) -> _Object:
     return _Object(points, faces, components)
 
 
-def _reference(item: ElementTree.Element, name: str) -> tuple[str, str, np.ndarray]:
-    """Model, number of an object in it, and its place: 4 x 3, as it multiplies rows (x, y, z, 1)."""
+def _reference(item: ElementTree.Element, name: str) -> _Reference:
+    """What ``item`` refers to, in the model ``name`` unless it says another."""
     path = next((value for key, value in item.attrib.items() if key.rpartition("}")[2] == "path"), name)
     place = np.eye(4, 3)
     if (text := item.get("transform")) is not None:
         place = np.array([number(word.encode()) for word in text.split()]).reshape(4, 3)
-    return path, item.get("objectid", ""), place
+    return _Reference(path, item.get("objectid", ""), place)
 
 
-def _place(
-    archive: _Archive,
-    references: list[tuple[str, str, np.ndarray]],
-    outer: np.ndarray,
-    vertices: list[np.ndarray],
-    triangles: list[np.ndarray],
-    total: list[int],
-    level: int,
-) -> None:
-    """Append what is referred to; ``total`` counts vertices and references."""
+def _place(archive: _Archive, references: list[_Reference], outer: np.ndarray, bodies: _Bodies, level: int) -> None:
+    """Add what is referred to from ``level`` groups down, which stand at ``outer`` (4, 3)."""
     if level > _MOST_LEVELS:
         raise archive.source.error("its bodies contain each other")
     for path, object_id, place in references:
-        objects, _, _ = archive.model(path)
+        objects = archive.model(path).objects
         if object_id not in objects:
             raise archive.source.error("it places an object that is not there")
         found = objects[object_id]
         place = np.vstack([place[:3] @ outer[:3], place[3] @ outer[:3] + outer[3]])
         if len(found.triangles):
-            faces = found.triangles + total[0]
+            faces = found.triangles + bodies.vertex_count
             # a mirrored body is turned inside out
-            triangles.append(faces if np.linalg.det(place[:3]) >= 0.0 else faces[:, ::-1])
-            vertices.append(found.vertices @ place[:3] + place[3])
-            total[0] += len(found.vertices)
-        total[1] += 1
-        if total[0] > LARGEST_COUNT or total[1] > _MOST_PLACES:
+            bodies.triangles.append(faces if np.linalg.det(place[:3]) >= 0.0 else faces[:, ::-1])
+            bodies.vertices.append(found.vertices @ place[:3] + place[3])
+            bodies.vertex_count += len(found.vertices)
+        bodies.reference_count += 1
+        if bodies.vertex_count > LARGEST_COUNT or bodies.reference_count > _MOST_PLACES:
             raise archive.source.error("it places more bodies than a tool can have")
-        _place(archive, found.components, place, vertices, triangles, total, level + 1)
+        _place(archive, found.components, place, bodies, level + 1)

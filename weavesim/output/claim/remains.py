@@ -31,7 +31,7 @@ def check_names(folder: Path) -> None:
     """
     for name in (*(pattern for pattern in PATTERNS if "*" not in pattern and "/" not in pattern), *FOLDERS):
         path = folder / name
-        if path.is_dir() if name not in FOLDERS else path.exists() and not path.is_dir():
+        if path.exists() and path.is_dir() != (name in FOLDERS):
             kind = "file" if name in FOLDERS else "folder"
             raise InputError(
                 f"output folder {folder}: {name} in it is a {kind}; move it, or give another folder (--out)"

@@ -143,6 +143,7 @@ def test_polygons_are_read(tmp_path, content):
         (newer("9 62", "0 4 8", "0 1 2 3 1 4 5 2"), "promises 2 cells, but meshio can read 1 of them"),
         (newer("69 9", "0 3 7", "0 1 2 1 4 5 2"), "cannot be read"),
         (legacy("9", "4 0 1 2 7", 1), "cell 1 uses a vertex that is not there"),
+        (legacy("9\n7", "4 0 1 2 3\n2 1 4", 2), "cell 2 has 2 corners; at least three are needed"),
         (legacy("9", "4 0 1 2 3", 1).replace("0 1 0", "0 nan 0"), "not finite"),
         (legacy("9", "4 0 1 2 3", 1).replace("POINTS 6", "POINTS 4000000000"), "promises 4000000000 points"),
         (legacy("9", "4 0 1 2 3", 1).replace("TYPES 1", "TYPES 4000000000"), "but the types of 4000000000"),

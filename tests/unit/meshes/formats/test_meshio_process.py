@@ -1,5 +1,6 @@
 """meshio in its own process: silent, and within bounds of memory and time."""
 
+import io
 import struct
 import subprocess
 import sys
@@ -65,8 +66,6 @@ def test_the_bound_holds():
 
 def test_what_is_found(tmp_path):
     path = write(tmp_path / "die.vtk", HALVES)
-    import io
-
     with np.load(io.BytesIO(meshio_process.found_in(str(path), "vtk"))) as found:
         assert found["kinds"].tolist() == ["quad", "triangle"]
         assert np.array_equal(found["nodes_1"], HALVES[1][1])

@@ -48,6 +48,8 @@ PUNCH_RADIUS = 0.060
 DOME_DISTANCE = 0.170
 DIE_ENTRY_RADIUS = 0.010
 SMALLEST_CLEARANCE = 0.0012
+# Symmetry planes of each part, every one of which halves the blank.
+SYMMETRY: Mapping[str, tuple[str, ...]] = {"quarter": ("x", "y"), "half": ("y",), "full": ()}
 # For the whole holder; a quarter of the blank carries a quarter.
 BLANK_HOLDER_MASS = 2.0
 BLANK_HOLDER_PRESSURE = 20.0e3
@@ -125,7 +127,7 @@ class DoubleDomeParameters(RunOptions):
 
     def blank_area(self) -> float:
         """Of the part that is computed [m^2]."""
-        return BLANK_LENGTH * BLANK_WIDTH * {"quarter": 0.25, "half": 0.5, "full": 1.0}[self.part]
+        return BLANK_LENGTH * BLANK_WIDTH * 0.5 ** len(SYMMETRY[self.part])
 
 
 def clearance(fabric: Fabric) -> float:
@@ -221,7 +223,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
         fabric = resolve_fabric(parameters.fabric, accept_unusual=parameters.accept_unusual)
         if parameters.shear_law == "linear":
             fabric = fabric.with_linear_shear(parameters.shear_modulus)
-    symmetry = {"quarter": ("x", "y"), "half": ("y",), "full": ()}[parameters.part]
+    symmetry = SYMMETRY[parameters.part]
     if parameters.part != "full" and parameters.yarn_angle % 90.0 != 0.0:
         raise InputError(
             f"yarn angle {parameters.yarn_angle} degrees: a {parameters.part} blank is symmetric only at 0 or 90; "

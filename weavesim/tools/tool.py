@@ -102,8 +102,8 @@ class Tool(Parameters):
         return np.concatenate([np.empty((0, 3)), *found])
 
     def elements_per_quarter_turn(self, element_size: float) -> float:
-        """Elements of ``element_size`` [m] along 90 degrees of the smallest radius; below five is coarse."""
-        return 0.5 * np.pi * self.smallest_radius / element_size
+        """Elements of ``element_size`` [m] along 90 degrees of the fillet radius; below five is coarse."""
+        return 0.5 * np.pi * self.fillet_radius / element_size
 
     def distance(
         self, points: np.ndarray, displacement: float = 0.0, device: str = "cpu"

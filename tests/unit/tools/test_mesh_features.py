@@ -97,4 +97,5 @@ def test_a_punch_with_a_sharp_back_has_no_sharp_edge_for_the_sheet():
     tool = Tool("punch", shape(mesh, origin=(0.0, 0.0, 0.031)))
     assert tool.smallest_radius == 0.0
     assert tool.fillet_radius == pytest.approx(0.03, rel=0.1)
+    assert tool.elements_per_quarter_turn(0.005) == pytest.approx(0.5 * math.pi * 6.0, rel=0.1)
     assert len(tool.sharp_edges_facing(grid())) == 0

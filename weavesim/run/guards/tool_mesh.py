@@ -26,7 +26,7 @@ class ToolRadius(Guard):
         """Tools with few elements along a quarter turn of their smallest radius; sharp edges have their own guard."""
         for sheet, _, index in start.meetings():
             tool, size = start.model.setup.tools[index], sheet.geometry.largest_size
-            count = 0.5 * np.pi * tool.fillet_radius / size
+            count = tool.elements_per_quarter_turn(size)
             if count < LEAST_ELEMENTS_PER_QUARTER_TURN:
                 yield self.doubt(
                     Level.NOTE if count >= FEWEST_ELEMENTS_PER_QUARTER_TURN else Level.WARNING,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -62,7 +63,7 @@ class Tool(Parameters):
         parts = self.shape.parts()
         return min(part.smallest_radius if part.surface is None else part.surface.fillet_radius for part in parts)
 
-    @property
+    @cached_property
     def smallest_width(self) -> float:
         """Width of the most slender part of the shape, seen along the tool's axis [m]; infinite if wide or unknown.
 

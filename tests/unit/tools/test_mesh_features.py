@@ -53,6 +53,15 @@ def test_width_follows_the_axis_and_the_frame():
     assert Tool("blade", turned, axis=np.array(turn)[:, 0]).smallest_width == pytest.approx(0.02, rel=0.02)
 
 
+def test_the_silhouette_of_a_tool_is_drawn_once(monkeypatch):
+    drawn = []
+    monkeypatch.setattr("weavesim.tools.mesh_tool.smallest_width", lambda *of: drawn.append(of) or 0.01)
+    tool = Tool("box", shape(make.box((0.01, 0.02, 0.03))))
+    assert not drawn and tool.smallest_width == tool.smallest_width == 0.01 and len(drawn) == 1
+    # along another axis it is another
+    assert tool.model_copy(update={"axis": (1.0, 0.0, 0.0)}).smallest_width == 0.01 and len(drawn) == 2
+
+
 def test_width_of_formulas():
     assert math.isinf(Plane().smallest_width())
     assert Union([Plane(), Sphere(0.004)]).smallest_width() == 0.008

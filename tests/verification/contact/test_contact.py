@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from tests.support.runs import one_sheet_run
-from weavesim.engine.model import CONTACT_SHARE
+from weavesim.engine.sheet_model import CONTACT_SHARE
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation

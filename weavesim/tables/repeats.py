@@ -104,7 +104,7 @@ def _read(table: Table, roles: Sequence[Role]) -> Repeats:
     try:
         header = find_header(table.lines, needed, choose)
     except TableFault as fault:
-        if fault.line or "no table with" not in str(fault):
+        if not str(fault).startswith(("no column", "no table")):
             raise
         raise _missing(table.lines, roles) from None
     groups = _groups(header, roles)

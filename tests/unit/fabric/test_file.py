@@ -220,7 +220,7 @@ def test_the_documented_files_are_read(tmp_path):
 @pytest.mark.parametrize(
     ("based_on", "message"),
     [
-        ("[1]", "line 1: based_on = a list: a preset, one of glass-polypropylene"),
+        ("[1]", "line 1: based_on = a list: a preset, or .*presets are glass-polypropylene"),
         ("{a = 1}", "based_on = a dict: a preset"),
         ("1", "based_on = 1: a preset"),
         ("true", "based_on = True: a preset"),

@@ -23,7 +23,8 @@ from weavesim.fabric.bending.law import YarnName
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.fabric import LARGEST_LOCKING_SHARE, Fabric
-from weavesim.output.curves import Chart, Curves
+from weavesim.output.curves import Chart, Curves, LastCurve
+from weavesim.output.measured import Comparable, measured_differences
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.supports import Support
@@ -73,6 +74,9 @@ class CantileverParameters(FabricTestParameters):
     damping: Annotated[NotNegative, Quantity("damping rate")] | None = Field(
         default=None, description="mass-proportional damping rate [1/s]; the default is critical for the first mode"
     )
+
+    abscissas = (Comparable("x", "mm", "x_mm"),)
+    ordinates = (Comparable("drop", "mm", "drop_mm"),)
 
     def blank_area(self) -> float | None:
         """Of the strip [m^2], if its length is given."""
@@ -155,6 +159,33 @@ def elastica_stiffness(angle: float, length: float, weight: float) -> float:
     return weight * length**3 / heavy_elastica(low)[0]
 
 
+def elastica_profile(length: float, stiffness: float, weight: float, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Horizontal distance from the clamp and drop below it [m] of the heavy elastica, (k,) each.
+
+    Args:
+        length: of the overhang [m].
+        stiffness: D per width [N m].
+        weight: per area [N/m^2].
+        arc: lengths along the strip from the clamp [m], (k,).
+    """
+    from scipy.integrate import solve_ivp
+
+    load = weight * length**3 / stiffness
+    low, high = 1.0e-9, 0.5 * math.pi - 1.0e-9
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if heavy_elastica(middle, 400)[0] < load else (low, middle)
+    scale, end = length / load ** (1.0 / 3.0), load ** (1.0 / 3.0)
+
+    def rate(s: float, y: np.ndarray) -> list[float]:
+        return [y[1], -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])]
+
+    path = solve_ivp(rate, (0.0, end), [low, 0.0, 0.0, 0.0], dense_output=True, rtol=1.0e-8, atol=1.0e-10).sol
+    from_tip = np.clip(end - np.asarray(arc) / scale, 0.0, end)
+    _, _, x, drop = path(end)[:, None] - path(from_tip)
+    return scale * x, scale * drop
+
+
 def softened(fabric: Fabric, stiffness: float) -> Fabric:
     """The fabric with straight yarns of at most ``stiffness`` per width [N/m] instead of its unit cell."""
     stiffness = min(stiffness, *fabric.unit_cell.yarn_stiffness_per_width)
@@ -226,6 +257,33 @@ def record(blank: Blank) -> Curves:
     ])  # fmt: skip
 
 
+def profile(parameters: CantileverParameters, fabric: Fabric, blank: Blank) -> LastCurve:
+    """The hanging strip from the side, with the heavy elastica of the fabric's stiffness if that is one number."""
+    along, station = np.unique(blank.node_position[:, 0], return_inverse=True)
+    count = np.bincount(station)
+    if bends_linearly(fabric, parameters.yarn):
+        known = elastica_profile(
+            overhang(parameters, fabric), strip_stiffness(fabric, parameters.yarn), fabric.areal_density * GRAVITY,
+            along,
+        )  # fmt: skip
+    else:
+        known = np.full((2, len(along)), math.nan)
+
+    def measure(state: Frame) -> dict[str, np.ndarray]:
+        x, drop = (np.bincount(station, state.position[:, axis]) / count for axis in (0, 2))
+        # at the computed places, so that both are over one abscissa
+        elastica = np.interp(x, known[0], known[1], right=math.nan)
+        return {"x_mm": 1.0e3 * x, "drop_mm": -1.0e3 * drop, "elastica_drop_mm": 1.0e3 * elastica}
+
+    return LastCurve("profile", measure, [
+        Chart(
+            "profile", "The hanging strip", "From the side, drop downwards from the clamp.",
+            ("x_mm", "distance from the clamp [mm]"), "drop below the clamp [mm]", {"drop_mm": "computed"},
+            {"elastica_drop_mm": "heavy elastica"}, equal_scales=True, downwards=True,
+        ),
+    ], parameters.measured_curves())  # fmt: skip
+
+
 def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simulation) -> dict[str, Any]:
     """Summary entries: angle of the chord, and the bending stiffness derived from it.
 
@@ -255,8 +313,10 @@ def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simul
 
 
 def wanted(parameters: CantileverParameters, setup: Setup) -> Wanted:
-    """Curve of the tip; no draw-in, which is meaningless here."""
-    return Wanted(curves=record(setup.sheet.blank), draw_in=False)
+    """Curve of the tip, and the profile; no draw-in, which is meaningless here."""
+    blank = setup.sheet.blank
+    last = profile(parameters, chosen_fabric(parameters), blank)
+    return Wanted(curves=record(blank), last_curve=last, draw_in=False)
 
 
 SCENE = Scene(
@@ -265,5 +325,8 @@ SCENE = Scene(
     parameters=CantileverParameters,
     make=cantilever,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: findings(parameters, chosen_fabric(parameters), simulation),
+    findings=lambda parameters, simulation, wanted: {
+        **findings(parameters, chosen_fabric(parameters), simulation),
+        **(measured_differences(wanted.last_curve) if wanted.last_curve else {}),
+    },
 )

@@ -15,7 +15,14 @@ from .compaction import Compaction
 from .device_form import DeviceForm, Tabulated
 from .fabric import Fabric, Stabilisation
 from .file import load_fabric, resolve_fabric
-from .presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
+from .presets import (
+    PRESETS,
+    UNIT_CELLS,
+    assumed_fabric,
+    glass_polypropylene,
+    glass_polypropylene_consensus,
+    glass_polypropylene_hkust,
+)
 from .shear import CrossoverFriction, LinearShear, MomentCurve, ShearFriction, ShearLaw
 
 __all__ = [
@@ -46,6 +53,8 @@ __all__ = [
     "YarnBending",
     "assumed_fabric",
     "glass_polypropylene",
+    "glass_polypropylene_consensus",
+    "glass_polypropylene_hkust",
     "load_fabric",
     "resolve_fabric",
 ]

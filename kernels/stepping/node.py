@@ -27,8 +27,14 @@ from .tool_contact import meet_tools_function
 
 
 @wp.func
-def book(works: Any, row: int, block: int, entry: Any):
-    works[row, block] = works[row, block] + entry
+def book(works: Any, block: int, support_work: Any, friction_work: Any, damping_loss: Any):
+    """Add the works of this step; all are read before one is written, which a GPU then need not wait for."""
+    support_work = works[NodeWorkRow.support_work, block] + support_work
+    friction_work = works[NodeWorkRow.friction_work, block] + friction_work
+    damping_loss = works[NodeWorkRow.damping_loss, block] + damping_loss
+    works[NodeWorkRow.support_work, block] = support_work
+    works[NodeWorkRow.friction_work, block] = friction_work
+    works[NodeWorkRow.damping_loss, block] = damping_loss
 
 
 @cache
@@ -114,11 +120,10 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         moving = wp.cw_mul(free, middle)
         worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, around.supports)
         damped = dashpot_power - dot(dashpots, middle) + laws.damping * present.mass * dot(moving, moving)
-        book(works, NodeWorkRow.support_work, block, worked)
-        book(works, NodeWorkRow.friction_work, block, present.mean_step * (friction_power - dot(friction, middle)))
-        book(works, NodeWorkRow.damping_loss, block, lost + present.mean_step * damped + spin_loss)
+        rubbed = present.mean_step * (friction_power - dot(friction, middle))
+        book(works, block, worked, rubbed, lost + present.mean_step * damped + spin_loss)
         if wp.static(traits.loaded):
             power = dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_sum)
-            book(works, NodeWorkRow.load_work, block, present.mean_step * power)
+            works[NodeWorkRow.load_work, block] = works[NodeWorkRow.load_work, block] + present.mean_step * power
 
     return node_motion

@@ -74,14 +74,15 @@ def gather_corners_function(real: type, lane_count: int, follows_thickness: bool
 def follow_angle_function(real: type, lane_count: int):
     """wp.func -> energy that the new mean shear angle removes from the motion [J]; the angle is written."""
     lanes = lane_types(real, lane_count).lanes
-    Nodes, NodeLaws = node_struct(real, lane_count), node_laws_struct(real)
+    Nodes, NodeLaws, Present = node_struct(real, lane_count), node_laws_struct(real), present_struct(real, lane_count)
 
     @wp.func
-    def follow_angle(block: wp.int32, nodes: Nodes, laws: NodeLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
+    def follow_angle(present: Present, nodes: Nodes, laws: NodeLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
+        block = present.block
         # the elements used the mean from one step before: that resists its change, which is booked as damping
-        mean_angle = nodes.angle_weight[block] * angle
-        late = mean_angle - motion[MotionRow.mean_angle, block]
         weight = nodes.angle_weight[block]
+        mean_angle = weight * angle
+        late = mean_angle - present.mean_angle
         motion[MotionRow.mean_angle, block] = mean_angle
         return where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
 

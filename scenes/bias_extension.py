@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
+from weavesim.fabric.closed_forms import bias_zone_areas, moment_along, trellis_angle, trellis_angle_rate
 from weavesim.fabric.fabric import Fabric
 from weavesim.output.curves import Chart, Curves
 from weavesim.output.results import Wanted
@@ -26,14 +27,7 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from .fabric_test import (
-    STEP_SAFETY,
-    FabricTestParameters,
-    chosen_fabric,
-    moment_along,
-    trellis_angle,
-    trellis_angle_rate,
-)
+from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
 from .scene import Scene
 
 RAMP_SHARE = 0.2
@@ -96,8 +90,7 @@ def zones(parameters: BiasExtensionParameters, points: np.ndarray) -> np.ndarray
 
 def zone_areas(parameters: BiasExtensionParameters) -> tuple[float, float, float]:
     """Areas of the zones A, B, C [m^2]."""
-    length, width = parameters.length, parameters.width
-    return 0.5 * width**2, width**2, width * (length - 1.5 * width)
+    return bias_zone_areas(parameters.length, parameters.width)
 
 
 def kinematic_angle(parameters: BiasExtensionParameters, displacement: float) -> tuple[float, float]:

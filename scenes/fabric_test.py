@@ -1,12 +1,10 @@
-"""Common parts of the fabric tests (picture frame, bias extension, cantilever): choice of the fabric, kinematics."""
+"""Common parts of the fabric tests (picture frame, bias extension, cantilever): choice of the fabric."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
 from weavesim.app.options import Need, RunOptions
@@ -45,36 +43,3 @@ def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
     """
     fabric = resolve_fabric(parameters.fabric, accept_unusual=parameters.accept_unusual)
     return fabric.with_linear_shear(parameters.shear_modulus) if parameters.shear_law == "linear" else fabric
-
-
-def trellis_angle(diagonal: np.ndarray | float, side: float) -> np.ndarray:
-    """Shear angle of a rhombus [rad], pi/2 - 2 acos(diagonal / (2 side)), from its longer diagonal [m]."""
-    return 0.5 * math.pi - 2.0 * np.arccos(np.clip(np.asarray(diagonal) / (2.0 * side), 0.0, 1.0))
-
-
-def trellis_angle_rate(diagonal: np.ndarray | float, side: float) -> np.ndarray:
-    """d(shear angle)/d(diagonal) of a rhombus [rad/m], 1/(side sin(theta)), theta half the angle at its tip."""
-    share = np.clip(np.asarray(diagonal) / (2.0 * side), 0.0, 1.0)
-    return 1.0 / (side * np.sqrt(1.0 - share**2))
-
-
-def moment_along(
-    fabric: Fabric, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0, *, stretch: float = 1.0
-) -> np.ndarray:
-    """Shear moment [N/m] along a path of angles (n,) [rad] from rest, from shear law, unit cell and friction.
-
-    Args:
-        fabric: its unit cell contributes if its energy depends on the shear angle.
-        angle: the path.
-        crossover_pressure: along the path [N/m^2].
-        stretch: of both yarn families, for the unit cell.
-    """
-    angle = np.asarray(angle, dtype=float)
-    moment = np.asarray(fabric.shear.moment(angle, fabric.thickness))
-    if fabric.unit_cell.law().depends_on_shear:
-        from weavesim.fabric.response import respond
-
-        moment = moment + respond(fabric.unit_cell, np.full((len(angle), 2), stretch), angle).moment
-    if fabric.shear_friction is not None:
-        moment = moment + fabric.shear_friction.moment_along(angle, crossover_pressure)
-    return moment

@@ -16,6 +16,7 @@ from pydantic import Field, model_validator
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
 from weavesim.errors import InputError
+from weavesim.fabric.closed_forms import moment_along, trellis_angle, trellis_angle_rate
 from weavesim.fabric.fabric import Fabric
 from weavesim.output.curves import Chart, Curves
 from weavesim.output.results import Wanted
@@ -27,14 +28,7 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from .fabric_test import (
-    STEP_SAFETY,
-    FabricTestParameters,
-    chosen_fabric,
-    moment_along,
-    trellis_angle,
-    trellis_angle_rate,
-)
+from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
 from .scene import Scene
 
 # Time to apply the yarn tension, and to start and to stop the crosshead, as a share of the time of its stroke.

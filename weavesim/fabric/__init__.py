@@ -15,7 +15,15 @@ from .compaction import Compaction
 from .device_form import DeviceForm, Tabulated
 from .fabric import Fabric, Stabilisation
 from .file import load_fabric, resolve_fabric
-from .presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
+from .presets import (
+    PRESETS,
+    UNIT_CELLS,
+    assumed_fabric,
+    glass_polypropylene,
+    glass_polypropylene_consensus,
+    glass_polypropylene_hkust,
+)
+from .provenance import Origin
 from .shear import CrossoverFriction, LinearShear, MomentCurve, ShearFriction, ShearLaw
 
 __all__ = [
@@ -32,6 +40,7 @@ __all__ = [
     "LinearMembrane",
     "LinearShear",
     "MomentCurve",
+    "Origin",
     "PRESETS",
     "PlainWeave",
     "SatinWeave",
@@ -46,6 +55,8 @@ __all__ = [
     "YarnBending",
     "assumed_fabric",
     "glass_polypropylene",
+    "glass_polypropylene_consensus",
+    "glass_polypropylene_hkust",
     "load_fabric",
     "resolve_fabric",
 ]

@@ -16,6 +16,7 @@ from .construction import MISTAKES, chosen, constructed, without_python
 from .fabric import Fabric
 from .families import implied_kind, kinds_of_field, kinds_within
 from .presets import PRESETS
+from .provenance import Origin, still_true, without
 
 logger = logging.getLogger(__name__)
 
@@ -97,13 +98,15 @@ class _Reader:
         values = {
             name: self._converted(value, (name,), Fabric) for name, value in self._values.items() if name != "based_on"
         }
+        if isinstance(values.get("provenance"), Origin):  # [provenance], of a single one
+            values["provenance"] = (values["provenance"],)
         values.setdefault("name", shown(self.path.stem).strip()[:LONGEST_NAME] or "fabric")
         if based_on is not None:
             values.setdefault("source", f"{shown(self.path.name)}, based on the preset {based_on}")
         if self.columns.notes and isinstance(values.get("source", ""), str):
             values["source"] = "; ".join([*filter(None, [values.get("source")]), *self.columns.notes])
         try:
-            fabric = Fabric(**values) if based_on is None else PRESETS[based_on]().model_copy(update=values)
+            fabric = Fabric(**values) if based_on is None else _changed(PRESETS[based_on](), values)
             if not accept_unusual:
                 check_usual(fabric)
             return fabric
@@ -149,6 +152,18 @@ class _Reader:
         """The key that a message begins with, behind the name of a class; that of the table if it does not."""
         name = message.removeprefix("Fabric: ").split(" ")[0].rstrip(":")
         return (*table, name) if name in values else table
+
+
+def _changed(base: Fabric, values: dict[str, Any]) -> Fabric:
+    """``base`` with the values of a file, which says for itself where these come from."""
+    own = values.get("provenance", ())
+    if not isinstance(own, tuple) or not all(isinstance(origin, Origin) for origin in own):
+        return base.model_copy(update=values)  # refused there
+    said = [name for origin in own for name in origin.of]
+    inherited = without(base.provenance, [*values, *said])
+    fabric = base.model_copy(update={**values, "provenance": ()})
+    still = still_true(base.model_copy(update={"provenance": inherited}), fabric)
+    return fabric.model_copy(update={"provenance": (*still, *own)})
 
 
 def _short(value: Any) -> str:

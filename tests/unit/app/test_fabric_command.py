@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from weavesim import Origin, glass_polypropylene, glass_polypropylene_consensus, load_fabric, resolve_fabric
+from weavesim import glass_polypropylene, glass_polypropylene_consensus, load_fabric, resolve_fabric
 from weavesim.app import command_line
-from weavesim.app.fabric_table import fabric_table, rows_of, summary_of
 from weavesim.fabric import PRESETS
 from weavesim.fabric.presets.folder import VARIABLE
 from weavesim.fabric.provenance import given_numbers
@@ -78,23 +77,6 @@ def test_every_number_is_shown_with_its_source(fabric_command, monkeypatch):
         r"unloading: let go at 45° of shear it goes back to 11\.2°, and friction takes 38% of the work", out
     )
     assert max(map(len, out.splitlines())) <= 170
-
-
-def test_a_narrow_terminal_has_the_same_table(monkeypatch):
-    fabric = glass_polypropylene()
-    wide, narrow = (" ".join(fabric_table(fabric, width).split()) for width in (170, 80))
-    assert "Young's modulus of the warp yarn" in wide and "Young's modulus of the warp yarn" in narrow
-    assert "in-plane bending stiffness of the yarns, which keeps the shear angle from jumping" in narrow
-
-
-def test_what_nobody_said_is_told():
-    fabric = glass_polypropylene().model_copy(update={"thickness": 1.3e-3})
-    row = next(row for row in rows_of(fabric)[0] if row.cells[0] == "thickness")
-    assert row.cells[5] == "not said" and "of 1 nobody said where they come from" in summary_of(fabric)
-    fabric = fabric.model_copy(update={"provenance": (Origin(of="thickness", source="a\nb", note="c"),)})
-    rows, sources = rows_of(fabric)
-    assert sources == ["a\\nb; c"]  # no line of its own
-    assert next(row for row in rows if row.cells[0] == "thickness").cells[3] == "not said"
 
 
 @pytest.mark.parametrize("ending", ["png", "svg"])

@@ -22,6 +22,9 @@ import warp as wp
 CPU_LANE_COUNT = 16
 GPU_LANE_COUNT = 1
 
+# Threads of a block on a GPU: few, so that a small sheet occupies every multiprocessor.
+STEP_THREAD_COUNT = 64
+
 # Sixteen scalars of single precision are read sooner one by one than by an AVX gather; eight of double are not.
 NO_GATHER_FLAGS = "-target-feature +prefer-no-gather"
 
@@ -58,15 +61,15 @@ ALL_LANE_TYPES = tuple(
 )
 
 
-def step_options(real: type) -> dict[str, str]:
-    """Options of the modules of the kernels of a step: on x86 processors, single precision without gathers.
+def step_options(real: type) -> dict[str, Any]:
+    """Options of the modules of the kernels of a step: small blocks on a GPU; on x86, single precision without gathers.
 
     The flags of a module replace those of Warp's configuration, which are set before a kernel is made.
     """
     flags = wp.config.cpu_compiler_flags
     if real is wp.float64 or not flags or platform.machine().lower() not in ("x86_64", "amd64"):
-        return {}
-    return {"cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
+        return {"block_dim": STEP_THREAD_COUNT}
+    return {"block_dim": STEP_THREAD_COUNT, "cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
 
 
 # --- scalars in lanes -------------------------------------------------------------------------------------------------
@@ -203,6 +206,28 @@ def gather(source: Any, index: Any, first: int, stride: int):
     return wp.matrix_from_rows(
         pick(source, index, first), pick(source, index, first + stride), pick(source, index, first + 2 * stride)
     )
+
+
+# Warp's arrays may overlap for all that the compiler knows: on a GPU what is read after a write waits for the memory,
+# unless it is in the cache by then.
+for _types in ALL_LANE_TYPES:
+
+    @wp.func_native("""
+    #if defined(__CUDA_ARCH__)
+        for (int row = first; row < first + count; ++row)
+            asm volatile("prefetch.global.L1 [%0];" : : "l"(&wp::index(source, row, block)));
+    #endif
+    """)
+    def expect_rows(source: wp.array2d(dtype=_types.lanes), first: wp.int32, count: wp.int32, block: wp.int32):
+        """On a GPU, start to fetch ``count`` rows from ``first`` on, which are read later."""
+
+    @wp.func_native("""
+    #if defined(__CUDA_ARCH__)
+        asm volatile("prefetch.global.L1 [%0];" : : "l"(&wp::index(source, block)));
+    #endif
+    """)
+    def expect(source: wp.array(dtype=_types.lanes), block: wp.int32):
+        """On a GPU, start to fetch what is read later."""
 
 
 @wp.func

@@ -7,10 +7,10 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..cell.surplus import take_back_function
-from ..lanes import fill, lane_types, scale, step_options, where_positive
+from ..lanes import expect, expect_rows, fill, lane_types, scale, step_options, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
-from ..rows import ROWS_PER_CORNER, CornerRow, MotionRow
+from ..rows import ROWS_PER_CORNER, CellReportRow, CornerRow, MotionRow
 from .bending import bending_friction, resultants_struct, transverse_shear
 from .hourglass import stabilisation_function, warping_moments
 from .kinematics import (
@@ -131,6 +131,14 @@ def store_everywhere(corner_force: Any, row: int, block: int, value: Any):
         corner_force[row + ROWS_PER_CORNER * corner, block] = value
 
 
+@wp.func
+def expect_what_is_read_late(elements: Any, block: int, cell_report: Any):
+    """On a GPU, start to fetch what is read after the cell has written its unknowns."""
+    expect_rows(cell_report, 0, wp.static(CellReportRow.row_count()), block)
+    expect(elements.yarn_inertia, block)
+    expect(elements.area, block)
+
+
 @cache
 def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Kernel, launched once per step: nodal forces and couples of every element."""
@@ -158,6 +166,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         block = first_block + wp.tid()
         elements = sheet.elements
         laws = sheet.laws
+        expect_what_is_read_late(elements, block, cell_report)
         shape = shape_functions(elements, block, Shape())
         x = positions(elements, block, shape, motion)
         d = vectors(elements, block, shape, motion, MotionRow.director)

@@ -31,10 +31,11 @@ class CellFormulas:
     """Formulas of one cell, of its parameters and of ``state``.
 
     Attributes:
-        state: names of the symbols: strains (stretches - 1, shear angle), unknowns, and the shift of Newton's matrix.
+        state: names of the symbols: strains (stretches - 1, shear angle), unknowns, the change of each unknown in the
+            last step, and the shift of Newton's matrix.
         first: energy, its derivatives by strains and unknowns, crossover pressure.
-        newton: energy, the same derivatives, Newton's step (to be subtracted), stiffness of the stiffest unknown, and
-            whether the matrix was positive definite, 1 or 0.
+        newton: the same, then Newton's step (to be subtracted), second derivative along the last step, stiffness of the
+            stiffest unknown, and whether the matrix was positive definite, 1 or 0.
         tangent: C11, C12, C22, C13, C23, C33, and whether the unknowns' matrix was positive definite.
         parts: of the energy.
     """
@@ -53,9 +54,9 @@ def cell_formulas(fields: Sequence[tuple[str, int]], unknown_count: int, functio
         Unreadable: if a function cannot be read as a formula.
     """
     graph = Graph()
-    names = (*(f"strain{k}" for k in range(STRAIN_COUNT)), *(f"unknown{k}" for k in range(unknown_count)), "shift")
+    names = state_names(unknown_count)
     symbols = [graph.symbol(name) for name in names]
-    x, shift = symbols[:-1], symbols[-1]
+    x, last, shift = symbols[: STRAIN_COUNT + unknown_count], symbols[STRAIN_COUNT + unknown_count : -1], symbols[-1]
     members: dict[str, Any] = {}
     for name, length in fields:
         entries = [graph.symbol(f"{name}[{k}]", uniform=True) for k in range(length)]
@@ -83,13 +84,25 @@ def cell_formulas(fields: Sequence[tuple[str, int]], unknown_count: int, functio
         size = graph.magnitude(second[k, k]) * (1.0 + graph.magnitude(x[k]))
         stiffest = graph.larger(stiffest, size)
     step = inner.solved(slopes[STRAIN_COUNT:])
+    first = [total, *slopes, *crossover]
+    along_last = graph.sum(
+        (1.0 if i == j else 2.0, second[STRAIN_COUNT + i, STRAIN_COUNT + j] * last[i] * last[j])
+        for i in range(unknown_count)
+        for j in range(i + 1)
+    )
     return CellFormulas(
         names,
-        first=[total, *slopes, *crossover],
-        newton=[total, *slopes, *step, stiffest, inner.definite],
+        first=first,
+        newton=[*first, *step, along_last, stiffest, inner.definite],
         tangent=[*condensed(graph, unknown_count, second, inner), inner.definite],
         parts=part_list,
     )
+
+
+def state_names(unknown_count: int) -> tuple[str, ...]:
+    """The symbols of a state, in the order of its rows."""
+    unknowns = [f"{kind}{k}" for kind in ("unknown", "change") for k in range(unknown_count)]
+    return (*(f"strain{k}" for k in range(STRAIN_COUNT)), *unknowns, "shift")
 
 
 class Matrix:

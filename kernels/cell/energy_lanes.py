@@ -91,17 +91,18 @@ def energy_law(
     except Unreadable as refusal:
         logger.warning("%s: computed lane by lane, several times slower: %s", name, refusal)
         return energy_cell(name, fields, unknown_count, functions, part_names, depends_on_shear)
-    return lane_cell(name, formulas, part_names, depends_on_shear)
+    return lane_cell(name, unknown_count, formulas, part_names, depends_on_shear)
 
 
 def lane_cell(
     name: str,
+    unknown_count: int,
     formulas: CellFormulas,
     part_names: tuple[str, ...] = ("unit_cell",),
     depends_on_shear: bool = True,
 ) -> CellLaw:
     """A cell from the formulas of its energy."""
-    n, constants = len(formulas.state) - STRAIN_COUNT - 1, Constants()
+    n, constants = unknown_count, Constants()
     first, newton, tangent, parts = compiled_functions(name, formulas, constants)
     equilibrium = equilibrium_function(n, first, newton) if n else at_rest_function(first)
     state_of, unknowns_of = state_functions(n)
@@ -163,10 +164,10 @@ def state_functions(n: int) -> tuple[wp.Function, wp.Function]:
     """Warp functions (strains, q) -> x, and (x, matrix like q) -> q."""
     for types in ALL_LANE_TYPES:
         lanes, count = types.lanes, types.lane_count
-        State = wp.types.matrix((STRAIN_COUNT + n + 1, count), real)
+        State = wp.types.matrix((STRAIN_COUNT + 2 * n + 1, count), real)
         Unknowns = wp.types.matrix((max(n, 1), count), types.real)
 
-        rows = ("strain1[i]", "strain2[i]", "angle[i]", *(f"q.data[{k}][i]" for k in range(n)), "0.0")
+        rows = ("strain1[i]", "strain2[i]", "angle[i]", *(f"q.data[{k}][i]" for k in range(n)), *["0.0"] * (n + 1))
         to_state = "".join(f"result.data[{row}][i] = double({value});" for row, value in enumerate(rows))
         back = "".join(f"result.data[{k}][i] = x.data[{STRAIN_COUNT + k}][i];" for k in range(n))
         loops = [f"for (int i = 0; i < {count}; ++i) {{ {body} }} return result;" for body in (to_state, back)]
@@ -230,7 +231,7 @@ def tangent_functions(
     n: int, equilibrium: Any, tangent_at: wp.Function, state_of: wp.Function
 ) -> tuple[wp.Function, wp.Function]:
     """``tangent`` and ``stable_tangent``."""
-    shift_row, definite_row, pressure_row = STRAIN_COUNT + n, len(TANGENT_ENTRIES), FORCE + n
+    shift_row, definite_row, pressure_row = STRAIN_COUNT + 2 * n, len(TANGENT_ENTRIES), FORCE + n
 
     @wp.func
     def definite_tangent(p: Any, x: Any):

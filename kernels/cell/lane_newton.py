@@ -1,6 +1,7 @@
 """Equilibrium of an energy's unknowns in all lanes at once, by a safeguarded Newton method, in double precision.
 
-The state x of the lanes is a matrix with a row for every strain, every unknown, and the shift of Newton's matrix.
+The state x of the lanes is a matrix with a row for every strain, every unknown, its last change, and the shift of
+Newton's matrix.
 """
 
 from collections.abc import Callable
@@ -18,7 +19,9 @@ from .law import MAXIMUM_ITERATIONS
 STEP_LIMIT = wp.constant(wp.float64(0.25))
 SMALL_STEP = wp.constant(wp.float64(1.0e-3))
 FIRST_SHIFT = wp.constant(wp.float64(1.0e-3))
-TRIAL_COUNT = 30
+# Shares of a step that overshoots that are undone.
+LEAST_UNDONE = wp.constant(wp.float64(0.0625))
+MOST_UNDONE = wp.constant(wp.float64(0.9375))
 SHIFT_COUNT = 60
 # Rows of what the natively compiled formulas return: energy, derivatives by strains, then by unknowns.
 SLOPE = 1
@@ -33,69 +36,54 @@ def next_shift(shift: Any):
 
 @cache
 def equilibrium_function(unknown_count: int, first: wp.Function, newton: wp.Function) -> Callable[..., Any]:
-    """Warp function (p, x) -> (x, rows of ``first`` there, relative residual, iterations)."""
+    """Warp function (p, x) -> (x, rows of ``first`` there, relative residual, iterations).
+
+    A first step is followed by the rows of ``first`` alone: mostly it is the last. Lanes that are done wait.
+    """
     n = unknown_count
-    row_count = FORCE + n + 1
-    step_row, stiffness_row, definite_row = FORCE + n, FORCE + 2 * n, FORCE + 2 * n + 1
-    relative_residual = residual_function(n)
-    descend = descent_function(n, first)
+    row_count, stiffness_row = FORCE + n + 1, FORCE + 2 * n + 2
+    relative_residual, definite_newton = residual_function(n), definite_function(n, newton)
+    advance = advance_function(n)
+
+    @wp.func
+    def chosen(active: Any, new: Any, old: Any):
+        """The rows of ``first``, new ones where a lane is active."""
+        for k in range(row_count):
+            old[k] = where_positive(active, new[k], old[k])
+        return old
 
     @wp.func
     def empty_rows(like: Any):
         return wp.matrix(shape=(row_count, len(like)), dtype=wp.float64)
 
     @wp.func
-    def definite_newton(p: Any, x: Any, active: Any):
-        """Rows of ``newton`` with the first shift that makes the matrix positive definite: 0, 1e-3, 2e-3, 4e-3, ..."""
-        zero = fill(active, 0.0)
-        x[STRAIN_COUNT + n] = zero
-        y = newton(p, x)
-        for _attempt in range(SHIFT_COUNT):
-            indefinite = where_positive(y[definite_row], zero, active)
-            if lane_maximum(indefinite) <= zero[0]:
-                break
-            shift = x[STRAIN_COUNT + n]
-            x[STRAIN_COUNT + n] = where_positive(indefinite, next_shift(shift), shift)
-            y = newton(p, x)
-        return y
-
-    @wp.func
-    def newton_step(y: Any, active: Any):
-        """Newton's step where a lane is active, shortened to the limit, and its largest entry."""
-        longest = magnitude(y[step_row])
-        for k in range(1, n):
-            longest = larger(longest, magnitude(y[step_row + k]))
-        share = active
-        if lane_maximum(longest) > STEP_LIMIT:
-            limit = fill(longest, STEP_LIMIT)
-            share = active * (limit / larger(longest, limit))
-        step = wp.matrix(shape=(n, len(active)), dtype=wp.float64)
-        for k in range(n):
-            step[k] = where_positive(active, share * y[step_row + k], share)
-        return step, share * longest
-
-    @wp.func
     def equilibrium(p: Any, start: Any):
         x = start
         zero = fill(x[0], 0.0)
         active = fill(zero, 1.0)
+        slope = zero
+        before = zero
         iterations = zero
         residual = active
-        y = empty_rows(x[0])
-        for _iteration in range(MAXIMUM_ITERATIONS):
-            z = definite_newton(p, x, active)
-            stiffest = z[stiffness_row]
-            tolerance = fill(zero, p.tolerance)
-            needed = relative_residual(p, z, stiffest) - tolerance
-            iterations = iterations + where_positive(needed, active, zero)
-            step, longest = newton_step(z, active)
-            x, y, reached = descend(p, x, z, stiffest, step, longest)
-            residual = where_positive(active, reached, residual)
-            # a NaN is not above the tolerance and ends the loop too
-            active = where_positive(residual - tolerance, active, zero)
-            if lane_maximum(active) <= zero[0]:
+        answer = empty_rows(zero)
+        for iteration in range(MAXIMUM_ITERATIONS + 1):
+            y = definite_newton(p, x, active)
+            residual = where_positive(active, relative_residual(p, y, y[stiffness_row]), residual)
+            answer = chosen(active, y, answer)
+            # a NaN is not above the tolerance and ends the iteration too
+            active = where_positive(residual - fill(zero, p.tolerance), active, zero)
+            if lane_maximum(active) <= zero[0] or iteration == MAXIMUM_ITERATIONS:
                 break
-        return x, y, residual, iterations
+            iterations = iterations + active
+            x, slope, before = advance(p, x, y, active, slope, before)
+            if iteration == 0:
+                z = first(p, x)
+                reached = relative_residual(p, z, y[stiffness_row])
+                if lane_maximum(where_positive(reached - fill(zero, p.tolerance), active, zero)) <= zero[0]:
+                    residual = where_positive(active, reached, residual)
+                    answer = chosen(active, z, answer)
+                    break
+        return x, answer, residual, iterations
 
     return equilibrium
 
@@ -122,66 +110,89 @@ def residual_function(unknown_count: int) -> Callable[..., Any]:
 
 
 @cache
-def descent_function(unknown_count: int, first: wp.Function) -> Callable[..., Any]:
-    """Warp function (p, x, rows of ``newton`` there, stiffest, step, its largest entry) -> (x after it, rows of
-    ``first``, residual)."""
+def definite_function(unknown_count: int, newton: wp.Function) -> Callable[..., Any]:
+    """Warp function (p, x, active lanes) -> rows of ``newton`` with a matrix that is positive definite.
+
+    The shift of the matrix is the first of 0, 1e-3, 2e-3, 4e-3, ... that makes it so.
+    """
+    shift_row, definite_row = STRAIN_COUNT + 2 * unknown_count, FORCE + 2 * unknown_count + 3
+
+    @wp.func
+    def definite_newton(p: Any, x: Any, active: Any):
+        zero = fill(active, 0.0)
+        x[shift_row] = zero
+        y = newton(p, x)
+        for _attempt in range(SHIFT_COUNT):
+            indefinite = where_positive(y[definite_row], zero, active)
+            if lane_maximum(indefinite) <= zero[0]:
+                break
+            x[shift_row] = where_positive(indefinite, next_shift(x[shift_row]), x[shift_row])
+            y = newton(p, x)
+        return y
+
+    return definite_newton
+
+
+@cache
+def advance_function(unknown_count: int) -> Callable[..., Any]:
+    """Warp function (p, x, rows of ``newton`` there, active lanes, slope and energy before the last step) -> new ones.
+
+    The new state has the change by Newton's step, or part of the last one is undone: a step has overshot if the slope
+    along it has changed its sign and kept more than half its size, or if it is not small and the energy has grown. It
+    is then shortened by a Newton step along it, so that the point stays between two known slopes.
+    """
     n = unknown_count
-    relative_residual = residual_function(n)
+    last_row, step_row, bend_row = STRAIN_COUNT + n, FORCE + n + 1, FORCE + 2 * n + 1
 
     @wp.func
-    def moved(x: Any, step: Any, share: Any):
-        for k in range(n):
-            x[STRAIN_COUNT + k] = x[STRAIN_COUNT + k] - share * step[k]
-        return x
-
-    @wp.func
-    def along(y: Any, step: Any):
-        """Directional derivative of the energy along the step's opposite."""
-        slope = y[FORCE] * step[0]
+    def length(rows: Any, first_row: int):
+        longest = magnitude(rows[first_row])
         for k in range(1, n):
-            slope = slope + y[FORCE + k] * step[k]
+            longest = larger(longest, magnitude(rows[first_row + k]))
+        return longest
+
+    @wp.func
+    def along(y: Any, rows: Any, first_row: int):
+        """Derivative of the energy along a step."""
+        slope = y[FORCE] * rows[first_row]
+        for k in range(1, n):
+            slope = slope + y[FORCE + k] * rows[first_row + k]
         return slope
 
     @wp.func
-    def descend(p: Any, x: Any, before: Any, stiffest: Any, step: Any, longest: Any):
-        """Take the step, shortened while it overshoots or, unless it is small, the energy grows.
-
-        It overshoots if the slope along it has changed sign and kept more than half its size; in both cases the search
-        continues until the slope has lost half its size.
-        """
-        zero = fill(longest, 0.0)
-        half = longest.dtype(0.5)
-        slope = along(before, step)
+    def newton_share(y: Any):
+        """Share of Newton's step that is within the limit."""
+        longest = length(y, step_row)
         share = fill(longest, 1.0)
-        low = zero
-        high = zero
-        fall = slope
-        z = moved(x, step, share)
-        y = first(p, z)
-        residual = relative_residual(p, y, stiffest)
-        energy = before[0] + longest.dtype(1.0e-15) * (magnitude(before[0]) + fill(zero, p.force_floor))
-        for trial in range(TRIAL_COUNT):
-            # positive beyond the minimum along the step
-            rise = -along(y, step)
-            grown = where_positive(share * longest - fill(zero, SMALL_STEP), y[0] - energy, zero)
-            unsettled = residual - fill(zero, p.tolerance)
-            over = where_positive(unsettled, larger(rise - half * slope, grown), zero)
-            under = where_positive(high, where_positive(unsettled, -half * slope - rise, zero), zero)
-            if lane_maximum(larger(over, under)) <= zero[0]:
-                break
-            # between two known points, alternate secant and bisection: at a kink the secant alone converges slowly
-            part = fill(zero, half)
-            if trial % 2 == 0:
-                secant = smaller(larger(fall / (fall + rise), fill(zero, 0.1)), fill(zero, 0.9))
-                part = where_positive(over, where_positive(rise, secant, part), part)
-            high = where_positive(over, share, high)
-            low = where_positive(over, low, where_positive(under, share, low))
-            fall = where_positive(over, fall, where_positive(under, -rise, fall))
-            searching = larger(over, under)
-            share = where_positive(searching, low + part * (high - low), share)
-            z = moved(x, step, share)
-            y = first(p, z)
-            residual = relative_residual(p, y, stiffest)
-        return z, y, residual
+        if lane_maximum(longest) > STEP_LIMIT:
+            share = fill(longest, STEP_LIMIT) / larger(longest, fill(longest, STEP_LIMIT))
+        return share
 
-    return descend
+    @wp.func
+    def undone_share(p: Any, x: Any, y: Any, slope: Any, before: Any):
+        """Share of the last step that is undone, 0 if it has not overshot."""
+        zero = fill(slope, 0.0)
+        rise = along(y, x, last_row)
+        back = rise / larger(y[bend_row], fill(rise, rise.dtype(1.0e-300)))
+        back = smaller(larger(back, fill(rise, LEAST_UNDONE)), fill(rise, MOST_UNDONE))
+        over = rise + rise.dtype(0.5) * slope
+        noise = rise.dtype(1.0e-15) * (magnitude(before) + fill(rise, p.force_floor))
+        grown = where_positive(length(x, last_row) - fill(rise, SMALL_STEP), y[0] - before - noise, zero)
+        # without a step before there is nothing to undo
+        return where_positive(-slope, where_positive(larger(over, grown), back, zero), zero)
+
+    @wp.func
+    def advance(p: Any, x: Any, y: Any, active: Any, slope: Any, before: Any):
+        share = newton_share(y)
+        back = undone_share(p, x, y, slope, before)
+        kept = fill(back, 1.0) - back
+        new_slope = where_positive(back, kept * slope, -share * along(y, y, step_row))
+        new_before = where_positive(back, before, y[0])
+        for k in range(n):
+            last = x[last_row + k]
+            step = -share * y[step_row + k]
+            x[STRAIN_COUNT + k] = x[STRAIN_COUNT + k] + active * where_positive(back, -back * last, step)
+            x[last_row + k] = where_positive(back, kept * last, step)
+        return x, new_slope, new_before
+
+    return advance

@@ -206,6 +206,7 @@ def lane_loop(
         [
             *definitions(writer.functions, real),
             f"wp::mat_t<{len(outputs)}, {lanes}, {'wp::float64' if real == 'double' else 'wp::float32'}> result;",
+            "#pragma clang loop vectorize(enable) interleave_count(2)",
             f"for (int i = 0; i < {lanes}; ++i) {{",
             *(f"    {line}" for line in body),
             "}",

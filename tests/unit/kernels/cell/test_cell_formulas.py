@@ -31,7 +31,8 @@ def made():
 def values(cell, formulas, outputs, state, shift=0.0):
     """Of some outputs at a state (strains, unknowns), as an array."""
     symbols = by_component(cell.parameters()) | {"force_floor": FLOOR}
-    symbols |= dict(zip(formulas.state, (*state, shift), strict=True))
+    changes = np.linspace(0.01, 0.02, cell.unknown_count)
+    symbols |= dict(zip(formulas.state, (*state, *changes, shift), strict=True))
     return np.array([float(value) for value in evaluated(outputs, symbols)])
 
 
@@ -79,14 +80,16 @@ def test_newtons_step_and_the_condensed_tangent(made, name, seed, shift):
     inner = hessian[STRAIN_COUNT:, STRAIN_COUNT:] + shift * np.diag(np.abs(np.diag(hessian)[STRAIN_COUNT:]))
     *tangent, tangent_definite = values(cell, formulas, formulas.tangent, state, shift)
     newton = values(cell, formulas, formulas.newton, state, shift)
-    step, definite = newton[1 + len(state) : 1 + len(state) + n], newton[-1]
+    step, definite = newton[2 + len(state) : 2 + len(state) + n], newton[-1]
     idle = n > 0 and np.any(np.diag(inner) == 0.0)
     if not idle:
         eigenvalues = np.linalg.eigvalsh(0.5 * (inner + inner.T)) if n else np.ones(1)
         assert definite == tangent_definite == float(eigenvalues.min() > 0.0) or abs(eigenvalues).min() < 1e-4 * FLOOR
+    size, change = max(cell.yarn_stiffness_per_width), np.linspace(0.01, 0.02, n)
+    bend = change @ hessian[STRAIN_COUNT:, STRAIN_COUNT:] @ change
+    assert newton[-3] == pytest.approx(bend, rel=1e-5, abs=1e-9 * size)
     if definite == 0.0 or idle:
         return
-    size = max(cell.yarn_stiffness_per_width)
     np.testing.assert_allclose(inner @ step, slopes(cell, formulas, state)[STRAIN_COUNT:], rtol=1e-5, atol=1e-6 * size)
     mixed = hessian[:STRAIN_COUNT, STRAIN_COUNT:]
     condensed = hessian[:STRAIN_COUNT, :STRAIN_COUNT] - (mixed @ np.linalg.solve(inner, mixed.T) if n else 0.0)
@@ -99,7 +102,7 @@ def test_an_unknown_without_stiffness_gets_one(made):
     cell, formulas = made["plain weave as floats of no length"]
     newton = values(cell, formulas, formulas.newton, np.array([0.01, 0.0, 0.0, -0.02, 0.02, 0.0, 0.0]))
     assert newton[-1] == 1.0 and np.isfinite(newton).all()
-    assert np.all(newton[-4:-2] == 0.0)
+    assert np.all(newton[-5:-3] == 0.0)
 
 
 def test_a_gradient_by_hand_is_used(made):

@@ -27,7 +27,7 @@ def yarn_energies(p: Any, k: int, stretch: real, w: real, float_strain: real):
     # the crimped beam takes the part of the elongation that the float does not
     x = spacing + (stretch - real(1.0)) * (spacing + p.float_length[k]) - float_strain * p.float_length[k]
     h = height + w
-    # in double precision these differences keep ten digits of the smallest strains
+    # differences of nearly equal numbers: double precision leaves 2e-16 of the strain, and the derivatives are short
     elongation = wp.sqrt(x * x + h * h) - wp.sqrt(spacing * spacing + height * height)
     rotation = wp.atan2(h, x) - wp.atan2(height, spacing)
     scale = real(1.0) / (length * p.area)

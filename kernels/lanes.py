@@ -272,21 +272,21 @@ def store(target: Any, first: int, value: Any):
 _RIGHT_ANGLE = wp.constant(wp.float64(0.5 * np.pi))
 
 
-def _arctangent_coefficients(term_count: int) -> list[float]:
-    """Coefficients c_k of atan(x)/x = sum c_k x^(2k) for 0 <= x <= 1, near-minimax (Chebyshev)."""
+def arctangent_coefficients(term_count: int, largest_square: float = 1.0) -> list[float]:
+    """Coefficients c_k of atan(x)/x = sum c_k x^(2k) for 0 <= x^2 <= ``largest_square``, near-minimax (Chebyshev)."""
     chebyshev = np.polynomial.Chebyshev.interpolate(
         lambda z: np.where(
             z > 1e-12, np.arctan(np.sqrt(np.abs(z))) / np.sqrt(np.maximum(np.abs(z), 1e-300)), 1 - z / 3
         ),
         term_count - 1,
-        domain=[0.0, 1.0],
+        domain=[0.0, largest_square],
     )
     return chebyshev.convert(kind=np.polynomial.Polynomial).coef.tolist()
 
 
 # The error is 3e-9 with ten terms, 1e-15 with twenty.
-_SINGLE_ARCTANGENT = wp.types.vector(10, wp.float32)(*_arctangent_coefficients(10))
-_DOUBLE_ARCTANGENT = wp.types.vector(20, wp.float64)(*_arctangent_coefficients(20))
+_SINGLE_ARCTANGENT = wp.types.vector(10, wp.float32)(*arctangent_coefficients(10))
+_DOUBLE_ARCTANGENT = wp.types.vector(20, wp.float64)(*arctangent_coefficients(20))
 
 
 @wp.func

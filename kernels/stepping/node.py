@@ -6,9 +6,10 @@ from typing import Any
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import dot, lane_types, rows3, step_options
+from ..lanes import dot, lane_types, step_options
 from ..operators import div, mul  # noqa: F401
-from ..rows import ClockEntry, MotionRow, NodeWorkRow
+from ..records import SCALAR, record3, record4, vector_of
+from ..rows import MOTION_RECORD_LENGTH, ClockEntry, MotionRow, NodeWorkRow
 from .node_advance import (
     follow_supports_function,
     place_function,
@@ -63,10 +64,12 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         present.block = block
         present.step = real(clock[ClockEntry.step])
         present.mean_step = real(clock[ClockEntry.mean_step])
-        present.position = rows3(motion, MotionRow.position, block)
-        present.remainder = rows3(motion, MotionRow.remainder, block)
-        present.velocity = rows3(motion, MotionRow.velocity, block)
-        present.director = rows3(motion, MotionRow.director, block)
+        place = record4(motion, MOTION_RECORD_LENGTH, MotionRow.position, block)
+        present.position = vector_of(place)
+        present.mean_angle = place[SCALAR]
+        present.remainder = record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block)
+        present.velocity = record3(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)
+        present.director = record3(motion, MOTION_RECORD_LENGTH, MotionRow.director, block)
         present.mass = nodes.mass[block]
         present.half_thickness = lanes(laws.half_thickness)
         return present
@@ -87,7 +90,8 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         block = first_block + wp.tid()
         present = present_block(block, nodes, laws, around.clock, motion)
         force, couple, angle, thickness = gather_corners(block, nodes, corners)
-        lost = follow_angle(block, nodes, laws, angle, motion)
+        mean_angle, lost = follow_angle(block, nodes, laws, angle, present.mean_angle)
+        present.mean_angle = mean_angle
         if wp.static(traits.follows_thickness):
             present = follow_thickness(present, nodes, thickness, touch)
         applied_force = lanes3()

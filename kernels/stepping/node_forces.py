@@ -1,27 +1,15 @@
 """Forces of the elements and the prescribed loads on one block of nodes."""
 
 from functools import cache
-from typing import Any
 
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import cross, gather, lane_maximum, lane_types, load, pick, where_positive
+from ..lanes import cross, lane_maximum, lane_types, load, where_positive
 from ..operators import div, mul  # noqa: F401
-from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, ThicknessRow
+from ..records import SCALAR, gather4, vector_of
+from ..rows import ClockEntry, CornerRow, LoadRow, ThicknessRow
 from .node_data import node_laws_struct, node_struct, present_struct
-
-
-@wp.func
-def add_vector(corners: Any, offset: Any, stride: int, row: int, total: Any):
-    """Add the three components of one adjacent corner to ``total``."""
-    return total + gather(corners, offset, row * stride, stride)
-
-
-@wp.func
-def add_scalar(corners: Any, offset: Any, first_row: int, total: Any):
-    """Add the scalar of one adjacent element to ``total``; ``first_row`` is the flat start of its row."""
-    return total + pick(corners, offset, first_row)
 
 
 @wp.func
@@ -38,42 +26,35 @@ def load_share(knot_time: wp.array(dtype=wp.float64), knot_share: wp.array(dtype
 @cache
 def gather_corners_function(real: type, lane_count: int, follows_thickness: bool):
     """wp.func -> (force, couple, sum of adjacent shear angles, and of thicknesses if contact uses them)."""
-    types = lane_types(real, lane_count)
-    lanes, lanes3 = types.lanes, types.lanes3
-    Nodes = node_struct(real, lane_count)
+    lanes4, Nodes = lane_types(real, lane_count).lanes4, node_struct(real, lane_count)
 
     @wp.func
     def gather_corners(block: wp.int32, nodes: Nodes, corners: wp.array(dtype=real)):
-        force = lanes3()
-        couple = lanes3()
-        angle = lanes()
-        thickness = lanes()
+        force = lanes4()
+        couple = lanes4()
+        stride = nodes.corner_stride
         for slot in range(nodes.corner_offset.shape[0]):
             offset = nodes.corner_offset[slot, block]
-            force = add_vector(corners, offset, nodes.corner_stride, CornerRow.force, force)
-            couple = add_vector(corners, offset, nodes.corner_stride, CornerRow.couple, couple)
-            angle = add_scalar(corners, offset, CornerRow.angle * nodes.corner_stride, angle)
-            if wp.static(follows_thickness):
-                thickness = add_scalar(corners, offset, CornerRow.thickness * nodes.corner_stride, thickness)
-        return force, couple, angle, thickness
+            force = force + gather4(corners, offset, CornerRow.force * stride, stride)
+            couple = couple + gather4(corners, offset, CornerRow.couple * stride, stride)
+        return vector_of(force), vector_of(couple), couple[SCALAR], force[SCALAR]
 
     return gather_corners
 
 
 @cache
 def follow_angle_function(real: type, lane_count: int):
-    """wp.func -> energy that the new mean shear angle removes from the motion [J]; the angle is written."""
+    """wp.func -> (new mean shear angle, energy that its change removes from the motion [J])."""
     lanes = lane_types(real, lane_count).lanes
     Nodes, NodeLaws = node_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
-    def follow_angle(block: wp.int32, nodes: Nodes, laws: NodeLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
+    def follow_angle(block: wp.int32, nodes: Nodes, laws: NodeLaws, angle: lanes, last: lanes):
         # the elements used the mean from one step before: that resists its change, which is booked as damping
         mean_angle = nodes.angle_weight[block] * angle
-        late = mean_angle - motion[MotionRow.mean_angle, block]
+        late = mean_angle - last
         weight = nodes.angle_weight[block]
-        motion[MotionRow.mean_angle, block] = mean_angle
-        return where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
+        return mean_angle, where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
 
     return follow_angle
 

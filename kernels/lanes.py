@@ -22,6 +22,9 @@ import warp as wp
 CPU_LANE_COUNT = 16
 GPU_LANE_COUNT = 1
 
+# Threads of a block on a GPU: few, so that a small sheet occupies every multiprocessor.
+STEP_THREAD_COUNT = 64
+
 # Sixteen scalars of single precision are read sooner one by one than by an AVX gather; eight of double are not.
 NO_GATHER_FLAGS = "-target-feature +prefer-no-gather"
 
@@ -60,15 +63,15 @@ ALL_LANE_TYPES = tuple(
 )
 
 
-def step_options(real: type) -> dict[str, str]:
-    """Options of the modules of the kernels of a step: on x86 processors, single precision without gathers.
+def step_options(real: type) -> dict[str, Any]:
+    """Options of the modules of the kernels of a step: small blocks on a GPU; on x86, single precision without gathers.
 
     The flags of a module replace those of Warp's configuration, which are set before a kernel is made.
     """
     flags = wp.config.cpu_compiler_flags
     if real is wp.float64 or not flags or platform.machine().lower() not in ("x86_64", "amd64"):
-        return {}
-    return {"cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
+        return {"block_dim": STEP_THREAD_COUNT}
+    return {"block_dim": STEP_THREAD_COUNT, "cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
 
 
 # --- scalars in lanes -------------------------------------------------------------------------------------------------
@@ -199,6 +202,28 @@ for _types in ALL_LANE_TYPES:
         """The scalars ``source[index + first]``, one per lane; ``source`` is contiguous."""
 
 
+# Warp's arrays may overlap for all that the compiler knows: on a GPU what is read after a write waits for the memory,
+# unless it is in the cache by then.
+for _types in ALL_LANE_TYPES:
+
+    @wp.func_native("""
+    #if defined(__CUDA_ARCH__)
+        for (int row = first; row < first + count; ++row)
+            asm volatile("prefetch.global.L1 [%0];" : : "l"(&wp::index(source, row, block)));
+    #endif
+    """)
+    def expect_rows(source: wp.array2d(dtype=_types.lanes), first: wp.int32, count: wp.int32, block: wp.int32):
+        """On a GPU, start to fetch ``count`` rows from ``first`` on, which are read later."""
+
+    @wp.func_native("""
+    #if defined(__CUDA_ARCH__)
+        asm volatile("prefetch.global.L1 [%0];" : : "l"(&wp::index(source, block)));
+    #endif
+    """)
+    def expect(source: wp.array(dtype=_types.lanes), block: wp.int32):
+        """On a GPU, start to fetch what is read later."""
+
+
 @wp.func
 def rows3(source: Any, row: int, block: int):
     """Three consecutive rows of lanes as 3-vectors."""
@@ -241,21 +266,21 @@ def store(target: Any, first: int, value: Any):
 _RIGHT_ANGLE = wp.constant(wp.float64(0.5 * np.pi))
 
 
-def _arctangent_coefficients(term_count: int) -> list[float]:
-    """Coefficients c_k of atan(x)/x = sum c_k x^(2k) for 0 <= x <= 1, near-minimax (Chebyshev)."""
+def arctangent_coefficients(term_count: int, largest_square: float = 1.0) -> list[float]:
+    """Coefficients c_k of atan(x)/x = sum c_k x^(2k) for 0 <= x^2 <= ``largest_square``, near-minimax (Chebyshev)."""
     chebyshev = np.polynomial.Chebyshev.interpolate(
         lambda z: np.where(
             z > 1e-12, np.arctan(np.sqrt(np.abs(z))) / np.sqrt(np.maximum(np.abs(z), 1e-300)), 1 - z / 3
         ),
         term_count - 1,
-        domain=[0.0, 1.0],
+        domain=[0.0, largest_square],
     )
     return chebyshev.convert(kind=np.polynomial.Polynomial).coef.tolist()
 
 
 # The error is 3e-9 with ten terms, 1e-15 with twenty.
-_SINGLE_ARCTANGENT = wp.types.vector(10, wp.float32)(*_arctangent_coefficients(10))
-_DOUBLE_ARCTANGENT = wp.types.vector(20, wp.float64)(*_arctangent_coefficients(20))
+_SINGLE_ARCTANGENT = wp.types.vector(10, wp.float32)(*arctangent_coefficients(10))
+_DOUBLE_ARCTANGENT = wp.types.vector(20, wp.float64)(*arctangent_coefficients(20))
 
 
 @wp.func

@@ -15,8 +15,10 @@ from pydantic import Field, model_validator
 
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
+from weavesim.fabric.closed_forms import bias_zone_areas, moment_along, trellis_angle, trellis_angle_rate
 from weavesim.fabric.fabric import Fabric
 from weavesim.output.curves import Chart, Curves
+from weavesim.output.measured import Comparable, measured_differences
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
@@ -26,14 +28,7 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from .fabric_test import (
-    STEP_SAFETY,
-    FabricTestParameters,
-    chosen_fabric,
-    moment_along,
-    trellis_angle,
-    trellis_angle_rate,
-)
+from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
 from .scene import Scene
 
 RAMP_SHARE = 0.2
@@ -60,6 +55,9 @@ class BiasExtensionParameters(FabricTestParameters):
     damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
         default=50.0, description="mass-proportional damping rate [1/s]"
     )
+
+    abscissas = (Comparable("displacement", "mm", "displacement_mm"),)
+    ordinates = (Comparable("force", "N", "force_n"), Comparable("angle", "deg", "zone_c_angle_deg"))
 
     @model_validator(mode="after")
     def _has_a_central_zone(self) -> Self:
@@ -96,8 +94,7 @@ def zones(parameters: BiasExtensionParameters, points: np.ndarray) -> np.ndarray
 
 def zone_areas(parameters: BiasExtensionParameters) -> tuple[float, float, float]:
     """Areas of the zones A, B, C [m^2]."""
-    length, width = parameters.length, parameters.width
-    return 0.5 * width**2, width**2, width * (length - 1.5 * width)
+    return bias_zone_areas(parameters.length, parameters.width)
 
 
 def kinematic_angle(parameters: BiasExtensionParameters, displacement: float) -> tuple[float, float]:
@@ -198,7 +195,7 @@ def record(parameters: BiasExtensionParameters, fabric: Fabric, blank: Blank) ->
             {"zone_c_angle_deg": "zone C", "zone_b_angle_deg": "zone B", "zone_a_angle_deg": "zone A"},
             {"kinematic_angle_deg": "kinematics, zone C", "kinematic_half_angle_deg": "kinematics, zone B"},
         ),
-    ])  # fmt: skip
+    ], parameters.measured_curves())  # fmt: skip
 
 
 def findings(curves: Curves) -> dict[str, Any]:
@@ -211,6 +208,7 @@ def findings(curves: Curves) -> dict[str, Any]:
         "force_n": force,
         "closed_form_force_n": c["closed_form_force_n"],
         "force_ratio": force / c["closed_form_force_n"] if c["closed_form_force_n"] else None,
+        **measured_differences(curves),
     }
 
 

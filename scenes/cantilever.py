@@ -21,9 +21,11 @@ from weavesim.engine.setup import Rest, Setup
 from weavesim.errors import InputError
 from weavesim.fabric.bending.law import YarnName
 from weavesim.fabric.cell.weaves import PlainWeave
+from weavesim.fabric.closed_forms import elastica_profile, elastica_stiffness, peirce_stiffness
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.fabric import LARGEST_LOCKING_SHARE, Fabric
-from weavesim.output.curves import Chart, Curves
+from weavesim.output.curves import Chart, Curves, LastCurve
+from weavesim.output.measured import Comparable, measured_differences
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.supports import Support
@@ -74,6 +76,9 @@ class CantileverParameters(FabricTestParameters):
         default=None, description="mass-proportional damping rate [1/s]; the default is critical for the first mode"
     )
 
+    abscissas = (Comparable("x", "mm", "x_mm"),)
+    ordinates = (Comparable("drop", "mm", "drop_mm"),)
+
     def blank_area(self) -> float | None:
         """Of the strip [m^2], if its length is given."""
         return None if self.length is None else self.length * self.width
@@ -100,59 +105,6 @@ def overhang(parameters: CantileverParameters, fabric: Fabric) -> float:
             f"cantilever: the fabric's bending stiffness along the {parameters.yarn} is zero; it would hang"
         )
     return parameters.length or 2.0 * (stiffness / (fabric.areal_density * GRAVITY)) ** (1.0 / 3.0)
-
-
-def peirce_stiffness(angle: float, length: float, weight: float) -> float:
-    """Peirce's D = w c^3 [N m], c = length (cos(angle/2) / (8 tan(angle)))^(1/3).
-
-    Args:
-        angle: of the chord below the horizontal [rad].
-        length: of the overhang [m].
-        weight: per area [N/m^2].
-    """
-    return weight * length**3 * math.cos(0.5 * angle) / (8.0 * math.tan(angle))
-
-
-def heavy_elastica(tip_slope: float, step_count: int = 2000) -> tuple[float, float]:
-    """Load w L^3 / D and chord angle [rad] of a clamped, inextensible strip whose tip slope is ``tip_slope`` [rad].
-
-    From the free end, with lengths scaled by (D/w)^(1/3): slope'' = -s cos(slope), slope(0) = tip_slope, slope'(0) = 0,
-    up to the clamp, where the slope is zero. Fourth-order Runge-Kutta, with a last step that ends at the clamp.
-    """
-
-    def rate(s: float, y: np.ndarray) -> np.ndarray:
-        return np.array([y[1], -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])])
-
-    def advanced(s: float, y: np.ndarray, h: float) -> np.ndarray:
-        k1 = rate(s, y)
-        k2 = rate(s + 0.5 * h, y + 0.5 * h * k1)
-        k3 = rate(s + 0.5 * h, y + 0.5 * h * k2)
-        k4 = rate(s + h, y + h * k3)
-        return y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-
-    # a nearly straight strip of the same tip slope has this length; for a steep one the loop continues
-    h = (6.0 * tip_slope) ** (1.0 / 3.0) / step_count
-    s, y = 0.0, np.array([tip_slope, 0.0, 0.0, 0.0])
-    while True:
-        following = advanced(s, y, h)
-        if following[0] <= 0.0:
-            break
-        s, y = s + h, following
-    low, high = 0.0, h
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if advanced(s, y, middle)[0] > 0.0 else (low, middle)
-    end = advanced(s, y, low)
-    return (s + low) ** 3, math.atan2(end[3], end[2])
-
-
-def elastica_stiffness(angle: float, length: float, weight: float) -> float:
-    """D [N m] of the heavy elastica whose chord has this angle; arguments as ``peirce_stiffness``."""
-    low, high = 1.0e-6, 0.5 * math.pi - 1.0e-6
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if heavy_elastica(middle, 400)[1] < angle else (low, middle)
-    return weight * length**3 / heavy_elastica(low)[0]
 
 
 def softened(fabric: Fabric, stiffness: float) -> Fabric:
@@ -226,6 +178,33 @@ def record(blank: Blank) -> Curves:
     ])  # fmt: skip
 
 
+def profile(parameters: CantileverParameters, fabric: Fabric, blank: Blank) -> LastCurve:
+    """The hanging strip from the side, with the heavy elastica of the fabric's stiffness if that is one number."""
+    along, station = np.unique(blank.node_position[:, 0], return_inverse=True)
+    count = np.bincount(station)
+    if bends_linearly(fabric, parameters.yarn):
+        known = elastica_profile(
+            overhang(parameters, fabric), strip_stiffness(fabric, parameters.yarn), fabric.areal_density * GRAVITY,
+            along,
+        )  # fmt: skip
+    else:
+        known = np.full((2, len(along)), math.nan)
+
+    def measure(state: Frame) -> dict[str, np.ndarray]:
+        x, drop = (np.bincount(station, state.position[:, axis]) / count for axis in (0, 2))
+        # at the computed places, so that both are over one abscissa
+        elastica = np.interp(x, known[0], known[1], right=math.nan)
+        return {"x_mm": 1.0e3 * x, "drop_mm": -1.0e3 * drop, "elastica_drop_mm": 1.0e3 * elastica}
+
+    return LastCurve("profile", measure, [
+        Chart(
+            "profile", "The hanging strip", "From the side, drop downwards from the clamp.",
+            ("x_mm", "distance from the clamp [mm]"), "drop below the clamp [mm]", {"drop_mm": "computed"},
+            {"elastica_drop_mm": "heavy elastica"}, equal_scales=True, downwards=True,
+        ),
+    ], parameters.measured_curves())  # fmt: skip
+
+
 def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simulation) -> dict[str, Any]:
     """Summary entries: angle of the chord, and the bending stiffness derived from it.
 
@@ -255,8 +234,10 @@ def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simul
 
 
 def wanted(parameters: CantileverParameters, setup: Setup) -> Wanted:
-    """Curve of the tip; no draw-in, which is meaningless here."""
-    return Wanted(curves=record(setup.sheet.blank), draw_in=False)
+    """Curve of the tip, and the profile; no draw-in, which is meaningless here."""
+    blank = setup.sheet.blank
+    last = profile(parameters, chosen_fabric(parameters), blank)
+    return Wanted(curves=record(blank), last_curve=last, draw_in=False)
 
 
 SCENE = Scene(
@@ -265,5 +246,8 @@ SCENE = Scene(
     parameters=CantileverParameters,
     make=cantilever,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: findings(parameters, chosen_fabric(parameters), simulation),
+    findings=lambda parameters, simulation, wanted: {
+        **findings(parameters, chosen_fabric(parameters), simulation),
+        **(measured_differences(wanted.last_curve) if wanted.last_curve else {}),
+    },
 )

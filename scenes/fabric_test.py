@@ -1,18 +1,19 @@
-"""Common parts of the fabric tests (picture frame, bias extension, cantilever): choice of the fabric, kinematics."""
+"""Common parts of the laboratory's tests: choice of the fabric, measured curves."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
 from weavesim.app.options import Need, RunOptions
 from weavesim.checks import Positive
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
+from weavesim.output.curves import MeasuredPoints
+from weavesim.output.measured import Comparable, load_measured_curves
 from weavesim.ranges import Quantity
 
 # Only the fabric damps a test. The share dates from when a yarn that rattles between slack and taut gained energy near
@@ -31,10 +32,31 @@ class FabricTestParameters(RunOptions):
         default=0.25e6, description="G_12 of the linear law, twice the stress over the angle [Pa]"
     )
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
+    measured: Path | None = Field(
+        default=None, description="table with a measured curve, drawn beside the computed one; units in its header"
+    )
+    measured_columns: str | None = Field(
+        default=None,
+        description='its columns, comma-separated, the abscissa first, as in "angle, force" [default: by usual names]',
+    )
 
     needs: ClassVar[Mapping[str, Need]] = {
-        "shear_modulus": Need("shear_law = linear", lambda options: options.shear_law == "linear")
+        "shear_modulus": Need("shear_law = linear", lambda options: options.shear_law == "linear"),
+        "measured_columns": Need("measured", lambda options: options.measured is not None),
     }
+    # What a measured curve can be compared with; a test names its own.
+    abscissas: ClassVar[tuple[Comparable, ...]] = ()
+    ordinates: ClassVar[tuple[Comparable, ...]] = ()
+
+    def measured_curves(self) -> tuple[MeasuredPoints, ...]:
+        """The measured curves, if there are any.
+
+        Raises:
+            InputError: a table that cannot be read in exactly one way.
+        """
+        if self.measured is None:
+            return ()
+        return load_measured_curves(self.measured, self.abscissas, self.ordinates, self.measured_columns)
 
 
 def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
@@ -45,36 +67,3 @@ def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
     """
     fabric = resolve_fabric(parameters.fabric, accept_unusual=parameters.accept_unusual)
     return fabric.with_linear_shear(parameters.shear_modulus) if parameters.shear_law == "linear" else fabric
-
-
-def trellis_angle(diagonal: np.ndarray | float, side: float) -> np.ndarray:
-    """Shear angle of a rhombus [rad], pi/2 - 2 acos(diagonal / (2 side)), from its longer diagonal [m]."""
-    return 0.5 * math.pi - 2.0 * np.arccos(np.clip(np.asarray(diagonal) / (2.0 * side), 0.0, 1.0))
-
-
-def trellis_angle_rate(diagonal: np.ndarray | float, side: float) -> np.ndarray:
-    """d(shear angle)/d(diagonal) of a rhombus [rad/m], 1/(side sin(theta)), theta half the angle at its tip."""
-    share = np.clip(np.asarray(diagonal) / (2.0 * side), 0.0, 1.0)
-    return 1.0 / (side * np.sqrt(1.0 - share**2))
-
-
-def moment_along(
-    fabric: Fabric, angle: np.ndarray, crossover_pressure: np.ndarray | float = 0.0, *, stretch: float = 1.0
-) -> np.ndarray:
-    """Shear moment [N/m] along a path of angles (n,) [rad] from rest, from shear law, unit cell and friction.
-
-    Args:
-        fabric: its unit cell contributes if its energy depends on the shear angle.
-        angle: the path.
-        crossover_pressure: along the path [N/m^2].
-        stretch: of both yarn families, for the unit cell.
-    """
-    angle = np.asarray(angle, dtype=float)
-    moment = np.asarray(fabric.shear.moment(angle, fabric.thickness))
-    if fabric.unit_cell.law().depends_on_shear:
-        from weavesim.fabric.response import respond
-
-        moment = moment + respond(fabric.unit_cell, np.full((len(angle), 2), stretch), angle).moment
-    if fabric.shear_friction is not None:
-        moment = moment + fabric.shear_friction.moment_along(angle, crossover_pressure)
-    return moment

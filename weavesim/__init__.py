@@ -36,11 +36,20 @@ if TYPE_CHECKING:
     from .fabric.device_form import DeviceForm, Tabulated
     from .fabric.fabric import Fabric, Stabilisation
     from .fabric.file import load_fabric, resolve_fabric
-    from .fabric.presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
+    from .fabric.presets import (
+        PRESETS,
+        UNIT_CELLS,
+        assumed_fabric,
+        glass_polypropylene,
+        glass_polypropylene_consensus,
+        glass_polypropylene_hkust,
+    )
+    from .fabric.provenance import Origin
     from .fabric.response import respond
     from .fabric.shear.friction import CrossoverFriction, ShearFriction
     from .fabric.shear.law import ShearLaw
     from .fabric.shear.linear import LinearShear
+    from .fabric.shear.loop import LoopSplit, split_jump, split_loop
     from .fabric.shear.moment_curve import MomentCurve
     from .output.folder import ResultFolder
     from .output.writer import Writer
@@ -90,11 +99,20 @@ _names_in = {
     "fabric.device_form": ("DeviceForm", "Tabulated"),
     "fabric.fabric": ("Fabric", "Stabilisation"),
     "fabric.file": ("load_fabric", "resolve_fabric"),
-    "fabric.presets": ("PRESETS", "UNIT_CELLS", "assumed_fabric", "glass_polypropylene"),
+    "fabric.presets": (
+        "PRESETS",
+        "UNIT_CELLS",
+        "assumed_fabric",
+        "glass_polypropylene",
+        "glass_polypropylene_consensus",
+        "glass_polypropylene_hkust",
+    ),
+    "fabric.provenance": ("Origin",),
     "fabric.response": ("respond",),
     "fabric.shear.friction": ("CrossoverFriction", "ShearFriction"),
     "fabric.shear.law": ("ShearLaw",),
     "fabric.shear.linear": ("LinearShear",),
+    "fabric.shear.loop": ("LoopSplit", "split_jump", "split_loop"),
     "fabric.shear.moment_curve": ("MomentCurve",),
     "output.folder": ("ResultFolder",),
     "output.writer": ("Writer",),

@@ -7,11 +7,11 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..cell.surplus import take_back_function
-from ..lanes import GPU_LANE_COUNT, fill, lane_types, scale, step_options, where_positive
+from ..lanes import GPU_LANE_COUNT, expect, expect_rows, fill, lane_types, scale, step_options, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..records import store_record3, store_record4
-from ..rows import CORNER_ROW_COUNT, ROWS_PER_CORNER, CornerRow, MotionRow
+from ..rows import CORNER_ROW_COUNT, ROWS_PER_CORNER, CellReportRow, CornerRow, MotionRow
 from .bending import bending_friction, resultants_struct, transverse_shear
 from .hourglass import stabilisation_function, warping_moments
 from .kinematics import (
@@ -140,6 +140,14 @@ def couple_conjugates(area: Any, x: Any, r: Any, h: Any, v: Any):
     return v
 
 
+@wp.func
+def expect_what_is_read_late(elements: Any, block: int, cell_report: Any):
+    """On a GPU, start to fetch what is read after the cell has written its unknowns."""
+    expect_rows(cell_report, 0, wp.static(CellReportRow.row_count()), block)
+    expect(elements.yarn_inertia, block)
+    expect(elements.area, block)
+
+
 @cache
 def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Kernel, launched once per step: nodal forces and couples of every element."""
@@ -169,6 +177,7 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         block = first_block + wp.tid()
         elements = sheet.elements
         laws = sheet.laws
+        expect_what_is_read_late(elements, block, cell_report)
         shape = shape_functions(elements, block, Shape())
         x, means = positions(elements, block, shape, motion)
         d = vectors(elements, block, shape, motion, MotionRow.director)

@@ -1,12 +1,11 @@
 """Nodes: gather the forces of the elements, contact with tools, time integration (docs/theory.md, 6 and 7)."""
 
 from functools import cache
-from typing import Any
 
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import dot, lane_types, step_options
+from ..lanes import dot, lane_types, rows3, step_options
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, record3, record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, ClockEntry, MotionRow, NodeWorkRow
@@ -27,11 +26,6 @@ from .node_forces import (
 from .tool_contact import meet_tools_function
 
 
-@wp.func
-def book(works: Any, row: int, block: int, entry: Any):
-    works[row, block] = works[row, block] + entry
-
-
 @cache
 def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
     """Kernel, launched once per step: forces, contact, new velocities, positions and directors."""
@@ -41,7 +35,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
     Surroundings, Touch = surroundings_struct(real, lane_count), touch_struct(real, lane_count)
     Present = present_struct(real, lane_count)
     has_tools = len(traits.shape_kinds) > 0
-    gather_corners = gather_corners_function(real, lane_count, traits.follows_thickness)
+    gather_corners = gather_corners_function(real, lane_count)
     follow_angle, follow_thickness = (
         follow_angle_function(real, lane_count),
         follow_thickness_function(real, lane_count),
@@ -59,6 +53,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         laws: NodeLaws,
         clock: wp.array(dtype=wp.float64),
         motion: wp.array2d(dtype=lanes),
+        works: wp.array2d(dtype=lanes),
     ):
         present = Present()
         present.block = block
@@ -69,8 +64,16 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         present.mean_angle = place[SCALAR]
         present.remainder = record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block)
         present.velocity = record3(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)
+        present.velocity_remainder = rows3(motion, MotionRow.velocity_remainder, block)
         present.director = record3(motion, MOTION_RECORD_LENGTH, MotionRow.director, block)
+        present.spin = rows3(motion, MotionRow.spin, block)
         present.mass = nodes.mass[block]
+        present.inverse_mass = nodes.inverse_mass[block]
+        present.inverse_inertia = nodes.inverse_inertia[block]
+        present.freedom = nodes.freedom[block]
+        present.friction_work = works[NodeWorkRow.friction_work, block]
+        present.damping_loss = works[NodeWorkRow.damping_loss, block]
+        present.support_work = works[NodeWorkRow.support_work, block]
         present.half_thickness = lanes(laws.half_thickness)
         return present
 
@@ -88,9 +91,9 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         works: wp.array2d(dtype=lanes),  # rows: see NodeWorkRow
     ):
         block = first_block + wp.tid()
-        present = present_block(block, nodes, laws, around.clock, motion)
+        present = present_block(block, nodes, laws, around.clock, motion, works)
         force, couple, angle, thickness = gather_corners(block, nodes, corners)
-        mean_angle, lost = follow_angle(block, nodes, laws, angle, present.mean_angle)
+        mean_angle, lost = follow_angle(present, nodes, laws, angle)
         present.mean_angle = mean_angle
         if wp.static(traits.follows_thickness):
             present = follow_thickness(present, nodes, thickness, touch)
@@ -107,22 +110,23 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
                 present, laws, around.tools, force, touch, works
             )
 
-        acceleration, free, velocity = translate(present, nodes, laws, force, applied_force, motion)
+        acceleration, free, velocity = translate(present, laws, force, applied_force, motion)
         travel = present.step * velocity
         if wp.static(traits.supported):
             travel, velocity = follow_supports(present, around.supports, travel, velocity)
         place(present, laws.tool_count, travel, velocity, motion, touch)
-        spin_sum, spin_loss = turn(present, nodes, laws, couple, motion)
+        spin_sum, spin_loss = turn(present, laws, couple, motion)
 
         middle = real(0.5) * (present.velocity + velocity)
         moving = wp.cw_mul(free, middle)
         worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, around.supports)
         damped = dashpot_power - dot(dashpots, middle) + laws.damping * present.mass * dot(moving, moving)
-        book(works, NodeWorkRow.support_work, block, worked)
-        book(works, NodeWorkRow.friction_work, block, present.mean_step * (friction_power - dot(friction, middle)))
-        book(works, NodeWorkRow.damping_loss, block, lost + present.mean_step * damped + spin_loss)
+        rubbed = present.mean_step * (friction_power - dot(friction, middle))
+        works[NodeWorkRow.friction_work, block] = present.friction_work + rubbed
+        works[NodeWorkRow.damping_loss, block] = present.damping_loss + (lost + present.mean_step * damped + spin_loss)
+        works[NodeWorkRow.support_work, block] = present.support_work + worked
         if wp.static(traits.loaded):
             power = dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_sum)
-            book(works, NodeWorkRow.load_work, block, present.mean_step * power)
+            works[NodeWorkRow.load_work, block] = works[NodeWorkRow.load_work, block] + present.mean_step * power
 
     return node_motion

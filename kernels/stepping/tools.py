@@ -9,6 +9,8 @@ from ..rows import ClockEntry, ToolWatchRow, ToolWorkRow
 
 STROKE = wp.constant(0)
 FORCE = wp.constant(1)
+# Neighbouring entries that one tile of ``partial_sum_kernel`` sums.
+SUM_GROUP = wp.constant(1024)
 
 
 @wp.struct
@@ -25,6 +27,7 @@ class ToolDrive:
 class ToolDrives:
     """How all tools move."""
 
+    thread_count: wp.int32  # threads that move them, at most one block
     drive: wp.array(dtype=ToolDrive)
     axis: wp.array(dtype=wp.vec3d)  # unit direction of each tool's motion
     curve_time: wp.array(dtype=wp.float64)  # knots of all curves [s]
@@ -55,16 +58,23 @@ def curve_value(
 
 @cache
 def partial_sum_kernel(real: type):
-    """Sum ``group_size`` neighbouring reactions, so that the final sum stays short with many nodes."""
+    """Sum ``SUM_GROUP`` neighbouring reactions in double precision, so that the final sum stays short with many nodes.
+
+    Launched in tiles, (tool, group): on a GPU the threads of a block share a group, in an order that does not change.
+    """
     vec3 = wp.types.vector(3, real)
 
+    @wp.func
+    def in_double(value: vec3):
+        return wp.vec3d(wp.float64(value[0]), wp.float64(value[1]), wp.float64(value[2]))
+
     @wp.kernel(module="unique", enable_backward=False)
-    def partial_sums(group_size: wp.int32, values: wp.array2d(dtype=vec3), sums: wp.array2d(dtype=vec3)):
+    def partial_sums(values: wp.array2d(dtype=vec3), sums: wp.array2d(dtype=wp.vec3d)):
         tool, group = wp.tid()
-        total = vec3()
-        for i in range(group * group_size, wp.min((group + 1) * group_size, values.shape[1])):
-            total += values[tool, i]
-        sums[tool, group] = total
+        # entries beyond the last read as zero
+        part = wp.tile_load(values, shape=(1, SUM_GROUP), offset=(tool, group * SUM_GROUP))
+        total = wp.tile_sum(wp.tile_map(in_double, part))
+        sums[tool, group] = wp.tile_extract(total, 0)
 
     return partial_sums
 
@@ -107,9 +117,18 @@ def watch_tool(
         add(watch, ToolWatchRow.carried_impulse, k, step * carried)
 
 
+@wp.func_native("""
+#if defined(__CUDA_ARCH__)
+    __syncthreads();
+#endif
+""")
+def wait_for_block():
+    """On a GPU, wait for the other threads of the block."""
+
+
 @cache
 def tool_motion_kernel(real: type):
-    """Kernel of a single thread per step, between the node kernel and the next step."""
+    """Kernel of one block of threads per step, between the node kernel and the next step; of one thread on a CPU."""
     vec3 = wp.types.vector(3, real)
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -127,7 +146,8 @@ def tool_motion_kernel(real: type):
     ):
         step = clock[ClockEntry.step]
         next_time = clock[ClockEntry.time] + step
-        for k in range(drives.drive.shape[0]):
+        thread = wp.tid()
+        for k in range(thread, drives.drive.shape[0], drives.thread_count):
             drive = drives.drive[k]
             total = total_force(reactions, k)
             total_reaction[k] = total
@@ -149,7 +169,9 @@ def tool_motion_kernel(real: type):
             work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * travel
             work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * travel
             watch_tool(watch, k, step, drive_force, total, along)
-        clock[ClockEntry.time] = next_time
-        clock[ClockEntry.mean_step] = step
+        wait_for_block()
+        if thread == 0:
+            clock[ClockEntry.time] = next_time
+            clock[ClockEntry.mean_step] = step
 
     return tool_motion

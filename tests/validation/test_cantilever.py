@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
+from tests.support.tables import columns
 from weavesim.errors import InputError
 from weavesim.fabric.bending import BendingCurve, YarnBending
+from weavesim.fabric.closed_forms import elastica_profile, elastica_stiffness, heavy_elastica
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.scenes import cantilever
 from weavesim.scenes.cantilever import CantileverParameters
@@ -25,6 +27,9 @@ def test_cantilever_gives_the_bending_stiffness_back(tmp_path, yarn):
     weight = 0.743 * 9.81 * 1e-3 * summary["overhang_mm"] * 0.02
     assert summary["support_force_n"]["clamp"][2] == pytest.approx(weight, rel=1e-3)
     assert summary["outcome"] == "finished" and (tmp_path / "pictures" / "chord_angle.png").exists()
+    shape = columns(tmp_path / "profile.csv")
+    drop, known = shape["drop_mm"], shape["elastica_drop_mm"]
+    assert np.nanmax(np.abs(drop - known)) < 0.01 * drop.max() and np.isfinite(known).sum() > 10
 
 
 def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_friction():
@@ -48,6 +53,21 @@ def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_fri
         assert found["elastica_bending_stiffness_nm"] > 0.0
 
 
+def test_a_measured_profile_is_compared_with_the_strip(tmp_path):
+    """Of a strip whose stiffness is the input's: the elastica's own points, in centimetres."""
+    weight = 0.743 * 9.81
+    x, drop = elastica_profile(0.12, 20.0e6 * 1.2e-3**3 / 12.0, weight, np.linspace(0.0, 0.12, 9))
+    rows = "".join(f"{100 * a:.5f},{100 * b:.5f}\n" for a, b in zip(x, drop, strict=True))
+    (tmp_path / "strip.csv").write_text("x [cm],drop [cm]\n" + rows)
+    parameters = CantileverParameters(
+        out=tmp_path / "out", mesh_size=0.012, width=0.024, length=0.12, threads=1, measured=tmp_path / "strip.csv",
+        write="summary",
+    )  # fmt: skip
+    summary = cantilever.SCENE.run(parameters)
+    (share,) = summary["measured_largest_difference_ratio"].values()
+    assert share < 0.01
+
+
 @pytest.mark.parametrize("load", [1.0, 8.0, 50.0])
 def test_heavy_elastica_against_a_boundary_value_problem(load):
     """theta'' = -load (1 - s) cos(theta), clamped at s = 0, no moment at s = 1."""
@@ -61,8 +81,8 @@ def test_heavy_elastica_against_a_boundary_value_problem(load):
         assert solution.success
         s, guess = solution.x, solution.y
     angle = float(np.arctan2(solution.y[3, -1], solution.y[2, -1]))
-    assert cantilever.elastica_stiffness(angle, 1.0, 1.0) == pytest.approx(1.0 / load, rel=1e-5)
-    found_load, found_angle = cantilever.heavy_elastica(float(solution.y[0, -1]))
+    assert elastica_stiffness(angle, 1.0, 1.0) == pytest.approx(1.0 / load, rel=1e-5)
+    found_load, found_angle = heavy_elastica(float(solution.y[0, -1]))
     assert found_load == pytest.approx(load, rel=1e-5)
     assert found_angle == pytest.approx(angle, rel=1e-6)
 

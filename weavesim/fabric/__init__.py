@@ -15,8 +15,25 @@ from .compaction import Compaction
 from .device_form import DeviceForm, Tabulated
 from .fabric import Fabric, Stabilisation
 from .file import load_fabric, resolve_fabric
-from .presets import PRESETS, UNIT_CELLS, assumed_fabric, glass_polypropylene
-from .shear import CrossoverFriction, LinearShear, MomentCurve, ShearFriction, ShearLaw
+from .presets import (
+    PRESETS,
+    UNIT_CELLS,
+    assumed_fabric,
+    glass_polypropylene,
+    glass_polypropylene_consensus,
+    glass_polypropylene_hkust,
+)
+from .provenance import Origin
+from .shear import (
+    CrossoverFriction,
+    LinearShear,
+    LoopSplit,
+    MomentCurve,
+    ShearFriction,
+    ShearLaw,
+    split_jump,
+    split_loop,
+)
 
 __all__ = [
     "BendingCurve",
@@ -31,7 +48,9 @@ __all__ = [
     "IsotropicBending",
     "LinearMembrane",
     "LinearShear",
+    "LoopSplit",
     "MomentCurve",
+    "Origin",
     "PRESETS",
     "PlainWeave",
     "SatinWeave",
@@ -46,6 +65,10 @@ __all__ = [
     "YarnBending",
     "assumed_fabric",
     "glass_polypropylene",
+    "glass_polypropylene_consensus",
+    "glass_polypropylene_hkust",
     "load_fabric",
     "resolve_fabric",
+    "split_jump",
+    "split_loop",
 ]

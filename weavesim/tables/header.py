@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,6 +21,8 @@ LONGEST_GAP = 100
 LONGEST_HEADER = 5
 LISTED_COUNT = 12
 LARGEST_COLUMN_COUNT = 2000
+# Given name and unit of every column of a line, the places of those that are wanted; None if it is not their header.
+Chooser = Callable[[Sequence[tuple[str, Unit | None]]], tuple[int, ...] | None]
 _INVISIBLE = re.compile("[\u00ad\u200b-\u200f\u202a-\u202e\u2060-\u2064\ufeff]")
 
 
@@ -87,11 +89,16 @@ def fold(name: str) -> str:
     return re.sub(r"[\s_-]+", " ", visible.casefold()).strip()
 
 
-def find_header(lines: list[str], wanted: Sequence[str]) -> Header:
+def find_header(lines: list[str], wanted: Sequence[str], choose: Chooser | None = None) -> Header:
     """The header that has all wanted columns.
 
     It is the first line with their names that has values below it. A line of units may stand between; a comment is
     taken for the header only if nothing else can be.
+
+    Args:
+        lines: of the table.
+        wanted: names of the columns; only for messages if ``choose`` is given.
+        choose: finds the columns by another rule, and a header may then have a name twice.
 
     Raises:
         TableFault: no such header, a column that occurs twice, or no values below it.
@@ -99,7 +106,7 @@ def find_header(lines: list[str], wanted: Sequence[str]) -> Header:
     fault: TableFault | None = None
     declared = _declared_separator(lines)
     for in_comment in (False, True):
-        for candidate in _candidates(lines, wanted, declared, in_comment):
+        for candidate in _candidates(lines, () if choose else wanted, declared, in_comment, choose):
             try:
                 header = candidate.header(lines, wanted)
             except TableFault as error:
@@ -122,6 +129,7 @@ class _Candidate:
     separator: str
     in_comment: bool
     has_more_above: bool
+    choose: Chooser | None = None
 
     def header(self, lines: list[str], wanted: Sequence[str]) -> Header | None:
         """The header in this line; None if a wanted column is missing.
@@ -197,6 +205,8 @@ class _Candidate:
                     self.line,
                 )
             merged.append(below or unit)
+        if self.choose is not None:
+            return self.choose([(name, unit) for (name, _), unit in zip(split, merged, strict=True)]), merged
         places, doubled = [], []
         for item in wanted:
             name, unit = split_header(item)
@@ -254,7 +264,7 @@ def _are_units(cells: list[str]) -> bool:
 
 
 def _candidates(
-    lines: list[str], wanted: Sequence[str], declared: str | None, in_comment: bool
+    lines: list[str], wanted: Sequence[str], declared: str | None, in_comment: bool, choose: Chooser | None = None
 ) -> Iterator[_Candidate]:
     """Lines in which all wanted names occur."""
     folded = [fold(split_header(name)[0]) for name in wanted]
@@ -272,7 +282,7 @@ def _candidates(
         whole = fold(text)
         if all(name in whole for name in folded):
             separator = declared or _separator(text)
-            yield _Candidate(text, number, last, separator, in_comment, has_more_above)
+            yield _Candidate(text, number, last, separator, in_comment, has_more_above, choose)
         has_more_above |= not (number == 1 and declared)
 
 

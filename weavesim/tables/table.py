@@ -56,11 +56,17 @@ class Columns:
 
 
 class Table:
-    """The text of a table, from which columns are read by name."""
+    """The text of a table, from which columns are read by name.
+
+    Attributes:
+        path, what: of the file, and what it is called in messages.
+        lines: of the text.
+        notes: what was not obvious in reading it.
+    """
 
     def __init__(self, path: Path, what: str, lines: list[str], notes: tuple[str, ...]) -> None:
         self.path, self.what = path, what
-        self._lines, self._notes = lines, notes
+        self.lines, self.notes = lines, notes
 
     def columns(self, *wanted: Wanted) -> Columns:
         """The wanted columns, row by row.
@@ -69,17 +75,27 @@ class Table:
             InputError: a column that is missing or occurs twice, a unit that does not fit, a cell that is no number,
                 or numbers that can be read in two ways; with the line.
         """
-        with _faults_of(self.path, self.what):
+        with faults_of(self.path, self.what):
             return self._read(wanted)
 
+    def unit(self, column: str) -> Unit | None:
+        """The unit that the header gives to a column; None if it gives none.
+
+        Raises:
+            InputError: a column that is missing or occurs twice.
+        """
+        with faults_of(self.path, self.what):
+            header = find_header(self.lines, [column])
+        return header.units[header.places[0]]
+
     def _read(self, wanted: Sequence[Wanted]) -> Columns:
-        header = find_header(self._lines, [item.column for item in wanted])
-        scales, notes = [], [*self._notes, *header.notes]
+        header = find_header(self.lines, [item.column for item in wanted])
+        scales, notes = [], [*self.notes, *header.notes]
         for item, place in zip(wanted, header.places, strict=True):
             scale, note = _scale(item, header, place)
             scales.append(scale)
             notes += [note] if note else []
-        cells, lines, mark = _cells(self._lines, header)
+        cells, lines, mark = _cells(self.lines, header)
         if mark == ",":
             notes.append("decimal commas")
         values = []
@@ -105,13 +121,13 @@ def read_table(path: str | Path, what: str) -> Table:
         InputError: a file that is missing, is not regular, is too large, or is no text.
     """
     content = read_bounded(path, what, LARGEST_TABLE)
-    with _faults_of(Path(path), what):
+    with faults_of(Path(path), what):
         lines, notes = text_lines(content)
     return Table(Path(path), what, lines, notes)
 
 
 @contextmanager
-def _faults_of(path: Path, what: str) -> Iterator[None]:
+def faults_of(path: Path, what: str) -> Iterator[None]:
     """Raise the faults of a table as an InputError with the name of its file."""
     try:
         yield

@@ -44,6 +44,7 @@ _FACTOR = re.compile(r"(?P<symbol>[^\W\d_]+|[°º˚]|%|-|1)(?:\^?(?P<power>[+-]?
 # At the end of a name, after an underscore; a single letter may mean anything ("force_m" is a mean).
 _SUFFIX = re.compile(r"(?P<name>.+)_(?P<unit>[^\W\d_]+)")
 _SUFFIXES = {"deg", "rad", "mrad", "kn", "mN", "MN", "cN", "mm", "cm", "um", "kpa", "mpa", "gpa", "ms"}
+_PER_LENGTH = re.compile(r"(?P<name>.+)_(?P<unit>k?n)_per_(?P<length>m|cm|mm)", re.IGNORECASE)
 _BRACKETS = re.compile(r"(?P<name>.*\S)\s*(?:\[(?P<a>[^\[\]]*)\]|\((?P<b>[^()]*)\)|\{(?P<c>[^{}]*)\}|<(?P<d>[^<>]*)>)")
 _WHOLE_BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>")
 
@@ -84,7 +85,8 @@ def parse_unit(text: str) -> Unit | None:
 
 
 def split_header(header: str) -> tuple[str, Unit | None]:
-    """Name and unit of a column: from "force [kN]", "force (kN)", "force / kN", "force in kN", "force, kN", "force_kn".
+    """Name and unit of a column: from "force [kN]", "force (kN)", "force / kN", "force in kN", "force, kN", "force_kn",
+    "force_n_per_mm".
 
     Other text in brackets stays part of the name, with a unit that is not known.
     """
@@ -102,6 +104,8 @@ def split_header(header: str) -> tuple[str, Unit | None]:
                 return text[: found.start()], unit
     if text[:-1].strip() and text[-1] in "°º˚":
         return text[:-1].strip(), parse_unit(text[-1])
+    if match := _PER_LENGTH.fullmatch(text):
+        return match["name"], parse_unit(f"{'kN' if len(match['unit']) > 1 else 'N'}/{match['length'].lower()}")
     if (match := _SUFFIX.fullmatch(text)) and match["unit"] == "mn":  # milli or mega
         return text, Unit("mn", is_known=False)
     if (match := _SUFFIX.fullmatch(text)) and (match["unit"] in _SUFFIXES or match["unit"].lower() in _SUFFIXES):

@@ -251,7 +251,7 @@ def test_slack_sheets_of_every_fabric(manual):
     )  # fmt: skip
     glass = PRESETS["glass-polypropylene"]()
     stiffness = glass.unit_cell.yarn_stiffness_per_width[0]
-    fabrics = {name: make() for name, make in PRESETS.items()}
+    fabrics = {name: make() for name, make in PRESETS.items() if name != "glass-polypropylene-polynomial"}  # the same
     for share in (0.0, 0.03, 0.3):
         fabrics[f"preset, compressive stiffness {share:g} of the tensile one"] = glass.model_copy(
             update={"compressive_stiffness": share * stiffness}

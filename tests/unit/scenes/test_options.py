@@ -107,7 +107,7 @@ def result(scene: Any, given: dict[str, Any]) -> tuple:
 
 
 # What a refusal says that does not name the option.
-REFUSED_WITH = {"measured_columns": "no column neither", "tools_are_cut": "cut"}
+REFUSED_WITH = {"measured_columns": "no column neither", "tools_are_cut": "must end at the plane"}
 
 
 @pytest.mark.parametrize(

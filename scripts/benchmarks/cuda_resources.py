@@ -1,4 +1,4 @@
-"""What the kernels of a run need on a CUDA device: registers, stack and instructions, from binaries built without one."""
+"""What the kernels of a run need on a CUDA device, from binaries built without one: registers, stack, instructions."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Where a run is computed: precision, device, threads, and the Warp settings for them.
 
-Warp is imported inside the functions, so that the command line can list these options without loading it.
+Warp and NumPy are imported inside the functions, so that the command line can list these options without loading them.
 """
 
 from __future__ import annotations
@@ -18,12 +18,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from . import kernel_cache
 from .errors import InputError
 
 if TYPE_CHECKING:
+    import numpy as np
     import warp as wp
 
 # Inlining and full-width vectors turn the lanes of kernels/ into SIMD code; see docs/performance.md.
@@ -51,6 +50,8 @@ class Precision(StrEnum):
     @property
     def numpy(self) -> np.dtype[Any]:
         """NumPy's scalar type."""
+        import numpy as np
+
         return np.dtype(self.value)
 
 

@@ -104,6 +104,28 @@ def devices() -> None:
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
 
 
+@application.command("cache")
+def cache_command(
+    clear: Annotated[
+        bool, typer.Option("--clear", help="remove all compiled kernels; runs compile theirs again")
+    ] = False,
+) -> None:
+    """Show where the compiled kernels are and how much they take, or remove them."""
+    from .. import kernel_cache
+    from ..device import kernel_cache_base
+
+    base = kernel_cache_base()
+    found = {folder: kernel_cache.modules(folder) for folder in kernel_cache.own_folders(base)}
+    for folder, modules in found.items():
+        print(f"{folder}: {len(modules)} compiled kernels, {sum(module.size for module in modules) / 1e6:.0f} MB")
+    if clear:
+        kernel_cache.clear(base)
+    if not found:
+        print(f"{base}: no compiled kernels")
+    elif clear:
+        print("Removed.")
+
+
 @application.command("compile")
 def compile_command(
     precision: Annotated[list[Precision] | None, typer.Option(help="precision of the runs; may be repeated")] = None,

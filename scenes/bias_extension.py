@@ -18,6 +18,7 @@ from weavesim.engine.setup import Setup
 from weavesim.fabric.closed_forms import bias_zone_areas, moment_along, trellis_angle, trellis_angle_rate
 from weavesim.fabric.fabric import Fabric
 from weavesim.output.curves import Chart, Curves
+from weavesim.output.measured import Comparable, measured_differences
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
@@ -54,6 +55,9 @@ class BiasExtensionParameters(FabricTestParameters):
     damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
         default=50.0, description="mass-proportional damping rate [1/s]"
     )
+
+    abscissas = (Comparable("displacement", "mm", "displacement_mm"),)
+    ordinates = (Comparable("force", "N", "force_n"), Comparable("angle", "deg", "zone_c_angle_deg"))
 
     @model_validator(mode="after")
     def _has_a_central_zone(self) -> Self:
@@ -191,7 +195,7 @@ def record(parameters: BiasExtensionParameters, fabric: Fabric, blank: Blank) ->
             {"zone_c_angle_deg": "zone C", "zone_b_angle_deg": "zone B", "zone_a_angle_deg": "zone A"},
             {"kinematic_angle_deg": "kinematics, zone C", "kinematic_half_angle_deg": "kinematics, zone B"},
         ),
-    ])  # fmt: skip
+    ], parameters.measured_curves())  # fmt: skip
 
 
 def findings(curves: Curves) -> dict[str, Any]:
@@ -204,6 +208,7 @@ def findings(curves: Curves) -> dict[str, Any]:
         "force_n": force,
         "closed_form_force_n": c["closed_form_force_n"],
         "force_ratio": force / c["closed_form_force_n"] if c["closed_form_force_n"] else None,
+        **measured_differences(curves),
     }
 
 

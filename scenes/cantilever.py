@@ -21,10 +21,11 @@ from weavesim.engine.setup import Rest, Setup
 from weavesim.errors import InputError
 from weavesim.fabric.bending.law import YarnName
 from weavesim.fabric.cell.weaves import PlainWeave
-from weavesim.fabric.closed_forms import elastica_stiffness, peirce_stiffness
+from weavesim.fabric.closed_forms import elastica_profile, elastica_stiffness, peirce_stiffness
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.fabric import LARGEST_LOCKING_SHARE, Fabric
-from weavesim.output.curves import Chart, Curves
+from weavesim.output.curves import Chart, Curves, LastCurve
+from weavesim.output.measured import Comparable, measured_differences
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.supports import Support
@@ -74,6 +75,9 @@ class CantileverParameters(FabricTestParameters):
     damping: Annotated[NotNegative, Quantity("damping rate")] | None = Field(
         default=None, description="mass-proportional damping rate [1/s]; the default is critical for the first mode"
     )
+
+    abscissas = (Comparable("x", "mm", "x_mm"),)
+    ordinates = (Comparable("drop", "mm", "drop_mm"),)
 
     def blank_area(self) -> float | None:
         """Of the strip [m^2], if its length is given."""
@@ -174,6 +178,33 @@ def record(blank: Blank) -> Curves:
     ])  # fmt: skip
 
 
+def profile(parameters: CantileverParameters, fabric: Fabric, blank: Blank) -> LastCurve:
+    """The hanging strip from the side, with the heavy elastica of the fabric's stiffness if that is one number."""
+    along, station = np.unique(blank.node_position[:, 0], return_inverse=True)
+    count = np.bincount(station)
+    if bends_linearly(fabric, parameters.yarn):
+        known = elastica_profile(
+            overhang(parameters, fabric), strip_stiffness(fabric, parameters.yarn), fabric.areal_density * GRAVITY,
+            along,
+        )  # fmt: skip
+    else:
+        known = np.full((2, len(along)), math.nan)
+
+    def measure(state: Frame) -> dict[str, np.ndarray]:
+        x, drop = (np.bincount(station, state.position[:, axis]) / count for axis in (0, 2))
+        # at the computed places, so that both are over one abscissa
+        elastica = np.interp(x, known[0], known[1], right=math.nan)
+        return {"x_mm": 1.0e3 * x, "drop_mm": -1.0e3 * drop, "elastica_drop_mm": 1.0e3 * elastica}
+
+    return LastCurve("profile", measure, [
+        Chart(
+            "profile", "The hanging strip", "From the side, drop downwards from the clamp.",
+            ("x_mm", "distance from the clamp [mm]"), "drop below the clamp [mm]", {"drop_mm": "computed"},
+            {"elastica_drop_mm": "heavy elastica"}, equal_scales=True, downwards=True,
+        ),
+    ], parameters.measured_curves())  # fmt: skip
+
+
 def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simulation) -> dict[str, Any]:
     """Summary entries: angle of the chord, and the bending stiffness derived from it.
 
@@ -203,8 +234,10 @@ def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simul
 
 
 def wanted(parameters: CantileverParameters, setup: Setup) -> Wanted:
-    """Curve of the tip; no draw-in, which is meaningless here."""
-    return Wanted(curves=record(setup.sheet.blank), draw_in=False)
+    """Curve of the tip, and the profile; no draw-in, which is meaningless here."""
+    blank = setup.sheet.blank
+    last = profile(parameters, chosen_fabric(parameters), blank)
+    return Wanted(curves=record(blank), last_curve=last, draw_in=False)
 
 
 SCENE = Scene(
@@ -213,5 +246,8 @@ SCENE = Scene(
     parameters=CantileverParameters,
     make=cantilever,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: findings(parameters, chosen_fabric(parameters), simulation),
+    findings=lambda parameters, simulation, wanted: {
+        **findings(parameters, chosen_fabric(parameters), simulation),
+        **(measured_differences(wanted.last_curve) if wanted.last_curve else {}),
+    },
 )

@@ -1,8 +1,9 @@
-"""Common parts of the fabric tests (picture frame, bias extension, cantilever): choice of the fabric."""
+"""Common parts of the laboratory's tests: choice of the fabric, measured curves."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
@@ -11,6 +12,8 @@ from weavesim.app.options import Need, RunOptions
 from weavesim.checks import Positive
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
+from weavesim.output.curves import MeasuredPoints
+from weavesim.output.measured import Comparable, load_measured_curves
 from weavesim.ranges import Quantity
 
 # Only the fabric damps a test. The share dates from when a yarn that rattles between slack and taut gained energy near
@@ -29,10 +32,31 @@ class FabricTestParameters(RunOptions):
         default=0.25e6, description="G_12 of the linear law, twice the stress over the angle [Pa]"
     )
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
+    measured: Path | None = Field(
+        default=None, description="table with a measured curve, drawn beside the computed one; units in its header"
+    )
+    measured_columns: str | None = Field(
+        default=None,
+        description='its columns, comma-separated, the abscissa first, as in "angle, force" [default: by usual names]',
+    )
 
     needs: ClassVar[Mapping[str, Need]] = {
-        "shear_modulus": Need("shear_law = linear", lambda options: options.shear_law == "linear")
+        "shear_modulus": Need("shear_law = linear", lambda options: options.shear_law == "linear"),
+        "measured_columns": Need("measured", lambda options: options.measured is not None),
     }
+    # What a measured curve can be compared with; a test names its own.
+    abscissas: ClassVar[tuple[Comparable, ...]] = ()
+    ordinates: ClassVar[tuple[Comparable, ...]] = ()
+
+    def measured_curves(self) -> tuple[MeasuredPoints, ...]:
+        """The measured curves, if there are any.
+
+        Raises:
+            InputError: a table that cannot be read in exactly one way.
+        """
+        if self.measured is None:
+            return ()
+        return load_measured_curves(self.measured, self.abscissas, self.ordinates, self.measured_columns)
 
 
 def chosen_fabric(parameters: FabricTestParameters) -> Fabric:

@@ -1,7 +1,9 @@
 """Picture-frame test: a hinged square frame shears a fabric whose yarns lie along its sides.
 
 The frame is four clamps that move as a rhombus; its bars have no mass. With the yarns along the sides the fabric
-shears uniformly, so the angle is known from the crosshead displacement and the force from the shear law.
+shears uniformly, so the angle is known from the crosshead displacement and the force from the shear law. The fabric may
+be smaller than the frame, and a mechanism may stand between frame and machine: force and displacement are the
+machine's.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from weavesim.errors import InputError
 from weavesim.fabric.closed_forms import moment_along, trellis_angle, trellis_angle_rate
 from weavesim.fabric.fabric import Fabric
 from weavesim.output.curves import Chart, Curves
+from weavesim.output.measured import Comparable, measured_differences
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
@@ -58,6 +61,14 @@ class PictureFrameParameters(FabricTestParameters):
         default=0.0,
         description="length of arms beyond each side, clamped at their ends, with the corners between cut out [m]",
     )
+    frame_side: Annotated[Positive, Quantity("frame side", at_most=5.0)] | None = Field(
+        default=None, description="distance of the hinges [m]; by default the clamps are the frame's own sides"
+    )
+    load_factor: Annotated[Positive, Quantity("load factor")] = Field(
+        default=1.0,
+        description="force of the machine over that along the frame's diagonal: a mechanism that moves the frame this "
+        "many times as fast as the machine",
+    )
     largest_angle: Annotated[Positive, Quantity("angle")] = Field(
         default=40.0, lt=80.0, description="largest shear angle of the frame [degrees]"
     )
@@ -70,7 +81,16 @@ class PictureFrameParameters(FabricTestParameters):
         "the yarns rattle between slack and taut",
     )
     cycle: bool = Field(default=False, description="return to the start: loading and unloading")
-    speed: Annotated[Positive, Quantity("speed")] = Field(default=0.5, description="speed of the crosshead [m/s]")
+    speed: Annotated[Positive, Quantity("speed")] = Field(
+        default=0.5, description="speed at which the frame's diagonal grows [m/s]"
+    )
+
+    abscissas = (Comparable("angle", "deg", "frame_angle_deg"), Comparable("displacement", "mm", "displacement_mm"))
+    ordinates = (
+        Comparable("force", "N", "force_n"),
+        Comparable("force", "N/m", "normalised_shear_force_n_per_m"),
+        Comparable("normalised force", "N/m", "normalised_shear_force_n_per_m"),
+    )
 
     @model_validator(mode="after")
     def _is_fine_enough(self) -> Self:
@@ -82,6 +102,20 @@ class PictureFrameParameters(FabricTestParameters):
             )
         return self
 
+    @model_validator(mode="after")
+    def _fits_in_its_frame(self) -> Self:
+        if self.frame_side is not None and self.frame_side < self.clamped_side * (1.0 - 1.0e-9):
+            raise ValueError(
+                f"frame_side = {self.frame_side} m: the clamped square of {self.clamped_side:.4g} m, side and both "
+                "arms, must fit in; give at least that"
+            )
+        return self
+
+    @property
+    def clamped_side(self) -> float:
+        """Side of the flat square that the clamps hold, with the arms [m]."""
+        return self.side + 2.0 * self.arm_length
+
     def blank_area(self) -> float:
         """Of the specimen with its arms [m^2]."""
         return self.side * (self.side + 4.0 * self.arm_length)
@@ -92,15 +126,18 @@ class PictureFrame:
 
     Attributes:
         side: from hinge to hinge when shear begins [m].
+        share: clamped side over that of the frame.
         stretch: of the yarns due to the tension.
-        shear: displacement of the crosshead relative to the lower hinge, from the start of shear.
+        shear: displacement of the upper hinge relative to the lower one, from the start of shear.
     """
 
     def __init__(self, parameters: PictureFrameParameters, fabric: Fabric) -> None:
-        flat_side = parameters.side + 2.0 * parameters.arm_length
+        flat_side = parameters.clamped_side
         self.stretch = tension_stretch(fabric, parameters.yarn_tension)
-        self.side = self.stretch * flat_side
-        self.stretching = math.sqrt(2.0) * (self.side - flat_side)
+        self.side = parameters.frame_side or self.stretch * flat_side
+        self.share = self.stretch * flat_side / self.side
+        self.load_factor = parameters.load_factor
+        self.stretching = math.sqrt(2.0) * (self.stretch * flat_side - flat_side)
         half = math.radians(0.5 * (90.0 - parameters.largest_angle))
         stroke = 2.0 * self.side * (math.cos(half) - math.cos(0.25 * math.pi))
         start = TENSION_TIME if self.stretching > 0.0 else 0.0
@@ -111,7 +148,7 @@ class PictureFrame:
         self.flat_diagonal = math.sqrt(2.0) * flat_side
 
     def half_angle(self, displacement: np.ndarray | float) -> np.ndarray:
-        """Half the angle at the pulled hinges [rad], from the displacement of the crosshead [m]."""
+        """Half the angle at the pulled hinges [rad], from the displacement of the upper one [m]."""
         return np.arccos(math.sqrt(0.5) + np.asarray(displacement) / (2.0 * self.side))
 
     def support(self, blank: Blank, nodes: np.ndarray) -> Support:
@@ -122,15 +159,16 @@ class PictureFrame:
             lambda d: 2.0 * self.side * (np.sin(self.half_angle(d)) - math.sqrt(0.5)),
             lambda d: -1.0 / np.tan(self.half_angle(d)),
         )
-        drives = [Drive(self.shear, vertical), Drive(narrowing, horizontal)]
+        drives = [Drive(self.shear, self.share * vertical), Drive(narrowing, self.share * horizontal)]
         if self.stretching > 0.0:
             stretching = SmoothStroke.ramped(self.stretching, 2.0 * self.stretching / TENSION_TIME, 0.5 * TENSION_TIME)
             drives.append(Drive(stretching, vertical + horizontal))
         return Support("frame", nodes, tuple(drives))
 
     def force(self, frame: Frame) -> float:
-        """Crosshead force [N]: work of both diagonals per displacement of the pulled one."""
-        return float(frame.drive_force[0] - frame.drive_force[1] / np.tan(self.half_angle(frame.stroke)))
+        """Force of the machine [N]: work of both diagonals per displacement of the pulled one, times load factor."""
+        along = frame.drive_force[0] - frame.drive_force[1] / np.tan(self.half_angle(frame.stroke))
+        return float(self.load_factor * along)
 
 
 def tension_stretch(fabric: Fabric, tension: float) -> float:
@@ -194,8 +232,9 @@ def picture_frame(parameters: PictureFrameParameters, fabric: Fabric | None = No
 def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
     """Angle and force of every frame, with the predictions of kinematics and shear law.
 
-    The power balance F d' = A m(gamma) gamma' gives F; A is the area of the whole fabric, including the arms. The
-    normalised shear force is that along a side, F / (2 cos(theta)), times side over area: the moment m over cos(gamma).
+    The power balance F d' = A m(gamma) gamma' gives F along the frame's diagonal d, and the load factor that of the
+    machine; A is the area of the whole fabric, including the arms. The normalised shear force is that along a side,
+    F / (2 cos(theta)), times side over area: the moment m over cos(gamma).
     """
     frame = PictureFrame(parameters, fabric)
     blank, _ = specimen(parameters)
@@ -214,16 +253,17 @@ def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
         force = frame.force(state)
         found = np.degrees(state.fields["shear_angle"][inner])
         per_side = 1.0 / (2.0 * np.cos(frame.half_angle(state.stroke)))
+        along = force / frame.load_factor
         return {
             "time_s": state.time,
-            "displacement_mm": 1.0e3 * state.stroke,
+            "displacement_mm": 1.0e3 * state.stroke / frame.load_factor,
             "frame_angle_deg": math.degrees(angle),
             "mean_shear_angle_deg": found.mean(),
             "min_shear_angle_deg": found.min(),
             "max_shear_angle_deg": found.max(),
             "force_n": force,
-            "closed_form_force_n": area * moment * rate,
-            "normalised_shear_force_n_per_m": force * per_side * frame.side / area,
+            "closed_form_force_n": frame.load_factor * area * moment * rate,
+            "normalised_shear_force_n_per_m": along * per_side * frame.side / area,
             "closed_form_shear_force_n_per_m": moment * rate * per_side * frame.side,
             "warp_tension_n_per_m": state.fields["warp_force"][inner].mean(),
             "weft_tension_n_per_m": state.fields["weft_force"][inner].mean(),
@@ -231,9 +271,21 @@ def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
 
     return Curves("picture_frame", measure, [
         Chart(
-            "force", "Force of the crosshead",
+            "force", "Force of the machine",
             "Force against the angle of the frame, with that of the shear law from the power balance.",
             ("frame_angle_deg", "angle of the frame [degrees]"), "force [N]",
+            {"force_n": "computed"}, {"closed_form_force_n": "shear law, uniform shear"},
+        ),
+        Chart(
+            "normalised_force", "Normalised shear force",
+            "Force along a side of the frame, times the side over the area of the fabric.",
+            ("frame_angle_deg", "angle of the frame [degrees]"), "normalised shear force [N/m]",
+            {"normalised_shear_force_n_per_m": "computed"},
+            {"closed_form_shear_force_n_per_m": "shear law, uniform shear"},
+        ),
+        Chart(
+            "force_displacement", "Force and displacement of the machine", "As the machine records them.",
+            ("displacement_mm", "displacement [mm]"), "force [N]",
             {"force_n": "computed"}, {"closed_form_force_n": "shear law, uniform shear"},
         ),
         Chart(
@@ -248,7 +300,7 @@ def record(parameters: PictureFrameParameters, fabric: Fabric) -> Curves:
             ("frame_angle_deg", "angle of the frame [degrees]"), "tension [N/m]",
             {"warp_tension_n_per_m": "warp", "weft_tension_n_per_m": "weft"}, {},
         ),
-    ])  # fmt: skip
+    ], parameters.measured_curves())  # fmt: skip
 
 
 def findings(curves: Curves) -> dict[str, Any]:
@@ -266,6 +318,7 @@ def findings(curves: Curves) -> dict[str, Any]:
         "closed_form_peak_force_n": c["closed_form_force_n"][peak],
         "largest_force_error_ratio": force_error,
         "work_of_a_cycle_j": 0.5 * float((c["force_n"][1:] + c["force_n"][:-1]) @ travel),
+        **measured_differences(curves),
     }
 
 

@@ -50,6 +50,14 @@ def _warp():
     initialise()
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _own_fabrics(tmp_path_factory):
+    """A folder without fabrics in the place of that of whoever runs the tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("WEAVESIM_FABRICS", str(tmp_path_factory.mktemp("fabrics")))
+        yield
+
+
 @pytest.fixture(params=["cpu", pytest.param("cuda:0", marks=pytest.mark.gpu)])
 def device(request) -> str:
     """Every device a test should pass on."""

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         glass_polypropylene_consensus,
         glass_polypropylene_hkust,
     )
+    from .fabric.provenance import Origin
     from .fabric.response import respond
     from .fabric.shear.friction import CrossoverFriction, ShearFriction
     from .fabric.shear.law import ShearLaw
@@ -105,6 +106,7 @@ _names_in = {
         "glass_polypropylene_consensus",
         "glass_polypropylene_hkust",
     ),
+    "fabric.provenance": ("Origin",),
     "fabric.response": ("respond",),
     "fabric.shear.friction": ("CrossoverFriction", "ShearFriction"),
     "fabric.shear.law": ("ShearLaw",),

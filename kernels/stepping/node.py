@@ -1,7 +1,6 @@
 """Nodes: gather the forces of the elements, contact with tools, time integration (docs/theory.md, 6 and 7)."""
 
 from functools import cache
-from typing import Any
 
 import warp as wp
 
@@ -24,11 +23,6 @@ from .node_forces import (
     gather_corners_function,
 )
 from .tool_contact import meet_tools_function
-
-
-@wp.func
-def book(works: Any, row: int, block: int, entry: Any):
-    works[row, block] = works[row, block] + entry
 
 
 @cache
@@ -58,6 +52,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         laws: NodeLaws,
         clock: wp.array(dtype=wp.float64),
         motion: wp.array2d(dtype=lanes),
+        works: wp.array2d(dtype=lanes),
     ):
         present = Present()
         present.block = block
@@ -66,8 +61,17 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         present.position = rows3(motion, MotionRow.position, block)
         present.remainder = rows3(motion, MotionRow.remainder, block)
         present.velocity = rows3(motion, MotionRow.velocity, block)
+        present.velocity_remainder = rows3(motion, MotionRow.velocity_remainder, block)
         present.director = rows3(motion, MotionRow.director, block)
+        present.spin = rows3(motion, MotionRow.spin, block)
+        present.mean_angle = motion[MotionRow.mean_angle, block]
         present.mass = nodes.mass[block]
+        present.inverse_mass = nodes.inverse_mass[block]
+        present.inverse_inertia = nodes.inverse_inertia[block]
+        present.freedom = nodes.freedom[block]
+        present.friction_work = works[NodeWorkRow.friction_work, block]
+        present.damping_loss = works[NodeWorkRow.damping_loss, block]
+        present.support_work = works[NodeWorkRow.support_work, block]
         present.half_thickness = lanes(laws.half_thickness)
         return present
 
@@ -85,9 +89,9 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         works: wp.array2d(dtype=lanes),  # rows: see NodeWorkRow
     ):
         block = first_block + wp.tid()
-        present = present_block(block, nodes, laws, around.clock, motion)
+        present = present_block(block, nodes, laws, around.clock, motion, works)
         force, couple, angle, thickness = gather_corners(block, nodes, corners)
-        lost = follow_angle(block, nodes, laws, angle, motion)
+        lost = follow_angle(present, nodes, laws, angle, motion)
         if wp.static(traits.follows_thickness):
             present = follow_thickness(present, nodes, thickness, touch)
         applied_force = lanes3()
@@ -103,22 +107,23 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
                 present, laws, around.tools, force, touch, works
             )
 
-        acceleration, free, velocity = translate(present, nodes, laws, force, applied_force, motion)
+        acceleration, free, velocity = translate(present, laws, force, applied_force, motion)
         travel = present.step * velocity
         if wp.static(traits.supported):
             travel, velocity = follow_supports(present, around.supports, travel, velocity)
         place(present, laws.tool_count, travel, velocity, motion, touch)
-        spin_sum, spin_loss = turn(present, nodes, laws, couple, motion)
+        spin_sum, spin_loss = turn(present, laws, couple, motion)
 
         middle = real(0.5) * (present.velocity + velocity)
         moving = wp.cw_mul(free, middle)
         worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, around.supports)
         damped = dashpot_power - dot(dashpots, middle) + laws.damping * present.mass * dot(moving, moving)
-        book(works, NodeWorkRow.support_work, block, worked)
-        book(works, NodeWorkRow.friction_work, block, present.mean_step * (friction_power - dot(friction, middle)))
-        book(works, NodeWorkRow.damping_loss, block, lost + present.mean_step * damped + spin_loss)
+        rubbed = present.mean_step * (friction_power - dot(friction, middle))
+        works[NodeWorkRow.friction_work, block] = present.friction_work + rubbed
+        works[NodeWorkRow.damping_loss, block] = present.damping_loss + (lost + present.mean_step * damped + spin_loss)
+        works[NodeWorkRow.support_work, block] = present.support_work + worked
         if wp.static(traits.loaded):
             power = dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_sum)
-            book(works, NodeWorkRow.load_work, block, present.mean_step * power)
+            works[NodeWorkRow.load_work, block] = works[NodeWorkRow.load_work, block] + present.mean_step * power
 
     return node_motion

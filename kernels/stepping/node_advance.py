@@ -6,10 +6,10 @@ from typing import Any
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, rows3, scale, store, store_rows3, where_positive
+from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, scale, store, store_rows3, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import MotionRow
-from .node_data import node_laws_struct, node_struct, present_struct, support_struct
+from .node_data import node_laws_struct, present_struct, support_struct
 
 
 @wp.func
@@ -35,33 +35,31 @@ def translate_function(real: type, lane_count: int, loaded: bool):
     """wp.func -> (acceleration, mask of free components, new velocity), without supports."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
-    Nodes, Present, NodeLaws = node_struct(real, lane_count), present_struct(real, lane_count), node_laws_struct(real)
+    Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
     def translate(
         present: Present,
-        nodes: Nodes,
         laws: NodeLaws,
         force: lanes3,
         applied_force: lanes3,
         motion: wp.array2d(dtype=lanes),
     ):
         block = present.block
-        inverse_mass = nodes.inverse_mass[block]
-        pushed = scale(inverse_mass, force)
+        pushed = scale(present.inverse_mass, force)
         steady = lanes3()
         for c in range(3):
             steady[c] = lanes(laws.gravity[c])
         if wp.static(loaded):
-            steady = steady + scale(inverse_mass, applied_force)
-        free = freedom_mask(nodes.freedom[block], 0, lanes3())
+            steady = steady + scale(present.inverse_mass, applied_force)
+        free = freedom_mask(present.freedom, 0, lanes3())
         decay = real(0.5) * laws.damping * present.mean_step
         share = real(1.0) / (real(1.0) + decay)
         # compensated, as the positions: an increment is often less than the spacing of numbers beside the velocity.
         # Weight, loads and damping in turn are often less than that beside the forces of a vibrating sheet
         small = (share * present.mean_step) * steady - (real(2.0) * decay * share) * present.velocity
         large = wp.cw_mul(free, (share * present.mean_step) * pushed)
-        whole, cut = exact_sum(wp.cw_mul(free, small) + rows3(motion, MotionRow.velocity_remainder, block), large)
+        whole, cut = exact_sum(wp.cw_mul(free, small) + present.velocity_remainder, large)
         velocity = present.velocity + whole
         store_rows3(motion, MotionRow.velocity_remainder, block, (whole - (velocity - present.velocity)) + cut)
         return pushed + steady, free, velocity
@@ -147,16 +145,16 @@ def turn_function(real: type, lane_count: int):
     """wp.func -> (sum of old and new spin, energy lost in the damping of spins [J])."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
-    Nodes, Present, NodeLaws = node_struct(real, lane_count), present_struct(real, lane_count), node_laws_struct(real)
+    Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
-    def turn(present: Present, nodes: Nodes, laws: NodeLaws, couple: lanes3, motion: wp.array2d(dtype=lanes)):
+    def turn(present: Present, laws: NodeLaws, couple: lanes3, motion: wp.array2d(dtype=lanes)):
         """I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps the director's length."""
         block = present.block
         director = present.director
-        spin = rows3(motion, MotionRow.spin, block)
-        free = freedom_mask(nodes.freedom[block], 3, lanes3())
-        inverse_inertia = nodes.inverse_inertia[block]
+        spin = present.spin
+        free = freedom_mask(present.freedom, 3, lanes3())
+        inverse_inertia = present.inverse_inertia
         turning = wp.cw_mul(free, scale(inverse_inertia, cross(director, couple)))
         decay = real(0.5) * laws.director_damping * present.mean_step
         # increments, not factors near one, which would be lost beside that

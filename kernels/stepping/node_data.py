@@ -100,7 +100,11 @@ def node_laws_struct(real: type):
 
 @cache
 def present_struct(real: type, lane_count: int):
-    """One block of nodes at the beginning of a step."""
+    """One block of nodes at the beginning of a step.
+
+    All of it is read before anything is written: a GPU waits for every read that follows a write, since for all that
+    the compiler knows the arrays may overlap.
+    """
     types = lane_types(real, lane_count)
 
     @wp.struct
@@ -111,8 +115,17 @@ def present_struct(real: type, lane_count: int):
         position: types.lanes3  # [m]
         remainder: types.lanes3  # of the position [m]
         velocity: types.lanes3  # half a step ago [m/s]
+        velocity_remainder: types.lanes3  # [m/s]
         director: types.lanes3
+        spin: types.lanes3  # half a step ago [1/s]
+        mean_angle: types.lanes  # mean shear angle of the elements around, which they used in this step [rad]
         mass: types.lanes  # [kg]
+        inverse_mass: types.lanes
+        inverse_inertia: types.lanes  # [1/(kg m^2)]
+        freedom: types.indices  # bits as in Nodes
+        friction_work: types.lanes  # works so far: see NodeWorkRow
+        damping_loss: types.lanes
+        support_work: types.lanes
         half_thickness: types.lanes  # of the sheet, for contact with tools [m]
         growth: types.lanes  # of the half thickness in this step [m]
         thickened: real  # largest growth of the half thickness in the last step, not below zero [m]

@@ -1,27 +1,17 @@
 """Forces of the elements and the prescribed loads on one block of nodes."""
 
 from functools import cache
-from typing import Any
 
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import cross, gather, lane_maximum, lane_types, load, pick, where_positive
+from ..lanes import GPU_LANE_COUNT, cross, gather, lane_maximum, lane_types, load, pick, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, ThicknessRow
 from .node_data import node_laws_struct, node_struct, present_struct
 
-
-@wp.func
-def add_vector(corners: Any, offset: Any, stride: int, row: int, total: Any):
-    """Add the three components of one adjacent corner to ``total``."""
-    return total + gather(corners, offset, row * stride, stride)
-
-
-@wp.func
-def add_scalar(corners: Any, offset: Any, first_row: int, total: Any):
-    """Add the scalar of one adjacent element to ``total``; ``first_row`` is the flat start of its row."""
-    return total + pick(corners, offset, first_row)
+# Elements around a node of a regular mesh; the table of corners has at least as many slots.
+USUAL_CORNER_COUNT = 4
 
 
 @wp.func
@@ -42,19 +32,39 @@ def gather_corners_function(real: type, lane_count: int, follows_thickness: bool
     lanes, lanes3 = types.lanes, types.lanes3
     Nodes = node_struct(real, lane_count)
 
+    # with one lane these corners are written out, so that a GPU reads all of them at once
+    written_out = USUAL_CORNER_COUNT if lane_count == GPU_LANE_COUNT else 0
+
+    @wp.func
+    def add_corner(
+        nodes: Nodes,
+        slot: wp.int32,
+        block: wp.int32,
+        corners: wp.array(dtype=real),
+        force: lanes3,
+        couple: lanes3,
+        angle: lanes,
+        thickness: lanes,
+    ):
+        offset = nodes.corner_offset[slot, block]
+        stride = nodes.corner_stride
+        force = force + gather(corners, offset, CornerRow.force * stride, stride)
+        couple = couple + gather(corners, offset, CornerRow.couple * stride, stride)
+        angle = angle + pick(corners, offset, CornerRow.angle * stride)
+        if wp.static(follows_thickness):
+            thickness = thickness + pick(corners, offset, CornerRow.thickness * stride)
+        return force, couple, angle, thickness
+
     @wp.func
     def gather_corners(block: wp.int32, nodes: Nodes, corners: wp.array(dtype=real)):
         force = lanes3()
         couple = lanes3()
         angle = lanes()
         thickness = lanes()
-        for slot in range(nodes.corner_offset.shape[0]):
-            offset = nodes.corner_offset[slot, block]
-            force = add_vector(corners, offset, nodes.corner_stride, CornerRow.force, force)
-            couple = add_vector(corners, offset, nodes.corner_stride, CornerRow.couple, couple)
-            angle = add_scalar(corners, offset, CornerRow.angle * nodes.corner_stride, angle)
-            if wp.static(follows_thickness):
-                thickness = add_scalar(corners, offset, CornerRow.thickness * nodes.corner_stride, thickness)
+        for slot in range(wp.static(written_out)):
+            force, couple, angle, thickness = add_corner(nodes, slot, block, corners, force, couple, angle, thickness)
+        for slot in range(wp.static(written_out), nodes.corner_offset.shape[0]):
+            force, couple, angle, thickness = add_corner(nodes, slot, block, corners, force, couple, angle, thickness)
         return force, couple, angle, thickness
 
     return gather_corners
@@ -64,14 +74,15 @@ def gather_corners_function(real: type, lane_count: int, follows_thickness: bool
 def follow_angle_function(real: type, lane_count: int):
     """wp.func -> energy that the new mean shear angle removes from the motion [J]; the angle is written."""
     lanes = lane_types(real, lane_count).lanes
-    Nodes, NodeLaws = node_struct(real, lane_count), node_laws_struct(real)
+    Nodes, NodeLaws, Present = node_struct(real, lane_count), node_laws_struct(real), present_struct(real, lane_count)
 
     @wp.func
-    def follow_angle(block: wp.int32, nodes: Nodes, laws: NodeLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
+    def follow_angle(present: Present, nodes: Nodes, laws: NodeLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
+        block = present.block
         # the elements used the mean from one step before: that resists its change, which is booked as damping
-        mean_angle = nodes.angle_weight[block] * angle
-        late = mean_angle - motion[MotionRow.mean_angle, block]
         weight = nodes.angle_weight[block]
+        mean_angle = weight * angle
+        late = mean_angle - present.mean_angle
         motion[MotionRow.mean_angle, block] = mean_angle
         return where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
 

@@ -12,22 +12,27 @@ STEP_MARGIN = wp.constant(0.98)
 # A step grows by STEP_GROWTH per refresh once the limit exceeds it by STEP_SLACK.
 STEP_GROWTH = wp.constant(1.02)
 STEP_SLACK = wp.constant(1.05)
+# Neighbouring entries of which one tile of ``partial_maximum_kernel`` takes the largest.
+MAXIMUM_GROUP = wp.constant(1024)
 
 
 @cache
 def partial_maximum_kernel(real: type):
-    """Largest entry of each group; a NaN becomes infinity, so that the step shrinks to zero and the run stops."""
-    lanes = lane_types(real, 1).lanes
+    """Largest of ``MAXIMUM_GROUP`` neighbouring entries, which are not negative; launched in tiles, one per group.
+
+    A NaN becomes infinity, so that the step shrinks to zero and the run stops.
+    """
+
+    @wp.func
+    def not_lost(value: real):
+        return wp.where(value == value, value, real(wp.inf))
 
     @wp.kernel(module="unique", enable_backward=False)
-    def partial_maximum(group_size: wp.int32, values: wp.array(dtype=lanes), maxima: wp.array(dtype=real)):
+    def partial_maximum(values: wp.array(dtype=real), maxima: wp.array(dtype=real)):
         group = wp.tid()
-        largest = real(0.0)
-        for i in range(group * group_size, wp.min((group + 1) * group_size, values.shape[0])):
-            value = values[i][0]
-            # written so that a NaN becomes infinity and persists
-            largest = wp.where(value <= largest, largest, wp.where(value == value, value, real(wp.inf)))
-        maxima[group] = largest
+        # entries beyond the last read as zero
+        part = wp.tile_load(values, shape=MAXIMUM_GROUP, offset=group * MAXIMUM_GROUP)
+        maxima[group] = wp.tile_extract(wp.tile_max(wp.tile_map(not_lost, part)), 0)
 
     return partial_maximum
 

@@ -9,6 +9,8 @@ from ..rows import ClockEntry, ToolWatchRow, ToolWorkRow
 
 STROKE = wp.constant(0)
 FORCE = wp.constant(1)
+# Neighbouring entries that one tile of ``partial_sum_kernel`` sums.
+SUM_GROUP = wp.constant(1024)
 
 
 @wp.struct
@@ -55,16 +57,23 @@ def curve_value(
 
 @cache
 def partial_sum_kernel(real: type):
-    """Sum ``group_size`` neighbouring reactions, so that the final sum stays short with many nodes."""
+    """Sum ``SUM_GROUP`` neighbouring reactions in double precision, so that the final sum stays short with many nodes.
+
+    Launched in tiles, (tool, group): on a GPU the threads of a block share a group, in an order that does not change.
+    """
     vec3 = wp.types.vector(3, real)
 
+    @wp.func
+    def in_double(value: vec3):
+        return wp.vec3d(wp.float64(value[0]), wp.float64(value[1]), wp.float64(value[2]))
+
     @wp.kernel(module="unique", enable_backward=False)
-    def partial_sums(group_size: wp.int32, values: wp.array2d(dtype=vec3), sums: wp.array2d(dtype=vec3)):
+    def partial_sums(values: wp.array2d(dtype=vec3), sums: wp.array2d(dtype=wp.vec3d)):
         tool, group = wp.tid()
-        total = vec3()
-        for i in range(group * group_size, wp.min((group + 1) * group_size, values.shape[1])):
-            total += values[tool, i]
-        sums[tool, group] = total
+        # entries beyond the last read as zero
+        part = wp.tile_load(values, shape=(1, SUM_GROUP), offset=(tool, group * SUM_GROUP))
+        total = wp.tile_sum(wp.tile_map(in_double, part))
+        sums[tool, group] = wp.tile_extract(total, 0)
 
     return partial_sums
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from typing import get_origin
 
 from pydantic.fields import FieldInfo
 
@@ -31,7 +32,9 @@ def tables() -> str:
     for field in Fabric.model_fields:
         kinds = built_in_kinds(Fabric, field)
         if kinds:
-            lines += ["", f"### `[{field}]`", "", *_family(Fabric, field, kinds)]
+            is_list = get_origin(Fabric.model_fields[field].annotation) is tuple
+            heading = f"[[{field}]]" if is_list else f"[{field}]"
+            lines += ["", f"### `{heading}`", "", *_family(Fabric, field, kinds)]
     lines += ["", "### Quantities: units, allowed and usual ranges", "", *quantity_table()]
     lines += ["", "### Presets", "", "For `based_on` and `--fabric`: " + _listed(PRESETS) + ".", ""]
     lines += ["Unit cells with values, for `weavesim.fabric.UNIT_CELLS`: " + _listed(UNIT_CELLS) + "."]
@@ -40,7 +43,9 @@ def tables() -> str:
 
 def _family(owner: type[Parameters], field: str, kinds: dict[str, type[Parameters]]) -> Iterator[str]:
     implied = implied_kind(owner, field)
-    yield f"Kinds: {_listed(kinds)}." + (f" Without a `kind` it is a `{implied}`." if implied in kinds else "")
+    article = "an" if str(implied)[:1] in "AEIOU" else "a"
+    hint = f" Without a `kind` it is {article} `{implied}`." if implied in kinds else ""
+    yield f"Kinds: {_listed(kinds)}.{hint}"
     shown: dict[str, type[Parameters]] = {}
     for name, kind in kinds.items():
         yield from ("", f"**`{name}`**: {_summary(kind)}")

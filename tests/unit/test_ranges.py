@@ -36,12 +36,13 @@ from weavesim.ranges import QUANTITIES, SLIPS, Quantity, argument, illegal, quan
 from weavesim.sheet.blank import Blank
 from weavesim.tools import Sphere
 
-# Numbers that have no unit and whose limits are their field's own: counts, indices, shares, ratios, colours, matrices.
+# Numbers that have no unit and whose limits are their field's own: counts, indices, shares, ratios, colours, matrices;
+# ranges of any number.
 WITHOUT_QUANTITY = {
     "Compaction.thickening", "CrossedYarns.warp_crimp_share", "Drive.direction", "FloatWeave.repeat",
-    "IsotropicBending.poisson_ratio", "NodalLoads.shares", "Setup.frame_count", "Setup.leading_tool",
-    "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis", "Tool.colour",
-    "TriangleMesh.side", "RunOptions.threads", "RunOptions.frame_count", "HemisphereParameters.seed",
+    "IsotropicBending.poisson_ratio", "NodalLoads.shares", "Origin.range", "Origin.scatter", "Setup.frame_count",
+    "Setup.leading_tool", "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
+    "Tool.colour", "TriangleMesh.side", "RunOptions.threads", "RunOptions.frame_count", "HemisphereParameters.seed",
 }  # fmt: skip
 
 

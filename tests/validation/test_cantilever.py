@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
+from tests.support.tables import columns
 from weavesim.errors import InputError
 from weavesim.fabric.bending import BendingCurve, YarnBending
-from weavesim.fabric.closed_forms import elastica_stiffness, heavy_elastica
+from weavesim.fabric.closed_forms import elastica_profile, elastica_stiffness, heavy_elastica
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.scenes import cantilever
 from weavesim.scenes.cantilever import CantileverParameters
@@ -26,6 +27,9 @@ def test_cantilever_gives_the_bending_stiffness_back(tmp_path, yarn):
     weight = 0.743 * 9.81 * 1e-3 * summary["overhang_mm"] * 0.02
     assert summary["support_force_n"]["clamp"][2] == pytest.approx(weight, rel=1e-3)
     assert summary["outcome"] == "finished" and (tmp_path / "pictures" / "chord_angle.png").exists()
+    shape = columns(tmp_path / "profile.csv")
+    drop, known = shape["drop_mm"], shape["elastica_drop_mm"]
+    assert np.nanmax(np.abs(drop - known)) < 0.01 * drop.max() and np.isfinite(known).sum() > 10
 
 
 def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_friction():
@@ -47,6 +51,21 @@ def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_fri
         for name in ("peirce_over_input", "elastica_over_input"):
             assert (found[name] is not None) == comparable
         assert found["elastica_bending_stiffness_nm"] > 0.0
+
+
+def test_a_measured_profile_is_compared_with_the_strip(tmp_path):
+    """Of a strip whose stiffness is the input's: the elastica's own points, in centimetres."""
+    weight = 0.743 * 9.81
+    x, drop = elastica_profile(0.12, 20.0e6 * 1.2e-3**3 / 12.0, weight, np.linspace(0.0, 0.12, 9))
+    rows = "".join(f"{100 * a:.5f},{100 * b:.5f}\n" for a, b in zip(x, drop, strict=True))
+    (tmp_path / "strip.csv").write_text("x [cm],drop [cm]\n" + rows)
+    parameters = CantileverParameters(
+        out=tmp_path / "out", mesh_size=0.012, width=0.024, length=0.12, threads=1, measured=tmp_path / "strip.csv",
+        write="summary",
+    )  # fmt: skip
+    summary = cantilever.SCENE.run(parameters)
+    (share,) = summary["measured_largest_difference_ratio"].values()
+    assert share < 0.01
 
 
 @pytest.mark.parametrize("load", [1.0, 8.0, 50.0])

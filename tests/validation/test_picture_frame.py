@@ -106,6 +106,49 @@ def test_picture_frame_with_arms_pulls_for_all_its_fabric():
     assert found["peak_force_n"] == pytest.approx(found["closed_form_peak_force_n"], rel=0.04)
 
 
+def test_a_fabric_smaller_than_its_frame_behind_a_mechanism_gives_the_same_law():
+    """The frame of HKUST's size with a mechanism: machine force and way change, the normalised force does not."""
+    fabric = glass_polypropylene()
+    given = {"side": 0.14, "mesh_size": 0.035, "speed": 0.5, "frame_count": 20, "threads": 1}
+    found = {}
+    for name, frame in (("own", {}), ("larger", {"frame_side": 0.18}), ("geared", {"frame_side": 0.18,
+                                                                                   "load_factor": 4.25})):  # fmt: skip
+        parameters = PictureFrameParameters(**given, **frame)
+        curves = picture_frame.record(parameters, fabric)
+        Simulation(picture_frame.picture_frame(parameters, fabric)).run([curves])
+        found[name] = curves.columns
+        assert found[name]["frame_angle_deg"][-1] == pytest.approx(40.0, abs=0.1)
+        assert found[name]["mean_shear_angle_deg"][-1] == pytest.approx(40.0, abs=0.1)
+        # written out: F = A m / (L sin(theta)), and F_s L / A = m / cos(gamma)
+        moment, theta = float(fabric.shear.moment(np.radians(40.0), fabric.thickness)), np.radians(25.0)
+        side, factor = frame.get("frame_side", 0.14), frame.get("load_factor", 1.0)
+        expected = factor * 0.14**2 * moment / (side * np.sin(theta))
+        assert found[name]["force_n"][-1] == pytest.approx(expected, rel=0.02)
+        normalised = found[name]["normalised_shear_force_n_per_m"][-1]
+        assert normalised == pytest.approx(moment / np.cos(np.radians(40.0)), rel=0.02)
+        way = 1e3 * side * (2.0 * np.cos(theta) - np.sqrt(2.0)) / factor
+        assert found[name]["displacement_mm"][-1] == pytest.approx(way, rel=1e-3)
+
+
+def test_a_measured_curve_stands_beside_the_computed_one(tmp_path):
+    """Another laboratory's table of the same law, with an error of 10 %: the difference is 10 %."""
+    fabric = glass_polypropylene()
+    angle = np.linspace(2.0, 38.0, 19)
+    force = fabric.shear.moment(np.radians(angle), fabric.thickness) / np.cos(np.radians(angle))
+    rows = "".join(f"{a:g};{1e-3 * f / 1.1:.6g}\n" for a, f in zip(angle, force, strict=True)).replace(".", ",")
+    (tmp_path / "frame.csv").write_text("Angle [°];Normalised force [N/mm]\n" + rows, encoding="utf-8")
+    parameters = PictureFrameParameters(
+        out=tmp_path / "out", mesh_size=0.05, speed=0.25, frame_count=40, threads=1, measured=tmp_path / "frame.csv",
+        write="summary,pictures",
+    )  # fmt: skip
+    summary = picture_frame.SCENE.run(parameters)
+    (label,) = summary["measured_rms_difference_ratio"]
+    assert summary["measured_largest_difference_ratio"][label] == pytest.approx(0.1, abs=0.02)
+    assert 0.02 < summary["measured_rms_difference_ratio"][label] < 0.1
+    assert summary["measured_compared_share"][label] == 1.0
+    assert (tmp_path / "out" / "pictures" / "normalised_force.png").exists()
+
+
 def test_misaligned_yarns_are_stretched_as_the_frame_says():
     """Yarns at 2 degrees to the sides: force and tension from the even deformation of a linear membrane."""
     stiffness, misalignment = 2.0e4, np.radians(2.0)
@@ -142,6 +185,8 @@ def test_misaligned_yarns_are_stretched_as_the_frame_says():
         (lambda: picture_frame.picture_frame(PictureFrameParameters(fabric="cotton")), "cotton.*choose one of"),
         (lambda: picture_frame.picture_frame(PictureFrameParameters(yarn_tension=9e5)), "a stretch of 5 % gives only"),
         (lambda: PictureFrameParameters(largest_angle=85.0), "largest_angle"),
+        (lambda: PictureFrameParameters(frame_side=0.1), "clamped square of 0.2 m, .*must fit in"),
+        (lambda: PictureFrameParameters(load_factor=0.0), "load_factor"),
     ],
 )
 def test_nonsense_is_refused(make, message):

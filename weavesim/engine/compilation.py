@@ -141,9 +141,12 @@ class KernelSet:
             ),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
-            tool_motion_kernel(real),
+            *(
+                [tool_motion_kernel(real)]
+                if is_cpu or not self.tools
+                else [tool_motion_kernel(wp.float64), *map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))]
+            ),
             *([support_motion_kernel(real)] if self.driven else []),
-            partial_sum_kernel(real),
             partial_maximum_kernel(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,17 +15,24 @@ from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import support_struct, surroundings_struct
-from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.step import (
+    MAXIMUM_GROUP,
+    check_clock,
+    fold_works_kernel,
+    partial_maximum_kernel,
+    set_step_kernel,
+)
 from ..kernels.stepping.supports import support_motion_kernel
-from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
+from ..kernels.stepping.tools import SUM_GROUP, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
 from .model import Model
 from .sheet_model import SheetModel
 from .state import SheetState, State
 
-# Reductions over more entries than this take two launches.
-LARGEST_SINGLE_SUM = 4096
-GROUP_SIZE = 256
+# A single thread reduces up to this number of entries; more of them are reduced in tiles first.
+LARGEST_SINGLE_REDUCTION = 8
+# Threads of a GPU that share a tile.
+TILE_THREAD_COUNT = 256
 
 
 @dataclass(frozen=True)
@@ -48,6 +56,11 @@ class SheetKernels:
             extremes=element_extremes_kernel(real, lane_count, sheet.sheet_traits.flat),
             frequency_lane_count=frequency_lanes,
         )
+
+
+def _partial_sums_of(values: wp.array) -> wp.Kernel:
+    """The kernel that sums vectors of these."""
+    return partial_sum_kernel(values.dtype._wp_scalar_type_)
 
 
 @dataclass(frozen=True)
@@ -80,21 +93,40 @@ class Launches:
         self._kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
         self._arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
         self._node_laws = [sheet.node_laws() for sheet in model.sheets]
-        self._tool_motion = tool_motion_kernel(real)
-        self._partial_sums = partial_sum_kernel(real)
+        self._sums = self._reaction_sums()
+        # sums are in double precision
+        self._tool_motion = tool_motion_kernel(wp.float64 if len(self._sums) > 1 else real)
         self._support_motion = support_motion_kernel(real)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._fold_works = fold_works_kernel(real, model.lane_count)
-        self._sums = state.reaction
-        if state.reaction.shape[1] > LARGEST_SINGLE_SUM:
-            group_count = -(-state.reaction.shape[1] // GROUP_SIZE)
-            self._sums = wp.zeros((state.reaction.shape[0], group_count), dtype=model.types.vec3, device=device)
         self.squared_frequency = [wp.zeros(sheet.element_count, dtype=real, device=device) for sheet in model.sheets]
-        group_counts = [-(-sheet.element_count // GROUP_SIZE) for sheet in model.sheets]
-        self.maxima = wp.zeros(sum(group_counts), dtype=real, device=device)
+        group_counts = [-(-sheet.element_count // MAXIMUM_GROUP) for sheet in model.sheets]
+        of_sheets = wp.zeros(sum(group_counts), dtype=real, device=device)
         starts = [sum(group_counts[:k]) for k in range(len(group_counts))]
-        self._own_maxima = [self.maxima[a : a + n] for a, n in zip(starts, group_counts, strict=True)]
+        self._own_maxima = [of_sheets[a : a + n] for a, n in zip(starts, group_counts, strict=True)]
+        self._maxima = [of_sheets]
+        while len(self._maxima[-1]) > LARGEST_SINGLE_REDUCTION:
+            group_count = -(-len(self._maxima[-1]) // MAXIMUM_GROUP)
+            self._maxima.append(wp.zeros(group_count, dtype=real, device=device))
+
+    def _reaction_sums(self) -> list[wp.array]:
+        """The reactions, and sums of sums of them until few are left; on a CPU one thread takes them all."""
+        arrays = [self.state.reaction]
+        while (
+            self.model.device.is_cuda
+            and self.model.tools.count
+            and (len(arrays) == 1 or arrays[-1].shape[1] > LARGEST_SINGLE_REDUCTION)
+        ):
+            tool_count, entry_count = arrays[-1].shape
+            shape = (tool_count, -(-entry_count // SUM_GROUP))
+            arrays.append(wp.zeros(shape, dtype=wp.vec3d, device=self.model.device))
+        return arrays
+
+    @property
+    def maxima(self) -> wp.array:
+        """A few numbers, the largest of which is the highest squared frequency at the last refresh [1/s^2]."""
+        return self._maxima[-1]
 
     def _surroundings(self, sheet: SheetModel, own: SheetState) -> Any:
         """What acts on the nodes of a sheet; structs within a struct are copies, and filled before."""
@@ -174,18 +206,19 @@ class Launches:
     def move_tools(self) -> None:
         """Sum the reactions, move every tool, and advance the clock."""
         tools, state, device = self.model.tools, self.state, self.model.device
-        if self._sums is not state.reaction:
-            wp.launch(
-                self._partial_sums,
-                dim=self._sums.shape,
-                inputs=[GROUP_SIZE, state.reaction],
-                outputs=[self._sums],
+        for values, sums in itertools.pairwise(self._sums):
+            wp.launch_tiled(
+                _partial_sums_of(values),
+                dim=sums.shape,
+                block_dim=TILE_THREAD_COUNT,
+                inputs=[values],
+                outputs=[sums],
                 device=device,
             )
         wp.launch(
             self._tool_motion,
             dim=1,
-            inputs=[tools.drives, self._sums],
+            inputs=[tools.drives, self._sums[-1]],
             outputs=[
                 state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_work,
                 state.tool_watch,
@@ -237,11 +270,13 @@ class Launches:
 
     def set_step(self, safety: float, largest_step: float) -> None:
         """The next step, from the highest frequency of all sheets."""
-        for values, maxima in zip(self.squared_frequency, self._own_maxima, strict=True):
-            wp.launch(
+        of_sheets = zip(self.squared_frequency, self._own_maxima, strict=True)
+        for values, maxima in [*of_sheets, *itertools.pairwise(self._maxima)]:
+            wp.launch_tiled(
                 self._partial_maximum,
-                dim=maxima.shape[0],
-                inputs=[GROUP_SIZE, lanes_view(values, 1)],
+                dim=[len(maxima)],
+                block_dim=TILE_THREAD_COUNT,
+                inputs=[values],
                 outputs=[maxima],
                 device=self.model.device,
             )
@@ -270,7 +305,8 @@ class Launches:
             for kernels in self._kernels
             for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes)
         ]
-        common = [self._tool_motion, self._partial_sums, self._partial_maximum, self._set_step, self._fold_works]
+        common = [self._tool_motion, self._partial_maximum, self._set_step, self._fold_works]
+        common += [_partial_sums_of(values) for values in self._sums[:-1]]
         if self.model.drives.count:
             common.append(self._support_motion)
         return list(dict.fromkeys([*own, *common]))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import warp as wp
 
@@ -22,6 +23,7 @@ class Replay:
     def __init__(self, device: wp.Device, largest_thread_count: int) -> None:
         self._device = device
         self._largest_thread_count = largest_thread_count
+        self._side = wp.Stream(device) if device.is_cuda else None
         self._counter = wp.zeros(1, dtype=wp.int32, device=device)
         # how each thread treats subnormal numbers outside a replay
         self._modes = wp.zeros(largest_thread_count, dtype=wp.int32, device=device)
@@ -36,6 +38,21 @@ class Replay:
         """Launch a barrier for ``thread_count`` threads."""
         if thread_count > 1:
             wp.launch(barrier, dim=1, inputs=[self._counter, thread_count], device=self._device)
+
+    @contextmanager
+    def beside(self) -> Iterator[None]:
+        """Launches in this context run beside those after it, up to the next ``join``: on a GPU, else before them."""
+        if self._side is None:
+            yield
+            return
+        self._side.wait_stream(self._device.stream)
+        with wp.ScopedStream(self._side, sync_enter=False):
+            yield
+
+    def join(self) -> None:
+        """Let the next launches wait for those of ``beside``."""
+        if self._side is not None:
+            self._device.stream.wait_stream(self._side)
 
     @exclusive()
     def record(self, launch: Callable[[], None], thread: int = 0) -> wp.Graph:

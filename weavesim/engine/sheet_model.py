@@ -17,6 +17,7 @@ from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
 from ..kernels.shell.laws import sheet_struct
 from ..kernels.stepping.node_data import node_laws_struct, node_struct
+from ..kernels.stepping.node_forces import USUAL_CORNER_COUNT
 from ..process.device import build_support_arrays
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
@@ -256,7 +257,7 @@ class SheetModel:
         slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
         # entries of a padding element are always zero: nodes with fewer neighbours read them
         spare = self.corners.entry(0, self.blank.element_count)
-        table = np.full((slot.max() + 1, self.node_count), spare, dtype=np.int32)
+        table = np.full((max(slot.max() + 1, USUAL_CORNER_COUNT), self.node_count), spare, dtype=np.int32)
         table[slot, node[order]] = self.corners.entry(ROWS_PER_CORNER * corner, element)[order]
         nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
         nodes.corner_stride = self.corners.stride

@@ -54,6 +54,8 @@ class Stepper:
 
     Attributes:
         loading_time: time to load the kernels, including compilation of those that were not cached [s].
+        whole_launches: whether every kernel runs on a whole sheet at once, side by side where it can, as on a GPU; else
+            in tiles.
         launches_intervals: whether all blocks up to an output are a single launch, as is possible on a GPU.
     """
 
@@ -72,6 +74,7 @@ class Stepper:
         self._launches = Launches(model, state)
         self._replay = Replay(model.device, self._choice.counts[-1])
         self._interval_end = IntervalEnd(model.device, state.clock, LARGEST_INTERVAL)
+        self.whole_launches = model.device.is_cuda
         self.launches_intervals = model.device.is_cuda and wp.is_conditional_graph_supported()
         self.loading_time = 0.0
         self._damping: float | None = None
@@ -157,27 +160,45 @@ class Stepper:
             self._step(parts, thread)
         self._refresh(len(parts[0]), thread)
 
+    def _block_of_whole_launches(self) -> None:
+        """A block on a GPU: whatever does not depend on each other runs side by side."""
+        launches, beside, join = self._launches, self._replay.beside, self._replay.join
+        indices = range(len(self.model.sheets))
+        for step_index in range(REFRESH_INTERVAL):
+            for index in indices:
+                launches.element_forces(index)
+            join()
+            launches.move_supports()
+            for index in indices:
+                launches.move_nodes(index)
+            with beside():
+                launches.move_tools()
+            # The elements of the next step may run beside the tools: of the clock they need the last two steps, which
+            # the tools leave as they are except after the first step, where the mean step changes.
+            if step_index == 0:
+                join()
+        join()
+        for index, sheet in enumerate(self.model.sheets):
+            with beside():
+                launches.element_extremes(index, 0, sheet.element_count // sheet.lane_count)
+                launches.fold_works(index, 0, sheet.block_count)
+            launches.element_frequencies(index, 0, launches.frequency_block_count(index))
+        launches.set_step(self.step_safety, self.largest_step)
+        join()
+
     def _interval(self) -> None:
         """All blocks up to the target, done by a GPU without the host."""
-        parts = self._parts(1)
 
         def body() -> None:
-            self._block(parts, 0)
+            self._block_of_whole_launches()
             self._interval_end.check(1)
 
         self._interval_end.check(0)
         wp.capture_while(self._interval_end.running, body)
 
     def _parts(self, thread_count: int) -> list[list[Part]]:
-        # a GPU runs whole launches, not tiles
         return [
-            divide_step(
-                sheet.element_nodes,
-                sheet.lane_count,
-                thread_count,
-                TILE_SIZE if sheet.device.is_cpu else sheet.element_count,
-            )
-            for sheet in self.model.sheets
+            divide_step(sheet.element_nodes, sheet.lane_count, thread_count, TILE_SIZE) for sheet in self.model.sheets
         ]
 
     # --- recordings --------------------------------------------------------------------------------------------------
@@ -189,7 +210,9 @@ class Stepper:
         self._ahead_graph: wp.Graph | None = None
 
     def _recorded_blocks(self, thread_count: int) -> list[list[wp.Graph]]:
-        if thread_count not in self._block_graphs:
+        if thread_count not in self._block_graphs and self.whole_launches:
+            self._block_graphs[thread_count] = [[self._replay.record(self._block_of_whole_launches)]]
+        elif thread_count not in self._block_graphs:
             parts, record = self._parts(thread_count), self._replay.record
             tile_count = max(sum(len(of_sheet[k].tiles) for of_sheet in parts) for k in range(thread_count))
             if tile_count > LARGEST_RECORDED_TILE_COUNT:

@@ -23,6 +23,7 @@ from .presets import (
     glass_polypropylene_consensus,
     glass_polypropylene_hkust,
 )
+from .provenance import Origin
 from .shear import CrossoverFriction, LinearShear, MomentCurve, ShearFriction, ShearLaw
 
 __all__ = [
@@ -39,6 +40,7 @@ __all__ = [
     "LinearMembrane",
     "LinearShear",
     "MomentCurve",
+    "Origin",
     "PRESETS",
     "PlainWeave",
     "SatinWeave",

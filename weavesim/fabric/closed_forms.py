@@ -104,3 +104,30 @@ def elastica_stiffness(angle: float, length: float, weight: float) -> float:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if heavy_elastica(middle, 400)[1] < angle else (low, middle)
     return weight * length**3 / heavy_elastica(low)[0]
+
+
+def elastica_profile(length: float, stiffness: float, weight: float, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Horizontal distance from the clamp and drop below it [m] of the heavy elastica, (k,) each.
+
+    Args:
+        length: of the overhang [m].
+        stiffness: D per width [N m].
+        weight: per area [N/m^2].
+        arc: lengths along the strip from the clamp [m], (k,).
+    """
+    from scipy.integrate import solve_ivp
+
+    load = weight * length**3 / stiffness
+    low, high = 1.0e-9, 0.5 * math.pi - 1.0e-9
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if heavy_elastica(middle, 400)[0] < load else (low, middle)
+    scale, end = length / load ** (1.0 / 3.0), load ** (1.0 / 3.0)
+
+    def rate(s: float, y: np.ndarray) -> list[float]:
+        return [y[1], -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])]
+
+    path = solve_ivp(rate, (0.0, end), [low, 0.0, 0.0, 0.0], dense_output=True, rtol=1.0e-8, atol=1.0e-10).sol
+    from_tip = np.clip(end - np.asarray(arc) / scale, 0.0, end)
+    _, _, x, drop = path(end)[:, None] - path(from_tip)
+    return scale * x, scale * drop

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import Annotated, Self
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, SerializeAsAny, model_validator
@@ -16,6 +16,7 @@ from .bending import BendingLaw
 from .cell import UnitCell
 from .compaction import Compaction, check_compaction
 from .proportions import disproportionate_values
+from .provenance import Origin, check_provenance, origin_of, out_of_range, still_true
 from .shear import CrossoverFriction, LinearShear, ShearLaw
 
 # Stiffness of locking and of friction springs is at most this share of a yarn's stiffness per width: it affects the
@@ -73,7 +74,10 @@ class Fabric(Parameters):
     compaction: Compaction = Field(default=Compaction(), description="thickness and fibre content when deformed")
     source: str = Field(default="", description="where the values come from")
     assumed: tuple[str, ...] = Field(
-        default=(), description="names of the values without a source; a report labels them as assumed"
+        default=(), description="what has no source, in words; provenance says it of each number"
+    )
+    provenance: tuple[Origin, ...] = Field(
+        default=(), description="where each number comes from, how far it is trusted, and whether it is assumed"
     )
 
     @model_validator(mode="after")
@@ -109,8 +113,32 @@ class Fabric(Parameters):
             )
         return self
 
+    @model_validator(mode="after")
+    def _provenance_is_of_this_fabric(self) -> Self:
+        check_provenance(self)
+        return self
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with some values changed, checked like a new value; numbers that change lose their provenance."""
+        changes = dict(update or {})
+        if "provenance" in changes or not self.provenance:
+            return super().model_copy(update=changes)
+        copy = super().model_copy(update={**changes, "provenance": ()})
+        return Parameters.model_copy(copy, update={"provenance": still_true(self, copy)})
+
+    def to_toml(self) -> str:
+        """All values as a fabric file in TOML; ``load_fabric`` of such a file gives an equal fabric, bit for bit."""
+        import tomli_w
+
+        return tomli_w.dumps(_given(self.model_dump(mode="json")))
+
+    def origin_of(self, name: str) -> Origin | None:
+        """Where a number comes from, by its name in a fabric file, such as "shear.angle"; None if nobody said."""
+        return origin_of(self.provenance, name)
+
     def disproportions(self) -> Iterator[str]:
-        return disproportionate_values(self)
+        yield from disproportionate_values(self)
+        yield from out_of_range(self)
 
     @property
     def has_bending_friction(self) -> bool:
@@ -149,3 +177,10 @@ class Fabric(Parameters):
     def with_linear_shear(self, modulus: float) -> Fabric:
         """The same fabric with the paper's linear shear law."""
         return self.model_copy(update={"shear": LinearShear(modulus=modulus)})
+
+
+def _given(value: Any) -> Any:
+    """A dumped value without what is not given: TOML has no word for nothing."""
+    if isinstance(value, dict):
+        return {name: _given(item) for name, item in value.items() if item is not None}
+    return [_given(item) for item in value] if isinstance(value, list | tuple) else value

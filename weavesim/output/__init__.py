@@ -4,7 +4,7 @@ from .files import write_summary
 from .film import Film
 from .folder import ResultFolder
 from .history import History
-from .measured import load_measured_angles, load_measured_outline
+from .measured import load_measured_angles, load_measured_curves, load_measured_outline
 from .report.page import Report, write_report
 from .results import Results
 from .series import ParaViewSeries
@@ -21,6 +21,7 @@ __all__ = [
     "chosen_writers",
     "known_writers",
     "load_measured_angles",
+    "load_measured_curves",
     "load_measured_outline",
     "write_report",
     "write_summary",

@@ -16,7 +16,7 @@ from ..run.frame import Frame, Outcome, RunInfo, SheetInfo
 from .claim.lock import FolderLock
 from .claim.record import SETUP_NAME, RunRecord
 from .claim.remains import check_free, check_names, remove_results
-from .curves import Curves
+from .curves import Curves, LastCurve
 from .files import check_writable, noting, plain, write_text
 from .history import History
 from .results import Results, Wanted, run_summary, sheet_results
@@ -37,7 +37,8 @@ class ResultFolder:
 
     Args:
         path: the folder.
-        points, measured_angles, measured_outline, curves, draw_in: what the scene wants to show, see ``Wanted``.
+        points, measured_angles, measured_outline, curves, last_curve, draw_in: what the scene wants to show, see
+            ``Wanted``.
         writers: names of the writers to use; None uses all known ones.
         overwrite: remove the results of an earlier run from the folder; files that are no results stay.
         options: given by the user, by name, for the record of the run.
@@ -55,6 +56,7 @@ class ResultFolder:
         measured_angles: tuple[np.ndarray, np.ndarray] | None = None,
         measured_outline: np.ndarray | None = None,
         curves: Curves | None = None,
+        last_curve: LastCurve | None = None,
         draw_in: bool = True,
         writers: Sequence[str] | None = None,
         overwrite: bool = False,
@@ -65,7 +67,7 @@ class ResultFolder:
         self.path = Path(path).absolute()  # wherever the process goes meanwhile
         self.history = History()
         self.warnings = Failures()
-        self._wanted = Wanted(points, measured_angles, measured_outline, curves, draw_in)
+        self._wanted = Wanted(points, measured_angles, measured_outline, curves, last_curve, draw_in)
         self._kinds = chosen_writers(writers)
         self._overwrite, self._options = overwrite, dict(options or {})
         self._writers: list[Writer] = []
@@ -122,15 +124,16 @@ class ResultFolder:
         self._try("run.json", self._record.write)
         if (setup := info.setup) is not None:
             self._try(SETUP_NAME, lambda: write_text(self.path / SETUP_NAME, setup.to_json() + "\n"))
-        if self._wanted.curves:
-            self._wanted.curves.start(info)
+        for curves in self._wanted.all_curves:
+            curves.start(info)
         self._writers = [kind(self.path, self.warnings, self.history) for kind in self._kinds]
         self._inform(lambda writer: writer.start(info))
 
     def frame(self, frame: Frame) -> None:
         self.history.frame(frame)
-        if (curves := self._wanted.curves) and not curves.failed:
-            curves.failed = not self._try(f"{curves.name}.csv", lambda: curves.frame(frame), "computed")
+        for curves in self._wanted.all_curves:
+            if not curves.failed:
+                curves.failed = not self._try(f"{curves.name}.csv", partial(curves.frame, frame), "computed")
         self._inform(lambda writer: writer.frame(frame))
 
     def finish(self, outcome: Outcome) -> None:

@@ -14,7 +14,7 @@ from ..measures.angles import locate
 from ..measures.findings import SHEET_FINDINGS, FormedSheet, found
 from ..run.frame import Frame, Outcome, RunInfo, SheetFrame, SheetInfo
 from ..tools.tool import Tool
-from .curves import Curves
+from .curves import Curves, LastCurve
 from .files import file_endings
 from .history import History
 
@@ -28,6 +28,7 @@ class Wanted:
         measured_angles: measured point numbers and angles [degrees], drawn next to the computed ones.
         measured_outline: a measured outline in plan (k, 2) [m], drawn next to the computed one.
         curves: the scene's own numbers for every frame, written to a separate CSV and charts.
+        last_curve: a curve of the last frame, written in the same way.
         draw_in: whether draw-in of the border is meaningful.
 
     Raises:
@@ -38,6 +39,7 @@ class Wanted:
     measured_angles: tuple[np.ndarray, np.ndarray] | None = None
     measured_outline: np.ndarray | None = None
     curves: Curves | None = None
+    last_curve: LastCurve | None = None
     draw_in: bool = True
 
     def __post_init__(self) -> None:
@@ -48,6 +50,11 @@ class Wanted:
                     f"measured angles: point {max(self.measured_angles[0])} is given, but the run has {point_count} "
                     "points"
                 )
+
+    @property
+    def all_curves(self) -> tuple[Curves, ...]:
+        """Those that are recorded."""
+        return tuple(curves for curves in (self.curves, self.last_curve) if curves is not None)
 
     def check(self, sheets: Iterable[SheetInfo]) -> None:
         """Check before a run that its sheets contain the points.

@@ -78,6 +78,16 @@ class Table:
         with faults_of(self.path, self.what):
             return self._read(wanted)
 
+    def unit(self, column: str) -> Unit | None:
+        """The unit that the header gives to a column; None if it gives none.
+
+        Raises:
+            InputError: a column that is missing or occurs twice.
+        """
+        with faults_of(self.path, self.what):
+            header = find_header(self.lines, [column])
+        return header.units[header.places[0]]
+
     def _read(self, wanted: Sequence[Wanted]) -> Columns:
         header = find_header(self.lines, [item.column for item in wanted])
         scales, notes = [], [*self.notes, *header.notes]

@@ -11,7 +11,7 @@ from weavesim.device import load_kernel
 from weavesim.engine import stepper as stepper_module
 from weavesim.engine.stepper import REFRESH_INTERVAL
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.kernels.rows import MOTION_VECTORS, ClockEntry, MotionRow
+from weavesim.kernels.rows import MOTION_VECTORS, ClockEntry, MotionRow, ToolWatchRow
 from weavesim.kernels.stepping.machine import flush_subnormals, restore_subnormals
 from weavesim.kernels.stepping.step import check_clock
 from weavesim.process.strokes import Stroke
@@ -19,6 +19,8 @@ from weavesim.process.supports import Drive, Support
 from weavesim.run.diagnosis import find_failure
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
+from weavesim.tools.shapes import Sphere
+from weavesim.tools.tool import Tool
 
 LANES = 16
 
@@ -31,23 +33,30 @@ def free_sheet(monkeypatch, **given) -> Simulation:
     return one_sheet_run(name="free", blank=blank, fabric=glass_polypropylene(), **(settings | given))
 
 
+@pytest.mark.parametrize("whole_launches", [False, True])
 @pytest.mark.parametrize("driven", [False, True])
-def test_a_step_is_three_launches(monkeypatch, driven):
+def test_a_step_is_three_launches(monkeypatch, driven, whole_launches):
     """Elements, nodes, tools and clock; one more where supports are driven, five every ``REFRESH_INTERVAL`` steps."""
     drive = Drive(Stroke((0.0, 1.0), (0.0, 0.01)), (1.0, 0.0, 0.0))
     supports = (Support("edge", np.arange(11), drives=(drive,)),) if driven else ()
     simulation = free_sheet(monkeypatch, supports=supports)
     simulation.prepare()
     launched = []
-    monkeypatch.setattr(wp, "launch", lambda kernel, **given: launched.append(kernel.key))
+    for name in ("launch", "launch_tiled"):
+        monkeypatch.setattr(wp, name, lambda kernel, **given: launched.append(kernel.key))
     stepper = simulation.stepper
-    stepper._block(stepper._parts(1), 0)
+    if whole_launches:
+        stepper._block_of_whole_launches()
+    else:
+        stepper._block(stepper._parts(1), 0)
     assert len(launched) == (4 if driven else 3) * REFRESH_INTERVAL + 5
     assert len(set(launched)) == (9 if driven else 8)
 
 
-def test_stepping_does_not_wait_for_the_device(monkeypatch):
+@pytest.mark.parametrize("whole_launches", [False, True])
+def test_stepping_does_not_wait_for_the_device(monkeypatch, whole_launches):
     simulation = free_sheet(monkeypatch)
+    simulation.stepper.whole_launches = whole_launches
     simulation.stepper.advance(1)  # records
     replayed = []
     for name in ("launch", "copy", "synchronize", "synchronize_device", "synchronize_stream"):
@@ -87,6 +96,20 @@ def block_by_block(monkeypatch, device):
         simulation.stepper.advance(1)
     assert simulation.state.step > 2.5 * thrown_sheet(monkeypatch, device=device).state.step
     return 0.5 * (before + simulation.state.time), device, arrived(simulation)
+
+
+@pytest.mark.parametrize("tool_count", [0, 2])
+def test_whole_launches_give_the_same_bits(monkeypatch, tool_count):
+    """What a GPU runs side by side is here in one of the orders that it may take."""
+    tools = [Tool(f"ball {k}", Sphere(0.02, origin=(0.01 + 0.03 * k, 0.025, 0.0205))) for k in range(tool_count)]
+    found = []
+    for whole_launches in (False, True):
+        simulation = thrown_sheet(monkeypatch, tools=tools)
+        simulation.stepper.whole_launches = whole_launches
+        simulation.stepper.advance(7)
+        found.append((*arrived(simulation), simulation.state.tool_watch.numpy().tobytes()))
+    assert found[0] == found[1]
+    assert not tool_count or simulation.state.tool_watch.numpy()[ToolWatchRow.peak].min() > 0.0
 
 
 def test_an_interval_ends_at_the_first_block_that_reaches_it(monkeypatch, block_by_block):

@@ -5,7 +5,9 @@ import pytest
 
 from weavesim.fabric.closed_forms import (
     bias_zone_areas,
+    elastica_profile,
     elastica_stiffness,
+    heavy_elastica,
     moment_along,
     peirce_stiffness,
     trellis_angle,
@@ -40,3 +42,10 @@ def test_peirce_is_six_per_cent_above_the_elastica_at_the_usual_angle():
     angle = np.radians(41.5)
     assert elastica_stiffness(angle, 0.1, 7.3) == pytest.approx(7.3 * 0.05**3, rel=2e-3)
     assert peirce_stiffness(angle, 0.1, 7.3) == pytest.approx(1.057 * 7.3 * 0.05**3, rel=2e-3)
+
+
+def test_the_profile_of_the_elastica_ends_where_its_chord_does():
+    load, angle = heavy_elastica(1.0)
+    x, drop = elastica_profile(0.1, 1.0e-3, load * 1.0e-3 / 0.1**3, np.array([0.0, 0.1]))
+    assert (x[0], drop[0]) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert np.arctan2(drop[1], x[1]) == pytest.approx(angle, rel=1e-4)

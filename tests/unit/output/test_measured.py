@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from weavesim.errors import InputError
-from weavesim.output import load_measured_angles, load_measured_outline
+from weavesim.output import load_measured_angles, load_measured_curves, load_measured_outline
+from weavesim.output.curves import Chart, Curves, MeasuredPoints
+from weavesim.output.measured import Comparable, difference
 
 
 def test_measured_angles_are_read(tmp_path):
@@ -86,3 +88,77 @@ def test_unreadable_measured_files(tmp_path):
     ):
         with pytest.raises(InputError, match=message):
             load_measured_outline(tmp_path / name)
+
+
+ABSCISSAS = (Comparable("angle", "deg", "angle_deg"), Comparable("displacement", "mm", "displacement_mm"))
+ORDINATES = (Comparable("force", "N", "force_n"), Comparable("force", "N/m", "force_n_per_m"))
+
+
+def loaded(tmp_path, text, names=None):
+    path = tmp_path / "test.csv"
+    path.write_text(text, encoding="utf-8")
+    return load_measured_curves(path, ABSCISSAS, ORDINATES, names)
+
+
+def test_a_measured_curve_is_told_by_its_names_and_units(tmp_path):
+    (curve,) = loaded(tmp_path, "\ufeffAngle [rad];Force [N/mm];other\n0;0;1\n0,5;0,1;2\n")
+    assert (curve.x_column, curve.y_column) == ("angle_deg", "force_n_per_m")
+    assert curve.x == pytest.approx([0.0, np.degrees(0.5)]) and curve.y == pytest.approx([0.0, 100.0])
+    (curve,) = loaded(tmp_path, "displacement [cm],force [kN]\n0,0\n1,2\n")
+    assert (curve.x_column, curve.y_column) == ("displacement_mm", "force_n")
+    assert curve.x == pytest.approx([0.0, 10.0]) and curve.y == pytest.approx([0.0, 2000.0])
+
+
+def test_measured_columns_may_have_any_name(tmp_path):
+    text = "travel [mm],F 20C [N],F 200C [N]\n0,0,0\n1,2,3\n"
+    first, second = loaded(tmp_path, text, "travel, F 20C, F 200C")
+    assert first.label == "measured, test, F 20C" and second.y == pytest.approx([0.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("text", "names", "message"),
+    [
+        ("angle,force [N]\n0,0\n1,1\n", None, "line 1: column 'angle' does not say its unit"),
+        ("angle [deg],force [kg]\n0,0\n1,1\n", None, "line 1: column 'force .kg.' is in kg, which cannot be converted"),
+        ("angle [deg],force [N]\n0,0\n1,x\n", None, "line 3: .*'x'.*column 'force .N.'|line 3: column 'force"),
+        ("angle [deg],torque [N]\n0,0\n1,1\n", None, 'compared are "force .N.", "force .N/m."'),
+        ("angle [deg],force [N]\n0,0\n1,1\n", "angle", "two names or more are needed"),
+        ("angle [deg],force [N]\n0,0\n1,1\n", "angle,,", "two names or more are needed"),
+        ("angle [deg],force [N]\n1,0\n1,1\n", None, "has one value only"),
+    ],
+)
+def test_a_measured_curve_with_mistakes_is_refused(tmp_path, text, names, message):
+    with pytest.raises(InputError, match=message):
+        loaded(tmp_path, text, names)
+
+
+def test_a_column_that_can_be_two_things_is_refused(tmp_path):
+    two = (Comparable("warp force", "N", "warp_n"), Comparable("weft force", "N", "weft_n"))
+    path = tmp_path / "two.csv"
+    path.write_text("angle [deg],F [N]\n0,0\n1,1\n")
+    with pytest.raises(InputError, match='can be any of "warp force .N.", "weft force .N."; give it that name'):
+        load_measured_curves(path, ABSCISSAS, two, "angle, F")
+
+
+def test_a_difference_keeps_loading_and_unloading_apart():
+    """A loop of height 2 about y = x, against itself with an offset, and against its loading alone."""
+    up = np.linspace(0.0, 10.0, 21)
+    x, y = np.append(up, up[::-1]), np.append(up + 1.0, up[::-1] - 1.0)
+    computed = {"x": x, "y": y}
+    noisy = x + 0.05 * np.where(np.arange(len(x)) % 2, 1.0, -1.0)
+    found = difference(MeasuredPoints("m", "x", "y", noisy[2:40], (y + 0.5)[2:40]), computed)
+    size = (y + 0.5)[2:40].max()
+    assert found.largest * size == pytest.approx(0.55, abs=0.01) and found.compared_share > 0.9
+    assert found.root_mean_square * size == pytest.approx(0.5, abs=0.02)
+    half = difference(MeasuredPoints("m", "x", "y", x, y), {"x": up, "y": up + 1.0})
+    assert half.largest == pytest.approx(0.0, abs=1e-12) and half.compared_share == pytest.approx(0.5, abs=0.03)
+    assert difference(MeasuredPoints("m", "x", "y", up + 20.0, up), computed) is None
+
+
+def test_a_measured_curve_that_no_chart_shows_is_refused():
+    chart = Chart("c", "", "", ("x", ""), "", {"y": "computed"}, {})
+    points = MeasuredPoints("measured, t", "x", "z", np.arange(2.0), np.arange(2.0))
+    with pytest.raises(InputError, match="measured, t: z over x is not drawn, but y over x"):
+        Curves("t", lambda frame: {}, [chart], [points])
+    shown = MeasuredPoints("measured, t", "x", "y", np.arange(2.0), np.arange(2.0))
+    assert Curves("t", lambda frame: {}, [chart], [shown]).charts[0].measured == (shown,)

@@ -16,8 +16,10 @@ from ..cell import PlainWeave
 from ..cell.weaves import GLASS_PITCH, GLASS_YARN_STIFFNESS
 from ..compaction import Compaction
 from ..fabric import LARGEST_LOCKING_SHARE, Fabric
+from ..provenance import without
 from ..shear import MomentCurve, ShearFriction
 from .cao2008 import CITATION, consensus_moment, frame_curve
+from .origins import CONSENSUS, HKUST, POLYNOMIAL
 
 THICKNESS = 1.2e-3  # [m]
 AREAL_DENSITY = 0.743  # [kg/m^2]
@@ -48,6 +50,8 @@ def glass_polypropylene(
     Areal density, thickness, pitch, yarn stiffness and the shear curve are published, second-hand (Aridhi et al. 2019,
     credited there to Cao et al. 2008). Crimp, contact stiffness, yarn bending and sheet bending are assumed.
     """
+    # what is not as published is not of this provenance
+    of_other = {"shear.locking_angle": locking_angle != LOCKING_ANGLE, "shear.moment_values": convention == "moment"}
     shear = MomentCurve.from_stress_polynomial(
         (0.051e6, -0.83e6, 6.1275e6, -12.0972e6, 8.48e6), THICKNESS, convention=convention,
         locking_angle=locking_angle, locking_stiffness=LOCKING_STIFFNESS,
@@ -58,6 +62,7 @@ def glass_polypropylene(
         shear=shear,
         source="Aridhi et al. 2019, credited there to Cao et al. 2008 (shear curve, density, thickness, pitch, E A)",
         assumed=_ASSUMED,
+        provenance=without(POLYNOMIAL, [name for name, is_other in of_other.items() if is_other]),
     )
 
 
@@ -79,6 +84,7 @@ def glass_polypropylene_hkust() -> Fabric:
         source=f"{CITATION}: HKUST's picture frame of a conditioned specimen, count, density, thickness; "
         "E A from Aridhi et al. 2019",
         assumed=(*_ASSUMED, "all of the shear moment elastic"),
+        provenance=HKUST,
     )
 
 
@@ -106,6 +112,7 @@ def glass_polypropylene_consensus() -> Fabric:
         source=f"{CITATION}: mean of picture frames and bias extensions, count, density, thickness; "
         "E A from Aridhi et al. 2019",
         assumed=(*_ASSUMED, "friction between the yarns"),
+        provenance=CONSENSUS,
     )
 
 

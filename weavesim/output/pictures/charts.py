@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..history import History
-from .style import FAINT, INK, LINE_COLOURS, add_legend, new_axes, new_figure, words
+from .style import FAINT, INK, LINE_COLOURS, MEASURED, add_legend, new_axes, new_figure, words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
     from ...tools.tool import Tool
     from ..curves import Chart
+
+# Measured points beyond this number are not marked one by one.
+MANY_POINTS = 80
+MARKERS = ("o", "s", "^", "D", "v")
 
 
 def tool_forces(history: History, tools: Sequence[Tool], part: str) -> Figure:
@@ -35,7 +39,7 @@ def tool_forces(history: History, tools: Sequence[Tool], part: str) -> Figure:
 
 
 def chart_of(chart: Chart, columns: Mapping[str, np.ndarray]) -> Figure:
-    """Computed columns as lines, expected ones dashed on top."""
+    """Computed columns as lines, expected ones dashed on top, measured ones as points."""
     figure = new_figure(9.0, 4.4)
     axes = new_axes(figure, 1, 1, 1, title=chart.title, xlabel=chart.x[1], ylabel=chart.y_label)
     x = columns[chart.x[0]]
@@ -44,6 +48,15 @@ def chart_of(chart: Chart, columns: Mapping[str, np.ndarray]) -> Figure:
     for k, (name, label) in enumerate(chart.expected.items()):
         colour = LINE_COLOURS[k % len(LINE_COLOURS)] if len(chart.expected) > 1 else INK
         axes.plot(x, columns[name], color=colour, linestyle=(0, (4, 3)), linewidth=1.4, label=label)
+    for k, curve in enumerate(chart.measured):
+        # few points as points, many as a dotted line
+        style = {"marker": MARKERS[k % len(MARKERS)], "markersize": 4.0} if len(curve.x) <= MANY_POINTS else {}
+        colour = MEASURED if len(chart.measured) == 1 else LINE_COLOURS[(k + 3) % len(LINE_COLOURS)]
+        axes.plot(curve.x, curve.y, linestyle=":", linewidth=1.2, color=colour, label=curve.label, **style)
+    if chart.equal_scales:
+        axes.set_aspect("equal")
+    if chart.downwards:
+        axes.invert_yaxis()
     axes.margins(x=0.0)
     add_legend(axes, loc="best")
     return figure

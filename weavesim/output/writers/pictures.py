@@ -50,7 +50,7 @@ def _draw(picture: Picture, path: Path, run_id: str) -> None:
 def wanted_pictures(results: Results) -> Iterator[Picture]:
     """In the order of the report."""
     yield from _formed_sheets(results)
-    if (curves := results.wanted.curves) is not None:
+    for curves in results.wanted.all_curves:
         for chart in curves.charts:
             yield Picture(f"{chart.name}.png", chart.caption, partial(pictures.chart_of, chart, curves.columns))
     yield from _point_angles(results)

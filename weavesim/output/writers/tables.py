@@ -38,8 +38,8 @@ class TablesWriter(Writer):
         for sheet in results.sheets if results.wanted.points is not None else ():
             name = sheet.file("shear_angle.csv")
             self.attempt(name, partial(write_shear_angles, self.folder / name, sheet.formed))
-        if results.wanted.curves is not None:
-            self._write_curves(results.wanted.curves)
+        for curves in results.wanted.all_curves:
+            self._write_curves(curves)
 
     def _write_curves(self, curves: Curves) -> None:
         columns, path = curves.columns, self.folder / f"{curves.name}.csv"

@@ -17,9 +17,10 @@ from ..input_files import shown
 from ..ranges import check_usual
 from ..version import __version__
 from .bending import estimates, strips, trend, with_bending
-from .cell import cell_problem
-from .fit import Fit
+from .cell import BIAXIAL, cell_problem
+from .fit import LEAST_REPEAT_COUNT, Fit
 from .options import CalibrationOptions
+from .origins import with_origins
 from .readings import DataFile, bias_factors, bias_series, biaxial_tests, check_moments, frame_series
 from .reduction import Reduced, fit_reduced
 from .result import (
@@ -141,7 +142,7 @@ class _Work:
         fit = reduced.fit
         self.estimates["unit cell"] = tuple(estimates_of(fit, [u.start for u in problem.unknowns]))
         self.fabric = self.fabric.model_copy(update={"unit_cell": model.cell(fit.values)})
-        self._residuals(fit, "biaxial", "N/m", scatters)
+        self._residuals(fit, BIAXIAL, "N/m", scatters, np.ones(len(problem.observed), dtype=bool))
         self._weakness(reduced)
         self.assumed += [f"unit_cell: {names[k]}" for k in np.flatnonzero(~fit.is_free)]
         if len(fit.costs) > 1 and fit.same_minimum == 1:
@@ -215,7 +216,7 @@ class _Work:
             self.assumed.append("shear: no friction")
         for name, unit, tests in ((FRAME, "N/m", self.frames), (BIAS, "N", self.bias)):
             if tests:
-                self._residuals(fit, name, unit, scatters)
+                self._residuals(fit, name, unit, scatters, problem.group == problem.group_names.index(name))
         self._contradiction(fit)
 
     def _held_slip(self) -> list[str]:
@@ -264,9 +265,8 @@ class _Work:
 
     # ----------------------------------------------------------------------------------------------------------- common
 
-    def _residuals(self, fit: Fit, test: str, unit: str, scatters: dict[str, Scatter]) -> None:
+    def _residuals(self, fit: Fit, test: str, unit: str, scatters: dict[str, Scatter], rows: np.ndarray) -> None:
         problem = fit.problem
-        rows = problem.group == problem.group_names.index(test)
         residual = residual_of(
             test, unit, fit.predicted[rows] - problem.observed[rows], problem.repeat[rows],
             float(np.abs(problem.observed[rows]).max()), scatters[test],
@@ -278,7 +278,9 @@ class _Work:
                 f"({residual.systematic / residual.largest:.1%} of the largest value), {residual.ratio:.2g} times the "
                 f"{residual.source}: the law cannot follow these data"
             )
-        if len(np.unique(problem.repeat[rows])) < 3:
+        groups = [rows & (problem.group == group) for group in np.unique(problem.group[rows])]
+        fewest = min(len(np.unique(problem.repeat[own])) for own in groups)
+        if fewest < LEAST_REPEAT_COUNT:
             self.notes.append(
                 f"{test}: fewer than three repeats: the intervals take the deviations of the points for independent, "
                 "and do not contain the scatter among specimens"
@@ -314,6 +316,7 @@ class _Work:
                 "assumed": tuple(dict.fromkeys([*kept, *self.assumed])),
             }
         )  # fmt: skip
+        fabric = with_origins(fabric, self.estimates, self.options, tuple(self.files), date, tuple(self.assumed))
         return Calibration(
             fabric, self.base, self.options, self.estimates, tuple(self.residuals), tuple(self.warnings),
             tuple(dict.fromkeys(self.notes)), tuple(dict.fromkeys(self.assumed)), tuple(self.files), date, self.shear,

@@ -98,11 +98,24 @@ def cell_problem(
     model = CellModel(base, make, tuple(u.name for u in unknowns), np.concatenate([test.strain for test in tests]))
     observed = np.concatenate([test.force for test in tests])
     sigma, scatter = _sigma(tests, observed, options.noise)
-    repeat = np.repeat(np.arange(len(tests)), [2 * len(test.lines) for test in tests])
+    size = [2 * len(test.lines) for test in tests]
+    members = ratios(tests)
     problem = Problem(
-        unknowns, model.predict, observed.ravel(), sigma.ravel(), np.zeros(observed.size, dtype=int), repeat, (BIAXIAL,)
-    )
+        unknowns, model.predict, observed.ravel(), sigma.ravel(), np.repeat(members, size),
+        np.repeat(np.arange(len(tests)), size), tuple(f"{BIAXIAL} {k + 1}" for k in range(max(members) + 1)),
+    )  # fmt: skip
     return problem, model, {BIAXIAL: scatter}
+
+
+def ratios(tests: Sequence[Biaxial]) -> list[int]:
+    """Number of the ratio of strains of each test: tests along one path, within 5 degrees of it, are repeats."""
+    found: dict[int, int] = {}
+    result = []
+    for test in tests:
+        end = test.strain[int(np.argmax(np.abs(test.strain).max(axis=1)))]
+        angle = round(float(np.degrees(np.arctan2(end[1], end[0]))) / 5.0)
+        result.append(found.setdefault(angle, len(found)))
+    return result
 
 
 def _sigma(tests: Sequence[Biaxial], observed: np.ndarray, stated: float | None) -> tuple[np.ndarray, Scatter]:
@@ -131,10 +144,8 @@ def _sigma(tests: Sequence[Biaxial], observed: np.ndarray, stated: float | None)
 def _of_repeats(tests: Sequence[Biaxial], largest: float) -> tuple[np.ndarray, int] | None:
     """Scatter of tests along the same path of strains; None if no two share one."""
     paths: dict[int, list[int]] = {}
-    for k, test in enumerate(tests):
-        end = test.strain[int(np.argmax(np.abs(test.strain).max(axis=1)))]
-        angle = round(float(np.degrees(np.arctan2(end[1], end[0]))) / 5.0)
-        paths.setdefault(angle, []).append(k)
+    for k, member in enumerate(ratios(tests)):
+        paths.setdefault(member, []).append(k)
     if not any(len(members) > 1 for members in paths.values()):
         return None
     sigma: list[np.ndarray] = [np.empty((0, 2))] * len(tests)

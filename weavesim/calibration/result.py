@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -45,6 +46,10 @@ class Estimate:
     high: float
     state: str
     given: float
+
+    @property
+    def has_interval(self) -> bool:
+        return math.isfinite(self.low)
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,7 @@ def strips(options: CalibrationOptions, fabric: Fabric) -> tuple[list[Strip], li
         alone = not options.bending_length_weft and options.cantilever_yarn == "both" and not options.cantilever
         for value in lengths:
             strip = Strip(as_typed(name), "both" if alone else yarn, 2.0 * value, STANDARD_ANGLE, weight * value**3)
-            _check(strip, weight, as_typed(f"{name} = {value:g}"), options.accept_unusual)
+            _check(strip, weight, f"{value:g} m", options.accept_unusual)
             found.append(strip)
     return found, files
 

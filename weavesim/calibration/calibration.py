@@ -64,7 +64,7 @@ def calibrated(options: CalibrationOptions) -> Calibration:
         try:
             check_usual(options)
         except ValueError as error:
-            raise InputError(as_typed(str(error))) from None
+            raise InputError(str(error)) from None
     base = resolve_fabric(options.fabric, accept_unusual=options.accept_unusual)
     work = _Work(options, base)
     # everything is read and checked before anything is fitted
@@ -110,10 +110,10 @@ class _Work:
             for name in options.fit:
                 if name not in known:
                     raise InputError(
-                        as_typed(f"fit = {name!r}: one of {', '.join(known)} is needed{did_you_mean(name, known)}")
+                        f"{as_typed('fit')} = {name!r}: one of {', '.join(known)} is needed{did_you_mean(name, known)}"
                     )
         elif options.fit:
-            raise InputError(as_typed("fit names parameters of the unit cell, which only biaxial tests give"))
+            raise InputError(f"{as_typed('fit')} names parameters of the unit cell, which only biaxial tests give")
 
     def _bias_moment(self, test: Series) -> np.ndarray:
         whole, half = bias_factors(test.x, self.options.bias_length or 0.0, self.options.bias_width or 0.0)
@@ -164,7 +164,8 @@ class _Work:
             action = "they were fitted all the same, as asked: do not trust them one by one"
         else:
             action = (
-                "held at the values of the given fabric, and the rest was fitted again; full = true keeps the whole set"
+                "held at the values of the given fabric, and the rest was fitted again; "
+                f"{as_typed('full')} keeps the whole set"
             )
         self.warnings.append(
             f"unit cell: the data cannot tell {loose}; the condition number of all parameters together is "
@@ -210,7 +211,8 @@ class _Work:
             self.assumed.append("shear: split of friction and elastic curve")
             self.warnings.append(
                 "shear: no unloading was measured, so the initial jump is taken for friction: forces while shearing do "
-                "not depend on that, but springback and losses do; measure a loop, or give friction = none"
+                "not depend on that, but springback and losses do; measure a loop, or give "
+                f"{as_typed('friction')} = none"
             )
         if not model.has_friction:
             self.assumed.append("shear: no friction")

@@ -108,7 +108,7 @@ def read_files(test: str, options: CalibrationOptions) -> tuple[list[tuple[str, 
     try:
         named = options.column_names()
     except ValueError as error:
-        raise InputError(as_typed(str(error))) from None
+        raise InputError(str(error)) from None
     known = {role.name for roles in ROLES.values() for role in roles}
     for role in named:
         if role not in known:
@@ -142,7 +142,7 @@ def frame_series(options: CalibrationOptions) -> tuple[list[Series], list[DataFi
         if (is_force or by == "displacement") and options.frame_side is None:
             what = f"column {repeat.headers['force']!r} is a force" if is_force else "angles are given by displacements"
             raise InputError(
-                as_typed(f"picture frame {shown(path)}: {what}: give frame_side, and fabric_side if they differ [m]")
+                f"picture frame {shown(path)}: {what}: give frame_side, and fabric_side if they differ [m]"
             )
         series = _zeroed(_looped(path, repeat, by), by, options)
         if by == "displacement":
@@ -162,7 +162,7 @@ def _frame_moment(angle: np.ndarray, is_force: bool, options: CalibrationOptions
         return side * np.sin(0.25 * math.pi - 0.5 * angle) / fabric**2
     if options.frame_convention == "frame side":
         if options.frame_side is None:
-            raise InputError(as_typed('frame_convention "frame side" needs frame_side and fabric_side [m]'))
+            raise InputError('frame_convention "frame side" needs frame_side and fabric_side [m]')
         return np.cos(angle) * (side / fabric) ** 2
     return np.cos(angle)
 

@@ -47,8 +47,8 @@ def check_folder(folder: Path, overwrite: bool) -> None:
     check_writable(folder)
     taken = [name for name in (RECORD_NAME, FABRIC_NAME, "run.json") if (folder / name).exists()]
     if taken and (not overwrite or "run.json" in taken):
-        advice = "give another folder" if "run.json" in taken else "give another folder, or overwrite"
-        raise InputError(as_typed(f"output folder {shown(folder)}: it has {taken[0]} already; {advice}"))
+        advice = "give another folder" if "run.json" in taken else f"give another folder, or {as_typed('overwrite')}"
+        raise InputError(f"output folder {shown(folder)}: it has {taken[0]} already; {advice}")
 
 
 # ---------------------------------------------------------------------------------------------------------- fabric file

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..checks import as_typed
 from ..errors import InputError
 from ..fabric.curve import noise
 from ..input_files import shown
@@ -149,7 +150,7 @@ def without_offset(series: Series, offset: str) -> Series:
     if offset == "ask" and abs(value) > SMALL_OFFSET * largest:
         raise series.fault(
             f"{value:.4g} at the start, {abs(value) / largest:.0%} of the largest: the machine's zero, or friction? "
-            "Give offset = subtract, or offset = keep",
+            f"Give {as_typed('offset')} = subtract, or keep",
             int(start[0]),
         )
     if abs(value) > LARGEST_OFFSET * largest:
@@ -191,8 +192,8 @@ def _check_spikes(series: Series) -> None:
     row = int(alone[np.argmax(distance[alone])]) + 1 if len(alone) else 0
     if row and abs(y[row] - y[row - 1]) > limit and abs(y[row] - y[row + 1]) > limit:
         raise series.fault(
-            f"{y[row]:.4g} stands alone between {y[row - 1]:.4g} and {y[row + 1]:.4g}: a slip? Correct it, or accept "
-            "unusual values",
+            f"{y[row]:.4g} stands alone between {y[row - 1]:.4g} and {y[row + 1]:.4g}: a slip? Correct it, or give "
+            "accept_unusual",
             row,
         )
 

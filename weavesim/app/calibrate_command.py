@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from ..calibration import Calibration, CalibrationOptions
 from ..calibration.calibration import calibrated
 from ..calibration.options import TESTS
-from ..calibration.record import REPORT_NAME, check_folder
+from ..calibration.record import REPORT_NAME, check_folder, write_calibration
 
 SPECIMEN = (
     "frame_side", "fabric_side", "frame_convention", "bias_length", "bias_width", "biaxial_width", "cantilever_yarn",
@@ -53,7 +53,7 @@ def calibrate_into_folder(parameters: CalibrateParameters) -> list[str]:
         # scenes are above this package in the layer order
         check = import_module("weavesim.scenes.bias_check").check_bias_extension
         calibration = replace(calibration, check=check(calibration.fabric, calibration))
-    path = calibration.write(parameters.out, overwrite=parameters.overwrite)
+    path = write_calibration(calibration, parameters.out, overwrite=parameters.overwrite)
     return [*_lines(calibration), f"Fabric: {path}", f"Report: {parameters.out / REPORT_NAME}"]
 
 

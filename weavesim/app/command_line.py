@@ -310,6 +310,8 @@ def _option(name: str, field: Any, panel: str) -> inspect.Parameter:
     declaration = f"{flag}/--no-{flag[2:]}" if kind is bool else flag
     # a parser of our own: an empty name would become the current folder
     given: dict[str, Any] = {"parser": _path, "metavar": "<path>"} if Path in (kind, *get_args(kind)) else {}
+    if get_origin(kind) is list and not given:
+        given["metavar"] = f"<{getattr(get_args(kind)[0], '__name__', 'value')}>"
     default = inspect.Parameter.empty if field.is_required() else field.get_default(call_default_factory=True)
     if get_origin(kind) is list and isinstance(default, tuple):
         default = list(default)

@@ -1,6 +1,8 @@
 """Fabrics from laboratory tests: fits with intervals, and what the data cannot tell."""
 
-from .calibration import Calibration, Estimate, Residual, calibrate
+from .calibration import calibrate
 from .options import CalibrationOptions
+from .record import write_calibration
+from .result import Calibration, Estimate, Residual
 
-__all__ = ["Calibration", "CalibrationOptions", "Estimate", "Residual", "calibrate"]
+__all__ = ["Calibration", "CalibrationOptions", "Estimate", "Residual", "calibrate", "write_calibration"]

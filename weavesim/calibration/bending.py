@@ -15,7 +15,7 @@ from ..fabric.closed_forms import elastica_stiffness
 from ..fabric.fabric import Fabric
 from ..fabric.proportions import GRAVITY, USUAL_BENDING_LENGTH
 from ..input_files import shown
-from .fit import LEVEL
+from .fitting.fit import LEVEL
 from .options import CalibrationOptions
 from .readings import DataFile, read_files
 

@@ -18,11 +18,11 @@ from ..ranges import check_usual
 from ..version import __version__
 from .bending import estimates, strips, trend, with_bending
 from .cell import BIAXIAL, cell_problem
-from .fit import LEAST_REPEAT_COUNT, Fit
+from .fitting.fit import LEAST_REPEAT_COUNT, Fit
+from .fitting.reduction import Reduced, fit_reduced
 from .options import CalibrationOptions
 from .origins import with_origins
 from .readings import DataFile, bias_factors, bias_series, biaxial_tests, check_moments, frame_series
-from .reduction import Reduced, fit_reduced
 from .result import (
     AT_BOUND,
     FITTED,
@@ -211,8 +211,8 @@ class _Work:
             self.assumed.append("shear: split of friction and elastic curve")
             self.warnings.append(
                 "shear: no unloading was measured, so the initial jump is taken for friction: forces while shearing do "
-                "not depend on that, but springback and losses do; measure a loop, or give "
-                f"{as_typed('friction')} = none"
+                f"not depend on that{_correlation_of_split(fit)}, but springback and losses do; measure a loop, or "
+                f"give {as_typed('friction')} = none"
             )
         if not model.has_friction:
             self.assumed.append("shear: no friction")
@@ -334,3 +334,14 @@ class _Work:
             "shear": bool(self.shear), "everything": False,
         }  # fmt: skip
         return by_entry.get(name, False)
+
+
+def _correlation_of_split(fit: Fit) -> str:
+    """How strongly friction and elastic moments stand for each other, in words."""
+    names = [fit.problem.unknowns[int(k)].name for k in fit.chosen]
+    friction = [k for k, name in enumerate(names) if name.startswith(FRICTION)]
+    elastic = [k for k, name in enumerate(names) if name.startswith("moment_at")]
+    if not friction or not elastic:
+        return ""
+    strongest = float(fit.correlation[np.ix_(friction, elastic)].min())
+    return f" (their correlation with the elastic moments is down to {strongest:.2f})"

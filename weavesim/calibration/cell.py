@@ -13,7 +13,7 @@ from ..errors import InputError, did_you_mean
 from ..fabric.cell import LinearMembrane, UnitCell
 from ..fabric.cell.weaves import CrossedYarns
 from ..fabric.curve import noise
-from .fit import Problem, Unknown
+from .fitting.fit import Problem, Unknown
 from .options import CalibrationOptions
 from .readings import Biaxial
 from .scatter import UNSTATED, Scatter

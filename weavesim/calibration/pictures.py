@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..output.pictures.style import ACCENT, FAINT, GREY, INK, LINE_COLOURS, MEASURED, add_legend, new_axes, new_figure
-from .fit import Fit
-from .reduction import LARGEST_DEVIATION
+from .fitting.fit import Fit
+from .fitting.reduction import LARGEST_DEVIATION
 from .result import FITTED, Calibration, Estimate
 from .series import Series
 
@@ -33,6 +33,11 @@ def pictures(calibration: Calibration) -> Iterator[tuple[str, Figure, str]]:
         yield "shear_law", law_figure(calibration), (
             "The shear law: elastic curve and friction, with the 95 % intervals of what was fitted, beside the law of "
             "the given fabric."
+        )  # fmt: skip
+    if "curves" in calibration.check:
+        yield "check_with_scene", check_figure(calibration), (
+            "Bias extension simulated with the calibrated fabric, beside the closed form that was fitted and the "
+            "measurement."
         )  # fmt: skip
     if calibration.cell:
         yield "biaxial", cell_figure(calibration), _caption(calibration, "biaxial")
@@ -170,6 +175,20 @@ def law_figure(calibration: Calibration) -> Figure:
             chart.errorbar(math.degrees(at), e.value, error, color=ACCENT, capsize=3, marker="o", markersize=3.5)
     chart.set_xlim(0.0, math.degrees(end) * 1.02)
     chart.set_ylim(bottom=0.0)
+    add_legend(chart, loc="upper left")
+    return figure
+
+
+def check_figure(calibration: Calibration) -> Figure:
+    """Force of the simulated strip, of the closed form, and measured."""
+    curves = calibration.check["curves"]
+    figure = new_figure(9.0, 4.4)
+    chart = new_axes(figure, 1, 1, 1, title="Check: bias extension simulated", ylabel="force [N]")
+    chart.set_xlabel("kinematic shear angle of the central zone [degrees]")
+    angle = curves["kinematic_angle_deg"]
+    chart.plot(angle, curves["force_n"], color=ACCENT, label="simulated")
+    chart.plot(angle, curves["closed_form_force_n"], color=INK, linestyle=(0, (4, 3)), label="closed form")
+    chart.plot(angle, curves["measured_force_n"], "o", color=MEASURED, markerfacecolor="none", label="measured, mean")
     add_legend(chart, loc="upper left")
     return figure
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..checks import as_typed
 from ..errors import InputError, did_you_mean
 from ..fabric.closed_forms import bias_zone_areas, trellis_angle, trellis_angle_rate
 from ..input_files import shown
@@ -218,10 +217,8 @@ def biaxial_tests(options: CalibrationOptions) -> tuple[list[Biaxial], list[Data
         for role in FORCES:
             if repeat.units[role.name] == "N" and options.biaxial_width is None:
                 raise InputError(
-                    as_typed(
-                        f"biaxial {shown(path)}: column {repeat.headers[role.name]!r} is a force: give biaxial_width, "
-                        "over which it acts [m]"
-                    )
+                    f"biaxial {shown(path)}: column {repeat.headers[role.name]!r} is a force: give biaxial_width, "
+                    "over which it acts [m]"
                 )
             scale.append(1.0 if repeat.units[role.name] == "N/m" else 1.0 / (options.biaxial_width or 1.0))
         strain = np.column_stack([repeat.columns[role.name] for role in STRAINS])

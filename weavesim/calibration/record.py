@@ -25,8 +25,13 @@ FABRIC_NAME, RECORD_NAME, CURVES_NAME, REPORT_NAME = "fabric.toml", "calibration
 WIDTH = 110
 
 
-def write_calibration(calibration: Calibration, folder: Path, *, overwrite: bool = False) -> Path:
-    """Write everything; returns the fabric file. See ``Calibration.write``."""
+def write_calibration(calibration: Calibration, folder: str | Path, *, overwrite: bool = False) -> Path:
+    """Write fabric.toml, calibration.json, curves.csv, pictures and report.html; returns the fabric file.
+
+    Raises:
+        InputError: a folder that cannot be written to, or that has a calibration already (``overwrite`` replaces it).
+    """
+    folder = Path(folder)
     check_folder(folder, overwrite)
     drawn = []
     (folder / "pictures").mkdir(exist_ok=True)

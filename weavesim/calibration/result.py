@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,10 @@ import numpy as np
 from ..fabric.fabric import Fabric
 from .bending import BendingEstimate, Strip
 from .cell import CellModel
-from .fit import Fit
+from .fitting.fit import Fit
+from .fitting.reduction import Reduced
 from .options import CalibrationOptions
 from .readings import Biaxial, DataFile
-from .reduction import Reduced
 from .scatter import Scatter
 from .series import Series
 from .shear import ShearModel
@@ -147,16 +146,6 @@ class Calibration:
             KeyError: no such value.
         """
         return next(e for part in self.estimates.values() for e in part if e.name == name)
-
-    def write(self, folder: str | Path, *, overwrite: bool = False) -> Path:
-        """Write fabric.toml, calibration.json, curves.csv, pictures and report.html; returns the fabric file.
-
-        Raises:
-            InputError: a folder that cannot be written to, or that has a calibration already.
-        """
-        from .record import write_calibration
-
-        return write_calibration(self, Path(folder), overwrite=overwrite)
 
 
 def residual_of(

@@ -11,7 +11,7 @@ import numpy as np
 from ..fabric.curve import MeasuredCurve
 from ..fabric.fabric import LARGEST_LOCKING_SHARE, Fabric
 from ..fabric.shear import MomentCurve, ShearFriction
-from .fit import Problem, Unknown
+from .fitting.fit import Problem, Unknown
 from .options import CalibrationOptions
 from .readings import bias_factors
 from .scatter import Scatter, scatter_of

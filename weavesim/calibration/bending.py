@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from ..checks import as_typed
 from ..errors import InputError
 from ..fabric.bending import IsotropicBending, YarnBending
-from ..fabric.closed_forms import elastica_stiffness
+from ..fabric.closed_forms import heavy_elastica
 from ..fabric.fabric import Fabric
 from ..fabric.proportions import GRAVITY, USUAL_BENDING_LENGTH
 from ..input_files import shown
@@ -102,7 +104,17 @@ def strips(options: CalibrationOptions, fabric: Fabric) -> tuple[list[Strip], li
 def _stiffness(overhang: float, angle: float, weight: float) -> float:
     if abs(angle - STANDARD_ANGLE) < 1.0e-9:
         return weight * (0.5 * overhang) ** 3
-    return elastica_stiffness(angle, overhang, weight)
+    return weight * overhang**3 / float(np.exp(_log_loads()(math.log(math.tan(angle)))))
+
+
+@lru_cache(maxsize=1)
+def _log_loads() -> Any:
+    """Spline of log(w L^3 / D) of the heavy elastica over log(tan(chord angle)), nearly a straight line."""
+    from scipy.interpolate import CubicSpline
+
+    slopes = np.concatenate([np.geomspace(0.03, 1.2, 40), 0.5 * math.pi - np.geomspace(0.36, 1.0e-5, 30)])
+    loads, angles = zip(*(heavy_elastica(float(slope), 400) for slope in slopes), strict=True)
+    return CubicSpline(np.log(np.tan(angles)), np.log(loads))
 
 
 def _check(strip: Strip, weight: float, column: str, accept_unusual: bool) -> None:

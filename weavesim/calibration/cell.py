@@ -235,20 +235,24 @@ def _of_crossed_yarns(
         ("yarn_stiffness", "N", "E A", axial),
         ("yarn_bending", "N m^2", "E I", bending),
     ):
+        # a test of the yarn gives E A, the thickness hints at L_3; nobody measures E_3, and hardly anybody E I
+        rank = 3 if name == "yarn_stiffness" else 0
         for prefix, value in (("", both[0]),) if is_shared else zip(("warp_", "weft_"), both, strict=True):
             if value > 0.0:
                 of = f" of the {prefix[:4]}" if prefix else " of a yarn"
-                unknowns.append(Unknown(prefix + name, unit, meaning + of, value, 1.0e-3 * value, 1.0e3 * value))
+                unknowns.append(
+                    Unknown(prefix + name, unit, meaning + of, value, 1.0e-3 * value, 1.0e3 * value, rank=rank)
+                )
     spacing = 2.0 * min(base.half_spacing)
     if base.crossover_height > 0.0:
         unknowns.append(
             Unknown("crossover_height", "m", "L_3, distance of the yarn axes at a crossover", base.crossover_height,
-                    min(1.0e-3 * spacing, 0.1 * base.crossover_height), max(spacing, base.crossover_height))
+                    min(1.0e-3 * spacing, 0.1 * base.crossover_height), max(spacing, base.crossover_height), rank=2)
         )  # fmt: skip
     contact = base.contact_stiffness
     unknowns.append(
         Unknown("contact_stiffness", "N/m", "E_3 A_3 / L_3, force over approach of a crossover", contact,
-                1.0e-3 * contact, 1.0e3 * contact)
+                1.0e-3 * contact, 1.0e3 * contact, rank=1)
     )  # fmt: skip
 
     def make(values: Mapping[str, float]) -> UnitCell:

@@ -246,8 +246,9 @@ def _check_strain(series: Series, accept_unusual: bool) -> None:
         )  # fmt: skip
     if not np.any(series.y) and np.any(series.x > 0.0):
         raise series.fault("all values are zero: is it the right column?", 0)
-    if -series.y.min() > max(series.y.max(), 0.0):
-        row = int(np.argmin(series.y))
+    pulled = np.where(series.x > 0.0, series.y, 0.0)
+    if -pulled.min() > max(pulled.max(), 0.0):
+        row = int(np.argmin(pulled))
         raise series.fault(f"{series.y[row]:.4g}: forces are negative on the whole; change the sign", row)
     question = Quantity("yarn tension").unusual(float(np.abs(series.y).max()))
     if question and np.any(series.y) and not accept_unusual:
@@ -300,7 +301,8 @@ def _zeroed(series: Series, by: str, options: CalibrationOptions) -> Series:
     if by == "displacement":
         series = _from_preload(series, options.preload) if options.preload else _from_start(series, options)
     series = _without_negative(series)
-    return without_offset(series, options.offset)
+    # with a preload there is a force at the start, as meant
+    return series if by == "displacement" and options.preload else without_offset(series, options.offset)
 
 
 def _from_preload(series: Series, preload: float) -> Series:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..fabric.curve import noise
-from .series import Series
+from .series import Series, noise_of
 
 GRID_COUNT = 40
 # Width of the window that smooths variances, as a share of the range.
@@ -63,14 +62,6 @@ def scatter_of(tests: Sequence[Series], stated: float | None = None) -> Scatter:
     value = max(noise_of(test), LEAST_OF_LARGEST * largest)
     source = "noise of the points of a single test"
     return Scatter(ends, np.full(2, value), source, max(value, UNSTATED * largest))
-
-
-def noise_of(test: Series) -> float:
-    """Of the points of one test, from each one's distance to its neighbours."""
-    x, y = test.loading
-    order = np.argsort(x, kind="stable")
-    x, first = np.unique(x[order], return_index=True)
-    return noise(x, y[order][first]) if len(x) > 4 else 0.0
 
 
 def on_common_grid(tests: Sequence[Series]) -> tuple[np.ndarray, np.ndarray]:

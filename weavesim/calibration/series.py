@@ -20,6 +20,8 @@ REVERSAL, LARGEST_REVERSAL_COUNT = 0.05, 12
 # A force at the start that is taken for the machine's zero, and the largest that may be subtracted: shares of the
 # largest force.
 SMALL_OFFSET, LARGEST_OFFSET = 0.02, 0.2
+# A force at the start that is only noise, over the noise of the points.
+NOISE_OF_OFFSET = 6.0
 # Distance of a point from its neighbours that is a slip of the pen: times their noise, and as a share of the range.
 SPIKE_NOISE, SPIKE_SHARE = 25.0, 0.2
 
@@ -147,6 +149,9 @@ def without_offset(series: Series, offset: str) -> Series:
     value, largest = float(series.y[start].mean()), float(np.abs(series.y).max())
     if value == 0.0:
         return series
+    # what the noise of the points explains is left alone
+    if offset == "ask" and abs(value) <= NOISE_OF_OFFSET * noise_of(series):
+        return series
     if offset == "ask" and abs(value) > SMALL_OFFSET * largest:
         raise series.fault(
             f"{value:.4g} at the start, {abs(value) / largest:.0%} of the largest: the machine's zero, or friction? "
@@ -214,3 +219,11 @@ def check_repeats(tests: Sequence[Series], accept_unusual: bool) -> None:
                 f"up to {value:.4g}, where the other specimens have {middle:.4g}: another unit, or another fabric?",
                 int(np.argmax(np.abs(test.y))),
             )
+
+
+def noise_of(test: Series) -> float:
+    """Of the points of one test, from each one's distance to its neighbours."""
+    x, y = test.loading
+    order = np.argsort(x, kind="stable")
+    x, first = np.unique(x[order], return_index=True)
+    return noise(x, y[order][first]) if len(x) > 4 else 0.0

@@ -38,6 +38,7 @@ class ShearModel:
         has_friction: the law has some.
         tests: all series, and whether each is a bias extension.
         length, width: of the bias extension's strip [m].
+        cell_moment: what the unit cell itself adds at the angles of each test, and at half of them [N/m].
     """
 
     knots: np.ndarray
@@ -46,7 +47,7 @@ class ShearModel:
     tests: tuple[tuple[Series, bool], ...]
     length: float
     width: float
-    cell_moment: tuple[np.ndarray, ...]
+    cell_moment: tuple[tuple[np.ndarray | float, np.ndarray | float], ...]
 
     @property
     def knot_names(self) -> tuple[str, ...]:
@@ -68,39 +69,46 @@ class ShearModel:
 
     def predict(self, values: np.ndarray) -> np.ndarray:
         """Sets of values (s, p) to what is measured, (s, n)."""
-        parts = self.split(values)
+        paths = [test.x for test, _ in self.tests] + [0.5 * test.x for test, is_bias in self.tests if is_bias]
+        moments = self.moments_along(paths, *self.split(values))
+        halves = iter(moments[len(self.tests) :])
         result = []
-        for (test, is_bias), cell in zip(self.tests, self.cell_moment, strict=True):
-            moment = self.moment_along(test.x, *parts)
-            if not is_bias:
-                result.append(moment + cell)
-                continue
-            whole, half = bias_factors(test.x, self.length, self.width)
-            result.append((moment + cell) * whole + self.moment_along(0.5 * test.x, *parts) * half)
+        for (test, is_bias), moment, cell in zip(self.tests, moments, self.cell_moment, strict=False):
+            if is_bias:
+                whole, half = bias_factors(test.x, self.length, self.width)
+                result.append((moment + cell[0]) * whole + (next(halves) + cell[1]) * half)
+            else:
+                result.append(moment + cell[0])
         return np.concatenate(result, axis=1)
 
-    def moment_along(
-        self, path: np.ndarray, moments: np.ndarray, limits: np.ndarray, slip_angle: np.ndarray
-    ) -> np.ndarray:
-        """Moment along a path of angles (n,) from rest, for sets of parameters, (s, n) [N/m]."""
-        elastic = np.array([MeasuredCurve.through(self.knots, row)(path) for row in moments])
+    def moments_along(
+        self, paths: Sequence[np.ndarray], moments: np.ndarray, limits: np.ndarray, slip_angle: np.ndarray
+    ) -> list[np.ndarray]:
+        """Moment along paths of angles (n,) from rest, for sets of parameters, (s, n) each [N/m]."""
+        ends = np.cumsum([0, *map(len, paths)])
+        joined = np.concatenate(paths)
+        total = np.array([MeasuredCurve.through(self.knots, row)(joined) for row in moments])
+        pieces = [slice(a, b) for a, b in zip(ends, ends[1:], strict=False)]
         if not self.has_friction:
-            return elastic
-        limit = np.array([np.interp(path, self.limit_angles, row) for row in limits])
-        stiffness = np.maximum(limits[:, 0], 1.0e-12) / slip_angle
-        reach = limit / stiffness[:, None]
-        slip, friction = np.zeros(len(moments)), np.empty_like(elastic)
-        for k, angle in enumerate(path):
+            return [total[:, piece] for piece in pieces]
+        limit = np.array([np.interp(joined, self.limit_angles, row) for row in limits])
+        stiffness = np.maximum(limits[:, :1], 1.0e-12) / slip_angle[:, None]
+        # all paths at once; shorter ones stay at their end
+        place = np.array([np.minimum(np.arange(max(map(len, paths))), len(path) - 1) for path in paths])
+        place += ends[:-1, None]
+        reach, slip = limit / stiffness, np.zeros((len(moments), len(paths)))
+        friction = np.empty_like(total)
+        for k in place.T:
+            angle = joined[k]
             slip = angle - np.clip(angle - slip, -reach[:, k], reach[:, k])
             friction[:, k] = stiffness * (angle - slip)
-        return elastic + friction
+        total += friction
+        return [total[:, piece] for piece in pieces]
 
     def band(self, angle: np.ndarray, values: np.ndarray, is_bias: bool, *, back: bool = False) -> np.ndarray:
         """Prediction along a loading (and unloading) of one test, for drawing, (n,)."""
         path = np.concatenate([angle, angle[::-1]]) if back else angle
-        drawn = replace(
-            self, tests=((Series("", "", path, path, path, ("", "")), is_bias),), cell_moment=(np.zeros(len(path)),)
-        )
+        drawn = replace(self, tests=((Series("", "", path, path, path, ("", "")), is_bias),), cell_moment=((0.0, 0.0),))
         return drawn.predict(values[None])[0]
 
 
@@ -131,13 +139,14 @@ def shear_problem(
     return Problem(unknowns, model.predict, observed, sigma, group, repeat, names), model, scatters
 
 
-def _cell_moment(base: Fabric, path: np.ndarray) -> np.ndarray:
-    """What the unit cell itself adds to the moment, with unstretched yarns [N/m]."""
+def _cell_moment(base: Fabric, path: np.ndarray) -> tuple[np.ndarray | float, np.ndarray | float]:
+    """What the unit cell itself adds to the moment, with unstretched yarns, at the angles and at half of them [N/m]."""
     if not base.unit_cell.law().depends_on_shear:
-        return np.zeros(len(path))
+        return 0.0, 0.0
     from ..fabric.response import respond
 
-    return respond(base.unit_cell, np.ones((len(path), 2)), path).moment
+    whole, half = (respond(base.unit_cell, np.ones((len(path), 2)), share * path).moment for share in (1.0, 0.5))
+    return whole, half
 
 
 def _unknowns(model: ShearModel) -> tuple[Unknown, ...]:

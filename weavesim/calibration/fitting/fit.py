@@ -36,6 +36,7 @@ class Unknown:
         low, high: bounds.
         is_log: fit its logarithm.
         size: typical size of one that is not.
+        rank: of those that the data cannot tell, the one of the lowest rank is held first.
     """
 
     name: str
@@ -46,12 +47,14 @@ class Unknown:
     high: float
     is_log: bool = True
     size: float = 1.0
+    rank: int = 0
 
     def inner(self, value: float | np.ndarray) -> np.ndarray:
         return np.log(value) if self.is_log else np.asarray(value) / self.size
 
     def outer(self, inner: float | np.ndarray) -> np.ndarray:
-        return np.exp(inner) if self.is_log else np.asarray(inner) * self.size
+        # what is not determined may be anything
+        return np.exp(np.clip(inner, -700.0, 700.0)) if self.is_log else np.asarray(inner) * self.size
 
 
 @dataclass(frozen=True)
@@ -319,7 +322,7 @@ def solve(
             break
         result = least_squares(
             residual, begin, jac=derivative, bounds=(low, high), method="trf", x_scale="jac", xtol=1e-9, ftol=1e-9,
-            gtol=1e-9, max_nfev=60 if begin is not given else 200,
+            gtol=1e-9, max_nfev=50 if begin is not given else 100,
         )  # fmt: skip
         found.append((float(result.cost), result.x))
     found.sort(key=lambda item: item[0])

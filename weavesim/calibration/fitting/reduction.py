@@ -52,7 +52,6 @@ def fit_reduced(
     *,
     held: Sequence[str] = (),
     keep_all: bool = False,
-    protected: Sequence[str] = (),
     starts: int = 1,
     seed: int = 0,
     held_uncertainty: float = 0.0,
@@ -63,45 +62,42 @@ def fit_reduced(
         problem: to solve.
         held: names that are not to be fitted at all.
         keep_all: only say what the data cannot tell.
-        protected: names that are never held.
         starts, seed, held_uncertainty: see ``solve``.
     """
     whole = solve(problem, held=held, starts=starts, seed=seed, held_uncertainty=held_uncertainty)
-    dropped = undetermined(whole, protected)
     weak = weak_directions(whole)
-    if not dropped or keep_all:
-        return Reduced(whole, whole, dropped, weak)
-    fit = solve(
-        problem, held=[*held, *dropped], starts=max(1, starts // 2), seed=seed, held_uncertainty=held_uncertainty
-    )
-    # away from the absurd values of the whole fit more may turn out to be undetermined
-    for _ in range(len(problem.unknowns)):
-        more = undetermined(fit, protected)
-        if not more or len(fit.chosen) <= 1:
-            break
-        dropped = (*dropped, *more)
+    dropped: list[str] = []
+    fit = whole
+    # one after the other: the values of a whole fit may be so absurd that its derivatives mislead
+    while name := least_determined(fit):
+        dropped.append(name)
         fit = solve(problem, held=[*held, *dropped], starts=1, seed=seed, held_uncertainty=held_uncertainty)
-    return Reduced(fit, whole, dropped, weak)
+    if not dropped or keep_all:
+        return Reduced(whole, whole, tuple(dropped), weak)
+    if starts > 1:
+        fit = solve(problem, held=[*held, *dropped], starts=starts, seed=seed, held_uncertainty=held_uncertainty)
+    return Reduced(fit, whole, tuple(dropped), weak)
 
 
-def undetermined(fit: Fit, protected: Sequence[str] = ()) -> tuple[str, ...]:
-    """Names to hold, one after the other the least determined, until the data tell all others apart."""
+def least_determined(fit: Fit) -> str:
+    """The parameter to hold next; "" if the data tell all apart, or only one is left.
+
+    Of those that are not determined it is the one of the lowest rank, of equal ranks the least determined.
+    """
     unknowns = fit.problem.unknowns
     chosen = [int(k) for k in np.flatnonzero(fit.is_free)]
-    is_log = np.array([unknown.is_log for unknown in unknowns])
-    names: list[str] = []
-    while len(chosen) > 1:
-        j = fit.jacobian[:, chosen]
-        deviation = np.sqrt(np.diag(inverse_square(j))) * _scale(fit, chosen)
-        free = np.array([is_log[k] and unknowns[k].name not in protected for k in chosen])
-        if not free.any():
-            break
-        deviation = np.where(free, deviation, 0.0)
-        worst = int(np.argmax(deviation))
-        if deviation[worst] <= LARGEST_DEVIATION and condition(j) <= LARGEST_CONDITION:
-            break
-        names.append(unknowns[chosen.pop(worst)].name)
-    return tuple(names)
+    if len(chosen) < 2:
+        return ""
+    j = fit.jacobian[:, chosen]
+    deviation = np.sqrt(np.diag(inverse_square(j))) * _scale(fit, chosen)
+    loose = deviation > LARGEST_DEVIATION
+    if condition(j) > LARGEST_CONDITION:
+        loose |= np.abs(np.linalg.svd(j, full_matrices=False)[2][-1]) >= LEAST_ENTRY
+    candidates = [int(row) for row in np.flatnonzero(loose) if unknowns[chosen[row]].is_log]
+    if not candidates:
+        return ""
+    worst = min(candidates, key=lambda row: (unknowns[chosen[row]].rank, -deviation[row]))
+    return unknowns[chosen[worst]].name
 
 
 def _scale(fit: Fit, chosen: Sequence[int]) -> np.ndarray:

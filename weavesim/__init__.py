@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from .fabric.shear.friction import CrossoverFriction, ShearFriction
     from .fabric.shear.law import ShearLaw
     from .fabric.shear.linear import LinearShear
+    from .fabric.shear.loop import LoopSplit, split_jump, split_loop
     from .fabric.shear.moment_curve import MomentCurve
     from .output.folder import ResultFolder
     from .output.writer import Writer
@@ -119,6 +120,7 @@ _names_in = {
     "fabric.shear.friction": ("CrossoverFriction", "ShearFriction"),
     "fabric.shear.law": ("ShearLaw",),
     "fabric.shear.linear": ("LinearShear",),
+    "fabric.shear.loop": ("LoopSplit", "split_jump", "split_loop"),
     "fabric.shear.moment_curve": ("MomentCurve",),
     "output.folder": ("ResultFolder",),
     "output.writer": ("Writer",),

@@ -35,6 +35,7 @@ from ..device import Precision
 from ..errors import InputError, RunError
 from ..run.interruption import Interrupted, Interruption, interruption, leaving_at_once
 from .ending import ExitCode, closing_lines, exit_code, interrupted_code
+from .fabric_command import fabric_application
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
 if TYPE_CHECKING:
@@ -49,6 +50,9 @@ application = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
+
+
+application.add_typer(fabric_application, name="fabric")
 
 
 def main(*leading: str) -> None:

@@ -89,16 +89,21 @@ def user_cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
 
 
+def kernel_cache_base() -> Path:
+    """Folder of the compiled kernels of all kinds of processors."""
+    base = os.environ.get("WARP_CACHE_PATH")
+    return Path(base) if base else user_cache_folder() / "weavesim"
+
+
 def kernel_cache_folder() -> Path:
     """Folder of the compiled kernels, one per kind of processor.
 
     Kernels are compiled for the current processor, so code from one machine may not run on another that shares the
     home folder. The environment variable ``WARP_CACHE_PATH`` moves the whole cache.
     """
-    base = os.environ.get("WARP_CACHE_PATH")
     identity = "\n".join((sys.platform, platform.machine(), cpu_features()))
     key = hashlib.sha256(identity.encode()).hexdigest()[:12]
-    return (Path(base) if base else user_cache_folder() / "weavesim") / key
+    return kernel_cache_base() / key
 
 
 @contextmanager

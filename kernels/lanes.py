@@ -37,6 +37,7 @@ class LaneTypes:
     lane_count: int
     lanes: type
     lanes3: type
+    lanes4: type
     indices: type
     vec3: type
     vec4: type
@@ -50,6 +51,7 @@ def lane_types(real: type, lane_count: int) -> LaneTypes:
         lane_count=lane_count,
         lanes=wp.types.vector(lane_count, real),
         lanes3=wp.types.matrix((3, lane_count), real),
+        lanes4=wp.types.matrix((4, lane_count), real),
         indices=wp.types.vector(lane_count, wp.int32),
         vec3=wp.types.vector(3, real),
         vec4=wp.types.vector(4, real),
@@ -198,14 +200,6 @@ for _types in ALL_LANE_TYPES:
     """)
     def pick(source: wp.array(dtype=_types.real), index: _types.indices, first: wp.int32) -> _types.lanes:
         """The scalars ``source[index + first]``, one per lane; ``source`` is contiguous."""
-
-
-@wp.func
-def gather(source: Any, index: Any, first: int, stride: int):
-    """3-vectors of the scalars ``source[index + first + (0, 1, 2) stride]``, one per lane."""
-    return wp.matrix_from_rows(
-        pick(source, index, first), pick(source, index, first + stride), pick(source, index, first + 2 * stride)
-    )
 
 
 # Warp's arrays may overlap for all that the compiler knows: on a GPU what is read after a write waits for the memory,

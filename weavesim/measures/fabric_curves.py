@@ -150,6 +150,11 @@ def _band(
     return x, factor * values.min(axis=0), factor * values.max(axis=0)
 
 
+def _of_each(curve: Callable[[Fabric], np.ndarray]) -> Callable[[list[Fabric]], np.ndarray]:
+    """The curves (k, n) of k fabrics."""
+    return lambda fabrics: np.array([curve(one) for one in fabrics])
+
+
 def shear_curves(fabric: Fabric) -> CurveSet:
     """Moment over shear angle, without tension."""
     measured = fabric.shear.trusted_angle
@@ -192,7 +197,8 @@ def tension_curves(fabric: Fabric) -> CurveSet:
         "warp, weft held": (warp, 0), "weft, warp held": (weft, 1),
         "warp, both pulled": (both, 0), "weft, both pulled": (both, 1),
     }  # fmt: skip
-    lines, first = [], zero
+    lines: list[Line] = []
+    first = zero
     for label, (strains, row) in pulls.items():
         force = _forces([cell], strains)[0][:, row]
         first = force if not lines else first
@@ -236,7 +242,7 @@ def bending_curves(fabric: Fabric) -> CurveSet:
         fabric, ("bending", "thickness"), curvature, 1.0e3, 1.0e-3 * lines[0].y,
         lambda fabrics: np.array([_bending_moment(one, "warp", curvature) for one in fabrics]),
     )  # fmt: skip
-    origin = fabric.origin_of("bending.warp.curvature") if ends else None
+    origin = fabric.origin_of("bending.warp.curvature")
     return CurveSet(
         "bending", "Bending", "curvature [1/m]", "moment per width [N mm/m]", tuple(lines), band,
         origin.range if origin and not origin.assumed else None, min(ends) if ends else None,
@@ -283,7 +289,7 @@ def thickness_curves(fabric: Fabric) -> tuple[CurveSet, CurveSet]:
         first = curve(fabric)
         band = _band(
             fabric, ("compaction", "thickness", "unit_cell"), x, 1.0e3, first,
-            lambda fabrics, curve=curve: np.array([curve(one) for one in fabrics]),
+            _of_each(curve),
         )  # fmt: skip
         sets.append(
             CurveSet(name, title, label, "thickness [mm]", (Line("thickness", x, 1.0e3 * first),), band, note=text)

@@ -17,8 +17,8 @@ from .moment_curve import MomentCurve
 if TYPE_CHECKING:
     from ..fabric import Fabric
 
-# Points of the friction limit that are tried; more than one must be worth it.
-LIMIT_POINT_COUNTS = (1, 2, 4)
+# Points of the friction limit that are tried beside one; more must be worth it.
+LIMIT_POINT_COUNTS = (2, 4)
 # Residuals above this multiple of the noise are of a loop that has another form.
 WELL_FITTED = 2.0
 
@@ -72,7 +72,9 @@ def split_loop(
     """
     angle, moment = measured_columns(angle=angle, moment=moment)
     test, notes = prepared(angle, moment)
-    best = min((fitted(test, count, from_rest) for count in LIMIT_POINT_COUNTS), key=lambda fit: fit.criterion)
+    first = fitted(test, 1, from_rest)
+    others = [fitted(test, count, from_rest, first) for count in LIMIT_POINT_COUNTS]
+    best = min([first, *others], key=lambda fit: fit.criterion)
     if best.residual > WELL_FITTED * test.scatter + 0.01 * test.largest:
         notes.append(
             f"the test is {best.residual:.3g} N/m from both laws together, and its noise is {test.scatter:.3g} N/m: "
@@ -133,8 +135,11 @@ def split_jump(
 def unloading_doubt(fabric: Fabric) -> str:
     """Why nobody knows what a fabric does when its shear is reversed; "" if that is measured, or nothing is said.
 
-    Elastic moment and friction load alike; unloading tells them apart.
+    Elastic moment and friction load alike; unloading tells them apart. A fabric of which everything is assumed makes no
+    claim at all.
     """
+    if "everything" in fabric.assumed:
+        return ""
     if fabric.shear_friction is None:
         origin = fabric.origin_of("shear_friction")
         if origin is None and fabric.shear.trusted_angle is not None:

@@ -47,6 +47,7 @@ class LoopFit(NamedTuple):
         knots, elastic: of the elastic curve [rad], [N/m].
         limit_knots, limits, limit_error: of the friction's limit (m,), with half of the 95 % interval.
         stiffness, stiffness_interval: of the friction, with the 95 % interval [N/m].
+        onset: stiffness over the mean limit [1/rad].
         residual: root mean square distance [N/m].
         criterion: Schwarz's: the least is best.
     """
@@ -58,6 +59,7 @@ class LoopFit(NamedTuple):
     limit_error: np.ndarray
     stiffness: float
     stiffness_interval: tuple[float, float]
+    onset: float
     residual: float
     criterion: float
 
@@ -95,7 +97,7 @@ def prepared(angle: np.ndarray, moment: np.ndarray) -> tuple[LoopTest, list[str]
         raise InputError(
             "unloading lies above loading, by its mean: the test is not in the order of time, or columns are exchanged"
         )
-    groups = _averaged(angle, moment, pieces)
+    groups = _averaged(_without_jitter(angle, pieces), moment, pieces)
     return LoopTest(*groups, scatter, largest, unloaded), notes
 
 
@@ -110,6 +112,16 @@ def _branches(angle: np.ndarray, turn: float) -> Iterator[tuple[int, int, bool]]
                 yield start, extreme + 1, rising
             start, extreme, rising = extreme, k, not rising
     yield start, len(angle), rising
+
+
+def _without_jitter(angle: np.ndarray, pieces: Sequence[tuple[int, int, bool]]) -> np.ndarray:
+    """Angles that only rise or only fall in each branch: friction would take noise for a change of direction."""
+    result = angle.copy()
+    for start, end, rises in pieces:
+        part = result[start:end] if rises else -result[start:end]
+        part = 0.5 * (np.maximum.accumulate(part) + np.minimum.accumulate(part[::-1])[::-1])
+        result[start:end] = part if rises else -part
+    return result
 
 
 def _slack_from(angle: np.ndarray, moment: np.ndarray, pieces: Sequence[tuple[int, int, bool]], least: float) -> int:
@@ -230,8 +242,8 @@ class _Model:
         return np.column_stack([*columns, (paths[:, 1:] - paths[:, :1]) / step[count:]])
 
 
-def fitted(test: LoopTest, limit_count: int, from_rest: bool) -> LoopFit:
-    """The best fit with that many points of the limit, from several starts."""
+def fitted(test: LoopTest, limit_count: int, from_rest: bool, like: LoopFit | None = None) -> LoopFit:
+    """The best fit with that many points of the limit, from several starts, or from that of a fit ``like`` it."""
     from scipy.optimize import least_squares
 
     model = _Model(test, limit_count, from_rest)
@@ -245,7 +257,7 @@ def fitted(test: LoopTest, limit_count: int, from_rest: bool) -> LoopFit:
     order = np.argsort(test.angle, kind="stable")
     middle = np.maximum(np.interp(model.knots[1:], test.angle[order], _running_mean(test.moment[order])), 0.0)
     best = None
-    for onset in FIRST_ONSETS:
+    for onset in FIRST_ONSETS if like is None else (like.onset,):
         start = np.zeros(count)
         start[:elastic_count] = middle + 1.0e-3 * test.largest
         start[elastic_count:place] = 0.1 * test.largest
@@ -283,5 +295,5 @@ def _result(model: _Model, parameters: np.ndarray) -> LoopFit:
     scale = max(square / n, (1.0e-6 * test.largest) ** 2)
     return LoopFit(
         model.knots, elastic, model.limit_knots, limits, error, stiffness, (stiffness / spread, stiffness * spread),
-        math.sqrt(square / n), n * math.log(scale) + count * math.log(n),
+        onset, math.sqrt(square / n), n * math.log(scale) + count * math.log(n),
     )  # fmt: skip

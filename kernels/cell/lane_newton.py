@@ -33,6 +33,13 @@ def equilibrium_function(unknown_count: int, first: wp.Function, iterate: wp.Fun
     active_row = StateRows(unknown_count).row("active")
 
     @wp.func
+    def without_unknowns(p: Any, start: Any):
+        return start, first(p, start)
+
+    if unknown_count == 0:
+        return without_unknowns
+
+    @wp.func
     def rows_like(like: Any):
         return wp.matrix(shape=(wp.static(RESIDUAL + 1), len(like)), dtype=wp.float64)
 
@@ -41,8 +48,6 @@ def equilibrium_function(unknown_count: int, first: wp.Function, iterate: wp.Fun
         x = start
         x[active_row] = fill(x[active_row], 1.0)
         y = rows_like(x[0])
-        if wp.static(unknown_count == 0):
-            return x, first(p, x)
         for evaluation in range(LARGEST_EVALUATION_COUNT):
             x = iterate(p, x)
             unfinished = lane_maximum(x[active_row])

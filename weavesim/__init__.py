@@ -17,6 +17,10 @@ if (_checkout / "pyproject.toml").is_file():
 
 # ruff: noqa: F401, the imports are for type checkers
 if TYPE_CHECKING:
+    from .calibration.calibration import calibrate
+    from .calibration.options import CalibrationOptions
+    from .calibration.record import write_calibration
+    from .calibration.result import Calibration
     from .checks import NotNegative, Positive, json_schema
     from .device import Precision
     from .engine.model import Model
@@ -80,6 +84,10 @@ if TYPE_CHECKING:
 
 # The modules of the public names; the imports above are the same list for type checkers.
 _names_in = {
+    "calibration.calibration": ("calibrate",),
+    "calibration.options": ("CalibrationOptions",),
+    "calibration.record": ("write_calibration",),
+    "calibration.result": ("Calibration",),
     "checks": ("NotNegative", "Positive", "json_schema"),
     "device": ("Precision",),
     "engine.model": ("Model",),

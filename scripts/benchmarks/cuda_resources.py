@@ -1,4 +1,4 @@
-"""What the kernels of a run need on a CUDA device: registers and stack, read from binaries built without one."""
+"""What the kernels of a run need on a CUDA device, from binaries built without one: registers, stack, instructions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 import subprocess
 import sysconfig
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 DUMP = "nvidia/*/bin/cuobjdump*"
 USAGE = re.compile(r"Function (?P<name>\w+_forward):\s*REG:(?P<registers>\d+) STACK:(?P<stack>\d+)")
 
+# An address and what is there, but not what fills the end.
+INSTRUCTION = re.compile(r"/\*[0-9a-f]{4,}\*/\s+(?!NOP)\S")
+
 
 @dataclass(frozen=True)
 class Resources:
@@ -32,6 +35,7 @@ class Resources:
 
     registers: int
     stack: int  # [bytes]
+    instructions: int  # in the binary, whether executed or not
 
 
 def dump_program() -> Path | None:
@@ -54,11 +58,15 @@ def resources(kernel: wp.Kernel, architecture: int) -> Resources:
     with TemporaryDirectory() as folder:
         wp.compile_aot_module(kernel.module, arch=architecture, use_ptx=False, module_dir=folder)
         (binary,) = Path(folder).glob("*.cubin")
-        done = subprocess.run([program, "-res-usage", binary], capture_output=True, text=True, check=True)
-    found = USAGE.search(done.stdout)
+        usage, code = (
+            subprocess.run([program, option, binary], capture_output=True, text=True, check=True).stdout
+            for option in ("-res-usage", "-sass")
+        )
+    found = USAGE.search(usage)
     if found is None:
-        raise RuntimeError(f"{kernel.key}: cuobjdump reports no kernel:\n{done.stdout}")
-    return Resources(int(found["registers"]), int(found["stack"]))
+        raise RuntimeError(f"{kernel.key}: cuobjdump reports no kernel:\n{usage}")
+    forward = next(part for part in code.split("Function : ") if part.startswith(found["name"]))
+    return Resources(int(found["registers"]), int(found["stack"]), len(INSTRUCTION.findall(forward)))
 
 
 def kernels_on_gpu(setup: Setup, precision: str) -> Iterator[wp.Kernel]:
@@ -104,5 +112,5 @@ def cuda(
                 for kernel in kernels_on_gpu(setup, one):
                     for architecture in arch.split(","):
                         needs = resources(kernel, int(architecture))
-                        rows.append([setup.name, short_name(kernel), one, architecture, needs.registers, needs.stack])
-    typer.echo(table(["set-up", "kernel", "precision", "sm", "registers", "stack [bytes]"], rows))
+                        rows.append([setup.name, short_name(kernel), one, architecture, *astuple(needs)])
+    typer.echo(table(["set-up", "kernel", "precision", "sm", "registers", "stack [bytes]", "instructions"], rows))

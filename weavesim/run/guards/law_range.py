@@ -108,10 +108,9 @@ class Unloading(Guard):
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """One note for each sheet in which it matters."""
-        for info, frame, sheet in zip(
-            run.run.info.sheets, run.run.frame.sheets, run.extremes.sheets, strict=True
-        ):  # fmt: skip
-            back = sheet.rows[ExtremeRow.angle] - np.abs(frame.fields["shear_angle"])
+        angles = run.values("shear_angle")
+        for info, angle, sheet in zip(run.run.info.sheets, angles, run.extremes.sheets, strict=True):
+            back = sheet.rows[ExtremeRow.angle] - np.abs(angle)
             share = float((back > UNLOADED_ANGLE).mean())
             if share > UNLOADED_SHARE and (assumption := unloading_doubt(info.fabric)):
                 yield self.doubt(

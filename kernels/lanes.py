@@ -22,6 +22,9 @@ import warp as wp
 CPU_LANE_COUNT = 16
 GPU_LANE_COUNT = 1
 
+# Threads of a block on a GPU: few, so that a small sheet occupies every multiprocessor.
+STEP_THREAD_COUNT = 64
+
 # Sixteen scalars of single precision are read sooner one by one than by an AVX gather; eight of double are not.
 NO_GATHER_FLAGS = "-target-feature +prefer-no-gather"
 
@@ -34,6 +37,7 @@ class LaneTypes:
     lane_count: int
     lanes: type
     lanes3: type
+    lanes4: type
     indices: type
     vec3: type
     vec4: type
@@ -47,6 +51,7 @@ def lane_types(real: type, lane_count: int) -> LaneTypes:
         lane_count=lane_count,
         lanes=wp.types.vector(lane_count, real),
         lanes3=wp.types.matrix((3, lane_count), real),
+        lanes4=wp.types.matrix((4, lane_count), real),
         indices=wp.types.vector(lane_count, wp.int32),
         vec3=wp.types.vector(3, real),
         vec4=wp.types.vector(4, real),
@@ -58,15 +63,15 @@ ALL_LANE_TYPES = tuple(
 )
 
 
-def step_options(real: type) -> dict[str, str]:
-    """Options of the modules of the kernels of a step: on x86 processors, single precision without gathers.
+def step_options(real: type) -> dict[str, Any]:
+    """Options of the modules of the kernels of a step: small blocks on a GPU; on x86, single precision without gathers.
 
     The flags of a module replace those of Warp's configuration, which are set before a kernel is made.
     """
     flags = wp.config.cpu_compiler_flags
     if real is wp.float64 or not flags or platform.machine().lower() not in ("x86_64", "amd64"):
-        return {}
-    return {"cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
+        return {"block_dim": STEP_THREAD_COUNT}
+    return {"block_dim": STEP_THREAD_COUNT, "cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
 
 
 # --- scalars in lanes -------------------------------------------------------------------------------------------------
@@ -197,12 +202,26 @@ for _types in ALL_LANE_TYPES:
         """The scalars ``source[index + first]``, one per lane; ``source`` is contiguous."""
 
 
-@wp.func
-def gather(source: Any, index: Any, first: int, stride: int):
-    """3-vectors of the scalars ``source[index + first + (0, 1, 2) stride]``, one per lane."""
-    return wp.matrix_from_rows(
-        pick(source, index, first), pick(source, index, first + stride), pick(source, index, first + 2 * stride)
-    )
+# Warp's arrays may overlap for all that the compiler knows: on a GPU what is read after a write waits for the memory,
+# unless it is in the cache by then.
+for _types in ALL_LANE_TYPES:
+
+    @wp.func_native("""
+    #if defined(__CUDA_ARCH__)
+        for (int row = first; row < first + count; ++row)
+            asm volatile("prefetch.global.L1 [%0];" : : "l"(&wp::index(source, row, block)));
+    #endif
+    """)
+    def expect_rows(source: wp.array2d(dtype=_types.lanes), first: wp.int32, count: wp.int32, block: wp.int32):
+        """On a GPU, start to fetch ``count`` rows from ``first`` on, which are read later."""
+
+    @wp.func_native("""
+    #if defined(__CUDA_ARCH__)
+        asm volatile("prefetch.global.L1 [%0];" : : "l"(&wp::index(source, block)));
+    #endif
+    """)
+    def expect(source: wp.array(dtype=_types.lanes), block: wp.int32):
+        """On a GPU, start to fetch what is read later."""
 
 
 @wp.func
@@ -247,21 +266,21 @@ def store(target: Any, first: int, value: Any):
 _RIGHT_ANGLE = wp.constant(wp.float64(0.5 * np.pi))
 
 
-def _arctangent_coefficients(term_count: int) -> list[float]:
-    """Coefficients c_k of atan(x)/x = sum c_k x^(2k) for 0 <= x <= 1, near-minimax (Chebyshev)."""
+def arctangent_coefficients(term_count: int, largest_square: float = 1.0) -> list[float]:
+    """Coefficients c_k of atan(x)/x = sum c_k x^(2k) for 0 <= x^2 <= ``largest_square``, near-minimax (Chebyshev)."""
     chebyshev = np.polynomial.Chebyshev.interpolate(
         lambda z: np.where(
             z > 1e-12, np.arctan(np.sqrt(np.abs(z))) / np.sqrt(np.maximum(np.abs(z), 1e-300)), 1 - z / 3
         ),
         term_count - 1,
-        domain=[0.0, 1.0],
+        domain=[0.0, largest_square],
     )
     return chebyshev.convert(kind=np.polynomial.Polynomial).coef.tolist()
 
 
 # The error is 3e-9 with ten terms, 1e-15 with twenty.
-_SINGLE_ARCTANGENT = wp.types.vector(10, wp.float32)(*_arctangent_coefficients(10))
-_DOUBLE_ARCTANGENT = wp.types.vector(20, wp.float64)(*_arctangent_coefficients(20))
+_SINGLE_ARCTANGENT = wp.types.vector(10, wp.float32)(*arctangent_coefficients(10))
+_DOUBLE_ARCTANGENT = wp.types.vector(20, wp.float64)(*arctangent_coefficients(20))
 
 
 @wp.func

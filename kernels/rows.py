@@ -47,32 +47,36 @@ class Rows(IntEnum):
     @property
     def vector(self) -> int:
         """Index of a vector among those of its array, for arrays (vector, item, component)."""
-        return self // 3
+        return sum(other.width == 3 for other in type(self) if other < self)
 
 
 class MotionRow(Rows):
-    """Motion of the nodes; the vectors come first."""
+    """Motion of the nodes. Records of ``MOTION_RECORD_LENGTH``, which elements read, come first; see records.py."""
 
     position = "m", "position, rounded to the precision of the run", 3
-    velocity = "m/s", "velocity, half a step before the position", 3
-    director = "1", "unit director", 3
-    spin = "1/s", "rate at which the director turns, half a step before it", 3
-    remainder = "m", "what rounding cut off the position", 3
-    velocity_remainder = "m/s", "what rounding cut off the velocity", 3
     mean_angle = "rad", "mean shear angle of the elements around the node"
+    remainder = "m", "what rounding cut off the position", 3
+    beside_remainder = "1", "not used"
+    director = "1", "unit director", 3
+    beside_director = "1", "not used"
+    velocity = "m/s", "velocity, half a step before the position", 3
+    beside_velocity = "1", "not used"
+    spin = "1/s", "rate at which the director turns, half a step before it", 3
+    velocity_remainder = "m/s", "what rounding cut off the velocity", 3
 
 
+MOTION_RECORD_LENGTH = int(MotionRow.spin)
 # Vectors of the motion array.
 MOTION_VECTORS = tuple(row.name for row in MotionRow if row.width == 3)
 
 
 class CornerRow(Rows):
-    """Values that an element writes at each of its four corners, in four consecutive blocks of rows."""
+    """Values that an element writes at each of its four corners: four times these rows, all in its record."""
 
     force = "N", "force on the node", 3
+    thickness = "m", "current thickness of the element, where tools meet that"
     couple = "N m", "minus the derivative of the energy by the director", 3
     angle = "rad", "shear angle of the element"
-    thickness = "m", "current thickness of the element, where tools meet that"
 
 
 ROWS_PER_CORNER = CornerRow.row_count()

@@ -48,6 +48,7 @@ ROOMS = {
     "engine": ("Setup, Model, State, Stepper", "#c2571a"),
     "run": ("Simulation, ledger, frames, verdict", "#c2571a"),
     "output": ("writers, pictures, report", "#1f8a70"),
+    "calibration": ("fabrics from tests", "#1f8a70"),
     "app": ("command line, progress", "#5b3fb5"),
     "scenes": ("problems as values", "#5b3fb5"),
     "scripts": ("what a person runs", "#5b3fb5"),

@@ -2,8 +2,10 @@
 
     python scripts/benchmark.py rates [--case double_dome_5mm] [--json now.json] [--compare before.json]
     python scripts/benchmark.py laws        cost of each law and unit cell, relative to the default ones
+    python scripts/benchmark.py cells       cost of each unit cell, relative to the plain weave
     python scripts/benchmark.py sheets      cost of several sheets in one run, relative to one
     python scripts/benchmark.py bounds      memory bandwidth and multiply-add rate of this machine
+    python scripts/benchmark.py cuda        registers and stack of every kernel on CUDA devices, without one
     python scripts/benchmark.py against ../weavesim-before     this checkout compared with another one
     python scripts/benchmark.py peers       Newton's cloth solvers on the same drape (scripts/peers)
 
@@ -20,14 +22,15 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from scripts.benchmarks.against import against  # noqa: E402
 from scripts.benchmarks.bounds import bounds  # noqa: E402
-from scripts.benchmarks.laws import laws  # noqa: E402
+from scripts.benchmarks.cuda_resources import cuda  # noqa: E402
+from scripts.benchmarks.laws import cells, laws  # noqa: E402
 from scripts.benchmarks.rates import rates, worker  # noqa: E402
 from scripts.benchmarks.sheets import sheets  # noqa: E402
 from scripts.peers.command import peers  # noqa: E402
 
 app = typer.Typer(add_completion=False, help=__doc__, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command(hidden=True)(worker)
-for command in (rates, laws, sheets, against, peers, bounds):
+for command in (rates, laws, cells, sheets, against, peers, bounds, cuda):
     app.command()(command)
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.support.default_device import use_by_default
 from tests.support.frames import Frames
 from tests.support.made_run import made_run, made_stack
 from tests.support.manual import Case
@@ -20,6 +21,12 @@ def pytest_addoption(parser):
     parser.addoption(
         "--manual", metavar="DIRECTORY", help="write what the verification tests record here (scripts/verification.py)"
     )
+    parser.addoption("--default-device", metavar="DEVICE", help="device of all runs that ask for none, such as cuda:0")
+
+
+def pytest_configure(config):
+    if device := config.getoption("--default-device"):
+        use_by_default(device)
 
 
 def pytest_collection_modifyitems(items):
@@ -48,6 +55,14 @@ def pytest_sessionfinish(session):
 def _warp():
     """Warp with the settings of a run: quiet, the same compiler flags, the same kernel cache."""
     initialise()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_fabrics(tmp_path_factory):
+    """A folder without fabrics in the place of that of whoever runs the tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("WEAVESIM_FABRICS", str(tmp_path_factory.mktemp("fabrics")))
+        yield
 
 
 @pytest.fixture(params=["cpu", pytest.param("cuda:0", marks=pytest.mark.gpu)])

@@ -17,6 +17,10 @@ if (_checkout / "pyproject.toml").is_file():
 
 # ruff: noqa: F401, the imports are for type checkers
 if TYPE_CHECKING:
+    from .calibration.calibration import calibrate
+    from .calibration.options import CalibrationOptions
+    from .calibration.record import write_calibration
+    from .calibration.result import Calibration
     from .checks import NotNegative, Positive, json_schema
     from .device import Precision
     from .engine.model import Model
@@ -49,6 +53,7 @@ if TYPE_CHECKING:
     from .fabric.shear.friction import CrossoverFriction, ShearFriction
     from .fabric.shear.law import ShearLaw
     from .fabric.shear.linear import LinearShear
+    from .fabric.shear.loop import LoopSplit, split_jump, split_loop
     from .fabric.shear.moment_curve import MomentCurve
     from .output.folder import ResultFolder
     from .output.writer import Writer
@@ -79,6 +84,10 @@ if TYPE_CHECKING:
 
 # The modules of the public names; the imports above are the same list for type checkers.
 _names_in = {
+    "calibration.calibration": ("calibrate",),
+    "calibration.options": ("CalibrationOptions",),
+    "calibration.record": ("write_calibration",),
+    "calibration.result": ("Calibration",),
     "checks": ("NotNegative", "Positive", "json_schema"),
     "device": ("Precision",),
     "engine.model": ("Model",),
@@ -111,6 +120,7 @@ _names_in = {
     "fabric.shear.friction": ("CrossoverFriction", "ShearFriction"),
     "fabric.shear.law": ("ShearLaw",),
     "fabric.shear.linear": ("LinearShear",),
+    "fabric.shear.loop": ("LoopSplit", "split_jump", "split_loop"),
     "fabric.shear.moment_curve": ("MomentCurve",),
     "output.folder": ("ResultFolder",),
     "output.writer": ("Writer",),

@@ -1,6 +1,6 @@
 """Where a run is computed: precision, device, threads, and the Warp settings for them.
 
-Warp is imported inside the functions, so that the command line can list these options without loading it.
+Warp and NumPy are imported inside the functions, so that the command line can list these options without loading them.
 """
 
 from __future__ import annotations
@@ -18,12 +18,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from . import kernel_cache
 from .errors import InputError
 
 if TYPE_CHECKING:
+    import numpy as np
     import warp as wp
 
 # Inlining and full-width vectors turn the lanes of kernels/ into SIMD code; see docs/performance.md.
@@ -51,6 +50,8 @@ class Precision(StrEnum):
     @property
     def numpy(self) -> np.dtype[Any]:
         """NumPy's scalar type."""
+        import numpy as np
+
         return np.dtype(self.value)
 
 
@@ -88,16 +89,21 @@ def user_cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
 
 
+def kernel_cache_base() -> Path:
+    """Folder of the compiled kernels of all kinds of processors."""
+    base = os.environ.get("WARP_CACHE_PATH")
+    return Path(base) if base else user_cache_folder() / "weavesim"
+
+
 def kernel_cache_folder() -> Path:
     """Folder of the compiled kernels, one per kind of processor.
 
     Kernels are compiled for the current processor, so code from one machine may not run on another that shares the
     home folder. The environment variable ``WARP_CACHE_PATH`` moves the whole cache.
     """
-    base = os.environ.get("WARP_CACHE_PATH")
     identity = "\n".join((sys.platform, platform.machine(), cpu_features()))
     key = hashlib.sha256(identity.encode()).hexdigest()[:12]
-    return (Path(base) if base else user_cache_folder() / "weavesim") / key
+    return kernel_cache_base() / key
 
 
 @contextmanager
@@ -200,7 +206,7 @@ def load_kernel(kernel: wp.Kernel, device: wp.Device) -> None:
         InputError: a kernel can be stored nowhere.
     """
     is_compiled(kernel, device)  # removes a damaged one
-    size = _block_size(device)
+    size = block_size(kernel, device)
     before = kernel_cache.folder_of(kernel, size)
     was_there = before.exists()
     try:
@@ -217,7 +223,7 @@ def load_kernel(kernel: wp.Kernel, device: wp.Device) -> None:
     kernel_cache.seal(kernel_cache.folder_of(kernel, size))
 
 
-def _load(kernel: wp.Kernel, device: wp.Device, size: int | None) -> None:
+def _load(kernel: wp.Kernel, device: wp.Device, size: int) -> None:
     loaded = kernel.module.load(device, block_dim=size)
     if loaded is None or not loaded.get_kernel_hooks(kernel).forward:
         raise RuntimeError("the kernel is not in its binary")
@@ -228,7 +234,7 @@ def is_compiled(kernel: wp.Kernel, device: wp.Device) -> bool:
 
     A damaged one is removed.
     """
-    folder = kernel_cache.folder_of(kernel, _block_size(device))
+    folder = kernel_cache.folder_of(kernel, block_size(kernel, device))
     binaries = {".o"} if device.is_cpu else {".ptx", ".cubin"}
     if reason := kernel_cache.damage(folder):
         kernel_cache.discard(folder, reason)
@@ -236,8 +242,9 @@ def is_compiled(kernel: wp.Kernel, device: wp.Device) -> bool:
     return any(file.suffix in binaries for file in folder.glob("*"))
 
 
-def _block_size(device: wp.Device) -> int | None:
-    return 1 if device.is_cpu else None
+def block_size(kernel: wp.Kernel, device: wp.Device) -> int:
+    """Threads of a block with which a kernel is compiled, and must be launched; 1 on a CPU."""
+    return 1 if device.is_cpu else kernel.module.options["block_dim"]
 
 
 def available_threads() -> int:

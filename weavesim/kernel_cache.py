@@ -1,5 +1,7 @@
 """The cache of compiled kernels heals itself: what is damaged is compiled again, what cannot be written goes elsewhere.
 
+It does not grow for ever either: what no run has used for long is removed.
+
 Warp keeps every module of kernels in a folder of its own. A seal beside its files, their SHA-256, tells damage that
 would otherwise crash, or compute something else.
 """
@@ -10,12 +12,14 @@ import atexit
 import hashlib
 import json
 import logging
+import os
 import re
 import shutil
 import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +34,12 @@ LOADED = (".o", ".ptx", ".cubin", ".meta")
 # A kernel of a run takes up to this much.
 PROBE_SIZE = 1 << 20
 
+# Beyond this size [bytes] modules that no run has loaded for this long [s] are removed.
+LARGEST_SIZE = 1 << 30
+UNUSED_AGE = 24.0 * 3600.0
+
+# Our folders in the cache, one per kind of processor; others may keep theirs beside them.
+OWN_FOLDER = re.compile(r"[0-9a-f]{12}")
 # Folders in which Warp compiles, and an age at which no compiler is still at work in one [s].
 LEFTOVER = re.compile(r"_p\d+_t\d+$")
 LEFTOVER_AGE = 24.0 * 3600.0
@@ -65,6 +75,7 @@ def damage(folder: Path) -> str:
 def seal(folder: Path) -> None:
     """Note the hashes of a module that was loaded, unless they are known; a folder that is read-only stays unsealed."""
     with suppress(OSError, ValueError):
+        os.utime(folder)  # when it was used last
         files = list(_loaded_files(folder))
         if {file.name for file in files} - set(_seal(folder)):
             temporary = Path(tempfile.mkstemp(dir=folder, prefix=".seal")[1])
@@ -96,8 +107,68 @@ def ensure_room() -> None:
             probe.write(bytes(PROBE_SIZE))
             probe.flush()
         _remove_leftovers(folder)
+        remove_unused(folder)
     except OSError as error:
         use_temporary(error)
+
+
+@dataclass(frozen=True)
+class Module:
+    """A compiled module in the cache: its folder, its size [bytes], and when a run loaded it last [s since 1970]."""
+
+    folder: Path
+    size: int
+    used: float
+
+
+def modules(folder: Path) -> list[Module]:
+    """What is in a folder of modules; empty if there is none."""
+    found = []
+    with suppress(FileNotFoundError):
+        for path in folder.iterdir():
+            with suppress(OSError):  # another process may remove it meanwhile
+                if path.is_dir():
+                    size = sum(file.stat().st_size for file in path.iterdir())
+                    found.append(Module(path, size, path.stat().st_mtime))
+    return found
+
+
+def remove_unused(folder: Path, largest_size: int = LARGEST_SIZE, unused_age: float = UNUSED_AGE) -> None:
+    """Remove the modules that were not used for longest until the rest is within ``largest_size`` [bytes].
+
+    Those used within ``unused_age`` [s] stay: another run may be about to load them.
+    """
+    every = modules(folder)
+    excess, now = sum(module.size for module in every) - largest_size, time.time()
+    for module in sorted(every, key=lambda one: one.used):
+        if excess <= 0 or now - module.used < unused_age:
+            return
+        shutil.rmtree(module.folder, ignore_errors=True)
+        excess -= module.size
+
+
+def own_folders(base: Path) -> list[Path]:
+    """Folders of weavesim's modules in a cache, of all kinds of processors and versions of Warp."""
+    if not base.is_dir():
+        return []
+    kinds = [path for path in base.iterdir() if OWN_FOLDER.fullmatch(path.name) and path.is_dir()]
+    return sorted(path for kind in kinds for path in kind.iterdir() if path.is_dir())
+
+
+def clear(base: Path) -> None:
+    """Remove all of weavesim's modules from a cache.
+
+    Raises:
+        InputError: some cannot be removed.
+    """
+    for kind in {folder.parent for folder in own_folders(base)}:
+        try:
+            shutil.rmtree(kind)
+        except OSError as error:
+            raise InputError(
+                f"compiled kernels in {kind} cannot be removed: {error.strerror or error}; end the runs that use them, "
+                "and check who owns the folder"
+            ) from None
 
 
 def _remove_leftovers(folder: Path) -> None:

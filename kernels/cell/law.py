@@ -1,6 +1,6 @@
 """The contract of a unit cell: its response to the strains of an element (docs/theory.md, section 2)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -65,6 +65,7 @@ class CellLaw:
     Attributes:
         name: for messages.
         parameters: ``parameters(real)`` is the struct of the cell's constants in one precision.
+        constants: its array ``constants`` from the cell's parameters by name; None if it holds the parameters.
         unknown_count: number n of unknowns, 0 to 4.
         energy_names: the parts of the energy, entries of the ledger.
         depends_on_shear: False skips all terms that would be zero.
@@ -90,6 +91,7 @@ class CellLaw:
     tangent: Any
     stable_tangent: Any
     snap_loss: Any
+    constants: Callable[[Mapping[str, float]], list[float]] | None = None
 
     @property
     def row_count(self) -> int:

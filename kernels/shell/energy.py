@@ -17,6 +17,7 @@ from .hourglass import hourglass_function, hourglass_stiffnesses
 from .kinematics import (
     bend_function,
     corner_angles,
+    mean_angles,
     membrane_function,
     shape_functions,
     shape_struct,
@@ -128,7 +129,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         # In
         sheet: Sheet,
         motion: wp.array(dtype=real),
-        mean_angles: wp.array(dtype=real),  # the motion array that contains those of the nodes
+        earlier_motion: wp.array(dtype=real),  # the one that contains the mean angles of the nodes
         cell_unknowns: wp.array2d(dtype=lanes),
         cell_report: wp.array2d(dtype=lanes),  # rows: see CellReportRow
         slip: wp.array2d(dtype=lanes),  # rows: see SlipRow
@@ -142,7 +143,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         area = elements.area[e]
         half = real(0.5)
         shape = shape_functions(elements, e, Shape())
-        x = positions(elements, e, shape, motion)
+        x, means = positions(elements, e, shape, motion)
         d = vectors(elements, e, shape, motion, MotionRow.director)
         m = stretch_membrane(x.by1, x.by2)
         b = bend(elements, e, shape, x, d)
@@ -151,7 +152,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         moment = book_shear(laws, e, m, area, answer.moment, slip, energies)
         book_bending(laws, e, m, b, area, slip, energies)
         hourglass = hourglass_energy(elements, laws, e, shape, x, d, m, b)
-        difference, square = corner_angles(elements, e, mean_angles, m.angle)
+        difference, square = corner_angles(mean_angles(elements, e, earlier_motion), m.angle)
         in_plane_bending = (half * laws.in_plane_bending_stiffness) * where_positive(area, fill(area, 1.0), lanes())
         energies[part_count + SheetEnergy.compression, e] = half * area * compressive_energy(laws, m)
         energies[part_count + SheetEnergy.in_plane_bending, e] = in_plane_bending * square

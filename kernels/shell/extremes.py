@@ -39,7 +39,7 @@ def element_extremes_kernel(real: type, lane_count: int, flat: bool):
     ):
         block = first + wp.tid()
         shape = shape_functions(elements, block, Shape())
-        x = positions(elements, block, shape, motion)
+        x, means = positions(elements, block, shape, motion)
         m = stretch_membrane(x.by1, x.by2)
         b = bend(elements, block, shape, x, vectors(elements, block, shape, motion, MotionRow.director))
         extremes[ExtremeRow.min_warp, block] = smaller(extremes[ExtremeRow.min_warp, block], m.strain1)

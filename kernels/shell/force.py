@@ -7,20 +7,23 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..cell.surplus import take_back_function
-from ..lanes import fill, lane_types, scale, step_options, where_positive
+from ..lanes import GPU_LANE_COUNT, expect, expect_rows, fill, lane_types, scale, step_options, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
-from ..rows import ROWS_PER_CORNER, CornerRow, MotionRow
+from ..records import store_record3, store_record4
+from ..rows import CORNER_ROW_COUNT, ROWS_PER_CORNER, CellReportRow, CornerRow, MotionRow
 from .bending import bending_friction, resultants_struct, transverse_shear
 from .hourglass import stabilisation_function, warping_moments
 from .kinematics import (
     bend_function,
     corner_difference,
+    mean_angles,
     membrane_function,
     shape_functions,
     shape_struct,
     skew_weights,
     vectors_functions,
+    vectors_struct,
 )
 from .laws import SheetTraits, sheet_struct
 from .membrane import add_compression, cell_answer_function, membrane_resultants, shear_moment_function
@@ -67,25 +70,39 @@ def scaled_shape(shape: Any, area: Any):
     return shape
 
 
-@wp.func
-def store_corners(target: Any, row: int, block: int, shape: Any, by1: Any, by2: Any, hourglass: Any, mean: Any):
-    """Nodal values from the conjugates of both derivatives, the hourglass vector and the mean, signed as forces."""
-    diagonal_p = corner_difference(shape.bp1, shape.bp2, by1, by2)
-    diagonal_q = corner_difference(shape.bq1, shape.bq2, by1, by2)
-    offset_p = shape.offset_p
-    offset_q = shape.offset_q
-    one = fill(offset_p, 1.0)
-    for i in range(3):
-        target[row + i, block] = -(diagonal_p[i] + (one - offset_p) * hourglass[i] + mean[i])
-        target[row + 1 * ROWS_PER_CORNER + i, block] = -(diagonal_q[i] - (one + offset_q) * hourglass[i] + mean[i])
-        target[row + 2 * ROWS_PER_CORNER + i, block] = diagonal_p[i] - (one + offset_p) * hourglass[i] - mean[i]
-        target[row + 3 * ROWS_PER_CORNER + i, block] = diagonal_q[i] + (one - offset_q) * hourglass[i] - mean[i]
+@cache
+def store_corners_function(has_scalar: bool):
+    """Function that stores nodal vectors, signed as forces, and with ``has_scalar`` the same scalar at all corners."""
+
+    @wp.func
+    def store_corners(target: Any, row: int, block: int, shape: Any, v: Any, scalar: Any):
+        """``v``: conjugates of both derivatives, of the hourglass vector and of the mean."""
+        diagonal_p = corner_difference(shape.bp1, shape.bp2, v.by1, v.by2)
+        diagonal_q = corner_difference(shape.bq1, shape.bq2, v.by1, v.by2)
+        one = fill(shape.offset_p, 1.0)
+        for corner in range(4):
+            value = type(v.mean)()
+            for i in range(3):
+                if corner == 0:
+                    value[i] = -(diagonal_p[i] + (one - shape.offset_p) * v.hourglass[i] + v.mean[i])
+                elif corner == 1:
+                    value[i] = -(diagonal_q[i] - (one + shape.offset_q) * v.hourglass[i] + v.mean[i])
+                elif corner == 2:
+                    value[i] = diagonal_p[i] - (one + shape.offset_p) * v.hourglass[i] - v.mean[i]
+                else:
+                    value[i] = diagonal_q[i] + (one - shape.offset_q) * v.hourglass[i] - v.mean[i]
+            if wp.static(has_scalar):
+                store_record4(target, CORNER_ROW_COUNT, row + corner * ROWS_PER_CORNER, block, value, scalar)
+            else:
+                store_record3(target, CORNER_ROW_COUNT, row + corner * ROWS_PER_CORNER, block, value)
+
+    return store_corners
 
 
 @wp.func
-def assemble_forces(corner_force: Any, block: int, shape: Any, area: Any, x: Any, d: Any, r: Any, h: Any):
-    """Forces at the corners, from dpsi/da_alpha and dpsi/dx_h; ``shape`` is scaled by the area."""
-    by_a1 = (
+def force_conjugates(area: Any, x: Any, d: Any, r: Any, h: Any, v: Any):
+    """dpsi/da_alpha, and that of the hourglass vector times the area, into empty ``Vectors`` v."""
+    v.by1 = (
         scale(r.t11, x.by1)
         + scale(r.t12, x.by2)
         + scale(r.moment11, d.by1)
@@ -94,7 +111,7 @@ def assemble_forces(corner_force: Any, block: int, shape: Any, area: Any, x: Any
         + scale(h.director_force1, d.hourglass)
         + scale(h.normal1, h.unit_normal)
     )
-    by_a2 = (
+    v.by2 = (
         scale(r.t12, x.by1)
         + scale(r.t22, x.by2)
         + scale(r.moment12, d.by1)
@@ -105,30 +122,30 @@ def assemble_forces(corner_force: Any, block: int, shape: Any, area: Any, x: Any
     )
     quarter_warping = area.dtype(0.25) * h.warping_force
     by_hourglass = scale(h.in_plane, x.hourglass - scale(h.height, h.unit_normal))
-    by_hourglass = by_hourglass + scale(quarter_warping, d.mean)
+    v.hourglass = scale(area, by_hourglass + scale(quarter_warping, d.mean))
     # the energy does not depend on the mean of the positions
-    mean = type(by_hourglass)()
-    store_corners(corner_force, CornerRow.force, block, shape, by_a1, by_a2, scale(area, by_hourglass), mean)
+    return v
 
 
 @wp.func
-def assemble_couples(corner_force: Any, block: int, shape: Any, area: Any, x: Any, r: Any, h: Any):
-    """Couples at the corners, from dpsi/dd_alpha, dpsi/dd_h and dpsi/d(mean director)."""
-    by_d1 = scale(r.moment11, x.by1) + scale(r.moment12, x.by2)
-    by_d2 = scale(r.moment12, x.by1) + scale(r.moment22, x.by2)
+def couple_conjugates(area: Any, x: Any, r: Any, h: Any, v: Any):
+    """dpsi/dd_alpha, and those of the hourglass vector and the mean times the area, into empty ``Vectors`` v."""
+    v.by1 = scale(r.moment11, x.by1) + scale(r.moment12, x.by2)
+    v.by2 = scale(r.moment12, x.by1) + scale(r.moment22, x.by2)
     quarter = area.dtype(0.25)
-    by_hourglass = scale(h.director_force1, x.by1) + scale(h.director_force2, x.by2)
+    v.hourglass = scale(area, scale(h.director_force1, x.by1) + scale(h.director_force2, x.by2))
     by_mean = scale(r.shear_force1, x.by1) + scale(r.shear_force2, x.by2)
     by_mean = by_mean + scale(quarter * h.warping_force, x.hourglass)
-    mean = scale(quarter * area, by_mean)
-    store_corners(corner_force, CornerRow.couple, block, shape, by_d1, by_d2, scale(area, by_hourglass), mean)
+    v.mean = scale(quarter * area, by_mean)
+    return v
 
 
 @wp.func
-def store_everywhere(corner_force: Any, row: int, block: int, value: Any):
-    """Store the same scalar at all corners."""
-    for corner in range(4):
-        corner_force[row + ROWS_PER_CORNER * corner, block] = value
+def expect_what_is_read_late(elements: Any, block: int, cell_report: Any):
+    """On a GPU, start to fetch what is read after the cell has written its unknowns."""
+    expect_rows(cell_report, 0, wp.static(CellReportRow.row_count()), block)
+    expect(elements.yarn_inertia, block)
+    expect(elements.area, block)
 
 
 @cache
@@ -136,11 +153,13 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
     """Kernel, launched once per step: nodal forces and couples of every element."""
     lanes, layout = lane_types(real, lane_count).lanes, (real, lane_count)
     Sheet, Shape, Resultants = sheet_struct(*layout, cell, traits), shape_struct(*layout), resultants_struct(*layout)
+    Vectors = vectors_struct(*layout)
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)
     answer_cell, shear_moment = cell_answer_function(*layout, cell), shear_moment_function(cell, traits)
     resist_bending, stabilise = resist_bending_function(traits), stabilisation_function(*layout, traits.flat)
     take_back, follows_thickness = take_back_function(real, cell), traits.follows_thickness
+    store_forces, store_couples = store_corners_function(follows_thickness), store_corners_function(True)
 
     @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
     def element_forces(
@@ -158,8 +177,9 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         block = first_block + wp.tid()
         elements = sheet.elements
         laws = sheet.laws
+        expect_what_is_read_late(elements, block, cell_report)
         shape = shape_functions(elements, block, Shape())
-        x = positions(elements, block, shape, motion)
+        x, means = positions(elements, block, shape, motion)
         d = vectors(elements, block, shape, motion, MotionRow.director)
         m = stretch_membrane(x.by1, x.by2)
 
@@ -169,13 +189,14 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         # once more: reading them again is cheaper than keeping them while the cell iterates
         shape = shape_functions(elements, block, Shape())
         area = elements.area[block]
-        moment, shear12 = shear_moment(elements, laws, block, shape, m, answer, motion, slip)
+        if wp.static(lane_count == GPU_LANE_COUNT):
+            means = mean_angles(elements, block, motion)  # read only now: they need registers
+        moment, shear12 = shear_moment(laws, block, shape, m, answer, means, slip)
         r = membrane_resultants(laws, m, answer, moment, shear12, Resultants())
-        store_everywhere(corner_force, CornerRow.angle, block, m.angle)
+        thickness = lanes()
         if wp.static(follows_thickness):
             # nodes with fewer neighbours read a padding element, which must add nothing
-            thickness = where_positive(area, current_thickness(laws, m.area_ratio, answer.pressure), lanes())
-            store_everywhere(corner_force, CornerRow.thickness, block, thickness)
+            thickness = where_positive(area, current_thickness(laws, m.area_ratio, answer.pressure), thickness)
 
         b = bend(elements, block, shape, x, d)
         r = resist_bending(laws, block, shape, m, b, slip, r)
@@ -183,7 +204,9 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         r = warping_moments(shape, h.warping_force, r)
 
         weights = scaled_shape(shape, area)
-        assemble_forces(corner_force, block, weights, area, x, d, r, h)
-        assemble_couples(corner_force, block, weights, area, x, r, h)
+        forces = force_conjugates(area, x, d, r, h, Vectors())
+        store_forces(corner_force, CornerRow.force, block, weights, forces, thickness)
+        couples = couple_conjugates(area, x, r, h, Vectors())
+        store_couples(corner_force, CornerRow.couple, block, weights, couples, m.angle)
 
     return element_forces

@@ -15,6 +15,7 @@ from .coupling import coupled_function, sizes_function
 from .eigenvalue import in_tangent_plane, largest_in_plane, largest_of_pencil, symmetric2_struct, symmetric4_struct
 from .kinematics import (
     corner_angles,
+    mean_angles,
     membrane_function,
     shape_functions,
     shape_struct,
@@ -200,7 +201,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         elements = sheet.elements
         laws = sheet.laws
         shape = shape_functions(elements, block, Shape())
-        x = positions(elements, block, shape, motion)
+        x, means = positions(elements, block, shape, motion)
         d = vectors(elements, block, shape, motion, MotionRow.director)
         v = vectors(elements, block, shape, motion, MotionRow.velocity)
         m = stretch_membrane(x.by1, x.by2)
@@ -211,7 +212,7 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         raised = inverse_metric(m, Symmetric2())
         slope = laws.transverse_shear_stiffness * m.area_ratio
         bundling = bundling_stiffness(laws, shape)
-        difference, square = corner_angles(elements, block, motion, m.angle)
+        difference, square = corner_angles(mean_angles(elements, block, motion), m.angle)
 
         # twice as far as the next update, for safety
         horizon = real(2.0) * real(clock[ClockEntry.step]) * real(bounds.steps_ahead)

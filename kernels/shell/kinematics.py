@@ -13,8 +13,9 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import angle_of, cross, dot, fill, gather, inverses, lane_types, pick, scale, square_root
+from ..lanes import angle_of, cross, dot, fill, inverses, lane_types, pick, scale, square_root
 from ..operators import div, mul  # noqa: F401
+from ..records import SCALAR, gather4, vector_of
 from ..rows import CurvatureRow, GradientRow, MotionRow, OffsetRow, TransverseShearRow
 
 
@@ -128,9 +129,15 @@ def corner_difference(gradient_p: Any, gradient_q: Any, p: Any, q: Any):
 
 
 @wp.func
+def corner_piece(elements: Any, block: int, corner: int, motion: Any, row: int):
+    """The vector in ``row`` of the motion array at one corner, and the scalar behind it."""
+    return gather4(motion, elements.corner_node[corner, block], row * elements.node_stride, elements.node_stride)
+
+
+@wp.func
 def corner_vector(elements: Any, block: int, corner: int, motion: Any, row: int):
     """The vector in ``row`` of the motion array at one corner."""
-    return gather(motion, elements.corner_node[corner, block], row * elements.node_stride, elements.node_stride)
+    return vector_of(corner_piece(elements, block, corner, motion, row))
 
 
 @wp.func
@@ -159,30 +166,30 @@ def element_vectors(elements: Any, block: int, shape: Any, motion: Any, row: int
 
 @wp.func
 def element_positions(elements: Any, block: int, shape: Any, motion: Any):
-    """``corner_vectors`` of the positions relative to the first corner, including their rounding errors.
+    """``corner_vectors`` of the positions relative to the first corner, including their rounding errors; mean angles.
 
     In single precision a position 0.2 m from the origin is rounded to 15 nm, a strain of several 1e-6 across an element
     of 5 mm: with the remainder from the time integration, differences are exact to their own rounding.
 
-    Written out: with a function per corner the compiler generates slower gathers.
+    Written out: with a function per corner the compiler generates slower gathers. The mean shear angles at the corners
+    lie behind the positions, so that lanes have them for nothing.
     """
-    x1 = corner_vector(elements, block, 0, motion, MotionRow.position)
+    p1 = corner_piece(elements, block, 0, motion, MotionRow.position)
+    p2 = corner_piece(elements, block, 1, motion, MotionRow.position)
+    p3 = corner_piece(elements, block, 2, motion, MotionRow.position)
+    p4 = corner_piece(elements, block, 3, motion, MotionRow.position)
+    x1 = vector_of(p1)
     r1 = corner_vector(elements, block, 0, motion, MotionRow.remainder)
-    v2 = (corner_vector(elements, block, 1, motion, MotionRow.position) - x1) + (
-        corner_vector(elements, block, 1, motion, MotionRow.remainder) - r1
-    )
-    v3 = (corner_vector(elements, block, 2, motion, MotionRow.position) - x1) + (
-        corner_vector(elements, block, 2, motion, MotionRow.remainder) - r1
-    )
-    v4 = (corner_vector(elements, block, 3, motion, MotionRow.position) - x1) + (
-        corner_vector(elements, block, 3, motion, MotionRow.remainder) - r1
-    )
-    return corner_vectors(shape, type(x1)(), v2, v3, v4)
+    v2 = (vector_of(p2) - x1) + (corner_vector(elements, block, 1, motion, MotionRow.remainder) - r1)
+    v3 = (vector_of(p3) - x1) + (corner_vector(elements, block, 2, motion, MotionRow.remainder) - r1)
+    v4 = (vector_of(p4) - x1) + (corner_vector(elements, block, 3, motion, MotionRow.remainder) - r1)
+    by1, by2, mean, hourglass = corner_vectors(shape, type(x1)(), v2, v3, v4)
+    return by1, by2, mean, hourglass, wp.matrix_from_rows(p1[SCALAR], p2[SCALAR], p3[SCALAR], p4[SCALAR])
 
 
 @cache
 def vectors_functions(real: type, lane_count: int):
-    """Functions for the ``Vectors`` of the positions, and for those of any row of the motion array."""
+    """Functions for the ``Vectors`` of the positions, with ``mean_angles``, and for those of any row of the motion."""
     Vectors = vectors_struct(real, lane_count)
 
     @wp.func
@@ -192,8 +199,8 @@ def vectors_functions(real: type, lane_count: int):
 
     @wp.func
     def positions(elements: Any, block: int, shape: Any, motion: Any):
-        by1, by2, mean, hourglass = element_positions(elements, block, shape, motion)
-        return Vectors(by1, by2, mean, hourglass)
+        by1, by2, mean, hourglass, angles = element_positions(elements, block, shape, motion)
+        return Vectors(by1, by2, mean, hourglass), angles
 
     return positions, vectors
 
@@ -294,12 +301,28 @@ def bend_function(real: type, lane_count: int, flat: bool, skewed: bool):
 
 
 @wp.func
-def corner_angles(elements: Any, block: int, motion: Any, angle: Any):
+def mean_angle(elements: Any, block: int, corner: int, motion: Any):
+    """Mean shear angle at one corner."""
+    return pick(motion, elements.corner_node[corner, block], MotionRow.mean_angle * elements.node_stride)
+
+
+@wp.func
+def mean_angles(elements: Any, block: int, motion: Any):
+    """Mean shear angles at the corners, a row for each, as ``positions`` returns them too."""
+    return wp.matrix_from_rows(
+        mean_angle(elements, block, 0, motion),
+        mean_angle(elements, block, 1, motion),
+        mean_angle(elements, block, 2, motion),
+        mean_angle(elements, block, 3, motion),
+    )
+
+
+@wp.func
+def corner_angles(means: Any, angle: Any):
     """Sum over the corners of angle - mean and of its square, where mean is that of the elements around the corner."""
     difference = fill(angle, 0.0)
     square = fill(angle, 0.0)
     for corner in range(4):
-        mean = pick(motion, elements.corner_node[corner, block], MotionRow.mean_angle * elements.node_stride)
-        difference = difference + (angle - mean)
-        square = square + (angle - mean) * (angle - mean)
+        difference = difference + (angle - means[corner])
+        square = square + (angle - means[corner]) * (angle - means[corner])
     return difference, square

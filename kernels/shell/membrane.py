@@ -96,11 +96,11 @@ def shear_moment_function(cell: CellLaw, traits: SheetTraits):
     shear_friction = shear_friction_function(traits) if shear_slides else None
 
     @wp.func
-    def shear_moment(elements: Any, laws: Any, block: int, shape: Any, m: Any, answer: Any, motion: Any, slip: Any):
+    def shear_moment(laws: Any, block: int, shape: Any, m: Any, answer: Any, means: Any, slip: Any):
         moment, t12 = shear_resultants(laws, m)
         if wp.static(cell_shears):
             moment = moment + answer.moment
-        difference, square = corner_angles(elements, block, motion, m.angle)
+        difference, square = corner_angles(means, m.angle)
         moment = moment + bundling_stiffness(laws, shape) * difference
         if wp.static(shear_slides):
             moment = moment + shear_friction(laws, block, m.angle, answer.pressure, slip)

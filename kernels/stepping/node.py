@@ -7,7 +7,8 @@ import warp as wp
 from ..contact.penalty import touch_struct
 from ..lanes import dot, lane_types, rows3, step_options
 from ..operators import div, mul  # noqa: F401
-from ..rows import ClockEntry, MotionRow, NodeWorkRow
+from ..records import SCALAR, record3, record4, vector_of
+from ..rows import MOTION_RECORD_LENGTH, ClockEntry, MotionRow, NodeWorkRow
 from .node_advance import (
     follow_supports_function,
     place_function,
@@ -34,7 +35,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
     Surroundings, Touch = surroundings_struct(real, lane_count), touch_struct(real, lane_count)
     Present = present_struct(real, lane_count)
     has_tools = len(traits.shape_kinds) > 0
-    gather_corners = gather_corners_function(real, lane_count, traits.follows_thickness)
+    gather_corners = gather_corners_function(real, lane_count)
     follow_angle, follow_thickness = (
         follow_angle_function(real, lane_count),
         follow_thickness_function(real, lane_count),
@@ -58,13 +59,14 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         present.block = block
         present.step = real(clock[ClockEntry.step])
         present.mean_step = real(clock[ClockEntry.mean_step])
-        present.position = rows3(motion, MotionRow.position, block)
-        present.remainder = rows3(motion, MotionRow.remainder, block)
-        present.velocity = rows3(motion, MotionRow.velocity, block)
+        place = record4(motion, MOTION_RECORD_LENGTH, MotionRow.position, block)
+        present.position = vector_of(place)
+        present.mean_angle = place[SCALAR]
+        present.remainder = record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block)
+        present.velocity = record3(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)
         present.velocity_remainder = rows3(motion, MotionRow.velocity_remainder, block)
-        present.director = rows3(motion, MotionRow.director, block)
+        present.director = record3(motion, MOTION_RECORD_LENGTH, MotionRow.director, block)
         present.spin = rows3(motion, MotionRow.spin, block)
-        present.mean_angle = motion[MotionRow.mean_angle, block]
         present.mass = nodes.mass[block]
         present.inverse_mass = nodes.inverse_mass[block]
         present.inverse_inertia = nodes.inverse_inertia[block]
@@ -91,7 +93,8 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         block = first_block + wp.tid()
         present = present_block(block, nodes, laws, around.clock, motion, works)
         force, couple, angle, thickness = gather_corners(block, nodes, corners)
-        lost = follow_angle(present, nodes, laws, angle, motion)
+        mean_angle, lost = follow_angle(present, nodes, laws, angle)
+        present.mean_angle = mean_angle
         if wp.static(traits.follows_thickness):
             present = follow_thickness(present, nodes, thickness, touch)
         applied_force = lanes3()

@@ -8,7 +8,8 @@ import warp as wp
 from ..contact.penalty import touch_struct
 from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, scale, store, store_rows3, where_positive
 from ..operators import div, mul  # noqa: F401
-from ..rows import MotionRow
+from ..records import store_record3, store_record4
+from ..rows import MOTION_RECORD_LENGTH, MotionRow
 from .node_data import node_laws_struct, present_struct, support_struct
 
 
@@ -130,12 +131,13 @@ def place_function(real: type, lane_count: int, has_tools: bool):
             moved = wp.sqrt(lane_maximum(dot(travel, travel)))
             for k in range(tool_count):
                 touch.gap[k, block] = real(0.999999) * touch.gap[k, block] - moved
-        store_rows3(motion, MotionRow.velocity, block, velocity)
+        store_record3(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block, velocity)
         # compensated sum: small increments are not lost in large coordinates
         whole = travel + present.remainder
         position = present.position + whole
-        store_rows3(motion, MotionRow.remainder, block, whole - (position - present.position))
-        store_rows3(motion, MotionRow.position, block, position)
+        cut = whole - (position - present.position)
+        store_record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block, cut)
+        store_record4(motion, MOTION_RECORD_LENGTH, MotionRow.position, block, position, present.mean_angle)
 
     return place
 
@@ -167,7 +169,7 @@ def turn_function(real: type, lane_count: int):
         one = fill(half, 1.0)
         change = scale(one / (one + real(0.5) * half), cross(angle, director) - scale(half, director))
         store_rows3(motion, MotionRow.spin, block, new_spin)
-        store_rows3(motion, MotionRow.director, block, director + change)
+        store_record3(motion, MOTION_RECORD_LENGTH, MotionRow.director, block, director + change)
         return spin_sum, loss
 
     return turn

@@ -114,6 +114,7 @@ def present_struct(real: type, lane_count: int):
         mean_step: real  # mean of the next step and the last one, over which forces act [s]
         position: types.lanes3  # [m]
         remainder: types.lanes3  # of the position [m]
+        mean_angle: types.lanes  # of the elements around the node [rad]
         velocity: types.lanes3  # half a step ago [m/s]
         velocity_remainder: types.lanes3  # [m/s]
         director: types.lanes3

@@ -5,9 +5,10 @@ from functools import cache
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import GPU_LANE_COUNT, cross, gather, lane_maximum, lane_types, load, pick, where_positive
+from ..lanes import GPU_LANE_COUNT, cross, lane_maximum, lane_types, load, where_positive
 from ..operators import div, mul  # noqa: F401
-from ..rows import ClockEntry, CornerRow, LoadRow, MotionRow, ThicknessRow
+from ..records import SCALAR, gather4, vector_of
+from ..rows import ClockEntry, CornerRow, LoadRow, ThicknessRow
 from .node_data import node_laws_struct, node_struct, present_struct
 
 # Elements around a node of a regular mesh; the table of corners has at least as many slots.
@@ -26,65 +27,49 @@ def load_share(knot_time: wp.array(dtype=wp.float64), knot_share: wp.array(dtype
 
 
 @cache
-def gather_corners_function(real: type, lane_count: int, follows_thickness: bool):
-    """wp.func -> (force, couple, sum of adjacent shear angles, and of thicknesses if contact uses them)."""
-    types = lane_types(real, lane_count)
-    lanes, lanes3 = types.lanes, types.lanes3
-    Nodes = node_struct(real, lane_count)
+def gather_corners_function(real: type, lane_count: int):
+    """wp.func -> (force, couple, sum of adjacent shear angles, and of thicknesses, of use if contact uses them)."""
+    lanes4, Nodes = lane_types(real, lane_count).lanes4, node_struct(real, lane_count)
 
     # with one lane these corners are written out, so that a GPU reads all of them at once
     written_out = USUAL_CORNER_COUNT if lane_count == GPU_LANE_COUNT else 0
 
     @wp.func
     def add_corner(
-        nodes: Nodes,
-        slot: wp.int32,
-        block: wp.int32,
-        corners: wp.array(dtype=real),
-        force: lanes3,
-        couple: lanes3,
-        angle: lanes,
-        thickness: lanes,
+        nodes: Nodes, slot: wp.int32, block: wp.int32, corners: wp.array(dtype=real), force: lanes4, couple: lanes4
     ):
         offset = nodes.corner_offset[slot, block]
         stride = nodes.corner_stride
-        force = force + gather(corners, offset, CornerRow.force * stride, stride)
-        couple = couple + gather(corners, offset, CornerRow.couple * stride, stride)
-        angle = angle + pick(corners, offset, CornerRow.angle * stride)
-        if wp.static(follows_thickness):
-            thickness = thickness + pick(corners, offset, CornerRow.thickness * stride)
-        return force, couple, angle, thickness
+        force = force + gather4(corners, offset, CornerRow.force * stride, stride)
+        couple = couple + gather4(corners, offset, CornerRow.couple * stride, stride)
+        return force, couple
 
     @wp.func
     def gather_corners(block: wp.int32, nodes: Nodes, corners: wp.array(dtype=real)):
-        force = lanes3()
-        couple = lanes3()
-        angle = lanes()
-        thickness = lanes()
+        force = lanes4()
+        couple = lanes4()
         for slot in range(wp.static(written_out)):
-            force, couple, angle, thickness = add_corner(nodes, slot, block, corners, force, couple, angle, thickness)
+            force, couple = add_corner(nodes, slot, block, corners, force, couple)
         for slot in range(wp.static(written_out), nodes.corner_offset.shape[0]):
-            force, couple, angle, thickness = add_corner(nodes, slot, block, corners, force, couple, angle, thickness)
-        return force, couple, angle, thickness
+            force, couple = add_corner(nodes, slot, block, corners, force, couple)
+        return vector_of(force), vector_of(couple), couple[SCALAR], force[SCALAR]
 
     return gather_corners
 
 
 @cache
 def follow_angle_function(real: type, lane_count: int):
-    """wp.func -> energy that the new mean shear angle removes from the motion [J]; the angle is written."""
+    """wp.func -> (new mean shear angle, energy that its change removes from the motion [J])."""
     lanes = lane_types(real, lane_count).lanes
     Nodes, NodeLaws, Present = node_struct(real, lane_count), node_laws_struct(real), present_struct(real, lane_count)
 
     @wp.func
-    def follow_angle(present: Present, nodes: Nodes, laws: NodeLaws, angle: lanes, motion: wp.array2d(dtype=lanes)):
-        block = present.block
+    def follow_angle(present: Present, nodes: Nodes, laws: NodeLaws, angle: lanes):
         # the elements used the mean from one step before: that resists its change, which is booked as damping
-        weight = nodes.angle_weight[block]
+        weight = nodes.angle_weight[present.block]
         mean_angle = weight * angle
         late = mean_angle - present.mean_angle
-        motion[MotionRow.mean_angle, block] = mean_angle
-        return where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
+        return mean_angle, where_positive(weight, laws.in_plane_bending_stiffness * late * late / weight, lanes())
 
     return follow_angle
 

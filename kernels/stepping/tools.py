@@ -27,6 +27,7 @@ class ToolDrive:
 class ToolDrives:
     """How all tools move."""
 
+    thread_count: wp.int32  # threads that move them, at most one block
     drive: wp.array(dtype=ToolDrive)
     axis: wp.array(dtype=wp.vec3d)  # unit direction of each tool's motion
     curve_time: wp.array(dtype=wp.float64)  # knots of all curves [s]
@@ -116,9 +117,18 @@ def watch_tool(
         add(watch, ToolWatchRow.carried_impulse, k, step * carried)
 
 
+@wp.func_native("""
+#if defined(__CUDA_ARCH__)
+    __syncthreads();
+#endif
+""")
+def wait_for_block():
+    """On a GPU, wait for the other threads of the block."""
+
+
 @cache
 def tool_motion_kernel(real: type):
-    """Kernel of a single thread per step, between the node kernel and the next step."""
+    """Kernel of one block of threads per step, between the node kernel and the next step; of one thread on a CPU."""
     vec3 = wp.types.vector(3, real)
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -136,7 +146,8 @@ def tool_motion_kernel(real: type):
     ):
         step = clock[ClockEntry.step]
         next_time = clock[ClockEntry.time] + step
-        for k in range(drives.drive.shape[0]):
+        thread = wp.tid()
+        for k in range(thread, drives.drive.shape[0], drives.thread_count):
             drive = drives.drive[k]
             total = total_force(reactions, k)
             total_reaction[k] = total
@@ -158,7 +169,9 @@ def tool_motion_kernel(real: type):
             work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * travel
             work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * travel
             watch_tool(watch, k, step, drive_force, total, along)
-        clock[ClockEntry.time] = next_time
-        clock[ClockEntry.mean_step] = step
+        wait_for_block()
+        if thread == 0:
+            clock[ClockEntry.time] = next_time
+            clock[ClockEntry.mean_step] = step
 
     return tool_motion

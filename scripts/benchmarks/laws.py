@@ -48,6 +48,17 @@ def law_variants() -> dict[str, Any]:
     return variants
 
 
+def cell_variants() -> dict[str, Any]:
+    """Fabrics that differ from the default one in the unit cell only, the plain weave first."""
+    from weavesim.fabric.presets import UNIT_CELLS, glass_polypropylene
+
+    base = glass_polypropylene()
+    # some cells let the angle grow beyond that of locking
+    soft = base.shear.model_copy(update={"locking_stiffness": 0.0})
+    cells = {"plain-weave": UNIT_CELLS["plain-weave"]} | UNIT_CELLS
+    return {name: (base.model_copy(update={"unit_cell": cell(), "shear": soft}), None) for name, cell in cells.items()}
+
+
 def laws(
     turns: Annotated[int, typer.Option(help="turns per law")] = 7,
     seconds: Annotated[float, typer.Option(help="length of a turn")] = 0.3,
@@ -55,11 +66,28 @@ def laws(
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
 ) -> None:
     """Time per element and step of every law and unit cell in the double dome, on one thread."""
+    typer.echo(line_about(machine()))
+    typer.echo(measured(law_variants(), precision, mesh_size, turns, seconds))
+
+
+def cells(
+    turns: Annotated[int, typer.Option(help="turns per cell")] = 7,
+    seconds: Annotated[float, typer.Option(help="length of a turn")] = 0.3,
+    mesh_size: Annotated[float, typer.Option(help="mesh size of the double dome [m]")] = 0.005,
+    precision: Annotated[list[str] | None, typer.Option(help="float32, float64 [default: both]")] = None,
+) -> None:
+    """Time per element and step of every unit cell relative to the plain weave, in the double dome, on one thread."""
+    typer.echo(line_about(machine()))
+    for one in precision or ["float32", "float64"]:
+        typer.echo(measured(cell_variants(), one, mesh_size, turns, seconds))
+
+
+def measured(variants: dict[str, Any], precision: str, mesh_size: float, turns: int, seconds: float) -> str:
+    """Table of the variants' times in the double dome, in alternating turns."""
     from weavesim.run.simulation import Simulation
     from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 
     parameters = DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1)
-    variants = law_variants()
     simulations = []
     for fabric, dynamics in variants.values():
         setup = double_dome(parameters, fabric)
@@ -71,6 +99,5 @@ def laws(
         simulations.append(simulation)
     times = np.array([[seconds_per_step(simulation, seconds) for simulation in simulations] for _ in range(turns)])
     count = element_count(simulations[0])
-    typer.echo(line_about(machine()))
-    typer.echo(f"\n{count} elements, {precision}, one thread, {turns} turns of {seconds} s\n")
-    typer.echo(ratio_table(list(variants), 1e9 * times / count))
+    head = f"\n{count} elements, {precision}, one thread, {turns} turns of {seconds} s\n\n"
+    return head + ratio_table(list(variants), 1e9 * times / count)

@@ -91,16 +91,16 @@ def state_bytes(simulation: Any) -> float:
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes per element that a step reads and writes if each kernel touches every array once (performance.md)."""
-    from weavesim.kernels.rows import CellReportRow, MotionRow, ThicknessRow
+    from weavesim.kernels.rows import CORNER_ROW_COUNT, CellReportRow, MotionRow, ThicknessRow
 
     model = simulation.stepper.model.sheet
     size, per_node = model.precision.numpy.itemsize, model.blank.node_count / model.blank.element_count
     flat = 4 * 4 + size * (4 + 2 + 1)
     if not model.sheet_traits.flat:
         flat += size * 8
-    element_reads = flat + per_node * size * (3 * 3 + 1)
+    element_reads = flat + per_node * size * 3 * 4
     element_own = 2 * size * (model.cell_law.unknown_count + CellReportRow.row_count())
-    corners = size * (24 + 4)
+    corners = size * CORNER_ROW_COUNT
     slots = model.nodes.corner_offset.shape[0]
     node_constants = 4 * slots + 4 + size * 4
     thickness = ThicknessRow.row_count() if model.follows_thickness else 0

@@ -9,11 +9,13 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import get_origin
 
+import numpy as np
 from pydantic.fields import FieldInfo
 
 from weavesim.checks import Parameters
 from weavesim.fabric import PRESETS, UNIT_CELLS, Fabric
 from weavesim.fabric.families import constructors, implied_kind, kinds_of_field
+from weavesim.fabric.provenance import given_numbers
 from weavesim.ranges import QUANTITIES, SLIPS, quantity_of
 
 
@@ -36,7 +38,7 @@ def tables() -> str:
             heading = f"[[{field}]]" if is_list else f"[{field}]"
             lines += ["", f"### `{heading}`", "", *_family(Fabric, field, kinds)]
     lines += ["", "### Quantities: units, allowed and usual ranges", "", *quantity_table()]
-    lines += ["", "### Presets", "", "For `based_on` and `--fabric`: " + _listed(PRESETS) + ".", ""]
+    lines += ["", "### Presets", "", "For `based_on` and `--fabric`:", "", *preset_table(), ""]
     lines += ["Unit cells with values, for `weavesim.fabric.UNIT_CELLS`: " + _listed(UNIT_CELLS) + "."]
     return "\n".join(lines) + "\n"
 
@@ -80,6 +82,26 @@ def table(fields: Iterator[tuple[str, FieldInfo]] | Sequence[tuple[str, FieldInf
             f"{_escaped(meaning)} |"
         )
     return rows
+
+
+def preset_table() -> Iterator[str]:
+    """One row for each preset: its numbers, and the moment of shear law and friction when it is sheared from rest."""
+    angles = (5.0, 10.0, 20.0, 30.0, 40.0)
+    heads = [f"{angle:.0f}°" for angle in angles]
+    columns = ["preset", "fabric", "numbers, assumed", f"moment of shear and friction [N/m] at {heads[0]}", *heads[1:]]
+    yield f"| {' | '.join(columns)} |"
+    yield "|---|---|---|" + "---|" * len(angles)
+    for name, make in PRESETS.items():
+        fabric = make()
+        origins = [fabric.origin_of(number) for number in given_numbers(fabric)]
+        assumed = sum(origin.assumed for origin in origins if origin is not None)
+        path = np.radians(np.linspace(0.0, 40.0, 401))
+        moment = fabric.shear.moment(path, fabric.thickness)
+        if fabric.shear_friction is not None:
+            moment = moment + fabric.shear_friction.moment_along(path)
+        moment = np.interp(np.radians(angles), path, moment)
+        values = " | ".join(f"{value:.3g}" for value in moment)
+        yield f"| `{name}` | {fabric.name} | {len(origins)}, {assumed} | {values} |"
 
 
 def quantity_table() -> Iterator[str]:

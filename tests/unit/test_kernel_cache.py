@@ -6,13 +6,14 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import pytest
 
 from tests.support.processes import environment
 from weavesim import kernel_cache
-from weavesim.kernel_cache import SEAL_NAME, damage
+from weavesim.kernel_cache import SEAL_NAME, damage, modules, own_folders, remove_unused
 
 SLOW = pytest.mark.slow
 LAUNCH = """
@@ -195,3 +196,54 @@ def test_a_home_that_cannot_be_written_is_no_obstacle(tmp_path):
     )  # fmt: skip
     assert done.returncode == 0 and "they go to" in done.stderr
     assert not os.path.exists(done.stdout.strip())  # removed at the end
+
+
+def made(folder, name, size, age):
+    """A module that was used ``age`` seconds ago."""
+    (folder / name).mkdir(parents=True)
+    (folder / name / "kernel.o").write_bytes(bytes(size))
+    used = time.time() - age
+    os.utime(folder / name, (used, used))
+
+
+def names(folder):
+    return sorted(module.folder.name for module in modules(folder))
+
+
+def test_what_was_not_used_for_longest_is_removed_first(tmp_path):
+    for name, size, age in (("old", 400, 3000.0), ("older", 300, 4000.0), ("new", 500, 2000.0), ("now", 600, 10.0)):
+        made(tmp_path, name, size, age)
+    remove_unused(tmp_path, largest_size=1800, unused_age=1000.0)
+    assert names(tmp_path) == ["new", "now", "old", "older"]
+    remove_unused(tmp_path, largest_size=1600, unused_age=1000.0)
+    assert names(tmp_path) == ["new", "now", "old"]
+    # what was just used stays, however large it is
+    remove_unused(tmp_path, largest_size=0, unused_age=1000.0)
+    assert names(tmp_path) == ["now"]
+    remove_unused(tmp_path / "none", largest_size=0, unused_age=0.0)
+
+
+def test_a_run_marks_the_modules_that_it_loads(whole):
+    (module,) = [one for folder in own_folders(whole) for one in modules(folder)]
+    os.utime(module.folder, (1.0, 1.0))
+    assert launch(whole).returncode == 0
+    (again,) = modules(module.folder.parent)
+    assert time.time() - again.used < 600.0 and again.size == module.size > 1000
+
+
+def test_the_cache_is_shown_and_cleared(tmp_path):
+    cache = tmp_path / "cache"
+    made(cache / "0123456789ab" / "1.19.0", "ours", 2_000_000, 0.0)
+    made(cache / "of-others", "theirs", 10, 0.0)
+
+    def command(*given):
+        done = subprocess.run(
+            [sys.executable, "-m", "weavesim", "cache", *given], env=environment(WARP_CACHE_PATH=str(cache)),
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        return done.stdout
+
+    shown = f"{cache / '0123456789ab' / '1.19.0'}: 1 compiled kernels, 2 MB\n"
+    assert command() == shown and command("--clear") == f"{shown}Removed.\n"
+    assert command() == f"{cache}: no compiled kernels\n"
+    assert (cache / "of-others" / "theirs" / "kernel.o").exists()

@@ -35,6 +35,7 @@ from ..device import Precision
 from ..errors import InputError, RunError
 from ..run.interruption import Interrupted, Interruption, interruption, leaving_at_once
 from .ending import ExitCode, closing_lines, exit_code, interrupted_code
+from .fabric_command import fabric_application
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
 if TYPE_CHECKING:
@@ -49,6 +50,9 @@ application = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
+
+
+application.add_typer(fabric_application, name="fabric")
 
 
 def main(*leading: str) -> None:
@@ -98,6 +102,28 @@ def devices() -> None:
         print(f"{device.alias}: {device.name}{memory}")
     print(f"CPU features: {cpu_features() or 'not reported by this system'}")
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
+
+
+@application.command("cache")
+def cache_command(
+    clear: Annotated[
+        bool, typer.Option("--clear", help="remove all compiled kernels; runs compile theirs again")
+    ] = False,
+) -> None:
+    """Show where the compiled kernels are and how much they take, or remove them."""
+    from .. import kernel_cache
+    from ..device import kernel_cache_base
+
+    base = kernel_cache_base()
+    found = {folder: kernel_cache.modules(folder) for folder in kernel_cache.own_folders(base)}
+    for folder, modules in found.items():
+        print(f"{folder}: {len(modules)} compiled kernels, {sum(module.size for module in modules) / 1e6:.0f} MB")
+    if clear:
+        kernel_cache.clear(base)
+    if not found:
+        print(f"{base}: no compiled kernels")
+    elif clear:
+        print("Removed.")
 
 
 @application.command("compile")
@@ -154,6 +180,35 @@ def _add_scene(name: str, scene: Any) -> None:
 SCENES: dict[str, Any] = import_module("weavesim.scenes.scene").known_scenes()
 for _name, _scene in SCENES.items():
     _add_scene(_name, _scene)
+
+
+@application.command(
+    "calibrate",
+    help="Fit a fabric to tests of a laboratory.",
+    add_help_option=False,
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+)
+def _calibrate(context: typer.Context) -> None:
+    from .calibrate_command import PANELS, CalibrateParameters, calibrate_into_folder
+
+    parameters = CalibrateParameters
+    fields = parameters.model_fields
+    options = {name: _option(name, field, PANELS.get(name, "Choices")) for name, field in fields.items()}
+    by_position = typer.Argument(help=fields["fabric"].description, metavar="FABRIC")
+    options["fabric"] = options["fabric"].replace(annotation=Annotated[str, by_position])
+
+    def command(**values: Any) -> None:
+        given = {name: value for name, value in values.items() if value != options[name].default}
+        with _typed(options, parameters), _interruptible():
+            checked = parameters(**{n: tuple(v) if isinstance(v, list) else v for n, v in given.items()})
+            for line in calibrate_into_folder(checked):
+                say(line)
+
+    command.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
+    command.__annotations__ = {name: option.annotation for name, option in options.items()}
+    separate = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+    separate.command(help=parameters.__doc__)(command)
+    separate(args=context.args, prog_name="weavesim calibrate")
 
 
 def scene_command(
@@ -281,8 +336,12 @@ def _option(name: str, field: Any, panel: str) -> inspect.Parameter:
     declaration = f"{flag}/--no-{flag[2:]}" if kind is bool else flag
     # a parser of our own: an empty name would become the current folder
     given: dict[str, Any] = {"parser": _path, "metavar": "<path>"} if Path in (kind, *get_args(kind)) else {}
-    option = typer.Option(declaration, help=field.description, rich_help_panel=panel, **given)
+    if get_origin(kind) is list and not given:
+        given["metavar"] = f"<{getattr(get_args(kind)[0], '__name__', 'value')}>"
     default = inspect.Parameter.empty if field.is_required() else field.get_default(call_default_factory=True)
+    if get_origin(kind) is list and isinstance(default, tuple):
+        default = list(default)
+    option = typer.Option(declaration, help=field.description, rich_help_panel=panel, **given)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])
 
 
@@ -297,6 +356,8 @@ def _plain_type(annotation: Any) -> Any:
     """``annotation`` without the limits that only the parameter class checks."""
     if get_origin(annotation) is Annotated:
         return _plain_type(get_args(annotation)[0])
+    if get_origin(annotation) is tuple:  # an option that may be repeated
+        return list[_plain_type(get_args(annotation)[0])]  # type: ignore[misc]
     if get_origin(annotation) in (Union, types.UnionType):
         return Union[tuple(_plain_type(part) for part in get_args(annotation))]  # noqa: UP007
     return annotation

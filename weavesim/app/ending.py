@@ -1,4 +1,7 @@
-"""How a run ended: its exit code, and what the user is told."""
+"""How a run ended: its exit code, and what the user is told.
+
+Imports of other rooms are inside the functions, which keeps ``weavesim --help`` fast.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,6 @@ from collections.abc import Iterator, Mapping
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
-
-from ..run.frame import Outcome
-from ..run.guards.guard import VERDICTS, Level
-
-DO_NOT_USE = VERDICTS[Level.DO_NOT_USE]
 
 # A shell reports a process that a signal ended with this plus the number of the signal.
 SIGNALLED = 128
@@ -50,6 +48,9 @@ def exit_code(result: Mapping[str, Any], number: int | None) -> int:
         result: a summary, or the summaries by case.
         number: of the signal that the run received; None for none.
     """
+    from ..run.frame import Outcome
+    from ..run.guards.guard import VERDICTS, Level
+
     every = list(summaries(result))
     outcomes = {one.get("outcome", Outcome.FINISHED.value) for one in every}
     if number is not None:
@@ -58,7 +59,7 @@ def exit_code(result: Mapping[str, Any], number: int | None) -> int:
         return interrupted_code(signal.SIGINT)
     if outcomes != {Outcome.FINISHED.value}:
         return ExitCode.RUN_ERROR
-    if any(one.get("verdict") == DO_NOT_USE for one in every):
+    if any(one.get("verdict") == VERDICTS[Level.DO_NOT_USE] for one in every):
         return ExitCode.DO_NOT_USE
     if any(one.get("missing") for one in every):
         return ExitCode.MISSING
@@ -67,6 +68,9 @@ def exit_code(result: Mapping[str, Any], number: int | None) -> int:
 
 def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> Iterator[str]:
     """What the user is told at the end; arguments as ``exit_code``, and the folder."""
+    from ..run.frame import Outcome
+    from ..run.guards.guard import VERDICTS, Level
+
     every = list(summaries(result))
     missing = list(dict.fromkeys(name for one in every for name in one.get("missing") or ()))
     outcomes = {one.get("outcome", Outcome.FINISHED.value) for one in every}
@@ -80,7 +84,7 @@ def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> I
         yield f"{start}Not all results could be written: {', '.join(missing)} missing. The others are in {out}."
     else:
         yield f"{start}Results are in {out}."
-    if any(one.get("verdict") == DO_NOT_USE for one in every):
+    if any(one.get("verdict") == VERDICTS[Level.DO_NOT_USE] for one in every):
         yield "Do not use the result: see its warnings."
     for report in _reports(result, out):
         yield f"Open {report} in a browser."

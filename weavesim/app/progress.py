@@ -17,6 +17,7 @@ from .. import __version__
 from ..errors import InputError
 from ..input_files import shown
 from ..run.frame import Frame, Outcome, RunInfo
+from .fabric_table import summary_of
 from .terminal import SteadyStream
 
 if TYPE_CHECKING:
@@ -204,6 +205,7 @@ class RunLog:
                 f"mirrored at: {', '.join(sheet.symmetry.planes) or 'no plane'}",
                 f"fabric: {fabric.name}, {fabric.areal_density:g} kg/m^2, thickness {fabric.thickness:g} m",
                 f"source of its values: {textwrap.shorten(shown(fabric.source), 300) or 'none given'}",
+                f"its provenance: {summary_of(fabric)}",
             ]
         for tool in info.tools:
             # A stroke or a mesh may contain thousands of numbers.

@@ -8,6 +8,7 @@ from typing import Any
 
 import warp as wp
 
+from ..device import block_size
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
 from ..kernels.shell.extremes import element_extremes_kernel
@@ -178,6 +179,7 @@ class Launches:
             inputs=[first, arguments.sheet, own.motion, self.state.clock],
             outputs=[arguments.cell_unknowns, arguments.cell_report, arguments.slip, arguments.corner_force],
             device=sheet.device,
+            block_dim=block_size(self._kernels[index].forces, sheet.device),
         )
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
@@ -189,6 +191,7 @@ class Launches:
             inputs=[first, sheet.nodes, self._node_laws[index], arguments.around, own.corner_force],
             outputs=[arguments.motion, arguments.touch, arguments.node_work],
             device=sheet.device,
+            block_dim=block_size(self._kernels[index].nodes, sheet.device),
         )
 
     def move_supports(self) -> None:
@@ -217,7 +220,7 @@ class Launches:
             )
         wp.launch(
             self._tool_motion,
-            dim=1,
+            dim=tools.drives.thread_count,
             inputs=[tools.drives, self._sums[-1]],
             outputs=[
                 state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_work,

@@ -37,6 +37,7 @@ class RowLayout:
     row_count: int
     length: int  # elements or nodes, padded to whole blocks
     lane_count: int
+    record_length: int = 0  # with lanes: rows that lie side by side for each item, before the others; see records.py
 
     @overload
     def entry(self, row: int, item: int) -> int: ...
@@ -49,21 +50,29 @@ class RowLayout:
         if self.lane_count == 1:
             return row * self.length + item
         block, lane = item // self.lane_count, item % self.lane_count
-        return (block * self.row_count + row) * self.lane_count + lane
+        in_row, in_record = row * self.lane_count + lane, lane * self.record_length + row
+        return block * self.row_count * self.lane_count + np.where(row < self.record_length, in_record, in_row)
 
     @property
     def stride(self) -> int:
-        """Entries between two rows."""
+        """Entries between the first two rows."""
         return int(self.entry(1, 0))
 
+    @property
+    def _strides(self) -> tuple[int, int]:
+        """Entries between two rows of lanes, and between two blocks."""
+        if self.lane_count == 1:
+            return self.length, 1
+        return self.lane_count, self.row_count * self.lane_count
+
     def view(self, entries: wp.array) -> wp.array:
-        """The flat array as [row, block] of lanes, on the same memory."""
+        """The flat array as [row, block] of lanes, on the same memory; with lanes, records are no rows of it."""
         size = np.dtype(wp.dtype_to_numpy(entries.dtype)).itemsize
         view: Any = wp.array(
             ptr=entries.ptr,
             dtype=wp.types.vector(self.lane_count, entries.dtype),
             shape=(self.row_count, self.length // self.lane_count),
-            strides=(size * self.stride, size * int(self.entry(0, self.lane_count))),
+            strides=tuple(size * stride for stride in self._strides),
             device=entries.device,
             capacity=entries.capacity,
         )
@@ -80,7 +89,12 @@ class RowLayout:
         if self.lane_count == 1:
             return values.reshape(self.row_count, self.length).copy()
         blocks = values.reshape(-1, self.row_count, self.lane_count)
-        return blocks.transpose(1, 0, 2).copy().reshape(self.row_count, self.length)
+        result = np.empty((self.row_count, *blocks[:, 0].shape), dtype=values.dtype)
+        records, count = blocks[:, : self.record_length], self.record_length
+        if count:
+            result[:count] = records.reshape(-1, self.lane_count, count).transpose(2, 0, 1)
+        result[count:] = blocks[:, count:].transpose(1, 0, 2)
+        return result.reshape(self.row_count, self.length)
 
     def flat(self, rows: np.ndarray) -> np.ndarray:
         """The flat array of ``rows``, (row_count, length)."""

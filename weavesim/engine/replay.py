@@ -24,6 +24,7 @@ class Replay:
         self._device = device
         self._largest_thread_count = largest_thread_count
         self._side = wp.Stream(device) if device.is_cuda else None
+        self._forked = False
         self._counter = wp.zeros(1, dtype=wp.int32, device=device)
         # how each thread treats subnormal numbers outside a replay
         self._modes = wp.zeros(largest_thread_count, dtype=wp.int32, device=device)
@@ -46,13 +47,16 @@ class Replay:
             yield
             return
         self._side.wait_stream(self._device.stream)
+        self._forked = True
         with wp.ScopedStream(self._side, sync_enter=False):
             yield
 
     def join(self) -> None:
-        """Let the next launches wait for those of ``beside``."""
-        if self._side is not None:
+        """Let the next launches wait for those of ``beside``; a recording must end with this."""
+        # a recording may not wait for launches from before it
+        if self._side is not None and self._forked:
             self._device.stream.wait_stream(self._side)
+            self._forked = False
 
     @exclusive()
     def record(self, launch: Callable[[], None], thread: int = 0) -> wp.Graph:

@@ -12,7 +12,15 @@ from ..device import Precision
 from ..errors import InputError
 from ..fabric.device import sheet_laws
 from ..kernels.lanes import LaneTypes, lane_types
-from ..kernels.rows import CORNER_ROW_COUNT, MOTION_VECTORS, ROWS_PER_CORNER, LoadRow, MotionRow, NodeWorkRow
+from ..kernels.rows import (
+    CORNER_ROW_COUNT,
+    MOTION_RECORD_LENGTH,
+    MOTION_VECTORS,
+    ROWS_PER_CORNER,
+    LoadRow,
+    MotionRow,
+    NodeWorkRow,
+)
 from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
 from ..kernels.shell.laws import sheet_struct
@@ -36,6 +44,8 @@ SPARE_DISTANCE = 0.5
 REFRESH_INTERVAL = 20
 # Padding elements use this many nodes of their own.
 SPARE_NODE_COUNT = 4
+# Rows of the motion array that make each of MOTION_VECTORS, (vectors, 3).
+_VECTOR_ROWS = np.array([np.arange(MotionRow.row_count())[MotionRow[name].span] for name in MOTION_VECTORS])
 
 
 @dataclass(frozen=True)
@@ -111,8 +121,8 @@ class SheetModel:
         self.element_count = padded(blank.element_count, 1)
         self.node_count = padded(blank.node_count, SPARE_NODE_COUNT)
         self.block_count = self.node_count // self.lane_count
-        self.corners = RowLayout(CORNER_ROW_COUNT, self.element_count, self.lane_count)
-        self.motion_layout = RowLayout(MotionRow.row_count(), self.node_count, self.lane_count)
+        self.corners = RowLayout(CORNER_ROW_COUNT, self.element_count, self.lane_count, CORNER_ROW_COUNT)
+        self.motion_layout = RowLayout(MotionRow.row_count(), self.node_count, self.lane_count, MOTION_RECORD_LENGTH)
         self.friction_layout = RowLayout(3 * max(self.tool_count, 1), self.node_count, self.lane_count)
         self.geometry = ElementGeometry.of(blank)
         self.sheet_traits = sheet_traits(fabric, self.geometry, world.dynamics)
@@ -311,13 +321,13 @@ class SheetModel:
 
     def read_motion(self, motion: wp.array) -> np.ndarray:
         """MOTION_VECTORS of a motion array, (vectors, padded nodes, 3); waits for the device."""
-        rows = self.motion_layout.read(motion)[: 3 * len(MOTION_VECTORS)]
-        return rows.reshape(len(MOTION_VECTORS), 3, -1).transpose(0, 2, 1)
+        rows = self.motion_layout.read(motion)[_VECTOR_ROWS]
+        return rows.transpose(0, 2, 1)
 
     def write_motion(self, motion: wp.array, rows: np.ndarray, mean_angle: np.ndarray | None = None) -> None:
         """Set MOTION_VECTORS of a motion array, and the mean shear angles of the nodes [rad] if given."""
         values = self.motion_layout.read(motion)
-        values[: 3 * len(MOTION_VECTORS)] = rows.transpose(0, 2, 1).reshape(3 * len(MOTION_VECTORS), -1)
+        values[_VECTOR_ROWS] = rows.transpose(0, 2, 1)
         if mean_angle is not None:
             values[MotionRow.mean_angle, : len(mean_angle)] = mean_angle
         motion.assign(self.motion_layout.flat(values))
@@ -326,7 +336,8 @@ class SheetModel:
         """MOTION_VECTORS at the start, (vectors, padded nodes, 3)."""
         count = self.blank.node_count
         rows = np.zeros((len(MOTION_VECTORS), self.node_count, 3))
-        position, velocities, director, _, remainder, velocity_remainder = rows
+        position, velocities, director = (rows[MotionRow[name].vector] for name in ("position", "velocity", "director"))
+        remainder, velocity_remainder = rows[MotionRow.remainder.vector], rows[MotionRow.velocity_remainder.vector]
         position[:count] = self.blank.node_position
         # the padding square may be anywhere: its nodes have no contact stiffness
         position[count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 3
+FILE_VERSION = 4
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,16 @@ from .presets import (
     glass_polypropylene_hkust,
 )
 from .provenance import Origin
-from .shear import CrossoverFriction, LinearShear, MomentCurve, ShearFriction, ShearLaw
+from .shear import (
+    CrossoverFriction,
+    LinearShear,
+    LoopSplit,
+    MomentCurve,
+    ShearFriction,
+    ShearLaw,
+    split_jump,
+    split_loop,
+)
 
 __all__ = [
     "BendingCurve",
@@ -39,6 +48,7 @@ __all__ = [
     "IsotropicBending",
     "LinearMembrane",
     "LinearShear",
+    "LoopSplit",
     "MomentCurve",
     "Origin",
     "PRESETS",
@@ -59,4 +69,6 @@ __all__ = [
     "glass_polypropylene_hkust",
     "load_fabric",
     "resolve_fabric",
+    "split_jump",
+    "split_loop",
 ]

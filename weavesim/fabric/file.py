@@ -16,30 +16,46 @@ from .construction import MISTAKES, chosen, constructed, without_python
 from .fabric import Fabric
 from .families import implied_kind, kinds_of_field, kinds_within
 from .presets import PRESETS
+from .presets.folder import SUFFIXES, check_no_shadow, fabric_folder, kept_file, kept_files
 from .provenance import Origin, still_true, without
 
 logger = logging.getLogger(__name__)
 
-FABRIC_HELP = f"one of {', '.join(PRESETS)}, or a .toml or .json file"
+FABRIC_HELP = f"one of {', '.join(PRESETS)}, the name of a file in your own folder, or a .toml or .json file"
 LONGEST_NAME = 100
-SUFFIXES = (".toml", ".json")
 
 
 def resolve_fabric(name_or_path: str, *, accept_unusual: bool = False) -> Fabric:
-    """A preset by name, or the fabric of a .toml or .json file, see ``load_fabric``.
+    """A preset or a file in the user's folder of fabrics by name, or the fabric of a file, see ``load_fabric``.
 
     Raises:
-        InputError: no such preset or file, or a file with mistakes.
+        InputError: no such preset or file, one name for both, or a file with mistakes.
     """
     if not isinstance(name_or_path, str):
         name_or_path = str(path_of(name_or_path, "fabric"))
-    if name_or_path in PRESETS:
-        return PRESETS[name_or_path]()
-    if Path(name_or_path).suffix.lower() in SUFFIXES:
+    if name_or_path not in PRESETS and Path(name_or_path).suffix.lower() in SUFFIXES:
         return load_fabric(name_or_path, accept_unusual=accept_unusual)
-    hint = did_you_mean(name_or_path, PRESETS)
+    return _named(name_or_path, f"fabric {name_or_path!r} is unknown", accept_unusual, ())
+
+
+def _named(name: str, unknown: str, accept_unusual: bool, readers: tuple[Path, ...]) -> Fabric:
+    """A preset, or a file in the user's folder.
+
+    Args:
+        unknown: what to say if there is none of this name.
+        readers: files that are being read, each based on the next.
+    """
+    if name in PRESETS:
+        check_no_shadow(name)
+        return PRESETS[name]()
+    file = kept_file(name)
+    if file is not None:
+        return _load(file, accept_unusual, readers)
+    known = [*PRESETS, *kept_files()]
+    or_else = "" if readers else ", or give a .toml or .json file"
     raise InputError(
-        f"fabric {name_or_path!r} is unknown: choose one of {', '.join(PRESETS)}, or give a .toml or .json file{hint}"
+        f"{unknown}: choose one of {', '.join(known)}{or_else}{did_you_mean(name, known)}; your own folder of fabrics "
+        f"is {shown(fabric_folder())}"
     )
 
 
@@ -47,10 +63,11 @@ def load_fabric(path: str | Path, *, accept_unusual: bool = False) -> Fabric:
     """Read a fabric from a TOML or JSON file.
 
     Keys are the names of the parameters of ``Fabric``, in SI units, as ``Fabric.to_json`` writes them; ``based_on``
-    names a preset that supplies all values that the file does not give. A table chooses its law by ``kind``, such as
-    "TwillWeave", or "MomentCurve.from_picture_frame" to call a constructor; tables may be nested. In place of a
-    list of numbers, ``{csv = "test.csv", column = "force"}`` reads a column of a table in the folder of the file or
-    below it, converted from the unit in its header; ``scale = 1000.0`` multiplies the numbers instead.
+    names a preset, or a file in the user's folder of fabrics, that supplies all values that the file does not give. A
+    table chooses its law by ``kind``, such as "TwillWeave", or "MomentCurve.from_picture_frame" to call a constructor;
+    tables may be nested. In place of a list of numbers, ``{csv = "test.csv", column = "force"}`` reads a column of a
+    table in the folder of the file or below it, converted from the unit in its header; ``scale = 1000.0`` multiplies
+    the numbers instead.
 
     ``accept_unusual`` takes values outside their plausible range as meant (docs/fabrics.md).
 
@@ -60,8 +77,12 @@ def load_fabric(path: str | Path, *, accept_unusual: bool = False) -> Fabric:
     """
     if isinstance(path, str) and path in PRESETS and not Path(path).exists():
         raise InputError(f"fabric file {path}: this is a preset, no file; take weavesim.resolve_fabric({path!r})")
+    return _load(path, accept_unusual, ())
+
+
+def _load(path: str | Path, accept_unusual: bool, readers: tuple[Path, ...]) -> Fabric:
     document = read_document(path, "fabric file")
-    reader = _Reader(document)
+    reader = _Reader(document, readers)
     try:
         fabric = reader.fabric(accept_unusual)
     except _Mistake as mistake:
@@ -84,35 +105,49 @@ class _Mistake(ValueError):
 class _Reader:
     """Makes the fabric of a document."""
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, readers: tuple[Path, ...]) -> None:
         self.path, self._values = document.path, document.values
+        self._readers = (*readers, document.path.resolve())
         self.columns = ColumnReader(document.path.parent)
 
     def fabric(self, accept_unusual: bool) -> Fabric:
-        based_on = self._values.get("based_on")
-        if "based_on" in self._values and (not isinstance(based_on, str) or based_on not in PRESETS):
-            hint = did_you_mean(based_on, PRESETS) if isinstance(based_on, str) else ""
-            raise _Mistake(
-                ("based_on",), f"based_on = {_short(based_on)}: a preset, one of {', '.join(PRESETS)}, is needed{hint}"
-            )
+        base = self._base(accept_unusual)
         values = {
             name: self._converted(value, (name,), Fabric) for name, value in self._values.items() if name != "based_on"
         }
         if isinstance(values.get("provenance"), Origin):  # [provenance], of a single one
             values["provenance"] = (values["provenance"],)
         values.setdefault("name", shown(self.path.stem).strip()[:LONGEST_NAME] or "fabric")
-        if based_on is not None:
-            values.setdefault("source", f"{shown(self.path.name)}, based on the preset {based_on}")
+        if base is not None:
+            kind = "preset" if self._values["based_on"] in PRESETS else "fabric"
+            values.setdefault("source", f"{shown(self.path.name)}, based on the {kind} {self._values['based_on']}")
         if self.columns.notes and isinstance(values.get("source", ""), str):
             values["source"] = "; ".join([*filter(None, [values.get("source")]), *self.columns.notes])
         try:
-            fabric = Fabric(**values) if based_on is None else _changed(PRESETS[based_on](), values)
+            fabric = Fabric(**values) if base is None else _changed(base, values)
             if not accept_unusual:
                 check_usual(fabric)
             return fabric
         except MISTAKES as error:
             text = str(error) if isinstance(error, ValueError) else without_python(error)
             raise _Mistake(self._wrong_key(values, text), text) from None
+
+    def _base(self, accept_unusual: bool) -> Fabric | None:
+        """What ``based_on`` names."""
+        if "based_on" not in self._values:
+            return None
+        name = self._values["based_on"]
+        needed = f"based_on = {_short(name)}: a preset, or the name of a file in your own folder of fabrics, is needed"
+        if not isinstance(name, str):
+            raise _Mistake(("based_on",), f"{needed}; presets are {', '.join(PRESETS)}")
+        try:
+            if name not in PRESETS and (file := kept_file(name)) and file.resolve() in self._readers:
+                chain = " is based on ".join(shown(path.stem) for path in (*self._readers, file))
+                raise InputError(f"based_on = {name!r}: {chain}; no fabric can be based on itself")
+            return _named(name, needed, accept_unusual, self._readers)
+        except InputError as error:
+            text = str(error)
+            raise _Mistake(("based_on",), text if text.startswith("based_on") else f"based_on: {text}") from None
 
     def _converted(self, value: Any, keys: tuple[str, ...], owner: type[Parameters] | None) -> Any:
         """Convert tables to parameters or columns, lists to tuples; the last key is a field of ``owner`` if known."""

@@ -114,6 +114,16 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
+def with_number(owner: Parameters, name: str, value: Any) -> Any:
+    """A fabric with one number changed, by its name in a fabric file.
+
+    Raises:
+        InputError: a value that is not allowed.
+    """
+    field, _, rest = name.partition(".")
+    return owner.model_copy(update={field: with_number(getattr(owner, field), rest, value) if rest else value})
+
+
 def origin_of(provenance: Iterable[Origin], name: str) -> Origin | None:
     """The origin of a number: one that names it, else one that names a table that it is in, the innermost first."""
     named = {key: origin for origin in provenance for key in origin.of}

@@ -94,15 +94,18 @@ def respond(
     if angle.shape not in ((), (count,)) or not np.all(np.abs(angle) < 0.5 * np.pi):
         raise InputError(f"shear_angle: one angle or {count} are needed, in radians and below pi/2")
     cells = [cells] if isinstance(cells, UnitCell) else list(cells)
-    for sentence in dict.fromkeys(sentence for cell in cells for sentence in unusual_values(cell)):
+    distinct = {id(cell): cell for cell in cells}
+    for sentence in dict.fromkeys(sentence for cell in distinct.values() for sentence in unusual_values(cell)):
         logger.warning("%s: %s", type(cells[0]).__name__, sentence)
     if len(cells) not in (1, count):
         raise InputError(f"{len(cells)} cells for {count} pairs of stretches: give one, or {count}")
     law = cells[0].law()
-    if any(cell.law() is not law for cell in cells):
+    if any(cell.law() is not law for cell in distinct.values()):
         raise InputError("cells of several classes were given: call respond for each class separately")
+    parameters = {key: cell.device_parameters(precision) for key, cell in distinct.items()}
     if start is None:
-        start = np.array([cell.initial_unknowns for cell in cells])
+        initial = {key: cell.initial_unknowns for key, cell in distinct.items()}
+        start = np.array([initial[id(cell)] for cell in cells])
     first_guess = np.zeros((count, law.row_count))
     first_guess[:, : law.unknown_count] = start
     strain = np.empty((StrainRow.row_count(), count))
@@ -123,9 +126,7 @@ def respond(
         kernel,
         dim=count,
         inputs=[
-            wp.array(
-                [cell.device_parameters(precision) for cell in cells], dtype=law.parameters(real), device=wp_device
-            ),
+            wp.array([parameters[id(cell)] for cell in cells], dtype=law.parameters(real), device=wp_device),
             wp.array(strain, dtype=real, device=wp_device),
             wp.array(first_guess.T.copy(), dtype=real, device=wp_device),
             increment_count,

@@ -18,9 +18,9 @@ from ..errors import InputError
 from ..ranges import ACCEPTING
 
 # Elements times steps per second: of a core and of a GPU in single precision. Double precision takes twice as long.
-CORE_RATE, GPU_RATE = 15.0e6, 1.0e9
+CORE_RATE, GPU_RATE = 15.0e6, 4.0e9
 # Smallest time of a step [s], which small meshes take.
-CORE_STEP, GPU_STEP = 15.0e-6, 50.0e-6
+CORE_STEP, GPU_STEP = 15.0e-6, 20.0e-6
 # Time of a frame with its files [s]: of each, and per element.
 FRAME_TIME, FRAME_TIME_PER_ELEMENT = 3.0e-3, 2.0e-6
 # Largest need of memory, while a run is prepared, and need per frame of the history [bytes].

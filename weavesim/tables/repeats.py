@@ -74,7 +74,7 @@ class Repeats:
     notes: tuple[str, ...]
 
 
-def read_repeats(table: Table, roles: Sequence[Role]) -> Repeats:
+def read_repeats(table: Table, roles: Sequence[Role], one_of: Sequence[str] = ()) -> Repeats:
     """All repeats in a table.
 
     Columns of one specimen have the same number in their names, or the same order among equal names. A single column
@@ -83,20 +83,21 @@ def read_repeats(table: Table, roles: Sequence[Role]) -> Repeats:
     Args:
         table: as read.
         roles: of the columns; others are ignored.
+        one_of: names of roles of which a table must have at least one.
 
     Raises:
         InputError: a column that is missing, without a unit or in a wrong one, a cell that is no number, a gap, or
             numbers that can be read in two ways; with line and column.
     """
     with faults_of(table.path, table.what):
-        return _read(table, roles)
+        return _read(table, roles, one_of)
 
 
-def _read(table: Table, roles: Sequence[Role]) -> Repeats:
+def _read(table: Table, roles: Sequence[Role], one_of: Sequence[str]) -> Repeats:
     def choose(columns: Sequence[tuple[str, Unit | None]]) -> tuple[int, ...] | None:
         found = [(place, _role_of(name, roles)) for place, (name, _) in enumerate(columns)]
         names = {role.name for _, match in found if match for role in match[:1]}
-        if not all(role.name in names for role in roles if role.is_required):
+        if not all(role.name in names for role in roles if role.is_required) or (one_of and not names & set(one_of)):
             return None
         return tuple(place for place, match in found if match)
 
@@ -106,7 +107,7 @@ def _read(table: Table, roles: Sequence[Role]) -> Repeats:
     except TableFault as fault:
         if not str(fault).startswith(("no column", "no table")):
             raise
-        raise _missing(table.lines, roles) from None
+        raise _missing(table.lines, roles, one_of) from None
     groups = _groups(header, roles)
     cells, mark = _cells(table.lines, header, groups)
     notes = [*table.notes, *header.notes]
@@ -251,7 +252,7 @@ def _unit(role: Role, header: Header, place: int) -> tuple[str, float, str]:
         if unit.dimension == target.dimension:
             if unit.same_as(target):
                 return text, 1.0, ""
-            return text, unit.factor / target.factor, f"column {name} converted from {unit.text} to {text}"
+            return text, unit.factor / target.factor, f"{role.name} converted from {unit.text} to {text}"
     raise TableFault(
         f"column {name} is in {unit.text}, which cannot be converted to {allowed}; is it the right column?", line
     )
@@ -261,9 +262,10 @@ def _usual(unit: str) -> str:
     return {"rad": "deg", "m": "mm", "1": "%"}.get(unit, unit)
 
 
-def _missing(lines: list[str], roles: Sequence[Role]) -> TableFault:
+def _missing(lines: list[str], roles: Sequence[Role], one_of: Sequence[str]) -> TableFault:
     """Why no line is the header: the line that is nearest to one, and what it lacks."""
     required = [role for role in roles if role.is_required]
+    either = [role for role in roles if role.name in one_of]
     best: tuple[int, int, list[str]] | None = None
     for line_number, line in enumerate(lines[:1000], start=1):
         if is_blank(line):
@@ -277,14 +279,18 @@ def _missing(lines: list[str], roles: Sequence[Role]) -> TableFault:
                 best = (count, line_number, names)
             break
     needed = ", ".join(f"{role.name} [{_usual(role.units[0])}]" for role in required)
+    if either:
+        needed += " and " + " or ".join(f"{role.name} [{_usual(role.units[0])}]" for role in either)
     if best is None:
         return TableFault(f"no table with the columns {needed}: no line has such names, with numbers below")
     _, line_number, names = best
     matched = {match[0].name for name in names if (match := _role_of(split_header(name)[0], roles))}
     missing = [role.name for role in required if role.name not in matched]
+    if either and not matched & {role.name for role in either}:
+        missing.append(" or ".join(role.name for role in either))
     for name in names:  # the unit may be what is wrong
         match = _role_of(bare_name(name), roles)
-        if match and match[0].name in missing:
+        if match and match[0].name in " ".join(missing):
             return TableFault(
                 f"column {quoted(name)}: its unit is not known; write one of {match[0].name}, such as "
                 f"[{_usual(match[0].units[0])}]",

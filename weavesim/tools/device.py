@@ -45,6 +45,10 @@ class DeviceTools:
         return self.tool.shape[0]
 
 
+# A GPU moves as many tools at a time.
+GPU_THREAD_COUNT = 32
+
+
 def build_device_tools(
     tools: Sequence[Tool], real: type, device: str, samples: Samples = MappingProxyType({})
 ) -> DeviceTools:
@@ -68,6 +72,7 @@ def build_device_tools(
         return wp.array(data, dtype=dtype, device=device) if len(data) else wp.empty(0, dtype=dtype, device=device)
 
     drives = ToolDrives()
+    drives.thread_count = GPU_THREAD_COUNT if wp.get_device(device).is_cuda else 1
     drives.drive = array(_drives(tools, curves), ToolDrive)
     drives.axis = array([tool.axis for tool in tools], wp.vec3d)
     drives.curve_time = array(np.concatenate([np.empty(0), *(times for times, _ in curves)]), wp.float64)

@@ -291,3 +291,9 @@ def test_an_interrupted_command_does_not_show_what_the_signal_broke(weavesim_com
 
     code, out, err = weavesim_command("double-dome", run=broken)
     assert code == 143 and "Interrupted by SIGTERM." in out and "not what came" not in out + err
+
+
+def test_help_loads_no_heavy_package():
+    code = "import sys, weavesim.app.command_line; print({'warp', 'pydantic', 'numpy', 'scipy'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"

@@ -21,9 +21,10 @@ def numbers() -> np.ndarray:
     return np.arange(ROWS * LENGTH, dtype=np.float64).reshape(ROWS, LENGTH)
 
 
+@pytest.mark.parametrize("record_length", [0, 4, ROWS])
 @pytest.mark.parametrize("lane_count", [1, 16])
-def test_rows_come_back_as_they_were(lane_count):
-    layout = RowLayout(ROWS, LENGTH, lane_count)
+def test_rows_come_back_as_they_were(lane_count, record_length):
+    layout = RowLayout(ROWS, LENGTH, lane_count, record_length)
     flat = layout.flat(numbers())
     assert np.array_equal(layout.read(wp.array(flat, dtype=wp.float64, device="cpu")), numbers())
     row, item = np.indices((ROWS, LENGTH))
@@ -37,6 +38,17 @@ def test_single_lanes_lie_in_rows_and_wide_ones_in_blocks():
     # item 20 is lane 4 of block 1, behind all five rows of block 0
     assert RowLayout(ROWS, LENGTH, 16).entry(2, 20) == (5 + 2) * 16 + 4
     assert RowLayout(ROWS, LENGTH, 16).stride == 16
+
+
+def test_records_lie_side_by_side_before_the_other_rows_of_their_block():
+    layout = RowLayout(ROWS, LENGTH, 16, 4)
+    # item 20 is lane 4 of block 1, behind all five rows of block 0
+    assert layout.entry(2, 20) == 5 * 16 + 4 * 4 + 2
+    assert layout.entry(4, 20) == 5 * 16 + 4 * 16 + 4
+    assert layout.stride == 1
+    # single lanes have whole rows
+    assert RowLayout(ROWS, LENGTH, 1, 4).entry(2, 7) == 2 * LENGTH + 7
+    assert RowLayout(ROWS, LENGTH, 1, 4).stride == LENGTH
 
 
 @pytest.mark.parametrize("lane_count", [1, 16])

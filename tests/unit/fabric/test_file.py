@@ -1,13 +1,17 @@
 """Fabrics from files: values are read back, and mistakes are reported."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 
 from tests.support.paths import ROOT
+from weavesim.checks import types_within
 from weavesim.errors import InputError
+from weavesim.fabric import Fabric, Origin
 from weavesim.fabric.cell.weaves import TwillWeave
+from weavesim.fabric.families import kinds_within
 from weavesim.fabric.file import load_fabric, resolve_fabric
 from weavesim.fabric.presets import PRESETS, glass_polypropylene
 
@@ -204,7 +208,7 @@ def test_the_documented_files_are_read(tmp_path):
     """The examples of docs/fabrics.md, with a test to go with them."""
     page = (ROOT / "docs" / "fabrics.md").read_text()
     (tmp_path / "frame.csv").write_text("angle_deg,force [N]\n0,0\n20,5\n40,20\n")
-    woven, membrane = (text.split("```")[0] for text in page.split("```toml\n")[1:])
+    woven, membrane, sourced = (text.split("```")[0] for text in page.split("```toml\n")[1:])
     (tmp_path / "ours.toml").write_text(woven)
     fabric = load_fabric(tmp_path / "ours.toml")
     assert isinstance(fabric.unit_cell, TwillWeave)
@@ -212,6 +216,9 @@ def test_the_documented_files_are_read(tmp_path):
     assert fabric.has_inner_friction
     (tmp_path / "membrane.toml").write_text(membrane)
     assert load_fabric(tmp_path / "membrane.toml").unit_cell.warp_stiffness == 2.0e6
+    (tmp_path / "sourced.toml").write_text(sourced)
+    fabric = load_fabric(tmp_path / "sourced.toml")
+    assert fabric.origin_of("shear.moment_values").scatter == 0.12 and fabric.origin_of("bending.modulus").assumed
     (tmp_path / "membrane.toml").write_text(membrane + "crossover_friction_length = 1e-4\n")
     with pytest.raises(InputError, match="LinearMembrane reports no pressure"):
         load_fabric(tmp_path / "membrane.toml")
@@ -220,7 +227,7 @@ def test_the_documented_files_are_read(tmp_path):
 @pytest.mark.parametrize(
     ("based_on", "message"),
     [
-        ("[1]", "line 1: based_on = a list: a preset, one of glass-polypropylene"),
+        ("[1]", "line 1: based_on = a list: a preset, or .*presets are glass-polypropylene"),
         ("{a = 1}", "based_on = a dict: a preset"),
         ("1", "based_on = 1: a preset"),
         ("true", "based_on = True: a preset"),
@@ -278,3 +285,17 @@ def test_the_name_of_a_file_is_no_trap(tmp_path):
     path.write_text('based_on = "glass-polypropylene"\n')
     fabric = load_fabric(path)
     assert fabric.name.isprintable() and len(fabric.name) <= 100 and fabric.source.isprintable()
+
+
+def test_the_guide_has_every_number():
+    """What it is, typical values, the test, and what to do without it: for every field that holds numbers."""
+    page = (ROOT / "docs" / "fabrics.md").read_text(encoding="utf-8")
+    guide = page.split("## Every number")[1].split("## Loading and unloading")[0]
+    told = set(re.findall(r"`(\w+)`", guide))
+    for kind in (Fabric, *kinds_within(Fabric).values()):
+        if not kind.__module__.startswith("weavesim.") or kind is Origin:
+            continue
+        for name, field in kind.model_fields.items():
+            types = set(types_within(field.annotation))
+            if types & {int, float}:
+                assert name in told, f"docs/fabrics.md does not say how to find {kind.__name__}.{name}"

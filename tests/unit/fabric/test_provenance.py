@@ -8,7 +8,7 @@ import pytest
 
 from tests.support.runs import one_sheet_setup
 from weavesim import Blank, Fabric, InputError, LinearShear, Origin, Setup, glass_polypropylene, load_fabric
-from weavesim.fabric import BendingCurve, IsotropicBending, YarnBending
+from weavesim.fabric import PRESETS, BendingCurve, IsotropicBending, YarnBending
 from weavesim.fabric.provenance import given_numbers, numbers_of, origin_of, still_true, without
 
 GLASS = glass_polypropylene()
@@ -171,3 +171,21 @@ def test_files_from_before_there_was_provenance_are_read(tmp_path):
 
 def test_the_file_above_is_toml():
     assert math.isclose(tomllib.loads(FILE)["provenance"][0]["range"][0], 0.85e-3)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_toml_gives_an_equal_fabric(name, tmp_path):
+    fabric = PRESETS[name]()
+    path = tmp_path / "copy.toml"
+    path.write_text(fabric.to_toml())
+    assert load_fabric(path) == fabric
+
+
+def test_toml_of_a_fabric_with_everything(tmp_path):
+    curve = BendingCurve.from_kawabata(rigidity=1e-3, hysteresis=2e-2)
+    origin = Origin(of=("bending.warp",), source='a "text" \\ with\nlines', note="é µ")
+    fabric = GLASS.model_copy(update={"bending": YarnBending(warp=curve, weft=1e-3, twist=1e-4)})
+    fabric = fabric.model_copy(update={"provenance": (*fabric.provenance, origin)})
+    path = tmp_path / "copy.toml"
+    path.write_text(fabric.to_toml(), encoding="utf-8")
+    assert load_fabric(path) == fabric

@@ -10,12 +10,12 @@ from weavesim.kernels.lanes import (
     cross,
     dot,
     fill,
-    gather,
     lane_maximum,
     lane_sum,
     lane_types,
     larger,
     load,
+    pick,
     scale,
     smaller,
     square_root,
@@ -119,7 +119,7 @@ def test_nan_takes_the_otherwise_branch(types):
     assert np.array_equal(numbers(result), expected)
 
 
-def test_vectors_load_gather_and_store(types):
+def test_vectors_load_pick_and_store(types):
     vec3, lanes3, indices = types.vec3, types.lanes3, types.indices
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -133,7 +133,9 @@ def test_vectors_load_gather_and_store(types):
     ):
         block = wp.tid()
         own = load(source, block * lane_count, lanes3())
-        other = gather(rows, index[block], 2, 40)
+        other = wp.matrix_from_rows(
+            pick(rows, index[block], 2), pick(rows, index[block], 42), pick(rows, index[block], 82)
+        )
         product = dot(own, other)
         products[block] = product
         store(result, block * lane_count, cross(own, other) + scale(product, own))

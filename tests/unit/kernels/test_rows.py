@@ -28,15 +28,24 @@ def test_every_member_has_a_unit_and_a_description(array):
     assert all(member.unit and member.description for member in array)
 
 
-def test_vectors_of_the_motion_come_first():
+def test_vectors_of_the_motion_are_numbered():
     assert [MotionRow[name].vector for name in rows.MOTION_VECTORS] == [0, 1, 2, 3, 4, 5]
-    assert MotionRow.mean_angle == 3 * len(rows.MOTION_VECTORS)
+
+
+@pytest.mark.parametrize(
+    ("array", "length"), [(MotionRow, rows.MOTION_RECORD_LENGTH), (CornerRow, rows.ROWS_PER_CORNER)]
+)
+def test_a_record_is_made_of_pieces_of_four(array, length):
+    """A vector and a scalar: so no piece lies across two lines of the cache."""
+    assert length % 4 == 0
+    assert [row % 4 for row in array if row < length] == [0, 3] * (length // 4)
+    assert rows.MOTION_RECORD_LENGTH == 16 and rows.CORNER_ROW_COUNT == 4 * rows.ROWS_PER_CORNER
 
 
 def test_array_indexed_by_a_member():
     corner = np.arange(CornerRow.row_count())
-    assert corner[CornerRow.angle] == 6
-    assert corner[CornerRow.couple.span].tolist() == [3, 4, 5]
+    assert corner[CornerRow.angle] == 7
+    assert corner[CornerRow.couple.span].tolist() == [4, 5, 6]
 
 
 @wp.kernel(module="unique", enable_backward=False)
@@ -49,7 +58,7 @@ def test_kernel_indexes_by_a_member():
     values = wp.zeros((MotionRow.row_count(), 2), dtype=wp.float32, device="cpu")
     wp.launch(mark_spin, dim=1, outputs=[values], device="cpu")
     wanted = np.zeros((MotionRow.row_count(), 2))
-    wanted[9, 0], wanted[11, 1] = 1.0, 2.0
+    wanted[16, 0], wanted[18, 1] = 1.0, 2.0
     assert np.array_equal(values.numpy(), wanted)
 
 

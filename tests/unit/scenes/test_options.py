@@ -108,6 +108,10 @@ def result(scene: Any, given: dict[str, Any]) -> tuple:
     return tuple((case, setup.content_hash) for case, setup in setups.items()), tuple(shown)
 
 
+# What a refusal says that does not name the option.
+REFUSED_WITH = {"measured_columns": "no column neither", "tools_are_cut": "must end at the plane"}
+
+
 @pytest.mark.parametrize(
     ("name", "option"),
     [(name, option) for name, option in TRIES if option not in LEFT_OUT and (name, option) not in RECORDED],
@@ -128,7 +132,8 @@ def test_every_option_has_an_effect_or_is_refused(name, option, files):
     before = result(scene, {**base, **together})
     try:
         after = result(scene, {**base, **together, option: value})
-    except InputError:  # such as a whole ball that is said to be cut
+    except InputError as refused:  # such as a whole ball that is said to be cut
+        assert REFUSED_WITH.get(option, option) in str(refused)
         return
     assert after != before
 

@@ -131,7 +131,8 @@ class EnergyCell(UnitCell):
         """
         import warp as wp
 
-        from ...kernels.cell.energy_cell import CellFunctions, energy_cell
+        from ...kernels.cell.energy_cell import CellFunctions
+        from ...kernels.cell.energy_lanes import energy_law
         from ...kernels.cell.law import LARGEST_UNKNOWN_COUNT
 
         name = type(self).__name__
@@ -147,7 +148,7 @@ class EnergyCell(UnitCell):
             )
         if "parts" not in functions and len(self.part_names) != 1:
             raise InputError(f"{name}: {len(self.part_names)} part_names but no parts: an energy alone has one name")
-        return energy_cell(
+        return energy_law(
             self.law_name or name,
             tuple((name, np.size(value)) for name, value in self.parameters().items()),
             self.unknown_count,
@@ -171,8 +172,17 @@ class EnergyCell(UnitCell):
             "force_floor": 1.0e-3 * max(*self.yarn_stiffness_per_width, self.shear_stiffness),
             "resolution": 32.0 * np.finfo(np.float64).eps / tolerance,
         }
-        struct = self.law().parameters(precision.real)()
-        for name, value in (self.parameters() | settings).items():
+        law = self.law()
+        values: dict[str, Any] = self.parameters()
+        if law.constants is not None:
+            values = {"constants": tuple(law.constants(by_component(values) | settings))}
+        struct = law.parameters(precision.real)()
+        for name, value in (values | settings).items():
             vector = wp.types.vector(np.size(value), wp.float64)
             setattr(struct, name, vector(*value) if isinstance(value, tuple) else float(value))
         return struct
+
+
+def by_component(parameters: dict[str, float | tuple[float, ...]]) -> dict[str, float]:
+    """Parameters as single numbers ``name[k]``."""
+    return {f"{name}[{k}]": entry for name, value in parameters.items() for k, entry in enumerate(np.atleast_1d(value))}

@@ -9,15 +9,13 @@ from __future__ import annotations
 import math
 from typing import Any, Literal
 
-import numpy as np
-
 from ..bending import IsotropicBending
 from ..cell import PlainWeave
 from ..cell.weaves import GLASS_PITCH, GLASS_YARN_STIFFNESS
 from ..compaction import Compaction
 from ..fabric import LARGEST_LOCKING_SHARE, Fabric
 from ..provenance import without
-from ..shear import MomentCurve, ShearFriction
+from ..shear import MomentCurve, split_jump
 from .cao2008 import CITATION, consensus_moment, frame_curve
 from .origins import CONSENSUS, HKUST, POLYNOMIAL
 
@@ -96,10 +94,7 @@ def glass_polypropylene_consensus() -> Fabric:
     """
     angle, moment = consensus_moment()
     angle, moment = angle[angle <= CONSENSUS_END * (1.0 + 1.0e-9)], moment[angle <= CONSENSUS_END * (1.0 + 1.0e-9)]
-    on_line = (angle >= JUMP_LINE[0] * (1.0 - 1.0e-9)) & (angle <= JUMP_LINE[1] * (1.0 + 1.0e-9))
-    limit = float(np.polynomial.Polynomial.fit(angle[on_line], moment[on_line], 1)(0.0))
-    friction = ShearFriction(stiffness=limit / JUMP_END, limit=(limit,))
-    elastic = np.maximum(moment - friction.moment_along(angle), 0.0)
+    elastic, friction = split_jump(angle, moment, line=JUMP_LINE, onset=JUMP_END)
     shear = MomentCurve(
         angle=(0.0, *angle.tolist()), moment_values=(0.0, *elastic.tolist()), locking_angle=LOCKING_ANGLE,
         locking_stiffness=LOCKING_STIFFNESS,

@@ -120,9 +120,9 @@ CONSENSUS = (
     Origin(of="shear.smoothing", source="no smoothing: a mean of laboratories", range=(0.0, 0.0)),
     Origin(
         of="shear_friction.limit", source="assumed: the moment that jumps up within the first degree is friction",
-        assumed=True, range=(0.0, 17.0),
-        note="the line through 2 to 10 degrees, at 0; laboratories from 0 (HKUST) to 17 N/m (LMSP); no unloading was "
-        "published",
+        assumed=True, range=(0.5, 17.0),
+        note="the line through 2 to 10 degrees, at 0; laboratories from none (HKUST) to 17 N/m (LMSP), none of which "
+        "published unloading",
     ),
     Origin(
         of="shear_friction.angle", source="assumed: the same friction at every angle", assumed=True, range=(0.0, 0.0)
@@ -139,7 +139,13 @@ def all_assumed(fabric: Fabric, why: str) -> tuple[Origin, ...]:
     """Provenance of a fabric that nobody has measured: a third to three times of everything should be tried."""
     result = []
     for name, number in given_numbers(fabric).items():
-        values = number.values
-        low, high = sorted((min(values) / 3.0, max(values) * 3.0))
+        low, high = min(number.values), max(number.values)
+        if not isinstance(number.value, tuple):
+            low, high = sorted((low / 3.0, high * 3.0))
+        elif number.unit not in ("rad", "1/m"):  # what a curve is over keeps its place
+            result.append(Origin(of=name, source=why, assumed=True, scatter=0.67))
+            continue
         result.append(Origin(of=name, source=why, assumed=True, range=(low, high)))
+    if fabric.shear_friction is None:
+        result.append(Origin(of="shear_friction", source=why, assumed=True))
     return tuple(result)

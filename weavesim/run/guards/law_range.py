@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ...fabric.shear import unloading_doubt
 from ...kernels.rows import ExtremeRow
 from .guard import Doubt, Guard, Level
 
@@ -21,6 +22,8 @@ NOTED_EXCESS = 0.02
 # With that many elements, that far beyond the range, over the range, the extrapolation rules the result.
 USELESS_SHARE = 0.05
 USELESS_EXCESS = 0.5
+# An element counts as unloaded from here on [rad], and a run as one with unloading from this share of them.
+UNLOADED_ANGLE, UNLOADED_SHARE = math.radians(2.0), 0.02
 # In front of the numbers, and their unit.
 DEGREES, CURVATURE = ("°", 180.0 / math.pi), (" 1/m", 1.0)
 
@@ -94,4 +97,30 @@ class LawRange(Guard):
                     place=(float(centre[0]), float(centre[1])),
                     value=found.largest,
                     limit=found.limit,
+                )
+
+
+class Unloading(Guard):
+    """Shear that went back, from its largest to the last frame, in a fabric of which nobody has measured unloading."""
+
+    name = "unloading"
+    watches = "whether shear went back in a fabric whose unloading is assumed"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """One note for each sheet in which it matters."""
+        angles = run.values("shear_angle")
+        for info, angle, sheet in zip(run.run.info.sheets, angles, run.extremes.sheets, strict=True):
+            back = sheet.rows[ExtremeRow.angle] - np.abs(angle)
+            share = float((back > UNLOADED_ANGLE).mean())
+            if share > UNLOADED_SHARE and (assumption := unloading_doubt(info.fabric)):
+                yield self.doubt(
+                    Level.NOTE,
+                    f"{share:.0%} of the elements went back in shear by more than {math.degrees(UNLOADED_ANGLE):.2g}°, "
+                    f"by up to {math.degrees(back.max()):.3g}°, but what the fabric does then is not measured "
+                    f"({assumption})",
+                    "how far it springs back, and how much work is lost, depends on that; a test with unloading tells "
+                    "(docs/fabrics.md)",
+                    sheet=info.name,
+                    value=share,
+                    limit=UNLOADED_SHARE,
                 )

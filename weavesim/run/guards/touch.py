@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,8 +34,16 @@ class ToolReach(Guard):
         setup, distances, first = start.model.setup, ToolDistances(start.model), 0
         for world in setup.worlds:
             nodes = np.concatenate([sheet.blank.node_position for sheet in world.sheets])
-            ways = [_way(tool, setup.duration) for tool in world.tools]
-            nearest = [[float(distances(first + k, at, nodes)[0].min()) for at in way] for k, way in enumerate(ways)]
+            ways = [
+                _flight(tool, setup.duration, nodes, partial(distances, first + k))
+                if tool.motion.by_force
+                else _way(tool, setup.duration)
+                for k, tool in enumerate(world.tools)
+            ]
+            nearest = [
+                [float(distances(first + k, at, nodes)[0].min()) - _blind(tool, way) for at in way]
+                for k, (tool, way) in enumerate(zip(world.tools, ways, strict=True))
+            ]
             thickness = max(sheet.fabric.thickness for sheet in world.sheets)
             for k, tool in enumerate(world.tools):
                 # what presses the sheet on another tool does not carry it away
@@ -88,10 +97,26 @@ def _near(start: Start, distances: ToolDistances, tool: int, way: np.ndarray, re
     return False
 
 
+def _flight(
+    tool: Tool, duration: float, nodes: np.ndarray, distance: Callable[..., tuple[np.ndarray, ...]]
+) -> np.ndarray:
+    """Displacements that a tool moved by a force may have, in free flight, but not far beyond the sheets [m]."""
+    furthest = float(distance(0.0, nodes)[0].min()) + float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    forces = tool.motion.curve()[1]
+    ends = [0.5 * force / tool.motion.driven_mass * duration**2 for force in (forces.min(), forces.max())]
+    ends = np.clip(ends, -max(furthest, 0.0), max(furthest, 0.0))
+    return np.unique(
+        [*np.linspace(0.0, min(ends[0], 0.0), PLACE_COUNT), *np.linspace(0.0, max(ends[1], 0.0), PLACE_COUNT)]
+    )
+
+
+def _blind(tool: Tool, way: np.ndarray) -> float:
+    """How much nearer a tool may be between the places of its flight than at them [m]."""
+    return 0.5 * float(np.diff(way).max(initial=0.0)) if tool.motion.by_force else 0.0
+
+
 def _way(tool: Tool, duration: float) -> np.ndarray:
-    """Displacements of a tool along its way [m]; a force may move it anywhere, but it starts at its place."""
-    if tool.motion.by_force:
-        return np.zeros(1)
+    """Displacements of a tool along its stroke [m]."""
     times, displacements = tool.motion.curve()
     # a stroke may go further between these times
     knots = displacements[times <= duration]
@@ -102,9 +127,10 @@ def _way(tool: Tool, duration: float) -> np.ndarray:
 def _reach(world: World, own: Tool, duration: float, held: bool) -> float:
     """How far nodes of a sheet may move without ``own`` [m]; ``held``: against forces of tools."""
     size = max(float(np.ptp(sheet.blank.node_position, axis=0).max()) for sheet in world.sheets)
-    strokes = [float(np.ptp(_way(tool, duration))) for tool in world.tools if tool is not own]
+    others = [tool for tool in world.tools if tool is not own and not tool.motion.by_force]
+    strokes = [float(np.ptp(_way(tool, duration))) for tool in others]
     for tool in world.tools:
-        if tool.motion.by_force and not held:
+        if tool is not own and tool.motion.by_force and not held:
             # in free flight, but no further than the sheet is long
             force = float(np.abs(tool.motion.curve()[1]).max())
             strokes.append(min(0.5 * force / tool.motion.driven_mass * duration**2, size))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.support.runs import small_run
-from weavesim.fabric import BendingCurve, MomentCurve, ShearFriction, YarnBending, glass_polypropylene
+from weavesim.fabric import BendingCurve, MomentCurve, Origin, ShearFriction, YarnBending, glass_polypropylene
 from weavesim.kernels.rows import ExtremeRow
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
@@ -116,3 +116,28 @@ def test_a_sheet_bent_beyond_the_data_says_so():
     (doubt,) = (doubt for doubt in simulation.doubts() if doubt.guard == "law_range")
     assert "the bending curve of the warp was measured up to 20 1/m" in doubt.text
     assert doubt.value == pytest.approx(40.0, rel=0.3)
+
+
+KNOWN = Origin(of="shear_friction", source="a loop of our own frame")
+
+
+@pytest.mark.parametrize(
+    ("back", "values", "said"),
+    [
+        (True, {}, "assumed: no unloading was published; all of the moment is taken as elastic"),
+        (True, {"shear": CURVE, "provenance": ()}, "no unloading is known: all of the measured moment"),
+        (True, {"provenance": (KNOWN,)}, None),
+        (False, {}, None),
+    ],
+)
+def test_shear_that_goes_back_on_an_assumption_is_noted(back, values, said):
+    run = sheared(0.15, back=back, **values)
+    doubts = [doubt for doubt in run.doubts() if doubt.guard == "unloading"]
+    if said is None:
+        assert doubts == []
+        return
+    (doubt,) = doubts
+    assert doubt.level == Level.NOTE and doubt.value == 1.0
+    assert (
+        said in doubt.text and "100% of the elements went back in shear by more than 2°, by up to 8.59°" in doubt.text
+    )

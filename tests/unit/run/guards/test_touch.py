@@ -124,3 +124,20 @@ def test_a_short_touch_between_the_places_looked_at_is_not_out_of_reach():
     there_and_back = Stroke((0.0, 4.2e-4, 4.35e-4, 4.5e-4), (0.0, 0.0, 0.0205, 0.0))
     punch = Tool("punch", Sphere(0.01, origin=(0.01, 0.01, -0.0306)), there_and_back)
     assert "tool_reach" not in spoken(small_run(tools=[punch], duration=1e-3))
+
+
+@pytest.mark.parametrize(
+    ("height", "force", "duration", "told"),
+    [
+        (0.03, 1.0, 0.1, False),  # a hundred times gravity: half a metre
+        (0.5, 1.0, 1.0, False),
+        (0.03, 1.0, 1e-3, True),  # 0.05 mm
+        (0.03, -1.0, 0.1, True),  # away from the sheet
+    ],
+)
+def test_a_tool_by_force_reaches_as_far_as_its_force_carries_it(height, force, duration, told):
+    weight = Tool(
+        "weight", Sphere(0.01, origin=(0.01, 0.01, 0.0106 + height)), ForceDriven.constant(force, 0.01),
+        axis=(0.0, 0.0, -1.0),
+    )  # fmt: skip
+    assert ("tool_reach" in spoken(small_run(tools=[weight], duration=duration))) == told

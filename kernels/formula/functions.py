@@ -1,0 +1,59 @@
+"""Functions of formulas in C++: on a CPU those without a vector instruction as polynomials, which are vectorised."""
+
+from collections.abc import Iterable
+
+from ..lanes import arctangent_coefficients
+
+RIGHT_ANGLE = 1.5707963267948966
+# Tangent of 22.5 degrees.
+REDUCED_TANGENT = 0.41421356237309503
+
+
+def _horner(coefficients: list[float], variable: str, real: str) -> str:
+    """Even and odd powers in two independent chains."""
+    chains = []
+    for part in (coefficients[0::2], coefficients[1::2]):
+        text = f"{real}({part[-1]!r})"
+        for coefficient in reversed(part[:-1]):
+            text = f"({text} * square + {real}({coefficient!r}))"
+        chains.append(text)
+    even, odd = chains
+    return f"const {real} square = {variable} * {variable}; const {real} value = {even} + {variable} * {odd};"
+
+
+def _arctangent2(real: str) -> str:
+    coefficients = arctangent_coefficients(10 if real == "double" else 6, REDUCED_TANGENT**2)
+    return f"""const auto atan2_of = [](const {real} y, const {real} x) {{
+#if defined(__CUDA_ARCH__)
+    return ::atan2(y, x);
+#else
+    const {real} right = x < {real}(0.0) ? -x : x;
+    const {real} up = y < {real}(0.0) ? -y : y;
+    const {real} most = up > right ? up : right;
+    const {real} least = up > right ? right : up;
+    // beyond 22.5 degrees, the angle from 45 degrees
+    const bool steep = least > {real}({REDUCED_TANGENT!r}) * most;
+    const {real} above = steep ? least - most : least;
+    const {real} beside = steep ? least + most : most;
+    const {real} ratio = beside > {real}(0.0) ? above / beside : {real}(0.0) * beside;
+    const {real} squared = ratio * ratio;
+    {_horner(coefficients, "squared", real)}
+    const {real} small = (steep ? {real}({0.5 * RIGHT_ANGLE!r}) : {real}(0.0)) + ratio * value;
+    const {real} angle = up > right ? {real}({RIGHT_ANGLE!r}) - small : small;
+    const {real} turned = x < {real}(0.0) ? {real}({2 * RIGHT_ANGLE!r}) - angle : angle;
+    return y < {real}(0.0) ? -turned : turned;
+#endif
+}};"""
+
+
+def definitions(names: Iterable[str], real: str) -> list[str]:
+    """C++ definitions ``NAME_of`` of functions."""
+    written = {"atan2": _arctangent2}
+    return [
+        written[name](real)
+        if name in written
+        else f"const auto {name}_of = [](const {real} a) {{ return ::{name}(a); }};"
+        if name != "pow"
+        else f"const auto pow_of = [](const {real} a, const {real} b) {{ return ::pow(a, b); }};"
+        for name in sorted(names)
+    ]

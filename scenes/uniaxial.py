@@ -7,10 +7,10 @@ family across carries no force.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
@@ -33,6 +33,8 @@ from .scene import Scene
 
 RAMP_SHARE = 0.2
 DIRECTOR_DAMPING = 1.0e4
+# Across the width: the clamps' hold on the yarns across ends within about a width.
+SMALLEST_ELEMENT_COUNT = 4
 # Share of the length around the middle where the strain across is read.
 MIDDLE = 0.4
 
@@ -59,6 +61,16 @@ class UniaxialParameters(FabricTestParameters):
 
     abscissas = (Comparable("strain", "%", "strain_percent"), Comparable("displacement", "mm", "displacement_mm"))
     ordinates = (Comparable("force", "N/m", "force_n_per_m"), Comparable("force", "N", "force_n"))
+
+    @model_validator(mode="after")
+    def _is_fine_enough(self) -> Self:
+        if round(self.width / self.mesh_size) < SMALLEST_ELEMENT_COUNT:
+            raise ValueError(
+                f"mesh_size = {self.mesh_size} m: at least {SMALLEST_ELEMENT_COUNT} elements across the width of "
+                f"{self.width} m are needed for the hold of the clamps; at most "
+                f"{self.width / SMALLEST_ELEMENT_COUNT:.4g} m is allowed"
+            )
+        return self
 
     def blank_area(self) -> float:
         """Of the strip [m^2]."""

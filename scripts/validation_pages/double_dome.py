@@ -216,7 +216,7 @@ def page(runs: dict[str, dict[str, Any]]) -> str:
         "benchmark uses another tool, of which the paper gives no drawing.",
         "## What the answer depends on",
         "The values of the glass/polypropylene preset that no source gives are assumed "
-        "(`weavesim/fabric/presets.py`). The table shows the effect of each, all at 5 mm. The two readings of the "
+        "(`weavesim/fabric/presets`). The table shows the effect of each, all at 5 mm. The two readings of the "
         f"published shear curve differ by {angle_change(base, moment)[1]:.1f}° at most.",
         table(header, [angle_row("default", base)] + [angle_row(v.title, runs[n]) for n, v in SENSITIVITY.items()]),
     ]

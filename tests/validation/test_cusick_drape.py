@@ -22,9 +22,9 @@ def test_cotton_hangs_in_folds(tmp_path):
         write="summary,tables,pictures",
     )  # fmt: skip
     summary = cusick_drape.SCENE.run(parameters)
-    # 73 to 75 % with other unevenness and damping
-    assert 71.0 < summary["drape_coefficient_percent"] < 77.0
-    assert 7 <= summary["fold_count"] <= 10
+    # 62 % with 10 folds at 6 mm; 65 % with 11 folds with another unevenness
+    assert 60.0 < summary["drape_coefficient_percent"] < 68.0
+    assert 9 <= summary["fold_count"] <= 12
     assert summary["verdict"] == "trusted"
     outline = columns(tmp_path / "out" / "shadow.csv")
     radius = outline["shadow_radius_mm"]
@@ -41,9 +41,8 @@ def test_cotton_hangs_in_folds(tmp_path):
 @pytest.mark.slow
 def test_a_board_bends_as_a_ring_clamped_inside():
     """Kirchhoff's plate under its weight: q r^4 / 64 D + A + B ln r + C r^2 + E r^2 ln r, without Poisson's ratio."""
-    fabric = glass_polypropylene().with_linear_shear(1.0e5)
-    fabric = fabric.model_copy(
-        update={"bending": IsotropicBending(modulus=6.0e7), "transverse_shear_modulus": 3.0e7, "shear_friction": None}
+    fabric = glass_polypropylene().model_copy(
+        update={"bending": IsotropicBending(modulus=6.0e7), "transverse_shear_modulus": 3.0e7}
     )
     parameters = CusickDrapeParameters(mesh_size=0.01, threads=1, frame_count=30)
     simulation = Simulation(cusick_drape.cusick_drape(parameters, fabric))

@@ -11,7 +11,7 @@ from weavesim.scenes.uniaxial import UniaxialParameters
 def test_a_slender_strip_pulls_as_its_unit_cell(tmp_path, yarn):
     """The clamps hold the yarns across over about a width: 2 % of the length here, 25 % in the standard's strip."""
     parameters = UniaxialParameters(
-        out=tmp_path, yarn=yarn, length=0.4, width=0.02, mesh_size=0.01, speed=0.4, frame_count=20, threads=1,
+        out=tmp_path, yarn=yarn, length=0.4, width=0.02, mesh_size=0.005, speed=0.4, frame_count=20, threads=1,
         write="summary,pictures",
     )  # fmt: skip
     summary = uniaxial.SCENE.run(parameters)

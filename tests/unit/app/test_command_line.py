@@ -72,7 +72,7 @@ def test_devices_are_listed(weavesim_command):
     ("arguments", "message"),
     [
         (("--unit-cell", "felt"), "unit cell 'felt' is unknown: choose one of .*plain-weave"),
-        (("--scene", "triple-dome"), "scene 'triple-dome' is unknown: choose one of bias-extension, cantilever"),
+        (("--scene", "triple-dome"), "scene 'triple-dome' is unknown: choose one of bias-extension, biaxial"),
     ],
 )
 def test_compiling_for_what_is_not_known_is_refused(weavesim_command, arguments, message):

@@ -89,7 +89,7 @@ def pulled_square(name: str, parameters: PulledSquareParameters, fabric: Fabric,
         direction = np.zeros((len(border), 3))
         direction[:, axis] = blank.node_position[border, axis] / parameters.side
         # a family that is held has a drive too: the force along it is the family's
-        drives.append(Drive(stroke.mapped(lambda d, s=share: s * d, lambda d, s=share: s), direction))
+        drives.append(Drive(scaled(stroke, float(share)), direction))
     return Setup(
         name, sheets=(Sheet(blank, fabric, supports=(Support("border", border, tuple(drives)),)),),
         dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
@@ -97,6 +97,11 @@ def pulled_square(name: str, parameters: PulledSquareParameters, fabric: Fabric,
         solver=parameters.solver(step_safety=STEP_SAFETY),
         accept_unusual=parameters.accept_unusual,
     )  # fmt: skip
+
+
+def scaled(stroke: SmoothStroke, share: float) -> SmoothStroke:
+    """``share`` times a stroke."""
+    return stroke.mapped(lambda d: share * d, lambda d: np.full_like(d, share))
 
 
 def biaxial(parameters: BiaxialParameters, fabric: Fabric | None = None) -> Setup:

@@ -123,7 +123,7 @@ def _description(fabric: Fabric, width: int) -> str:
 
     lines = [fabric.name]
     lines += textwrap.wrap(f"source: {fabric.source or 'none given'}", width)
-    if fabric.assumed:
+    if fabric.assumed and not fabric.provenance:  # which says it of each number
         lines += textwrap.wrap(f"assumed: {', '.join(fabric.assumed)}", width)
     lines += ["", fabric_table(fabric, width), "", summary_of(fabric)]
     return "\n".join([*lines, *(line for text in _unloading(fabric) for line in textwrap.wrap(text, width))])

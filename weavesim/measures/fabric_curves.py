@@ -242,7 +242,7 @@ def bending_curves(fabric: Fabric) -> CurveSet:
         fabric, ("bending", "thickness"), curvature, 1.0e3, 1.0e-3 * lines[0].y,
         lambda fabrics: np.array([_bending_moment(one, "warp", curvature) for one in fabrics]),
     )  # fmt: skip
-    origin = fabric.origin_of("bending.warp.curvature") if ends else None
+    origin = fabric.origin_of("bending.warp.curvature")
     return CurveSet(
         "bending", "Bending", "curvature [1/m]", "moment per width [N mm/m]", tuple(lines), band,
         origin.range if origin and not origin.assumed else None, min(ends) if ends else None,

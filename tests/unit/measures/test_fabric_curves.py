@@ -76,6 +76,10 @@ def test_bending_of_curves_with_friction():
     assert np.interp(60.0, back.x[::-1], back.y[::-1]) == pytest.approx(50.0, rel=1e-2)
     assert np.interp(50.0, weft.x, weft.y) == pytest.approx(50.0, rel=1e-2)
     assert curves.measured_to == pytest.approx(100.0)
+    assert curves.trusted is None
+    origin = Origin(of="bending.warp.curvature", source="KES-FB2", range=(0.0, 80.0))
+    fabric = GLASS.model_copy(update={"bending": law, "provenance": ()}).model_copy(update={"provenance": (origin,)})
+    assert bending_curves(fabric).trusted == (0.0, 80.0)
     flat = bending_curves(GLASS)
     assert flat.lines[0].y[-1] == pytest.approx(1e3 * 60.0 * 20e6 * 1.2e-3**3 / 12.0)
     assert flat.band[2][-1] == pytest.approx(10.0 * flat.lines[0].y[-1])  # modulus up to 200 MPa

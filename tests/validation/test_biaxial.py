@@ -8,8 +8,8 @@ from weavesim.errors import InputError
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.run.simulation import Simulation
-from weavesim.scenes import biaxial
-from weavesim.scenes.biaxial import BiaxialParameters
+from weavesim.scenes.laboratory import biaxial
+from weavesim.scenes.laboratory.biaxial import BiaxialParameters
 
 COARSE = {"mesh_size": 0.025, "frame_count": 20, "threads": 1}
 

@@ -6,8 +6,8 @@ from weavesim.errors import InputError
 from weavesim.fabric.compaction import Compaction
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.run.simulation import Simulation
-from weavesim.scenes import compaction
-from weavesim.scenes.compaction import CompactionParameters
+from weavesim.scenes.laboratory import compaction
+from weavesim.scenes.laboratory.compaction import CompactionParameters
 
 COARSE = {"mesh_size": 0.025, "frame_count": 20, "threads": 1}
 

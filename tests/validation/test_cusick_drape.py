@@ -10,8 +10,8 @@ from weavesim.errors import InputError
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.run.simulation import Simulation
-from weavesim.scenes import cusick_drape
-from weavesim.scenes.cusick_drape import CusickDrapeParameters
+from weavesim.scenes.laboratory import cusick_drape
+from weavesim.scenes.laboratory.cusick_drape import CusickDrapeParameters
 
 
 @pytest.mark.slow

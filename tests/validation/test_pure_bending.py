@@ -7,8 +7,8 @@ from weavesim.errors import InputError
 from weavesim.fabric.bending import BendingCurve, IsotropicBending, YarnBending
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.run.simulation import Simulation
-from weavesim.scenes import pure_bending
-from weavesim.scenes.pure_bending import PureBendingParameters
+from weavesim.scenes.laboratory import pure_bending
+from weavesim.scenes.laboratory.pure_bending import PureBendingParameters
 
 
 def bent(fabric, **given):

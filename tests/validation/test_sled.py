@@ -4,8 +4,8 @@ import pytest
 
 from weavesim.errors import InputError
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.scenes import sled
-from weavesim.scenes.sled import SledParameters
+from weavesim.scenes.laboratory import sled
+from weavesim.scenes.laboratory.sled import SledParameters
 
 
 def test_the_sled_needs_its_coefficient_times_its_weight(tmp_path):

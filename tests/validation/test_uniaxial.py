@@ -3,8 +3,8 @@
 import pytest
 
 from weavesim.errors import InputError
-from weavesim.scenes import uniaxial
-from weavesim.scenes.uniaxial import UniaxialParameters
+from weavesim.scenes.laboratory import uniaxial
+from weavesim.scenes.laboratory.uniaxial import UniaxialParameters
 
 
 @pytest.mark.parametrize("yarn", ["warp", "weft"])

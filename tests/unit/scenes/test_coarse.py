@@ -7,13 +7,13 @@ from weavesim.run.guards import Level
 from weavesim.run.simulation import Simulation
 from weavesim.scenes.bias_extension import BiasExtensionParameters
 from weavesim.scenes.cantilever import CantileverParameters, cantilever
-from weavesim.scenes.cusick_drape import CusickDrapeParameters
 from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
+from weavesim.scenes.laboratory.cusick_drape import CusickDrapeParameters
+from weavesim.scenes.laboratory.pure_bending import PureBendingParameters
+from weavesim.scenes.laboratory.uniaxial import UniaxialParameters
 from weavesim.scenes.picture_frame import PictureFrameParameters
-from weavesim.scenes.pure_bending import PureBendingParameters
 from weavesim.scenes.scene import known_scenes
-from weavesim.scenes.uniaxial import UniaxialParameters
 
 COVERED = {
     "bias-extension", "cantilever", "cusick-drape", "double-dome", "hemisphere", "picture-frame", "pure-bending",

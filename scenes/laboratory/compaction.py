@@ -23,9 +23,9 @@ from weavesim.output.results import Wanted
 from weavesim.ranges import Quantity
 from weavesim.run.frame import Frame
 
+from ..fabric_test import chosen_fabric
+from ..scene import Scene
 from .biaxial import PulledSquareParameters, pulled_square
-from .fabric_test import chosen_fabric
-from .scene import Scene
 
 LARGEST_STRAIN = 0.1
 

@@ -32,9 +32,9 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from .cantilever import softened, strip_stiffness
-from .fabric_test import FabricTestParameters, chosen_fabric
-from .scene import Scene
+from ..cantilever import softened, strip_stiffness
+from ..fabric_test import FabricTestParameters, chosen_fabric
+from ..scene import Scene
 
 # Yarns per width over the bending stiffness per area of the half strip: pure bending does not stretch it.
 STRETCH_OVER_BENDING = 1.0e3

@@ -27,8 +27,8 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
-from .scene import Scene
+from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
+from ..scene import Scene
 
 RAMP_SHARE = 0.2
 DIRECTOR_DAMPING = 1.0e4

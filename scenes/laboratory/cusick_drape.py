@@ -30,10 +30,10 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from .cantilever import softened
-from .fabric_test import FabricTestParameters, chosen_fabric
-from .hemisphere import unevenness
-from .scene import Scene
+from ..cantilever import softened
+from ..fabric_test import FabricTestParameters, chosen_fabric
+from ..hemisphere import unevenness
+from ..scene import Scene
 
 GRAVITY = 9.81
 COTTON = "cotton"

@@ -28,8 +28,8 @@ from weavesim.sheet.sheet import Sheet
 from weavesim.tools.shapes import Plane
 from weavesim.tools.tool import Tool
 
-from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
-from .scene import Scene
+from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
+from ..scene import Scene
 
 GRAVITY = 9.81
 DIRECTOR_DAMPING = 1.0e4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -226,7 +226,7 @@ def cell_figure(calibration: Calibration) -> Figure:
             for n, k in enumerate(own):
                 place = 100.0 * np.abs(part.tests[k].strain).max(axis=1)
                 label = f"{yarn}, measured" if n == 0 else None
-                style = {"markersize": 2.6, "markerfacecolor": "none", "color": colour, "alpha": 0.6}
+                style: Any = {"markersize": 2.6, "markerfacecolor": "none", "color": colour, "alpha": 0.6}
                 above.plot(place, 1e-3 * part.tests[k].force[:, f], "o", label=label, **style)
                 below.plot(place, 1e-3 * difference[ends[k] : ends[k + 1], f], "o", **style)
         below.axhline(0.0, color=GREY, linewidth=0.8)

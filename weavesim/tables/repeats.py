@@ -171,13 +171,14 @@ def _groups(header: Header, roles: Sequence[Role]) -> dict[str, dict[str, int]]:
             for k, place in enumerate(several):
                 places[label if len(several) == 1 else str(k + 1)] = place
         by_label[role] = places
-    labels = dict.fromkeys(label for places in by_label.values() if len(places) > 1 for label in places)
-    groups = {label: {} for label in labels or dict.fromkeys(next(iter(by_label.values())))}
+    numbers = dict.fromkeys(label for places in by_label.values() if len(places) > 1 for label in places)
+    groups: dict[str, dict[str, int]] = {label: {} for label in numbers or dict.fromkeys(next(iter(by_label.values())))}
     if len(groups) > LARGEST_REPEAT_COUNT:
         raise TableFault(f"{len(groups)} specimens; at most {LARGEST_REPEAT_COUNT} are read", header.line)
     for role, places in by_label.items():
         if len(places) == 1:  # of all specimens
-            places = dict.fromkeys(groups, next(iter(places.values())))
+            (place,) = places.values()
+            places = {label: place for label in groups}
         for label in groups:
             if label not in places:
                 other = next(header.names[place] for place in groups[label].values()) if groups[label] else label

@@ -101,7 +101,7 @@ def _read(table: Table, roles: Sequence[Role], one_of: Sequence[str]) -> Repeats
             return None
         return tuple(place for place, match in found if match)
 
-    needed = [role.name for role in roles if role.is_required]
+    needed = [role.name for role in roles if role.is_required] or list(one_of)
     try:
         header = find_header(table.lines, needed, choose)
     except TableFault as fault:

@@ -98,7 +98,7 @@ def test_bands_are_drawn_from_the_intervals(written):
     (_, fit), *_ = fits(found)
     spread = draws(fit).std(axis=0)
     k = int(fit.chosen[0])
-    assert spread[k] / fit.values[k] == pytest.approx(fit.deviation[k], rel=0.4)
+    assert spread[k] / fit.values[k] == pytest.approx(fit.half_width[k] / 1.96, rel=0.4)
 
 
 def test_there_is_a_picture_for_every_test(written):

@@ -321,6 +321,7 @@ class _Work:
             f"{self.base.name!r}" + (f" ({self.base.source})" if self.base.source else "")
         )
         kept = [name for name in self.base.assumed if not self._is_measured(name)]
+        kept = ["everything that no test gave" if name == "everything" else name for name in kept]
         fabric = self.fabric.model_copy(
             update={
                 "name": self.options.name or f"{self.base.name}, calibrated"[:200], "source": source,

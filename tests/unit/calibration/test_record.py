@@ -89,6 +89,7 @@ def test_the_report_needs_nothing_else(written):
     page = (out / "report.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") == len(list((out / "pictures").glob("*.png"))) >= 8
     assert 'src="http' not in page and "SHA-256" in page and "Correlations" in page
+    assert "moment at 45 degrees" in page and "degrees°" not in page
     for heading in ("Values of the unit cell", "Values of the shear", "Residuals", "Fit of the unit cell", "Files"):
         assert heading in page
 

@@ -182,13 +182,12 @@ def profile(parameters: CantileverParameters, fabric: Fabric, blank: Blank) -> L
     """The hanging strip from the side, with the heavy elastica of the fabric's stiffness if that is one number."""
     along, station = np.unique(blank.node_position[:, 0], return_inverse=True)
     count = np.bincount(station)
+    known = np.full(len(along), math.nan), np.full(len(along), math.nan)
     if bends_linearly(fabric, parameters.yarn):
         known = elastica_profile(
             overhang(parameters, fabric), strip_stiffness(fabric, parameters.yarn), fabric.areal_density * GRAVITY,
             along,
         )  # fmt: skip
-    else:
-        known = np.full((2, len(along)), math.nan)
 
     def measure(state: Frame) -> dict[str, np.ndarray]:
         x, drop = (np.bincount(station, state.position[:, axis]) / count for axis in (0, 2))

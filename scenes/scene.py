@@ -1,4 +1,4 @@
-"""Scenes: problems ready to run, one per file. Every file in this folder that defines ``SCENE`` is a scene.
+"""Scenes: problems ready to run, one per file. Every file here or one folder below that defines ``SCENE`` is a scene.
 
 Names and help texts are read from the source, so that ``weavesim --help`` imports no scene.
 """
@@ -122,7 +122,7 @@ def _clear(folders: list[ResultFolder]) -> None:
 
 
 class SceneFile(NamedTuple):
-    """A scene that has not been imported yet."""
+    """A scene that has not been imported yet; ``module`` is its name within this package."""
 
     module: str
     help: str
@@ -135,11 +135,15 @@ class SceneFile(NamedTuple):
 def known_scenes() -> dict[str, SceneFile]:
     """All scenes by name, in alphabetical order of their files."""
     package = import_module(__package__)
+    files: dict[str, Path] = {}
+    for folder in map(Path, package.__path__):
+        files |= {file.stem: file for file in folder.glob("*.py")}
+        files |= {f"{file.parent.name}.{file.stem}": file for file in folder.glob("*/*.py")}
     found = {}
-    for file in sorted(file for folder in package.__path__ for file in Path(folder).glob("*.py")):
+    for module, file in sorted(files.items(), key=lambda item: item[1].stem):
         literals = _scene_literals(file.read_text(encoding="utf-8"))
         if literals:
-            found[literals["name"]] = SceneFile(file.stem, literals["help"])
+            found[literals["name"]] = SceneFile(module, literals["help"])
     return found
 
 

@@ -16,9 +16,9 @@ import warp as wp
 
 from ..lanes import fill, lane_maximum, larger, magnitude, where_positive
 from ..operators import div, mul  # noqa: F401
-from .heights import contact_stiffness, regular_parts, rounded_closing, settled_closing, solve_unit_cell, yarn_pair
+from .heights import contact_stiffness, regular_parts, rounded_closing, settled_closing, solve_unit_cell
 from .law import CellLaw
-from .yarn import yarn_axial_stiffness, yarn_hessian, yarn_strain
+from .yarn import yarn_axial_stiffness, yarn_forces, yarn_hessian, yarn_strain
 
 # A height change in one step beyond this share of the crimp heights is a snap: the energy released is booked.
 SNAP_SHARE = wp.constant(0.05)
@@ -80,21 +80,25 @@ def unit_cell_energies(cell: Any, u1: Any, u2: Any, w: Any):
 def exact_closing(cell: Any, u1: Any, u2: Any, w: Any):
     """w_1 + w_2, where little is left of it by rounding that of a Newton step."""
     closing = rounded_closing(cell, w)
-    by_u, by_w, hessian, elastic, sizes, state1, state2 = yarn_pair(cell, u1, u2, w)
+    by_u1, by_w1, hessian1, elastic1, size1, state1 = yarn_forces(cell, 0, u1, w[0])
+    by_u2, by_w2, hessian2, elastic2, size2, state2 = yarn_forces(cell, 1, u2, w[1])
     stiffness = contact_stiffness(cell, closing)
-    own, definite = regular_parts(cell, hessian, elastic, stiffness)
+    hessian = wp.matrix_from_rows(hessian1, hessian2)
+    own, definite = regular_parts(cell, hessian, wp.matrix_from_rows(elastic1, elastic2), stiffness)
     inverse = fill(u1, 1.0) / larger(own[0] * own[1] + stiffness * (own[0] + own[1]), fill(u1, 1.0e-36))
     known = magnitude(closing) - u1.dtype(1.0e3) * cell.resolution * (magnitude(w[0]) + magnitude(w[1]))
-    return where_positive(known, closing, settled_closing(own, inverse, by_w, closing))
+    settled = settled_closing(own, inverse, wp.matrix_from_rows(by_w1, by_w2), closing)
+    return where_positive(known, closing, settled)
 
 
 @wp.func
 def unit_cell_descent(cell: Any, u1: Any, u2: Any, w: Any, change: Any):
     """-dPi/dw . change at (u, w)."""
-    by_u, by_w, hessian, elastic, sizes, state1, state2 = yarn_pair(cell, u1, u2, w)
+    by_u1, by_w1, hessian1, elastic1, size1, state1 = yarn_forces(cell, 0, u1, w[0])
+    by_u2, by_w2, hessian2, elastic2, size2, state2 = yarn_forces(cell, 1, u2, w[1])
     closing = w[0] + w[1]
     pressure = contact_stiffness(cell, closing) * closing
-    return -(by_w[0] * change[0] + by_w[1] * change[1] + pressure * (change[0] + change[1]))
+    return -(by_w1 * change[0] + by_w2 * change[1] + pressure * (change[0] + change[1]))
 
 
 @wp.func

@@ -43,6 +43,7 @@ WITHOUT_QUANTITY = {
     "IsotropicBending.poisson_ratio", "NodalLoads.shares", "Origin.range", "Origin.scatter", "Setup.frame_count",
     "Setup.leading_tool", "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
     "Tool.colour", "TriangleMesh.side", "RunOptions.threads", "RunOptions.frame_count", "HemisphereParameters.seed",
+    "CusickDrapeParameters.seed",
 }  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..fabric.cell.weaves import CrossedYarns
 from ..fabric.fabric import Fabric
-from ..fabric.provenance import Origin, given_numbers, without
+from ..fabric.provenance import Origin, given_numbers, numbers_of, without
 from ..input_files import shown
 from ..version import __version__
 from .options import CalibrationOptions
@@ -44,7 +44,7 @@ def with_origins(
         found += _of_shear(fabric, estimates["shear"], source("picture_frame", "bias_extension"), assumed)
     if "bending" in estimates:
         found += _of_bending(fabric, estimates["bending"], source("cantilever"))
-    numbers = given_numbers(fabric)
+    numbers = numbers_of(fabric)
     found = [origin for origin in found if all(name in numbers for name in origin.of)]
     named = [name for origin in found for name in origin.of]
     kept = without(fabric.provenance, named)
@@ -96,6 +96,9 @@ def _of_shear(fabric: Fabric, entries: tuple[Estimate, ...], source: str, assume
         note = f"95 % intervals of the elastic moments [N/m]: {intervals}"[:2000]
     yield Origin(of=("shear.angle", "shear.moment_values"), source=source, note=note)
     if fabric.shear_friction is None:
+        is_elastic = any("no friction" in name for name in assumed)
+        note = "all of the measured moment is taken as elastic" if is_elastic else "the tests show none"
+        yield Origin(of=("shear_friction",), source=source, assumed=is_elastic, note=note)
         return
     is_assumed = any("split" in name for name in assumed)
     limits = ", ".join(

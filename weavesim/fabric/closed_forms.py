@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import InputError
+
 if TYPE_CHECKING:
     from .fabric import Fabric
+
+# Stretches of the family across a pull between which its equilibrium is looked for.
+SMALLEST_FREE_STRETCH, LARGEST_FREE_STRETCH = 0.5, 1.2
 
 
 def bias_zone_areas(length: float, width: float) -> tuple[float, float, float]:
@@ -131,3 +136,45 @@ def elastica_profile(length: float, stiffness: float, weight: float, arc: np.nda
     from_tip = np.clip(end - np.asarray(arc) / scale, 0.0, end)
     _, _, x, drop = path(end)[:, None] - path(from_tip)
     return scale * x, scale * drop
+
+
+def yarn_forces(fabric: Fabric, stretch: np.ndarray) -> np.ndarray:
+    """Forces per width of warp and weft (n, 2) [N/m] at stretches of both (n, 2), without shear.
+
+    Those of the unit cell, and of the sheet itself where a family is pushed together.
+    """
+    from .response import respond
+
+    stretch = np.asarray(stretch, dtype=float)
+    pushed = fabric.compressive_stiffness * np.minimum(stretch - 1.0, 0.0)
+    return respond(fabric.unit_cell, stretch).force_per_width + pushed
+
+
+def free_stretch(fabric: Fabric, stretch: np.ndarray, *, pulled: int) -> np.ndarray:
+    """Stretch (n,) of the family across a pull at which it carries no force, by bisection.
+
+    Args:
+        fabric: its unit cell and its compressive stiffness count.
+        stretch: of the pulled family, (n,).
+        pulled: 0 for the warp, 1 for the weft.
+
+    Raises:
+        InputError: there is none between a half and 1.2.
+    """
+    stretch = np.asarray(stretch, dtype=float)
+    low, high = (np.full(len(stretch), limit) for limit in (SMALLEST_FREE_STRETCH, LARGEST_FREE_STRETCH))
+
+    def force(across: np.ndarray) -> np.ndarray:
+        pair = (stretch, across) if pulled == 0 else (across, stretch)
+        return yarn_forces(fabric, np.stack(pair, axis=1))[:, 1 - pulled]
+
+    if np.any(force(low) > 0.0) or np.any(force(high) < 0.0):
+        raise InputError(
+            f"uniaxial pull to a stretch of {stretch.max():.4g}: the other family finds no equilibrium between "
+            f"stretches of {SMALLEST_FREE_STRETCH:g} and {LARGEST_FREE_STRETCH:g}; reduce the strain"
+        )
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        above = force(middle) > 0.0
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    return 0.5 * (low + high)

@@ -76,6 +76,7 @@ def test_loading_alone_takes_the_jump_for_friction_and_says_so(tmp_path):
     assert found.fabric.origin_of("shear_friction.limit").assumed
     elastic = calibrate("glass-polypropylene-polynomial", picture_frame=path, friction="none")
     assert elastic.fabric.shear_friction is None and elastic.assumed == ("shear: no friction",)
+    assert elastic.fabric.origin_of("shear_friction").assumed
     # the forces of a loading hardly depend on the split, but a jump without friction is fitted badly
     late = angle > math.radians(8.0)
     both = (moment_along(c.fabric, angle)[late] for c in (found, elastic))

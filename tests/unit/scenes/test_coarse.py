@@ -9,14 +9,32 @@ from weavesim.scenes.bias_extension import BiasExtensionParameters
 from weavesim.scenes.cantilever import CantileverParameters, cantilever
 from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
+from weavesim.scenes.laboratory.cusick_drape import CusickDrapeParameters
+from weavesim.scenes.laboratory.pure_bending import PureBendingParameters
+from weavesim.scenes.laboratory.uniaxial import UniaxialParameters
 from weavesim.scenes.picture_frame import PictureFrameParameters
 from weavesim.scenes.scene import known_scenes
 
-COVERED = {"bias-extension", "cantilever", "double-dome", "hemisphere", "picture-frame"}
+COVERED = {
+    "bias-extension", "cantilever", "cusick-drape", "double-dome", "hemisphere", "picture-frame", "pure-bending",
+    "uniaxial",
+}  # fmt: skip
+# A uniform state is exact on any mesh.
+UNIFORM = {"biaxial", "compaction", "sled"}
 
 
 def test_every_scene_is_covered():
-    assert set(known_scenes()) == COVERED
+    assert set(known_scenes()) == COVERED | UNIFORM
+
+
+@pytest.mark.parametrize(("make", "message"), [
+    (lambda: UniaxialParameters(mesh_size=0.02), "at least 4 elements across the width"),
+    (lambda: PureBendingParameters(mesh_size=0.002), "at least 4 elements along half the length"),
+    (lambda: CusickDrapeParameters(mesh_size=0.012), "at least 6 elements across the ring"),
+])  # fmt: skip
+def test_a_specimen_needs_elements_where_its_state_varies(make, message):
+    with pytest.raises(InputError, match=f"mesh_size = .* m: {message}.* at most"):
+        make()
 
 
 @pytest.mark.parametrize(("mesh_size", "length"), [(0.1, None), (0.04, None), (0.02, 0.06), (0.002, 0.008)])

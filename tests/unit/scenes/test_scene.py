@@ -13,9 +13,14 @@ from weavesim.scenes.scene import Scene, known_scenes
 
 
 def test_every_scene_is_found_by_its_file():
-    files = {file.stem for file in (ROOT / "scenes").glob("*.py") if "SCENE = " in file.read_text(encoding="utf-8")}
+    scenes = ROOT / "scenes"
+    files = {
+        ".".join(file.relative_to(scenes).with_suffix("").parts)
+        for file in scenes.rglob("*.py")
+        if "SCENE = " in file.read_text(encoding="utf-8")
+    }
     found = known_scenes()
-    assert {scene.module for scene in found.values()} == files - {"scene"} and len(found) >= 5
+    assert {scene.module for scene in found.values()} == files - {"scene"} and len(found) >= 11
 
 
 @pytest.mark.parametrize("name", known_scenes())
@@ -24,7 +29,7 @@ def test_what_is_read_off_a_file_is_what_it_defines(name):
     scene = found.load()
     assert isinstance(scene, Scene)
     assert (scene.name, scene.help) == (name, found.help)
-    assert scene.name.replace("-", "_") == found.module
+    assert scene.name.replace("-", "_") == found.module.rpartition(".")[2]
 
 
 def test_names_and_help_need_no_scene():

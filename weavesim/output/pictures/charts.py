@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -50,7 +50,9 @@ def chart_of(chart: Chart, columns: Mapping[str, np.ndarray]) -> Figure:
         axes.plot(x, columns[name], color=colour, linestyle=(0, (4, 3)), linewidth=1.4, label=label)
     for k, curve in enumerate(chart.measured):
         # few points as points, many as a dotted line
-        style = {"marker": MARKERS[k % len(MARKERS)], "markersize": 4.0} if len(curve.x) <= MANY_POINTS else {}
+        style: dict[str, Any] = (
+            {"marker": MARKERS[k % len(MARKERS)], "markersize": 4.0} if len(curve.x) <= MANY_POINTS else {}
+        )
         colour = MEASURED if len(chart.measured) == 1 else LINE_COLOURS[(k + 3) % len(LINE_COLOURS)]
         axes.plot(curve.x, curve.y, linestyle=":", linewidth=1.2, color=colour, label=curve.label, **style)
     if chart.equal_scales:

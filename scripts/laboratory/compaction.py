@@ -1,0 +1,6 @@
+"""Press the yarns of a woven fabric on each other; ``--help`` lists the options."""
+
+from weavesim.app.command_line import main
+
+if __name__ == "__main__":
+    main("compaction")

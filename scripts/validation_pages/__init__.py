@@ -1,0 +1,1 @@
+"""Pages of the validation, one module each: a function that runs what it shows and returns its text."""

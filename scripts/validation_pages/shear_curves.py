@@ -66,8 +66,8 @@ def forming_part() -> tuple[list[str], list[str]]:
         f"The five laboratories differ by {spread.max():.1f}° at most (point {int(np.argmax(spread)) + 1}); from the "
         f"polynomial the largest change is {changes[widest][1]:.1f}° ({CURVES[widest][0]}), "
         f"{max(mean for mean, _ in changes.values()):.1f}° on average at most. Whether the jump is elastic or friction "
-        f"changes {split:.1f}°. The yarns, not the curve, decide these angles: a holder keeps the sheet taut. What the "
-        f"curve decides is how far yarns are pushed together: the smallest stretch lies between "
+        f"changes {split:.1f}°. The yarns, not the curve, decide these angles: a holder keeps the sheet taut. Nor does "
+        f"the curve decide how far yarns are pushed together: the smallest stretch lies between "
         f"{min(lowest.values()):.3f} and {max(lowest.values()):.3f}.",
         "**On a ball**, under nothing but its weight (the scene `hemisphere`, 10 mm, with the glass/polypropylene's "
         "weight, bending and shear, and yarns of 5 kN/m to keep the step long), where shear moments are some N/m and "

@@ -135,7 +135,7 @@ class SceneFile(NamedTuple):
 def known_scenes() -> dict[str, SceneFile]:
     """All scenes by name, in alphabetical order of their files."""
     package = import_module(__package__)
-    files = {}
+    files: dict[str, Path] = {}
     for folder in map(Path, package.__path__):
         files |= {file.stem: file for file in folder.glob("*.py")}
         files |= {f"{file.parent.name}.{file.stem}": file for file in folder.glob("*/*.py")}

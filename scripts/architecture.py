@@ -54,7 +54,7 @@ ROOMS = {
     "scripts": ("what a person runs", "#5b3fb5"),
 }
 # The rooms of kernels, row by row from the top; "" stands for the modules outside its folders.
-KERNEL_ROWS = (("stepping", "shell"), ("contact", "laws", "cell"), ("",))
+KERNEL_ROWS = (("stepping", "shell"), ("contact", "laws", "cell"), ("formula",), ("",))
 
 
 @dataclass(frozen=True)
@@ -137,8 +137,12 @@ def _kernel_room(sources: Sources, module: str) -> str:
 
 # --- the left half: rooms and their imports ---------------------------------------------------------------------------
 
-LEFT, BOX_WIDTH, BOX_HEIGHT, PITCH = 0.15, 4.75, 0.45, 0.642
-KERNELS_BOTTOM, KERNELS_HEIGHT = 0.45, 2.0
+LEFT, BOX_WIDTH, BOX_HEIGHT, TOP = 0.15, 4.75, 0.44, 11.42
+KERNEL_HEIGHT, KERNEL_GAP = 0.32, 0.15
+KERNELS_BOTTOM = 0.45
+KERNELS_HEIGHT = BOX_HEIGHT + len(KERNEL_ROWS) * (KERNEL_HEIGHT + KERNEL_GAP)
+# Rooms above the kernels fill what is left.
+PITCH = (TOP - BOX_HEIGHT - KERNELS_BOTTOM - KERNELS_HEIGHT - 0.15) / (len(ORDER) - 2)
 LARGEST_BULGE = 2.15
 
 
@@ -165,13 +169,13 @@ def _draw_room(axes: Axes, room: str, module_count: int) -> None:
     line = bottom + height - 0.5 * BOX_HEIGHT
     _box(axes, LEFT, bottom, BOX_WIDTH, height, colour)
     axes.text(LEFT + 0.12, line, room, weight="bold", color=colour, va="center", size=FONT)
-    axes.text(LEFT + 1.18, line, text, color=INK, va="center", size=FONT)
+    axes.text(LEFT + 1.34, line, text, color=INK, va="center", size=FONT)
     axes.text(LEFT + BOX_WIDTH - 0.12, line, f"{module_count}", color=GREY, va="center", ha="right", size=FONT)
 
 
 def _draw_kernels(axes: Axes, house: House) -> None:
     """The rooms of kernels with the imports from row to row."""
-    height, gap, inset = 0.34, 0.17, 0.14
+    height, gap, inset = KERNEL_HEIGHT, KERNEL_GAP, 0.14
     place: dict[str, tuple[float, float, float]] = {}
     for row, names in enumerate(KERNEL_ROWS):
         y = KERNELS_BOTTOM + KERNELS_HEIGHT - BOX_HEIGHT - height - row * (height + gap)

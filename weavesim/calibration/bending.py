@@ -191,7 +191,10 @@ def with_bending(base: Fabric, found: Sequence[BendingEstimate]) -> tuple[Fabric
     weft = values.get("weft", values.get("both", before[1]))
     scale = math.sqrt(warp * weft / (before[0] * before[1])) if min(before) > 0.0 else 0.0
     law = YarnBending(warp=warp, weft=weft, twist=float(f"{twist * scale:.7g}"))
+    notes = []
+    if isinstance(old, YarnBending) and old.curved:
+        notes.append("bending: the curves of the given fabric are replaced by constant stiffnesses, which strips give")
     missing = [yarn for yarn in YARNS if yarn not in values and "both" not in values]
-    notes = [f"bending: the {yarn} was not measured and is that of the given fabric" for yarn in missing]
+    notes += [f"bending: the {yarn} was not measured and is that of the given fabric" for yarn in missing]
     notes.append("bending.twist is scaled with warp and weft: strips do not show it")
     return base.model_copy(update={"bending": law}), notes, ["bending.twist", *(f"bending.{yarn}" for yarn in missing)]

@@ -214,12 +214,21 @@ class _Work:
                 f"not depend on that{_correlation_of_split(fit)}, but springback and losses do; measure a loop, or "
                 f"give {as_typed('friction')} = none"
             )
+        if self.fabric.shear_friction is not None and not self._is_free(fit, SLIP):
+            self.assumed.append("shear: angle over which friction builds up")
+            self.notes.append(
+                f"shear: {SLIP} is held at {fit.values[-1]:.3g} rad: the data do not show how friction builds up"
+            )
         if not model.has_friction:
             self.assumed.append("shear: no friction")
         for name, unit, tests in ((FRAME, "N/m", self.frames), (BIAS, "N", self.bias)):
             if tests:
                 self._residuals(fit, name, unit, scatters, problem.group == problem.group_names.index(name))
         self._contradiction(fit)
+
+    @staticmethod
+    def _is_free(fit: Fit, name: str) -> bool:
+        return any(u.name == name and free for u, free in zip(fit.problem.unknowns, fit.is_free, strict=True))
 
     def _held_slip(self) -> list[str]:
         """The slip angle, if no point lies where friction builds up."""
@@ -312,6 +321,7 @@ class _Work:
             f"{self.base.name!r}" + (f" ({self.base.source})" if self.base.source else "")
         )
         kept = [name for name in self.base.assumed if not self._is_measured(name)]
+        kept = ["everything that no test gave" if name == "everything" else name for name in kept]
         fabric = self.fabric.model_copy(
             update={
                 "name": self.options.name or f"{self.base.name}, calibrated"[:200], "source": source,

@@ -133,10 +133,10 @@ def _sigma(tests: Sequence[Biaxial], observed: np.ndarray, stated: float | None)
         for test in tests:
             along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(test.strain, axis=0), axis=1))])
             along = along + 1.0e-12 * np.arange(len(along))
-            value = max(noise(along, test.force[:, 0]), noise(along, test.force[:, 1]), LEAST_NOISE * largest)
+            value = max(noise(along, test.force[:, 0]), noise(along, test.force[:, 1]), UNSTATED * largest)
             values.append(np.full(test.force.shape, value))
         sigma = np.concatenate(values)
-        source, yardstick = "noise of the points", max(float(sigma.max()), UNSTATED * largest)
+        source, yardstick = "noise of the points, or 1 % of the largest force", float(sigma.max())
     reach = np.array([0.0, 1.0])
     return sigma, Scatter(reach, np.full(2, yardstick), source, yardstick)
 

@@ -37,7 +37,9 @@ def pictures(calibration: Calibration) -> Iterator[tuple[str, Figure, str]]:
     if "curves" in calibration.check:
         yield "check_with_scene", check_figure(calibration), (
             "Bias extension simulated with the calibrated fabric, beside the closed form that was fitted and the "
-            "measurement."
+            f"measurement. With {calibration.check['mesh_size_mm']:.3g} mm the mesh shears its central zone to "
+            f"{calibration.check['zone_c_angle_deg']:.1f} instead of {calibration.check['kinematic_angle_deg']:.1f} "
+            "degrees, so its force is lower (docs/theory.md, section 9)."
         )  # fmt: skip
     if calibration.cell:
         yield "biaxial", cell_figure(calibration), _caption(calibration, "biaxial")
@@ -82,7 +84,13 @@ def draws(fit: Fit) -> np.ndarray:
     if not len(fit.chosen):
         return result
     values, vectors = np.linalg.eigh(fit.covariance)
-    steps = (vectors * np.sqrt(np.clip(values, 0.0, 1.0))) @ rng.standard_normal((len(fit.chosen), DRAW_COUNT))
+    # as wide as the intervals, which are those of Student's t
+    wider = fit.half_width[fit.chosen] / (1.96 * fit.deviation[fit.chosen])
+    steps = (
+        wider[:, None]
+        * (vectors * np.sqrt(np.clip(values, 0.0, 1.0)))
+        @ (rng.standard_normal((len(fit.chosen), DRAW_COUNT)))
+    )
     for row, k in enumerate(fit.chosen):
         unknown = fit.problem.unknowns[int(k)]
         drawn = unknown.outer(unknown.inner(fit.values[k]) + steps[row])

@@ -10,65 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
+from ..checks import as_typed
 from ..errors import InputError, did_you_mean
 from ..fabric.closed_forms import bias_zone_areas, trellis_angle, trellis_angle_rate
 from ..input_files import shown
 from ..ranges import Quantity
-from ..tables import Repeat, Role, read_repeats, read_table
+from ..tables import Repeat, read_repeats, read_table
 from .options import CalibrationOptions
+from .roles import FORCES, ONE_OF, ROLES, STRAINS
 from .series import Series, check_repeats, check_rows, in_order, thinned, without_offset
 
-ANGLE = Role("angle", ("shear angle", "frame angle", "gamma", "γ", "winkel", "scherwinkel", "angle de cisaillement"),
-    ("rad",), is_required=False)  # fmt: skip
-DISPLACEMENT = Role(
-    "displacement",
-    ("extension", "elongation", "crosshead", "crosshead displacement", "crosshead travel", "travel", "stroke",
-     "standard travel", "standardweg", "weg", "traversenweg", "verschiebung", "déplacement", "deplacement"),
-    ("m",), is_required=False,
-)  # fmt: skip
-_FORCES = (
-    "load", "machine force", "crosshead force", "standard force", "normalised force", "normalized force",
-    "normalised shear force", "normalized shear force", "shear force", "kraft", "standardkraft", "maschinenkraft",
-    "effort", "loading", "force loading", "loading force", "belastung",
-)  # fmt: skip
-_UNLOADING = (
-    "force unloading", "unloading force", "unload", "force unload", "return", "entlastung", "kraft entlastung",
-    "normalised force unloading",
-)  # fmt: skip
-FRAME = (ANGLE, DISPLACEMENT, Role("force", _FORCES, ("N", "N/m")), Role("unloading", _UNLOADING, ("N", "N/m"), False))
-BIAS = (
-    replace(DISPLACEMENT, is_required=True), Role("force", _FORCES, ("N",)),
-    Role("unloading", _UNLOADING, ("N",), False),
-)  # fmt: skip
-
-
-def _of_family(what: str, names: Sequence[str], units: tuple[str, ...]) -> tuple[Role, Role]:
-    warp, weft = (
-        Role(
-            f"{yarn}_{what}",
-            tuple(text for name in names for other in others for text in (f"{other} {name}", f"{name} {other}")),
-            units,
-        )
-        for yarn, others in (("warp", ("warp", "kette", "chaîne")), ("weft", ("weft", "fill", "schuss", "trame")))
-    )
-    return warp, weft
-
-
-STRAINS = _of_family("strain", ("strain", "elongation", "epsilon", "ε", "dehnung", "déformation"), ("1",))
-FORCES = _of_family("force", ("force", "load", "tension", "kraft", "effort"), ("N/m", "N"))
-_OVERHANG, _BENDING_LENGTH = ("overhang length", "überhang", "überhanglänge"), ("bending length", "biegelänge")
-OVERHANGS = (
-    Role("overhang", ("overhanging length", "length", *_OVERHANG), ("m",), False),
-    *(replace(r, is_required=False) for r in _of_family("overhang", ("overhang", *_OVERHANG), ("m",))),
-    Role("bending_length", _BENDING_LENGTH, ("m",), False),
-    *(replace(r, is_required=False) for r in _of_family("bending_length", _BENDING_LENGTH, ("m",))),
-    Role("angle", ("chord angle", "winkel"), ("rad",), False),
-)
-ROLES = {"picture_frame": FRAME, "bias_extension": BIAS, "biaxial": (*STRAINS, *FORCES), "cantilever": OVERHANGS}
-ONE_OF = {
-    "picture_frame": ("angle", "displacement"), "bias_extension": (), "biaxial": (),
-    "cantilever": tuple(role.name for role in OVERHANGS[:-1]),
-}  # fmt: skip
 # An angle in degrees below which a column is rather in radians, and strains that are rather per cent.
 SMALLEST_ANGLE, LARGEST_STRAIN = math.radians(3.0), 0.3
 # Rows slightly before zero, as a share of the range: noise of the machine.
@@ -120,7 +71,12 @@ def read_files(test: str, options: CalibrationOptions) -> tuple[list[tuple[str, 
     repeats, files = [], []
     for path in getattr(options, test):
         table = read_table(path, test.replace("_", " "))
-        found = read_repeats(table, roles, ONE_OF[test])
+        try:
+            found = read_repeats(table, roles, ONE_OF[test])
+        except InputError as error:
+            if "; needed are " not in str(error):
+                raise
+            raise InputError(f'{error}; name one with {as_typed("column")}, as "force=Standardkraft"') from None
         content = Path(path).read_bytes()
         files.append(DataFile(test, str(path), hashlib.sha256(content).hexdigest(), len(content), found.notes))
         repeats += [(str(path), repeat) for repeat in found.tests]

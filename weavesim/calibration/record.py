@@ -22,7 +22,6 @@ from .pictures import fits, pictures
 from .result import Calibration, Estimate
 
 FABRIC_NAME, RECORD_NAME, CURVES_NAME, REPORT_NAME = "fabric.toml", "calibration.json", "curves.csv", "report.html"
-WIDTH = 110
 
 
 def write_calibration(calibration: Calibration, folder: str | Path, *, overwrite: bool = False) -> Path:
@@ -199,10 +198,10 @@ def report_of(calibration: Calibration, drawn: list[tuple[Path, str]]) -> Report
         if part == "shear" and fitted:
             last = [e for e in fitted if e.name.startswith("moment")]
             fitted = last[-1:] + [e for e in fitted if e.name.startswith("friction_limit")][:1]
-        headline += [(e.name.replace("_", " "), f"{e.value:.4g} {e.unit}") for e in fitted[:3]]
+        headline += [(_words(e.name), f"{e.value:.4g} {e.unit}") for e in fitted[:3]]
     headline += [(f"{r.test}: residual over scatter", f"{r.ratio:.2g}") for r in calibration.residuals]
     tables: dict[str, dict[str, Any]] = {
-        f"Values of the {part}": {e.name: _report_value(e) for e in entries}
+        f"Values of the {part}": {_words(e.name): _report_value(e) for e in entries}
         for part, entries in calibration.estimates.items()
     }
     tables["Residuals"] = {
@@ -239,6 +238,11 @@ def report_of(calibration: Calibration, drawn: list[tuple[Path, str]]) -> Report
     subtitle = f"{calibration.fabric.name} · calibrated on {calibration.date[:10]} by weavesim {__version__}"
     tables = {heading: rows for heading, rows in tables.items() if rows}
     return Report("Calibration", subtitle, headline, calibration.warnings, drawn, tables)
+
+
+def _words(name: str) -> str:
+    """A name for readers; one that ends in a unit would give it to the value."""
+    return name.replace("_deg", " degrees").replace("_", " ")
 
 
 def _report_value(e: Estimate) -> str:

@@ -14,7 +14,7 @@ GRID_COUNT = 40
 WINDOW = 0.15
 # Scatter is at least this share of its mean square root, and of the largest value.
 LEAST_SHARE, LEAST_OF_LARGEST = 0.2, 1.0e-3
-# The yardstick of a residual where only one test is there and no noise is stated, as a share of the largest value.
+# Least scatter where only one test is there and no noise is stated, as a share of the largest value.
 UNSTATED = 0.01
 
 
@@ -59,9 +59,11 @@ def scatter_of(tests: Sequence[Series], stated: float | None = None) -> Scatter:
     if stated is not None:
         value = stated * largest
         return Scatter(ends, np.full(2, value), f"stated noise, {stated:.3g} of the largest value", value)
-    value = max(noise_of(test), LEAST_OF_LARGEST * largest)
-    source = "noise of the points of a single test"
-    return Scatter(ends, np.full(2, value), source, max(value, UNSTATED * largest))
+    # a curve that was smoothed or digitised has hardly any noise, and is not exact for that
+    own = noise_of(test)
+    value = max(own, UNSTATED * largest)
+    source = "noise of the points of a single test" if own == value else "1 % of the largest value of a single test"
+    return Scatter(ends, np.full(2, value), source, value)
 
 
 def on_common_grid(tests: Sequence[Series]) -> tuple[np.ndarray, np.ndarray]:

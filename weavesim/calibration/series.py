@@ -15,8 +15,8 @@ from ..input_files import shown
 LEAST_POINT_COUNT = 6
 # Points of one test that a fit sees; more are averaged in their order.
 LARGEST_POINT_COUNT = 150
-# A reversal of the abscissa that counts, as a share of its range, and the most reversals of a test in its own order.
-REVERSAL, LARGEST_REVERSAL_COUNT = 0.05, 12
+# A reversal of the abscissa that counts, as a share of its range, and the steps that a branch between two has at least.
+REVERSAL, LEAST_BRANCH = 0.05, 3
 # A force at the start that is taken for the machine's zero, and the largest that may be subtracted: shares of the
 # largest force.
 SMALL_OFFSET, LARGEST_OFFSET = 0.02, 0.2
@@ -88,17 +88,18 @@ def first_reversal(x: np.ndarray) -> int:
     return int(np.argmax(x[: fallen[0]])) + 1 if len(fallen) else len(x)
 
 
-def reversal_count(x: np.ndarray) -> int:
-    """How often x turns by more than ``REVERSAL`` of its range."""
-    least, count, direction, extreme = REVERSAL * np.ptp(x), 0, 0, x[0]
-    for value in x:
-        if direction >= 0 and value < extreme - least or direction <= 0 and value > extreme + least:
-            turned = -1 if value < extreme else 1
-            count += direction != 0
-            direction, extreme = turned, value
-        elif direction and (value - extreme) * direction > 0.0:
-            extreme = value
-    return count
+def turns(x: np.ndarray) -> list[int]:
+    """Indices at which x turns by more than ``REVERSAL`` of its range."""
+    least, direction, extreme = REVERSAL * np.ptp(x), 0, 0
+    found = []
+    for k, value in enumerate(x):
+        if direction >= 0 and value < x[extreme] - least or direction <= 0 and value > x[extreme] + least:
+            if direction:
+                found.append(extreme)
+            direction, extreme = (-1 if value < x[extreme] else 1), k
+        elif direction and (value - x[extreme]) * direction > 0.0:
+            extreme = k
+    return found
 
 
 def in_order(series: Series) -> Series:
@@ -106,15 +107,16 @@ def in_order(series: Series) -> Series:
     x = series.x
     if np.all(np.diff(x) > 0.0):
         return series
-    count = reversal_count(x)
-    if count == 0 and x[-1] < x[0]:
+    turning = turns(x)
+    if not turning and x[-1] < x[0]:
         return series.rows(np.arange(len(x))[::-1], "rows were in falling order; they were reversed")
-    if count and (count > LARGEST_REVERSAL_COUNT or len(x) < 4 * (count + 1)):
+    # loading and unloading are branches of several points; the last one may have been cut off
+    if turning and min(np.diff([0, *turning])) < LEAST_BRANCH:
         return series.rows(
             np.argsort(x, kind="stable"),
             "rows were in no order; they were sorted, and taken for one loading",
         )
-    if count and x[0] > x.min() + 0.5 * np.ptp(x):
+    if turning and x[0] > x.min() + 0.5 * np.ptp(x):
         raise series.fault(
             f"it begins at {x[0]:.4g}, and falls before it rises: a test begins unloaded; leave out the rows before",
             0, 0,
@@ -126,9 +128,9 @@ def thinned(series: Series, largest: int = LARGEST_POINT_COUNT) -> Series:
     """At most about ``largest`` points: means of successive ones, on each branch by itself."""
     if len(series.x) <= largest:
         return series
-    turn = first_reversal(series.x)
     size = -(-len(series.x) // largest)
-    starts = np.unique([*range(0, turn, size), *range(turn, len(series.x), size)])
+    ends = [0, *(turn + 1 for turn in turns(series.x)), len(series.x)]
+    starts = np.unique([k for begin, end in zip(ends, ends[1:], strict=False) for k in range(begin, end, size)])
     count = np.diff([*starts, len(series.x)])
     x, y = (np.add.reduceat(values, starts) / count for values in (series.x, series.y))
     note = f"{len(series.x)} rows averaged to {len(starts)}"

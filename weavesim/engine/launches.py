@@ -59,11 +59,6 @@ class SheetKernels:
         )
 
 
-def _partial_sums_of(values: wp.array) -> wp.Kernel:
-    """The kernel that sums vectors of these."""
-    return partial_sum_kernel(values.dtype._wp_scalar_type_)
-
-
 @dataclass(frozen=True)
 class _SheetArguments:
     """Arguments of the launches of one sheet, on one state."""
@@ -123,6 +118,10 @@ class Launches:
             shape = (tool_count, -(-entry_count // SUM_GROUP))
             arrays.append(wp.zeros(shape, dtype=wp.vec3d, device=self.model.device))
         return arrays
+
+    def _partial_sums_of(self, values: wp.array) -> wp.Kernel:
+        """The kernel that sums the reactions, or sums of them, which are in double precision."""
+        return partial_sum_kernel(self.model.real if values is self.state.reaction else wp.float64)
 
     @property
     def maxima(self) -> wp.array:
@@ -211,7 +210,7 @@ class Launches:
         tools, state, device = self.model.tools, self.state, self.model.device
         for values, sums in itertools.pairwise(self._sums):
             wp.launch_tiled(
-                _partial_sums_of(values),
+                self._partial_sums_of(values),
                 dim=sums.shape,
                 block_dim=TILE_THREAD_COUNT,
                 inputs=[values],
@@ -309,7 +308,7 @@ class Launches:
             for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes)
         ]
         common = [self._tool_motion, self._partial_maximum, self._set_step, self._fold_works]
-        common += [_partial_sums_of(values) for values in self._sums[:-1]]
+        common += [self._partial_sums_of(values) for values in self._sums[:-1]]
         if self.model.drives.count:
             common.append(self._support_motion)
         return list(dict.fromkeys([*own, *common]))

@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import did_you_mean
 from ..input_files import shown
 from .header import LISTED_COUNT, Header, find_header, fold
-from .numbers import DecimalMark, number, quoted
+from .numbers import DecimalMark, is_number, number, quoted
 from .rows import comment_of, is_blank, split_line, trimmed
 from .table import LARGEST_ROW_COUNT, Table, faults_of
 from .text import TableFault
@@ -101,7 +101,7 @@ def _read(table: Table, roles: Sequence[Role], one_of: Sequence[str]) -> Repeats
             return None
         return tuple(place for place, match in found if match)
 
-    needed = [role.name for role in roles if role.is_required]
+    needed = [role.name for role in roles if role.is_required] or list(one_of)
     try:
         header = find_header(table.lines, needed, choose)
     except TableFault as fault:
@@ -199,6 +199,7 @@ def _cells(
     result: dict[str, list[tuple[int, list[str]]]] = {label: [] for label in groups}
     shared = {place for places in groups.values() for place in places.values()} if len(groups) > 1 else set()
     shared = {place for place in shared if all(place in places.values() for places in groups.values())}
+    wanted = {place for places in groups.values() for place in places.values()}
     ended: dict[str, int] = {}
     row_count = 0
     for line_number in range(header.first_row, len(lines) + 1):
@@ -218,19 +219,25 @@ def _cells(
         for label, places in groups.items():
             values = [cells[place] for place in places.values()]
             own = [cells[place] for place in places.values() if place not in shared]
-            if len(groups) > 1 and not any(own):
+            if len(groups) > 1 and not any(own) or not all(values) and _has_others(cells, wanted):
                 ended.setdefault(label, line_number)
                 continue
             for place, value in zip(places.values(), values, strict=True):
                 if not value:
                     header.check_has(cells, place, line_number)
             if label in ended:
-                name = quoted(header.names[next(place for place in places.values() if place not in shared)])
+                place = next((p for p in places.values() if p not in shared), next(iter(places.values())))
+                name = quoted(header.names[place])
                 raise TableFault(f"no value in column {name}: a gap, after which it goes on", ended[label])
             result[label].append((line_number, values))
     if not row_count:
         raise TableFault("no rows below the header", header.line)
     return result, mark.found()
+
+
+def _has_others(cells: Sequence[str], wanted: set[int]) -> bool:
+    """True for a row with values of other tests, which may be longer than the wanted one."""
+    return any(cell and is_number(cell) for place, cell in enumerate(cells) if place not in wanted)
 
 
 def _unit(role: Role, header: Header, place: int) -> tuple[str, float, str]:

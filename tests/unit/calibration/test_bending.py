@@ -9,7 +9,7 @@ from scipy.stats import t
 from tests.support.synthetic_laboratory import Laboratory, cantilever, random_fabric
 from weavesim.calibration import calibrate
 from weavesim.calibration.bending import LARGEST_ANGLE, LEAST_ANGLE, _stiffness
-from weavesim.fabric.bending import YarnBending
+from weavesim.fabric.bending import BendingCurve, YarnBending
 from weavesim.fabric.closed_forms import elastica_stiffness, heavy_elastica
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.proportions import GRAVITY
@@ -82,3 +82,14 @@ def test_specimens_of_a_known_fabric(tmp_path):
 @pytest.mark.parametrize("angle", [LEAST_ANGLE, math.radians(20.0), math.radians(60.0), LARGEST_ANGLE])
 def test_the_table_of_the_elastica_is_exact(angle):
     assert _stiffness(0.1, angle, WEIGHT) == pytest.approx(elastica_stiffness(angle, 0.1, WEIGHT), rel=1e-4)
+
+
+def test_a_curve_of_the_given_fabric_is_replaced_and_that_is_said(tmp_path):
+    base = glass_polypropylene()
+    curve = BendingCurve(curvature=(0.0, 10.0, 20.0), moment_values=(0.0, 8.0e-3, 1.2e-2))
+    curved = base.model_copy(update={"bending": YarnBending(warp=curve, weft=7.0e-4, twist=1.0e-4)})
+    path = tmp_path / "curved.json"
+    path.write_text(curved.to_json(), encoding="utf-8")
+    found = calibrate(path, bending_length=(0.044, 0.046))
+    assert isinstance(found.fabric.bending.warp, float)
+    assert any("are replaced by constant stiffnesses" in note for note in found.notes)

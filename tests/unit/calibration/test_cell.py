@@ -91,6 +91,7 @@ def test_another_kind_of_cell_needs_names(tmp_path):
         calibrate("assumed-stitched-tape", biaxial=paths)
     found = calibrate("assumed-stitched-tape", biaxial=paths, fit=("tow_stiffness",), starts=1)
     assert found.estimate("tow_stiffness").state == "fitted"
+    assert found.fabric.assumed[0] == "everything that no test gave"
 
 
 def test_repeats_are_tests_along_one_path(tmp_path):

@@ -89,6 +89,7 @@ def test_the_report_needs_nothing_else(written):
     page = (out / "report.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") == len(list((out / "pictures").glob("*.png"))) >= 8
     assert 'src="http' not in page and "SHA-256" in page and "Correlations" in page
+    assert "moment at 45 degrees" in page and "degrees°" not in page
     for heading in ("Values of the unit cell", "Values of the shear", "Residuals", "Fit of the unit cell", "Files"):
         assert heading in page
 
@@ -98,7 +99,7 @@ def test_bands_are_drawn_from_the_intervals(written):
     (_, fit), *_ = fits(found)
     spread = draws(fit).std(axis=0)
     k = int(fit.chosen[0])
-    assert spread[k] / fit.values[k] == pytest.approx(fit.deviation[k], rel=0.4)
+    assert spread[k] / fit.values[k] == pytest.approx(fit.half_width[k] / 1.96, rel=0.4)
 
 
 def test_there_is_a_picture_for_every_test(written):

@@ -84,7 +84,7 @@ def literal_rows(source: str) -> list[str]:
     def numbered(index: ast.expr) -> bool:
         if isinstance(index, ast.BinOp) and isinstance(index.op, ast.Add):
             return numbered(index.left) or numbered(index.right)
-        return isinstance(index, ast.Constant)
+        return isinstance(index, ast.Constant) and isinstance(index.value, int)
 
     def found(scope: ast.AST, own: set[str]) -> Iterator[str]:
         for node in ast.iter_child_nodes(scope):

@@ -50,6 +50,16 @@ def test_a_shorter_specimen_ends_with_empty_cells(tmp_path):
     assert found.tests[1].lines.tolist() == [2, 3]
 
 
+def test_a_wanted_test_may_be_shorter_than_others_in_the_table(tmp_path):
+    text = "angle [deg],force [N],force at 200 C [N]\n0,0,0\n10,2,1\n20,,2\n30,,3\n"
+    (test,) = repeats(tmp_path, text).tests
+    assert test.lines.tolist() == [2, 3]
+    with pytest.raises(InputError, match="line 4: no value in column.*a gap"):
+        repeats(tmp_path, text + "40,7,8\n")
+    with pytest.raises(InputError, match="line 4: no value in column 'force"):
+        repeats(tmp_path, "angle [deg],force [N]\n0,0\n10,2\n20,\n")
+
+
 def test_one_test_alone_and_what_was_converted(tmp_path):
     found = repeats(tmp_path, "angle_deg,normalised_force_n_per_mm\n0,0\n10,0.01\n")
     (test,) = found.tests

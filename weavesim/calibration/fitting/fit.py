@@ -6,8 +6,8 @@ central differences of all unknowns at once, for which a model gets all sets of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -68,7 +68,6 @@ class Problem:
         group: index of the kind of test of each observation, (n,).
         repeat: index of the specimen of each observation, (n,); no two groups share one.
         group_names: of the kinds of tests.
-        start_fields: draws further starts within bounds if True.
     """
 
     unknowns: tuple[Unknown, ...]
@@ -113,7 +112,6 @@ class Fit:
     cost: float
     costs: tuple[float, ...]
     held_uncertainty: float = 0.0
-    extra: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def chosen(self) -> np.ndarray:

@@ -1,6 +1,6 @@
 """A commingled glass/polypropylene plain weave, TPEET22XXX: three fabrics, which differ in what is said of its shear.
 
-The same cloth was sheared by many laboratories (Cao et al. 2008), which agree within 40 %. ``glass_polypropylene`` has
+The same cloth was sheared by many laboratories (Cao et al. 2008), which scatter by 40 %. ``glass_polypropylene`` has
 the polynomial of the double-dome benchmark; it is far too soft below 25 degrees. The other two have measured curves.
 """
 

@@ -134,9 +134,9 @@ def cloth(case: str) -> Fabric:
     )
 
 
-def hemisphere(parameters: HemisphereParameters, case: str) -> Setup:
-    """One case: the cloth is released on top of the ball."""
-    fabric = cloth(case)
+def hemisphere(parameters: HemisphereParameters, case: str, fabric: Fabric | None = None) -> Setup:
+    """One case: the cloth is released on top of the ball; ``fabric`` replaces that of the case."""
+    fabric = fabric or cloth(case)
     half = 0.5 * parameters.side
     blank = Blank.rectangle(
         (-half, -half), (half, half), parameters.mesh_size, height=parameters.radius + 0.5 * fabric.thickness

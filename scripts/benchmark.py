@@ -1,7 +1,7 @@
 """How fast weavesim is, on which problem, and how close to the limits of the machine.
 
     python scripts/benchmark.py rates [--case double_dome_5mm] [--json now.json] [--compare before.json]
-    python scripts/benchmark.py laws        cost of each law and unit cell, relative to the default ones
+    python scripts/benchmark.py laws        cost of each law, relative to the default one
     python scripts/benchmark.py cells       cost of each unit cell, relative to the plain weave
     python scripts/benchmark.py sheets      cost of several sheets in one run, relative to one
     python scripts/benchmark.py bounds      memory bandwidth and multiply-add rate of this machine

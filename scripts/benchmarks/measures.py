@@ -12,12 +12,17 @@ from typing import Any
 from .cases import element_count
 
 
-def seconds_per_step(simulation: Any, seconds: float, largest_block_count: int = 50) -> float:
-    """Time of one step, without output, over about ``seconds``."""
+def seconds_per_step(
+    simulation: Any,
+    seconds: float,
+    largest_block_count: int = 50,
+    clock: Callable[[], float] = time.perf_counter,
+) -> float:
+    """Time of one step, without output, over about ``seconds``, by a clock."""
     stepper = simulation.stepper
-    first, started = stepper.step_count, time.perf_counter()
+    first, started = stepper.step_count, clock()
     block_count = 1
-    while (elapsed := time.perf_counter() - started) < seconds:
+    while (elapsed := clock() - started) < seconds:
         stepper.advance(block_count)
         _synchronise()
         block_count = min(2 * block_count, largest_block_count)

@@ -14,35 +14,52 @@ from ..formula.graph import Expression, Graph
 from ..formula.reader import read
 from ..formula.values import Parameters, Unreadable
 from .energy_cell import CellFunctions
+from .iteration import STRAIN_COUNT, Balance, iteration
 
+# Rows of the second derivatives by the strains.
+TANGENT_ENTRIES = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
 # Least stiffness of an unknown over the floor of the forces, and over the stiffest unknown: below, it is idle.
 LEAST_STIFFNESS = 1.0e-12
 # Least pivot of a matrix that counts as positive definite, over its diagonal entry.
 LEAST_PIVOT = 1.0e-9
-STRAIN_COUNT = 3
 # Second derivatives by row and column, the row not before the column.
 Second = Mapping[tuple[int, int], Expression]
-# Rows of the second derivatives by the strains.
-TANGENT_ENTRIES = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
+
+
+@dataclass(frozen=True)
+class StateRows:
+    """Rows of the state of a block of cells: strains (stretches - 1, shear angle), and those of Newton's method."""
+
+    unknown_count: int
+
+    def names(self) -> tuple[str, ...]:
+        n = range(self.unknown_count)
+        strains = [f"strain{k}" for k in range(STRAIN_COUNT)]
+        unknowns = [f"{kind}{k}" for kind in ("unknown", "change") for k in n]
+        return (*strains, *unknowns, "shift", "slope", "before", "stiffest", "active", "iterations")
+
+    def row(self, name: str) -> int:
+        return self.names().index(name)
 
 
 @dataclass(frozen=True)
 class CellFormulas:
-    """Formulas of one cell, of its parameters and of ``state``.
+    """Formulas of one cell, of its parameters and of its state (``StateRows``).
 
     Attributes:
-        state: names of the symbols: strains (stretches - 1, shear angle), unknowns, and the shift of Newton's matrix.
-        first: energy, its derivatives by strains and unknowns, crossover pressure.
-        newton: energy, the same derivatives, Newton's step (to be subtracted), stiffness of the stiffest unknown, and
-            whether the matrix was positive definite, 1 or 0.
-        tangent: C11, C12, C22, C13, C23, C33, and whether the unknowns' matrix was positive definite.
+        unknown_count: of the cell.
+        first: energy, its derivatives by the strains, crossover pressure, relative residual.
+        iteration: the state after one iteration of Newton's method.
+        tangent: C11, C12, C22, C13, C23, C33, and whether the unknowns' matrix was positive definite, 1 or 0.
+        slopes: derivatives of the energy by strains and unknowns.
         parts: of the energy.
     """
 
-    state: tuple[str, ...]
+    unknown_count: int
     first: list[Expression]
-    newton: list[Expression]
+    iteration: list[Expression]
     tangent: list[Expression]
+    slopes: list[Expression]
     parts: list[Expression]
 
 
@@ -53,9 +70,8 @@ def cell_formulas(fields: Sequence[tuple[str, int]], unknown_count: int, functio
         Unreadable: if a function cannot be read as a formula.
     """
     graph = Graph()
-    names = (*(f"strain{k}" for k in range(STRAIN_COUNT)), *(f"unknown{k}" for k in range(unknown_count)), "shift")
-    symbols = [graph.symbol(name) for name in names]
-    x, shift = symbols[:-1], symbols[-1]
+    state = {name: graph.symbol(name) for name in StateRows(unknown_count).names()}
+    x = list(state.values())[: STRAIN_COUNT + unknown_count]
     members: dict[str, Any] = {}
     for name, length in fields:
         entries = [graph.symbol(f"{name}[{k}]", uniform=True) for k in range(length)]
@@ -76,20 +92,20 @@ def cell_formulas(fields: Sequence[tuple[str, int]], unknown_count: int, functio
     slopes = formula(gradient, len(x)) if gradient is not None else [derivative(total) for derivative in along]
     second = {(i, j): along[j](slopes[i]) for i in range(len(x)) for j in range(i + 1)}
     crossover = formula(pressure, 1) if pressure is not None else [graph.number(0.0)]
-    least = LEAST_STIFFNESS * graph.symbol("force_floor", uniform=True)
-    inner = Matrix(graph, unknown_count, second, least, shift)
-    stiffest = graph.number(0.0)
-    for k in range(STRAIN_COUNT, len(x)):
-        size = graph.magnitude(second[k, k]) * (1.0 + graph.magnitude(x[k]))
-        stiffest = graph.larger(stiffest, size)
-    step = inner.solved(slopes[STRAIN_COUNT:])
+    inner = Matrix(graph, unknown_count, second, state["shift"])
+    balance = Balance(graph, slopes, state["stiffest"])
     return CellFormulas(
-        names,
-        first=[total, *slopes, *crossover],
-        newton=[total, *slopes, *step, stiffest, inner.definite],
-        tangent=[*condensed(graph, unknown_count, second, inner), inner.definite],
+        unknown_count,
+        first=[total, *slopes[:STRAIN_COUNT], *crossover, balance.residual],
+        iteration=iteration(total, slopes, second, inner, state),
+        tangent=[*condensed(graph, unknown_count, second, inner), graph.choice(inner.definite, *numbers(graph, 1, 0))],
+        slopes=slopes,
         parts=part_list,
     )
+
+
+def numbers(graph: Graph, *values: float) -> list[Expression]:
+    return [graph.number(value) for value in values]
 
 
 class Matrix:
@@ -99,7 +115,7 @@ class Matrix:
     that few others touch are eliminated first, which keeps zeros zero.
     """
 
-    def __init__(self, graph: Graph, size: int, second: Second, least: Expression, shift: Expression):
+    def __init__(self, graph: Graph, size: int, second: Second, shift: Expression):
         self.size = size
         entry = {
             (i, j): second[STRAIN_COUNT + max(i, j), STRAIN_COUNT + min(i, j)] for i in range(size) for j in range(size)
@@ -107,7 +123,7 @@ class Matrix:
         touched = [sum(not entry[i, j].is_equal(0.0) for j in range(size)) for i in range(size)]
         self.order = sorted(range(size), key=lambda k: touched[k])
         own = {k: graph.magnitude(entry[k, k]) for k in range(size)}
-        largest = least
+        largest = LEAST_STIFFNESS * graph.symbol("force_floor", uniform=True)
         for k in range(size):
             largest = graph.larger(own[k], largest)
         self.lower: dict[tuple[int, int], Expression] = {}
@@ -131,8 +147,7 @@ class Matrix:
                     rest = rest - column[i, j] * self.lower[k, j]
                 column[i, k] = rest
                 self.lower[i, k] = rest * self.inverse[k]
-        one, zero = graph.number(1.0), graph.number(0.0)
-        self.definite = graph.choice(graph.combination("all", conditions), one, zero)
+        self.definite = graph.combination("all", conditions)
 
     def solved(self, right: Sequence[Expression]) -> list[Expression]:
         """The matrix' inverse times a vector."""

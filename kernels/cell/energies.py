@@ -20,22 +20,21 @@ def bar_energy(elongation: real, tensile: real, compressive: real):
 
 @wp.func
 def yarn_energies(p: Any, k: int, stretch: real, w: real, float_strain: real):
-    """Axial and bending energy of yarn k from a crossover's float to its next inflection point [J]."""
+    """Axial and bending energy per reference area of yarn k from a crossover's float to its next inflection point."""
     length = p.chord_length[k]
     spacing = p.half_spacing[k]
     height = p.crimp_height[k]
     # the crimped beam takes the part of the elongation that the float does not
-    u = (stretch - real(1.0)) * (spacing + p.float_length[k]) - float_strain * p.float_length[k]
-    x = spacing + u
+    x = spacing + (stretch - real(1.0)) * (spacing + p.float_length[k]) - float_strain * p.float_length[k]
     h = height + w
-    chord = wp.sqrt(x * x + h * h)
-    elongation = (u * (real(2.0) * spacing + u) + w * (real(2.0) * height + w)) / (chord + length)
-    rotation = wp.atan2(spacing * w - height * u, spacing * x + height * h)
-    axial = bar_energy(elongation, p.axial_stiffness[k] / length, p.compressive_stiffness[k] / length)
-    axial = axial + bar_energy(
-        float_strain, p.axial_stiffness[k] * p.float_length[k], p.compressive_stiffness[k] * p.float_length[k]
-    )
-    return wp.vec2d(axial, real(1.5) * p.bending_stiffness[k] / length * rotation * rotation)
+    # differences of nearly equal numbers: double precision leaves 2e-16 of the strain, and the derivatives are short
+    elongation = wp.sqrt(x * x + h * h) - wp.sqrt(spacing * spacing + height * height)
+    rotation = wp.atan2(h, x) - wp.atan2(height, spacing)
+    scale = real(1.0) / (length * p.area)
+    axial = bar_energy(elongation, p.axial_stiffness[k] * scale, p.compressive_stiffness[k] * scale)
+    share = p.float_length[k] / p.area
+    axial = axial + bar_energy(float_strain, p.axial_stiffness[k] * share, p.compressive_stiffness[k] * share)
+    return wp.vec2d(axial, real(1.5) * p.bending_stiffness[k] * scale * rotation * rotation)
 
 
 @wp.func
@@ -51,8 +50,8 @@ def floats_energies(p: Any, warp_stretch: real, weft_stretch: real, shear_angle:
     warp = yarn_energies(p, 0, warp_stretch, p.height_scale * q[0], q[2])
     weft = yarn_energies(p, 1, weft_stretch, p.height_scale * q[1], q[3])
     closing = floats_closing(p, q)
-    contact = real(0.5) * p.contact_stiffness * closing * closing
-    return wp.vec4d(warp[0], weft[0], warp[1] + weft[1], contact) / p.area
+    contact = real(0.5) * (p.contact_stiffness / p.area) * closing * closing
+    return wp.vec4d(warp[0], weft[0], warp[1] + weft[1], contact)
 
 
 @wp.func

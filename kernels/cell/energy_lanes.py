@@ -28,15 +28,16 @@ from ..lanes import (
     where_positive,
 )
 from ..operators import div, mul  # noqa: F401
-from .cell_formulas import STRAIN_COUNT, TANGENT_ENTRIES, CellFormulas, cell_formulas
+from .cell_formulas import STRAIN_COUNT, CellFormulas, StateRows, cell_formulas
 from .energy_cell import CellFunctions, energy_cell
-from .lane_newton import FORCE, SHIFT_COUNT, SLOPE, equilibrium_function, next_shift
+from .lane_newton import ENERGY, PRESSURE, RESIDUAL, SLOPE, equilibrium_function, tangent_function
 from .law import CellLaw
 
 logger = logging.getLogger(__name__)
 
 # A larger change of an unknown in one time step may be a snap.
 SNAP_CHANGE = wp.constant(real(0.05))
+LANE_COUNTS = (GPU_LANE_COUNT, CPU_LANE_COUNT)
 # Tangents are also taken in tension: with slack yarns stretched by this much.
 PULL = wp.constant(real(1.0e-3))
 
@@ -95,17 +96,14 @@ def energy_law(
 
 
 def lane_cell(
-    name: str,
-    formulas: CellFormulas,
-    part_names: tuple[str, ...] = ("unit_cell",),
-    depends_on_shear: bool = True,
+    name: str, formulas: CellFormulas, part_names: tuple[str, ...] = ("unit_cell",), depends_on_shear: bool = True
 ) -> CellLaw:
     """A cell from the formulas of its energy."""
-    n, constants = len(formulas.state) - STRAIN_COUNT - 1, Constants()
-    first, newton, tangent, parts = compiled_functions(name, formulas, constants)
-    equilibrium = equilibrium_function(n, first, newton) if n else at_rest_function(first)
+    n, constants = formulas.unknown_count, Constants()
+    first, iterate, tangent_at, slopes, parts = compiled_functions(formulas, constants)
     state_of, unknowns_of = state_functions(n)
-    tangents = tangent_functions(n, equilibrium, tangent, state_of)
+    equilibrium, tangent_of = equilibrium_function(n, first, iterate), tangent_function(n, tangent_at)
+    tangent, stable_tangent = tangent_functions(equilibrium, tangent_of, state_of)
     return CellLaw(
         name=name,
         parameters=lambda precision: constants_struct(len(constants)),
@@ -117,35 +115,35 @@ def lane_cell(
         stable_state_count=2,
         solve=solve_function(n, equilibrium, state_of, unknowns_of),
         energies=energies_function(parts, state_of, len(part_names)),
-        tangent=tangents[0],
-        stable_tangent=tangents[1],
-        snap_loss=snap_loss_function(n, first, state_of),
+        tangent=tangent,
+        stable_tangent=stable_tangent,
+        snap_loss=snap_loss_function(n, first, slopes, state_of),
     )
 
 
 # --- compiled formulas ------------------------------------------------------------------------------------------------
 
 
-def compiled_functions(name: str, formulas: CellFormulas, constants: Constants) -> list[wp.Function]:
-    """Warp functions (p, x) -> a row of lanes per formula, of ``first``, ``newton``, ``tangent`` and ``parts``."""
-    read = {symbol: f"x.data[{row}][i]" for row, symbol in enumerate(formulas.state)}
-    groups = {"first": formulas.first, "newton": formulas.newton, "tangent": formulas.tangent, "parts": formulas.parts}
-    counts = (GPU_LANE_COUNT, CPU_LANE_COUNT)
+def compiled_functions(formulas: CellFormulas, constants: Constants) -> list[wp.Function]:
+    """Warp functions (p, x) -> a row of lanes per formula.
+
+    They are those of ``first``, ``iteration``, ``tangent``, ``slopes`` and ``parts``.
+    """
+    names = StateRows(formulas.unknown_count).names()
+    read = {name: f"x.data[{row}][i]" for row, name in enumerate(names)}
+    groups = (formulas.first, formulas.iteration, formulas.tangent, formulas.slopes, formulas.parts)
     # all of them first: together they determine the constants
-    written = {
-        group: [lane_loop(outputs, constants, read, count, "double") for count in counts]
-        for group, outputs in groups.items()
-    }
+    written = [[lane_loop(group, constants, read, count, "double") for count in LANE_COUNTS] for group in groups]
     Cell = constants_struct(len(constants))
     return [
-        compiled_function(f"{group}_of_{name}", written[group], Cell, len(formulas.state), len(outputs))
-        for group, outputs in groups.items()
+        compiled_function(snippets, Cell, len(names), len(group))
+        for group, snippets in zip(groups, written, strict=True)
     ]
 
 
-def compiled_function(name: str, written: Sequence[str], Cell: Any, state_rows: int, rows: int) -> wp.Function:
+def compiled_function(written: Sequence[str], Cell: Any, state_rows: int, rows: int) -> wp.Function:
     """One Warp function with an overload for every number of lanes."""
-    for count, snippet in zip((GPU_LANE_COUNT, CPU_LANE_COUNT), written, strict=True):
+    for count, snippet in zip(LANE_COUNTS, written, strict=True):
         State, Rows = wp.types.matrix((state_rows, count), real), wp.types.matrix((rows, count), real)
 
         # the second is an overload of the first, since it has its name
@@ -161,18 +159,19 @@ def compiled_function(name: str, written: Sequence[str], Cell: Any, state_rows: 
 @cache
 def state_functions(n: int) -> tuple[wp.Function, wp.Function]:
     """Warp functions (strains, q) -> x, and (x, matrix like q) -> q."""
+    row_count = len(StateRows(n).names())
     for types in ALL_LANE_TYPES:
         lanes, count = types.lanes, types.lane_count
-        State = wp.types.matrix((STRAIN_COUNT + n + 1, count), real)
+        State = wp.types.matrix((row_count, count), real)
         Unknowns = wp.types.matrix((max(n, 1), count), types.real)
-
-        rows = ("strain1[i]", "strain2[i]", "angle[i]", *(f"q.data[{k}][i]" for k in range(n)), "0.0")
-        to_state = "".join(f"result.data[{row}][i] = double({value});" for row, value in enumerate(rows))
+        given = ["strain1[i]", "strain2[i]", "angle[i]", *(f"q.data[{k}][i]" for k in range(n))]
+        values = given + ["0.0"] * (row_count - len(given))
+        to_state = "".join(f"result.data[{row}][i] = double({value});" for row, value in enumerate(values))
         back = "".join(f"result.data[{k}][i] = x.data[{STRAIN_COUNT + k}][i];" for k in range(n))
         loops = [f"for (int i = 0; i < {count}; ++i) {{ {body} }} return result;" for body in (to_state, back)]
         kind = f"wp::mat_t<{max(n, 1)}, {count}, wp::{types.real.__name__}>"
 
-        @wp.func_native(f"wp::mat_t<{len(rows)}, {count}, wp::float64> result; {loops[0]}")
+        @wp.func_native(f"wp::mat_t<{row_count}, {count}, wp::float64> result; {loops[0]}")
         def state_of(strain1: lanes, strain2: lanes, angle: lanes, q: Unknowns) -> State: ...
 
         @wp.func_native(f"{kind} result; {loops[1]}")
@@ -181,33 +180,20 @@ def state_functions(n: int) -> tuple[wp.Function, wp.Function]:
     return state_of, unknowns_of
 
 
-def at_rest_function(first: wp.Function) -> Any:
-    """``equilibrium`` of a cell without unknowns."""
-
-    @wp.func
-    def equilibrium(p: Any, x: Any):
-        y = first(p, x)
-        # not a number if a force is not
-        residual = y.dtype(0.0) * (y[SLOPE] + y[SLOPE + 1] + y[SLOPE + 2])
-        return x, y, residual, fill(residual, 0.0)
-
-    return equilibrium
-
-
 def solve_function(n: int, equilibrium: Any, state_of: wp.Function, unknowns_of: wp.Function) -> Any:
-    pressure_row = FORCE + n
+    iterations_row = StateRows(n).row("iterations")
 
     @wp.func
     def solve(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer: Any):
-        x, y, residual, iterations = equilibrium(p, state_of(strain1, strain2, angle, start))
+        x, y = equilibrium(p, state_of(strain1, strain2, angle, start))
         return type(answer)(
             narrowed(y[SLOPE], strain1),
             narrowed(y[SLOPE + 1], strain1),
             narrowed(y[SLOPE + 2], strain1),
-            narrowed(y[pressure_row], strain1),
-            narrowed(y[0], strain1),
-            narrowed(residual, strain1),
-            narrowed(iterations, strain1),
+            narrowed(y[PRESSURE], strain1),
+            narrowed(y[ENERGY], strain1),
+            narrowed(y[RESIDUAL], strain1),
+            narrowed(x[iterations_row], strain1),
             unknowns_of(x, start),
         )
 
@@ -226,56 +212,28 @@ def energies_function(parts: wp.Function, state_of: wp.Function, part_count: int
     return energies
 
 
-def tangent_functions(
-    n: int, equilibrium: Any, tangent_at: wp.Function, state_of: wp.Function
-) -> tuple[wp.Function, wp.Function]:
+def tangent_functions(equilibrium: Any, tangent_of: Any, state_of: wp.Function) -> tuple[wp.Function, wp.Function]:
     """``tangent`` and ``stable_tangent``."""
-    shift_row, definite_row, pressure_row = STRAIN_COUNT + n, len(TANGENT_ENTRIES), FORCE + n
 
     @wp.func
-    def definite_tangent(p: Any, x: Any):
-        zero = fill(x[0], 0.0)
-        x[shift_row] = zero
-        c = tangent_at(p, x)
-        for _attempt in range(SHIFT_COUNT):
-            indefinite = where_positive(c[definite_row], zero, fill(zero, 1.0))
-            if lane_maximum(indefinite) <= zero[0]:
-                break
-            x[shift_row] = where_positive(indefinite, next_shift(x[shift_row]), x[shift_row])
-            c = tangent_at(p, x)
-        return c
-
-    @wp.func
-    def as_tangent(c: Any, y: Any, like: Any, t: Any):
+    def as_tangent(c: Any, n1: Any, n2: Any, moment: Any, pressure: Any, t: Any):
         return type(t)(
-            narrowed(c[0], like),
-            narrowed(c[1], like),
-            narrowed(c[2], like),
-            narrowed(c[3], like),
-            narrowed(c[4], like),
-            narrowed(c[5], like),
-            narrowed(y[SLOPE], like),
-            narrowed(y[SLOPE + 1], like),
-            narrowed(y[SLOPE + 2], like),
-            narrowed(y[pressure_row], like),
+            narrowed(c[0], n1),
+            narrowed(c[1], n1),
+            narrowed(c[2], n1),
+            narrowed(c[3], n1),
+            narrowed(c[4], n1),
+            narrowed(c[5], n1),
+            n1,
+            n2,
+            moment,
+            pressure,
         )
 
     @wp.func
     def tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, t: Any):
-        c = definite_tangent(p, state_of(strain1, strain2, angle, q))
         zero = fill(strain1, 0.0)
-        return type(t)(
-            narrowed(c[0], zero),
-            narrowed(c[1], zero),
-            narrowed(c[2], zero),
-            narrowed(c[3], zero),
-            narrowed(c[4], zero),
-            narrowed(c[5], zero),
-            zero,
-            zero,
-            zero,
-            zero,
-        )
+        return as_tangent(tangent_of(p, state_of(strain1, strain2, angle, q)), zero, zero, zero, zero, t)
 
     @wp.func
     def stable_tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int, t: Any):
@@ -284,13 +242,20 @@ def tangent_functions(
         if state == 1:
             for k in range(2):
                 x[k] = larger(x[k], fill(x[k], 0.0)) + fill(x[k], PULL)
-        x, y, residual, iterations = equilibrium(p, x)
-        return as_tangent(definite_tangent(p, x), y, strain1, t)
+        x, y = equilibrium(p, x)
+        return as_tangent(
+            tangent_of(p, x),
+            narrowed(y[SLOPE], strain1),
+            narrowed(y[SLOPE + 1], strain1),
+            narrowed(y[SLOPE + 2], strain1),
+            narrowed(y[PRESSURE], strain1),
+            t,
+        )
 
     return tangent, stable_tangent
 
 
-def snap_loss_function(n: int, first: wp.Function, state_of: wp.Function) -> Any:
+def snap_loss_function(n: int, first: wp.Function, slopes: wp.Function, state_of: wp.Function) -> Any:
     @wp.func
     def snap_loss(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: Any):
         jump = fill(strain1, 0.0)
@@ -302,12 +267,13 @@ def snap_loss_function(n: int, first: wp.Function, state_of: wp.Function) -> Any
             after = state_of(strain1, strain2, angle, q)
             y = first(p, before)
             z = first(p, after)
-            freed = y[0] - z[0]
+            freed = y[ENERGY] - z[ENERGY]
             # descending, a convex energy releases less than its initial slope predicts: that is a fast but steady
             # change, whose work was done by the forces
+            g = slopes(p, before)
             promised = fill(freed, 0.0)
             for k in range(n):
-                promised = promised + y[FORCE + k] * (before[STRAIN_COUNT + k] - after[STRAIN_COUNT + k])
+                promised = promised + g[STRAIN_COUNT + k] * (before[STRAIN_COUNT + k] - after[STRAIN_COUNT + k])
             snapped = where_positive(freed - promised, narrowed(freed, loss), loss)
             loss = where_positive(jump - fill(jump, jump.dtype(SNAP_CHANGE)), snapped, loss)
         return loss

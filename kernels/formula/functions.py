@@ -1,6 +1,9 @@
 """Functions of formulas in C++: on a CPU those without a vector instruction as polynomials, which are vectorised."""
 
 from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
 
 from ..lanes import arctangent_coefficients
 
@@ -44,6 +47,28 @@ def _arctangent2(real: str) -> str:
     return y < {real}(0.0) ? -turned : turned;
 #endif
 }};"""
+
+
+def arctangent2(y: Any, x: Any) -> Any:
+    """The angle as the polynomial gives it, to the bit: what vanishes at rest on the device does so for constants."""
+    coefficients = arctangent_coefficients(10, REDUCED_TANGENT**2)
+    right, up = np.abs(x), np.abs(y)
+    most, least = np.where(up > right, up, right), np.where(up > right, right, up)
+    steep = least > REDUCED_TANGENT * most
+    above, beside = np.where(steep, least - most, least), np.where(steep, least + most, most)
+    ratio = np.where(beside > 0.0, above / np.where(beside > 0.0, beside, 1.0), 0.0 * beside)
+    squared = ratio * ratio
+    square = squared * squared
+    chains = []
+    for part in (coefficients[0::2], coefficients[1::2]):
+        value = part[-1]
+        for coefficient in reversed(part[:-1]):
+            value = value * square + coefficient
+        chains.append(value)
+    small = np.where(steep, 0.5 * RIGHT_ANGLE, 0.0) + ratio * (chains[0] + squared * chains[1])
+    angle = np.where(up > right, RIGHT_ANGLE - small, small)
+    turned = np.where(np.less(x, 0.0), 2 * RIGHT_ANGLE - angle, angle)
+    return np.where(np.less(y, 0.0), -turned, turned)[()]
 
 
 def definitions(names: Iterable[str], real: str) -> list[str]:

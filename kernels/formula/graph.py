@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from .functions import arctangent2
+
 COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
 }  # fmt: skip
@@ -20,7 +22,7 @@ COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sqrt": np.sqrt, "cbrt": np.cbrt, "exp": np.exp, "log": np.log, "pow": np.power,
     "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan,
-    "atan2": np.arctan2, "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "floor": np.floor, "ceil": np.ceil,
+    "atan2": arctangent2, "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "floor": np.floor, "ceil": np.ceil,
 }  # fmt: skip
 
 
@@ -274,9 +276,9 @@ def _evaluated(expression: Expression, arguments: list[Any], symbols: Mapping[st
             return sum((c * a for c, a in zip(coefficients, arguments, strict=True)), np.float64(constant))
         case "product":
             coefficient, exponents = expression.value
-            return math.prod(
-                (a ** np.float64(n) for a, n in zip(arguments, exponents, strict=True)), start=np.float64(coefficient)
-            )
+            powers = (math.prod([a] * abs(n)) for a, n in zip(arguments, exponents, strict=True))
+            signed = (a if n > 0 else 1.0 / a for a, n in zip(powers, exponents, strict=True))
+            return math.prod(signed, start=np.float64(coefficient))
         case "function":
             return FUNCTIONS[expression.value](*arguments)
         case "choice":

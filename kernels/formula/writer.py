@@ -206,6 +206,8 @@ def lane_loop(
         [
             *definitions(writer.functions, real),
             f"wp::mat_t<{len(outputs)}, {lanes}, {'wp::float64' if real == 'double' else 'wp::float32'}> result;",
+            # all lanes of a block side by side: one half alone waits for its own results
+            *(["#pragma clang loop vectorize(enable) interleave_count(2)"] if lanes > 1 else []),
             f"for (int i = 0; i < {lanes}; ++i) {{",
             *(f"    {line}" for line in body),
             "}",

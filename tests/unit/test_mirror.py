@@ -37,6 +37,7 @@ TESTED_ELSEWHERE = {
     "kernels/operators.py": "unit/kernels/test_lanes.py",
     "kernels/cell/energies.py": "verification/cell/test_unit_cells.py",
     "kernels/cell/energy_cell.py": "verification/cell/test_unit_cells.py",
+    "kernels/cell/iteration.py": "unit/kernels/cell/test_cell_formulas.py",
     "kernels/cell/lane_newton.py": "unit/kernels/cell/test_energy_lanes.py",
     "kernels/formula/builtins.py": "unit/kernels/formula/test_reader.py",
     "kernels/formula/values.py": "unit/kernels/formula/test_reader.py",

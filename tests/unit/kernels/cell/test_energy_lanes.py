@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from warp import float64 as real
 
+from scripts.benchmarks.cuda_resources import dump_program, resources
 from tests.support.registered_cells import CELLS, KnottedNet
 from weavesim.checks import Positive
 from weavesim.device import initialise, resolve_precision
@@ -17,6 +18,7 @@ from weavesim.fabric.cell import EnergyCell
 from weavesim.fabric.response import respond
 from weavesim.kernels.cell import energy_lanes
 from weavesim.kernels.cell.law import cell_answer_struct
+from weavesim.kernels.cell.response import unit_cell_response_kernel
 from weavesim.kernels.formula.values import Unreadable
 from weavesim.kernels.lanes import lane_types
 
@@ -229,3 +231,10 @@ def test_what_cannot_be_read_is_computed_lane_by_lane_and_said(caplog):
 def test_every_built_in_cell_is_in_lanes():
     for name, registered in CELLS.items():
         assert not registered.make().law().lane_by_lane, name
+
+
+@pytest.mark.skipif(dump_program() is None, reason="nvidia-cuda-cuobjdump is not installed")
+@pytest.mark.parametrize("name", ["twill", "stitched-tape"])
+def test_one_lane_builds_for_a_gpu(name):
+    needs = resources(unit_cell_response_kernel(wp.float32, CELLS[name].make().law()), 90)
+    assert 0 < needs.registers <= 255 and needs.stack <= 256

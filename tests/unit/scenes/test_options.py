@@ -20,7 +20,7 @@ COARSE = {
     "double-dome": {"mesh_size": 0.03}, "hemisphere": {"mesh_size": 0.018}, "picture-frame": {"mesh_size": 0.02},
     "bias-extension": {"mesh_size": 0.0125}, "cantilever": {"mesh_size": 0.0125},
     "biaxial": {"mesh_size": 0.025}, "uniaxial": {"mesh_size": 0.0125}, "compaction": {"mesh_size": 0.025},
-    "sled": {"mesh_size": 0.03}, "pure-bending": {"mesh_size": 0.001}, "cusick-drape": {"mesh_size": 0.009},
+    "sled": {"mesh_size": 0.03}, "pure-bending": {"mesh_size": 0.001}, "cusick-drape": {"mesh_size": 0.007},
 }  # fmt: skip
 # Other values of options whose range or meaning does not allow just any.
 OTHERS: dict[str, Any] = {

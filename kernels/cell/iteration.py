@@ -97,20 +97,30 @@ def iteration(
     moves = [graph.choice(undo, -(share * c), d) for c, d in zip(changes, newton, strict=True)]
     new_unknowns = [held(q + move, q) for q, move in zip(unknowns, moves, strict=True)]
     new_changes = [held(graph.choice(undo, kept * c, d), c) for c, d in zip(changes, newton, strict=True)]
-    shift = graph.larger(2.0 * state["shift"], graph.number(FIRST_SHIFT))
     waiting = graph.combination("all", [active, graph.negation(ready)])
     counted = graph.choice(active, one, zero)
     return [
         *(state[f"strain{k}"] for k in range(STRAIN_COUNT)),
         *new_unknowns,
         *new_changes,
-        graph.choice(waiting, shift, zero),
+        graph.choice(waiting, larger_shift(state["shift"]), held(smaller_shift(state["shift"]), zero)),
         held(graph.choice(undo, kept * state["slope"], slope), state["slope"]),
         held(graph.choice(undo, state["before"], energy), state["before"]),
         graph.choice(active, stiffest, state["stiffest"]),
         counted,
-        state["iterations"] + counted,
+        state["iterations"] + graph.choice(moving, one, zero),
     ]
+
+
+def larger_shift(shift: Expression) -> Expression:
+    """For the next try to make a matrix positive definite."""
+    return shift.graph.larger(2.0 * shift, shift.graph.number(FIRST_SHIFT))
+
+
+def smaller_shift(shift: Expression) -> Expression:
+    """For the next state: where the matrix stays indefinite, the search goes on near the last shift."""
+    graph, left = shift.graph, 0.25 * shift
+    return graph.choice(graph.comparison(">=", left, graph.number(FIRST_SHIFT)), left, graph.number(0.0))
 
 
 def undone_share(

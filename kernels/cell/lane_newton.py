@@ -15,8 +15,8 @@ from .cell_formulas import STRAIN_COUNT, TANGENT_ENTRIES, StateRows
 from .iteration import FIRST_SHIFT
 from .law import MAXIMUM_ITERATIONS
 
-# An iteration may only shift a matrix.
-LARGEST_EVALUATION_COUNT = 3 * MAXIMUM_ITERATIONS
+# A matrix may be shifted several times before a step is taken.
+LARGEST_EVALUATION_COUNT = 10 * MAXIMUM_ITERATIONS
 SHIFT_COUNT = 60
 LEAST_SHIFT = wp.constant(wp.float64(FIRST_SHIFT))
 # Rows of ``first``: energy, its derivatives by the strains, crossover pressure, residual.

@@ -194,12 +194,17 @@ def test_number_in_every_lane(types):
     assert np.array_equal(numbers(result), expected.astype(wp.dtype_to_numpy(types.real)).astype(np.float64))
 
 
+# Threads of a block on a GPU.
+ON_EVERY_PROCESSOR = {"block_dim": 64}
+
+
 @pytest.mark.parametrize("machine", ["x86_64", "AMD64"])
 def test_single_precision_does_without_gathers_on_x86(monkeypatch, machine):
     monkeypatch.setattr("platform.machine", lambda: machine)
     monkeypatch.setattr(wp.config, "cpu_compiler_flags", "-march=native")
-    assert step_options(wp.float32) == {"cpu_compiler_flags": "-march=native -target-feature +prefer-no-gather"}
-    assert step_options(wp.float64) == {}
+    without_gathers = {"cpu_compiler_flags": "-march=native -target-feature +prefer-no-gather"}
+    assert step_options(wp.float32) == ON_EVERY_PROCESSOR | without_gathers
+    assert step_options(wp.float64) == ON_EVERY_PROCESSOR
 
 
 @pytest.mark.parametrize(
@@ -208,4 +213,4 @@ def test_single_precision_does_without_gathers_on_x86(monkeypatch, machine):
 def test_other_processors_and_unset_flags_keep_the_options(monkeypatch, machine, flags):
     monkeypatch.setattr("platform.machine", lambda: machine)
     monkeypatch.setattr(wp.config, "cpu_compiler_flags", flags)
-    assert step_options(wp.float32) == {}
+    assert step_options(wp.float32) == ON_EVERY_PROCESSOR

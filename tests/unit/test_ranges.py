@@ -5,6 +5,7 @@ import math
 import re
 import sys
 import tomllib
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
@@ -43,7 +44,8 @@ WITHOUT_QUANTITY = {
     "IsotropicBending.poisson_ratio", "NodalLoads.shares", "Origin.range", "Origin.scatter", "Setup.frame_count",
     "Setup.leading_tool", "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
     "Tool.colour", "TriangleMesh.side", "RunOptions.threads", "RunOptions.frame_count", "HemisphereParameters.seed",
-    "CusickDrapeParameters.seed",
+    "CusickDrapeParameters.seed", "CalibrationOptions.held_uncertainty", "CalibrationOptions.knots",
+    "CalibrationOptions.noise", "CalibrationOptions.seed", "CalibrationOptions.starts",
 }  # fmt: skip
 
 
@@ -57,6 +59,7 @@ def number_fields():
     """Field names, with the class that first defines each, of all of weavesim's own classes."""
     for scene in SCENES.values():
         scene.load()
+    import_module("weavesim.app.calibrate_command")
     for kind in set(classes()):
         file = getattr(sys.modules.get(kind.__module__), "__file__", None) or ""
         if not Path(file).is_relative_to(ROOT) or "tests" in Path(file).parts:

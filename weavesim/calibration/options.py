@@ -66,7 +66,7 @@ class CalibrationOptions(Parameters):
     cantilever_yarn: Literal["both", "warp", "weft"] = Field(
         default="both", description="yarns along the strips of the cantilever whose column does not say it"
     )
-    preload: Positive | None = Field(
+    preload: Annotated[Positive, Quantity("force")] | None = Field(
         default=None, description="force at which displacements are set to zero; rows before are slack [N]"
     )
     offset: Literal["ask", "subtract", "keep"] = Field(

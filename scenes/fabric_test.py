@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -12,7 +12,7 @@ from weavesim.app.options import Need, RunOptions
 from weavesim.checks import Positive
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
-from weavesim.output.curves import MeasuredPoints
+from weavesim.output.curves import Curves, MeasuredPoints
 from weavesim.output.measured import Comparable, load_measured_curves
 from weavesim.ranges import Quantity
 
@@ -67,3 +67,8 @@ def chosen_fabric(parameters: FabricTestParameters) -> Fabric:
     """
     fabric = resolve_fabric(parameters.fabric, accept_unusual=parameters.accept_unusual)
     return fabric.with_linear_shear(parameters.shear_modulus) if parameters.shear_law == "linear" else fabric
+
+
+def of_curves(findings: Callable[[Curves], dict[str, Any]]) -> Callable[..., dict[str, Any]]:
+    """The findings of a scene from those of its curves; none if the curves are not wanted."""
+    return lambda parameters, simulation, wanted: findings(wanted.curves) if wanted.curves else {}

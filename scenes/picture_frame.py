@@ -31,7 +31,7 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
+from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
 from .scene import Scene
 
 # Time to apply the yarn tension, and to start and to stop the crosshead, as a share of the time of its stroke.
@@ -333,5 +333,5 @@ SCENE = Scene(
     parameters=PictureFrameParameters,
     make=picture_frame,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: findings(wanted.curves) if wanted.curves else {},
+    findings=of_curves(findings),
 )

@@ -27,11 +27,13 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
+from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
 from ..scene import Scene
 
 RAMP_SHARE = 0.2
 DIRECTOR_DAMPING = 1.0e4
+
+YARNS = ("warp", "weft")
 
 
 class PulledSquareParameters(FabricTestParameters):
@@ -152,9 +154,6 @@ def findings(curves: Curves) -> dict[str, Any]:
     }
 
 
-YARNS = ("warp", "weft")
-
-
 def wanted(parameters: BiaxialParameters, setup: Setup) -> Wanted:
     """Curves of both families; no draw-in, since the border moves with the clamps."""
     return Wanted(curves=record(parameters, setup.sheet.fabric), draw_in=False)
@@ -166,5 +165,5 @@ SCENE = Scene(
     parameters=BiaxialParameters,
     make=biaxial,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: findings(wanted.curves) if wanted.curves else {},
+    findings=of_curves(findings),
 )

@@ -23,7 +23,7 @@ from weavesim.output.results import Wanted
 from weavesim.ranges import Quantity
 from weavesim.run.frame import Frame
 
-from ..fabric_test import chosen_fabric
+from ..fabric_test import chosen_fabric, of_curves
 from ..scene import Scene
 from .biaxial import PulledSquareParameters, pulled_square
 
@@ -153,5 +153,5 @@ SCENE = Scene(
     parameters=CompactionParameters,
     make=compaction,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: findings(wanted.curves) if wanted.curves else {},
+    findings=of_curves(findings),
 )

@@ -33,7 +33,7 @@ from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
 from ..cantilever import softened, strip_stiffness
-from ..fabric_test import FabricTestParameters, chosen_fabric
+from ..fabric_test import FabricTestParameters, chosen_fabric, of_curves
 from ..scene import Scene
 
 # Yarns per width over the bending stiffness per area of the half strip: pure bending does not stretch it.
@@ -245,5 +245,5 @@ SCENE = Scene(
     parameters=PureBendingParameters,
     make=pure_bending,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: findings(wanted.curves) if wanted.curves else {},
+    findings=of_curves(findings),
 )

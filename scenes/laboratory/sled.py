@@ -28,7 +28,7 @@ from weavesim.sheet.sheet import Sheet
 from weavesim.tools.shapes import Plane
 from weavesim.tools.tool import Tool
 
-from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
+from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
 from ..scene import Scene
 
 GRAVITY = 9.81
@@ -175,5 +175,5 @@ SCENE = Scene(
     parameters=SledParameters,
     make=sled,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: findings(wanted.curves) if wanted.curves else {},
+    findings=of_curves(findings),
 )

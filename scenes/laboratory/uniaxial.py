@@ -28,7 +28,7 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric
+from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
 from ..scene import Scene
 
 RAMP_SHARE = 0.2
@@ -182,5 +182,5 @@ SCENE = Scene(
     parameters=UniaxialParameters,
     make=uniaxial,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: findings(wanted.curves) if wanted.curves else {},
+    findings=of_curves(findings),
 )

@@ -122,12 +122,12 @@ class Module:
 
 
 def modules(folder: Path) -> list[Module]:
-    """What is in a folder of modules; empty if there is none."""
+    """What weavesim loaded from a folder of modules, told by its seal: other programs may keep theirs beside it."""
     found = []
     with suppress(FileNotFoundError):
         for path in folder.iterdir():
             with suppress(OSError):  # another process may remove it meanwhile
-                if path.is_dir():
+                if (path / SEAL_NAME).is_file():
                     size = sum(file.stat().st_size for file in path.iterdir())
                     found.append(Module(path, size, path.stat().st_mtime))
     return found
@@ -156,19 +156,23 @@ def own_folders(base: Path) -> list[Path]:
 
 
 def clear(base: Path) -> None:
-    """Remove all of weavesim's modules from a cache.
+    """Remove all of weavesim's modules from a cache, and the folders that are empty then.
 
     Raises:
         InputError: some cannot be removed.
     """
-    for kind in {folder.parent for folder in own_folders(base)}:
+    for folder in own_folders(base):
         try:
-            shutil.rmtree(kind)
+            for module in modules(folder):
+                shutil.rmtree(module.folder)
         except OSError as error:
             raise InputError(
-                f"compiled kernels in {kind} cannot be removed: {error.strerror or error}; end the runs that use them, "
-                "and check who owns the folder"
+                f"compiled kernels in {folder} cannot be removed: {error.strerror or error}; end the runs that use "
+                "them, and check who owns the folder"
             ) from None
+        for emptied in (folder, folder.parent):
+            with suppress(OSError):  # it is not empty
+                emptied.rmdir()
 
 
 def _remove_leftovers(folder: Path) -> None:

@@ -198,10 +198,12 @@ def test_a_home_that_cannot_be_written_is_no_obstacle(tmp_path):
     assert not os.path.exists(done.stdout.strip())  # removed at the end
 
 
-def made(folder, name, size, age):
-    """A module that was used ``age`` seconds ago."""
+def made(folder, name, size, age, *, sealed=True):
+    """A module that was used ``age`` seconds ago, by weavesim if it is ``sealed``."""
     (folder / name).mkdir(parents=True)
     (folder / name / "kernel.o").write_bytes(bytes(size))
+    if sealed:
+        (folder / name / SEAL_NAME).touch()
     used = time.time() - age
     os.utime(folder / name, (used, used))
 
@@ -220,6 +222,9 @@ def test_what_was_not_used_for_longest_is_removed_first(tmp_path):
     # what was just used stays, however large it is
     remove_unused(tmp_path, largest_size=0, unused_age=1000.0)
     assert names(tmp_path) == ["now"]
+    made(tmp_path, "of others", 5000, 9000.0, sealed=False)
+    remove_unused(tmp_path, largest_size=0, unused_age=0.0)
+    assert names(tmp_path) == [] and (tmp_path / "of others" / "kernel.o").exists()
     remove_unused(tmp_path / "none", largest_size=0, unused_age=0.0)
 
 
@@ -234,7 +239,8 @@ def test_a_run_marks_the_modules_that_it_loads(whole):
 def test_the_cache_is_shown_and_cleared(tmp_path):
     cache = tmp_path / "cache"
     made(cache / "0123456789ab" / "1.19.0", "ours", 2_000_000, 0.0)
-    made(cache / "of-others", "theirs", 10, 0.0)
+    made(cache / "of-others", "theirs", 10, 0.0, sealed=False)
+    made(cache / "fedcba987654", "of others too", 10, 0.0, sealed=False)
 
     def command(*given):
         done = subprocess.run(
@@ -246,4 +252,4 @@ def test_the_cache_is_shown_and_cleared(tmp_path):
     shown = f"{cache / '0123456789ab' / '1.19.0'}: 1 compiled kernels, 2 MB\n"
     assert command() == shown and command("--clear") == f"{shown}Removed.\n"
     assert command() == f"{cache}: no compiled kernels\n"
-    assert (cache / "of-others" / "theirs" / "kernel.o").exists()
+    assert sorted(path.parent.name for path in cache.rglob("kernel.o")) == ["of others too", "theirs"]

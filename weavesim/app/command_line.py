@@ -115,7 +115,8 @@ def cache_command(
     from ..device import kernel_cache_base
 
     base = kernel_cache_base()
-    found = {folder: kernel_cache.modules(folder) for folder in kernel_cache.own_folders(base)}
+    every = {folder: kernel_cache.modules(folder) for folder in kernel_cache.own_folders(base)}
+    found = {folder: modules for folder, modules in every.items() if modules}
     for folder, modules in found.items():
         print(f"{folder}: {len(modules)} compiled kernels, {sum(module.size for module in modules) / 1e6:.0f} MB")
     if clear:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...measures.crossings import Crossings
 from ...measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
 from ..frame import SheetFrame, SheetInfo
+
+
+# What is tallied of a sheet.
+TALLIES = ("crossings", "folded", "inverted", "beyond")
 
 
 class Tally(NamedTuple):
@@ -64,6 +69,16 @@ class Condition:
         beyond = beyond_symmetry(frame.position, blank, self._info.symmetry)
         node = int(beyond.argmax())
         self.beyond = _worse(self.beyond, float(beyond[node]), time, self._nodes[node], 0.0)
+
+    def memory(self) -> dict[str, Any]:
+        """All that was seen so far, for a checkpoint."""
+        return {name: list(getattr(self, name)) for name in TALLIES}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Have seen what ``memory`` tells."""
+        for name in TALLIES:
+            last, most, time, place, share = memory[name]
+            setattr(self, name, Tally(last, most, time, None if place is None else tuple(place), share))
 
     def _counted(self, last: Tally, count: int, elements: np.ndarray, time: float) -> Tally:
         place = self._centres[elements[0]] if len(elements) else None

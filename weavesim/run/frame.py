@@ -38,6 +38,7 @@ class SheetInfo:
         symmetry: planes at which it is cut.
         tools: indices of the tools of its world among those of the run.
         supports: indices of its supports among those of the run.
+        world: name of its world: only sheets of the same one can meet.
     """
 
     name: str
@@ -46,6 +47,7 @@ class SheetInfo:
     symmetry: Symmetry
     tools: tuple[int, ...] = ()
     supports: tuple[int, ...] = ()
+    world: str = "world"
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,12 @@ class RunInfo:
             InputError: the run has several.
         """
         return only_sheet(self.sheets)
+
+    @property
+    def worlds(self) -> tuple[tuple[SheetInfo, ...], ...]:
+        """Sheets of every world, in order."""
+        names = dict.fromkeys(sheet.world for sheet in self.sheets)
+        return tuple(tuple(sheet for sheet in self.sheets if sheet.world == name) for name in names)
 
     @property
     def element_count(self) -> int:

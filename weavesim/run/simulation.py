@@ -248,8 +248,9 @@ class Simulation:
             if not running and not self._ends():
                 self.interrupted_by = interrupted.signal.name if interrupted.signal else None
                 return Outcome.INTERRUPTED
-        watch.look(self.frame, last=True)
+        # before the last look, which a run that goes on from here takes again
         self.checkpoint()
+        watch.look(self.frame, last=True)
         return Outcome.FINISHED
 
     def _ends(self) -> bool:

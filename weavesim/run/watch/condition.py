@@ -1,13 +1,14 @@
-"""Condition of a sheet: where it passes through itself, is folded, turned over, or beyond a symmetry plane."""
+"""Condition of sheets: where they pass through themselves or each other, are folded, turned over, or beyond a plane."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...measures.crossings import Crossings
+from ...measures.crossings import Crossings, CrossingsBetween
 from ...measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
 from ..frame import SheetFrame, SheetInfo
 
@@ -77,12 +78,65 @@ class Condition:
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Have seen what ``memory`` tells."""
         for name in TALLIES:
-            last, most, time, place, share = memory[name]
-            setattr(self, name, Tally(last, most, time, None if place is None else tuple(place), share))
+            setattr(self, name, _recalled(memory[name]))
 
     def _counted(self, last: Tally, count: int, elements: np.ndarray, time: float) -> Tally:
         place = self._centres[elements[0]] if len(elements) else None
         return _worse(last, float(count), time, place, len(elements) / len(self._centres))
+
+
+class StackCondition:
+    """Looks at the sheets of one world: where they pass through each other.
+
+    Args:
+        infos: of these sheets, at least two.
+
+    Attributes:
+        crossings: pairs of triangles that meet, see ``CrossingsBetween``, by the names of two sheets; the place is that
+            on the flat blank of the first.
+        total: sum of these over all times, by the same names.
+        look_count: times so far.
+    """
+
+    def __init__(self, infos: Sequence[SheetInfo]) -> None:
+        self._infos = tuple(infos)
+        self._crossings = CrossingsBetween([info.blank.quads for info in infos])
+        names = [info.name for info in infos]
+        self.crossings = {pair: Tally() for pair in combinations(names, 2)}
+        self.total = dict.fromkeys(self.crossings, 0)
+        self.look_count = 0
+
+    def look(self, frames: Sequence[SheetFrame], time: float) -> None:
+        """Look at the sheets at ``time`` [s]; ``frames`` may be those of the whole run."""
+        own = {frame.name: frame.position for frame in frames}
+        pairs = self._crossings.pairs([own[info.name] for info in self._infos])
+        self.look_count += 1
+        for (a, first), (b, second) in combinations(enumerate(self._infos), 2):
+            meeting = pairs[(pairs[:, 0] == a) & (pairs[:, 2] == b)]
+            elements, others = np.unique(meeting[:, 1] // 2), np.unique(meeting[:, 3] // 2)
+            share = (len(elements) + len(others)) / (first.blank.element_count + second.blank.element_count)
+            place = None
+            if len(elements):
+                place = first.blank.material_coordinates[first.blank.quads[elements[0]]].mean(axis=0)
+            names = first.name, second.name
+            self.crossings[names] = _worse(self.crossings[names], float(len(meeting)), time, place, share)
+            self.total[names] += len(meeting)
+
+    def memory(self) -> dict[str, Any]:
+        """All that was seen so far, for a checkpoint."""
+        crossings, total = (list(found.values()) for found in (self.crossings, self.total))
+        return {"crossings": [list(tally) for tally in crossings], "total": total, "look_count": self.look_count}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Have seen what ``memory`` tells."""
+        self.crossings = dict(zip(self.crossings, map(_recalled, memory["crossings"]), strict=True))
+        self.total = dict(zip(self.total, memory["total"], strict=True))
+        self.look_count = memory["look_count"]
+
+
+def _recalled(values: Sequence[Any]) -> Tally:
+    last, most, time, place, share = values
+    return Tally(last, most, time, None if place is None else (place[0], place[1]), share)
 
 
 def _worse(last: Tally, value: float, time: float, place: np.ndarray | None, share: float) -> Tally:

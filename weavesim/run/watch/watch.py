@@ -9,7 +9,7 @@ from typing import Any
 from ..frame import Frame
 from ..sheet_ledger import NO_PENETRATION, Penetration
 from ..start import Prepared
-from .condition import Condition
+from .condition import Condition, StackCondition
 from .extremes import Extremes
 
 # States that are looked at in a run, evenly spaced in time.
@@ -32,6 +32,7 @@ class Watch:
         penetration: the deepest of all states so far.
         extremes: over all steps so far, kept on the device.
         conditions: of every sheet, at every fourth of these states and at the end.
+        stacks: conditions of the sheets of every world that has several, at the same times.
     """
 
     def __init__(self, prepared: Prepared) -> None:
@@ -39,6 +40,7 @@ class Watch:
         self._ledger, self._guards = prepared.ledger, prepared.guards
         self.extremes = Extremes(prepared.model)
         self.conditions = tuple(Condition(sheet) for sheet in prepared.info.sheets)
+        self.stacks = tuple(StackCondition(sheets) for sheets in prepared.info.worlds if len(sheets) > 1)
         self.history: list[dict[str, float]] = []
         self.penetration: Penetration = NO_PENETRATION
         self._last_step = -1
@@ -61,6 +63,8 @@ class Watch:
         if last or (new and following // CONDITION_INTERVAL > self._next // CONDITION_INTERVAL):
             for condition, sheet in zip(self.conditions, frame.sheets, strict=True):
                 condition.look(sheet, frame.time)
+            for stack in self.stacks:
+                stack.look(frame.sheets, frame.time)
         if not new:
             return
         self._last_step, self._next = frame.step_count, following
@@ -76,6 +80,7 @@ class Watch:
             "penetration": [self.penetration.at_nodes, self.penetration.at_element_centres],
             "extremes": self.extremes.memory(),
             "conditions": [condition.memory() for condition in self.conditions],
+            "stacks": [stack.memory() for stack in self.stacks],
             "last_step": self._last_step,
             "next": self._next,
         }
@@ -87,4 +92,6 @@ class Watch:
         self.extremes.recall(memory["extremes"])
         for condition, own in zip(self.conditions, memory["conditions"], strict=True):
             condition.recall(own)
+        for stack, own in zip(self.stacks, memory["stacks"], strict=True):
+            stack.recall(own)
         self._last_step, self._next = memory["last_step"], memory["next"]

@@ -130,7 +130,8 @@ class Scene:
         from weavesim.output import ResultFolder
         from weavesim.output.results import Wanted
 
-        parameters, case = self.parameters(**{**options, "out": out, "write": None, "without": None}), job.origin["case"]
+        parameters = self.parameters(**{**options, "out": out, "write": None, "without": None})
+        case = job.origin["case"]
         wanted = self.wanted(parameters, job.setup) if self.wanted else Wanted()
         given = dict(job.options) | ({"case": case} if case else {})
         folder = ResultFolder(out, writers=job.writers, options=given, resumes=True, **vars(wanted))

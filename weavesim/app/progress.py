@@ -113,6 +113,8 @@ class ProgressBar:
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, completed=frame.time, state=self._state(frame))
             return
+        if frame.time < self._begin:
+            return
         share = frame.time / self._duration
         line_index = int(LINE_COUNT * share + 1e-6)
         if line_index > self._line_index:

@@ -35,8 +35,8 @@ def run_into_folder(
 ) -> dict[str, Any]:
     """Run a set-up and write its results to ``folder``, however the run ends.
 
-    While it runs it keeps checkpoints in the folder, from which ``weavesim resume`` goes on. They are removed when it has
-    finished and everything is written.
+    While it runs it keeps checkpoints in the folder, from which ``weavesim resume`` goes on. They are removed when it
+    has finished and everything is written.
 
     Args:
         setup: of the run.

@@ -98,7 +98,7 @@ class ResultFolder:
             InputError: another run writes to it, or it has results that must not be overwritten.
         """
         self._lock.acquire()
-        if not self._overwrite:
+        if not self._overwrite and not self._cleared:
             check_free(self.path)
 
     def clear(self) -> None:

@@ -151,7 +151,9 @@ class Simulation:
         with exclusive():
             different = checkpoints.recall(self)
         values, warnings = checkpoints.found.content.values, list(prepared.info.warnings)
-        part = f"resumed at step {values['step_count']}, {values['time']:.6g} s, from a checkpoint of {values['written']}"
+        part = (
+            f"resumed at step {values['step_count']}, {values['time']:.6g} s, from a checkpoint of {values['written']}"
+        )
         if different:
             warnings.append(
                 f"{part}, but {', '.join(different)} changed since: the last digits of the result may be others than "
@@ -283,7 +285,10 @@ class Simulation:
 
     def _advance_to(self, target: float, interrupted: Interruption) -> bool:
         """Step until ``target`` [s], and write checkpoints that are due; False if interrupted by a signal."""
-        due = self._checkpoints.due if self._checkpoints is not None else lambda: False
+
+        def due() -> bool:
+            return self._checkpoints is not None and self._checkpoints.due(self.state.step_count)
+
         while True:
             started = time.perf_counter()
             self.stepper.advance_to(target, lambda: interrupted.is_set() or due())

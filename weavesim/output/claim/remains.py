@@ -49,8 +49,8 @@ def check_free(folder: Path) -> None:
     found = next((path for pattern in PATTERNS for path in sorted(folder.glob(pattern))), None)
     if has_job(folder):
         raise InputError(
-            f"output folder {folder}: it has a run that was not finished; go on with it (weavesim resume {folder}), give "
-            "another folder (--out), or replace it (--overwrite)"
+            f"output folder {folder}: it has a run that was not finished; go on with it (weavesim resume {folder}), "
+            "give another folder (--out), or replace it (--overwrite)"
         )
     if found is not None:
         raise InputError(

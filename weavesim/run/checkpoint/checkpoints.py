@@ -1,4 +1,4 @@
-"""The folder with the checkpoints of a run: written while it runs, found when it is resumed, gone when it is finished."""
+"""The folder with the checkpoints of a run: written while it runs, found when it is resumed, gone when it is done."""
 
 from __future__ import annotations
 
@@ -68,6 +68,7 @@ class Checkpoints:
         self._journal = FrameJournal(self.folder / FRAMES_NAME)
         self._backlog: list[Frame] = []
         self._number = 0
+        self._tried_at = 0
         self._next = time.monotonic() + interval
         self._last = "there is none yet"
         self._said = self._given_up = False
@@ -79,6 +80,7 @@ class Checkpoints:
         self.job = job
         self._given_up = False
         self._given_up = not self._try(lambda: self._prepare(job), "none will be written")
+        self._next = time.monotonic() + self.interval
 
     def _prepare(self, job: Job) -> None:
         if not self._keeps(job):
@@ -113,15 +115,15 @@ class Checkpoints:
                 raise
             del self._backlog[0]
 
-    def due(self) -> bool:
-        """Whether it is time for the next one."""
-        return not self._given_up and time.monotonic() >= self._next
+    def due(self, step_count: int) -> bool:
+        """Whether it is time for the next one, after so many steps of the run."""
+        return not self._given_up and step_count > self._tried_at and time.monotonic() >= self._next
 
     def save(self, simulation: Simulation) -> bool:
         """Write a checkpoint of a run between two steps; returns whether it is on the disk."""
         if self._given_up:
             return False
-        started = time.monotonic()
+        started, self._tried_at = time.monotonic(), simulation.state.step_count
         done = self._try(lambda: self._write(simulation), "it is tried again")
         now = time.monotonic()
         self._next = now + max(self.interval, (now - started) / LARGEST_SHARE)
@@ -212,8 +214,8 @@ class Checkpoints:
         before = values.get("machine", {})
         if before.get("weavesim") != here["weavesim"]:
             raise InputError(
-                f"checkpoint {path}: it is of weavesim {before.get('weavesim')}, and this is {here['weavesim']}; resume "
-                "it with that version, or run it again (--overwrite)"
+                f"checkpoint {path}: it is of weavesim {before.get('weavesim')}, and this is {here['weavesim']}; "
+                "resume it with that version, or run it again (--overwrite)"
             )
         for name, wanted in model.identity.items():
             if values["identity"].get(name) != wanted:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -14,43 +15,54 @@ from ..frame import Frame, SheetFrame
 from .container import SMALLEST_SIZE, Content, DamageError, packed, unpacked
 
 _LENGTH = struct.Struct("<Q")
-_OF_FRAME = ("tool_displacement", "tool_reaction", "support_force", "drive_displacement", "drive_force")
+# What a frame is made of.
+_KINDS: dict[str, type] = {"Frame": Frame, "SheetFrame": SheetFrame}
 
 
 def frame_content(frame: Frame) -> Content:
-    """A frame as values and arrays; numbers that single precision holds without loss take half the space."""
-    arrays = {name: getattr(frame, name) for name in _OF_FRAME}
-    sheets = []
-    for place, sheet in enumerate(frame.sheets):
-        arrays |= {f"{place}/position": sheet.position, f"{place}/director": sheet.director}
-        arrays |= {f"{place}/fields/{name}": values for name, values in sheet.fields.items()}
-        # lists keep their order, which tables and sums depend on
-        sheets.append([sheet.name, list(sheet.fields), list(sheet.energies.items())])
-    kinds = {name: np.asarray(array).dtype.str for name, array in arrays.items()}
-    values = {
-        "index": frame.index, "step_count": frame.step_count, "time": frame.time, "stroke": frame.stroke,
-        "energies": list(frame.energies.items()), "sheets": sheets, "kinds": kinds,
-    }  # fmt: skip
-    return Content(values, {name: _shortened(np.asarray(array)) for name, array in arrays.items()})
+    """A frame as values and arrays, whatever it has; numbers that single precision holds without loss take half the
+    space.
+    """
+    arrays: dict[str, np.ndarray] = {}
+    return Content({"frame": _taken_apart(frame, "frame", arrays)}, arrays)
 
 
 def frame_of(content: Content) -> Frame:
     """The frame that ``frame_content`` took apart, with the same bits."""
-    values, kinds = content.values, content.values["kinds"]
-    arrays = {name: array.astype(kinds[name]) for name, array in content.arrays.items()}
-    sheets = tuple(
-        SheetFrame(
-            name=name,
-            position=arrays[f"{place}/position"],
-            director=arrays[f"{place}/director"],
-            fields={field: arrays[f"{place}/fields/{field}"] for field in fields},
-            energies=dict(energies),
-        )
-        for place, (name, fields, energies) in enumerate(values["sheets"])
-    )
-    numbers: dict[str, Any] = {name: values[name] for name in ("index", "step_count", "time", "stroke")}
-    own = {name: arrays[name] for name in _OF_FRAME}
-    return Frame(sheets=sheets, energies=dict(values["energies"]), **numbers, **own)
+    return _put_together(content.values["frame"], content.arrays)
+
+
+def _taken_apart(value: Any, name: str, arrays: dict[str, np.ndarray]) -> Any:
+    """A value as JSON has it, with its kind; its arrays are moved to ``arrays``."""
+    if isinstance(value, np.ndarray):
+        arrays[name] = _shortened(value)
+        # sums over an array depend on the order of its entries in memory
+        return ["array", name, value.dtype.str, memory_order(value)]
+    if isinstance(value, dict):
+        # a list keeps the order, which tables and sums depend on
+        return ["dict", [[key, _taken_apart(entry, f"{name}/{key}", arrays)] for key, entry in value.items()]]
+    if isinstance(value, tuple):
+        return ["tuple", [_taken_apart(entry, f"{name}/{place}", arrays) for place, entry in enumerate(value)]]
+    if type(value) in _KINDS.values():
+        entries = {f.name: getattr(value, f.name) for f in fields(value)}
+        return [type(value).__name__, _taken_apart(entries, name, arrays)]
+    return ["value", value]
+
+
+def _put_together(described: Any, arrays: Mapping[str, np.ndarray]) -> Any:
+    kind, content, *layout = described
+    if kind == "array":
+        return arrays[content].astype(layout[0], order=layout[1])
+    if kind == "dict":
+        return {key: _put_together(entry, arrays) for key, entry in content}
+    if kind == "tuple":
+        return tuple(_put_together(entry, arrays) for entry in content)
+    return _KINDS[kind](**_put_together(content, arrays)) if kind in _KINDS else content
+
+
+def memory_order(array: np.ndarray) -> Literal["C", "F"]:
+    """ "F" if the first index is the fastest in memory, else "C"."""
+    return "F" if array.ndim > 1 and abs(array.strides[0]) < abs(array.strides[-1]) else "C"
 
 
 def _shortened(values: np.ndarray) -> np.ndarray:

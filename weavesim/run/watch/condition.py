@@ -12,7 +12,6 @@ from ...measures.crossings import Crossings, CrossingsBetween
 from ...measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
 from ..frame import SheetFrame, SheetInfo
 
-
 # What is tallied of a sheet.
 TALLIES = ("crossings", "folded", "inverted", "beyond")
 

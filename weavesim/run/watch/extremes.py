@@ -12,7 +12,6 @@ from ...engine.sheet_model import SheetModel
 from ...engine.state import SheetState, State
 from ...kernels.rows import ExtremeRow, ToolWatchRow
 
-
 # What is followed of a sheet.
 EXTREMES = ("min_stretch", "max_stretch", "angle", "depth")
 

@@ -133,6 +133,8 @@ class SheetFrame:
         director: unit directors, (node_count, 3).
         fields: one value per element, (element_count,), by name: those of ``weavesim.run.fields``, in SI units.
         energies: the entries of the ledger that belong to one sheet [J], by name.
+        resultants: of each element, (element_count,), by the names of ``ResultantRow``; ``measures.stresses`` makes
+            forces and stresses of them.
     """
 
     name: str
@@ -140,6 +142,7 @@ class SheetFrame:
     director: np.ndarray
     fields: dict[str, np.ndarray]
     energies: dict[str, float]
+    resultants: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ class Film:
         stage.GetRootLayer().comment = f"weavesim: {info.name}, {', '.join(fabrics)}"
         stage.GetRootLayer().customLayerData = {"weavesim": {"run_id": info.run_id, "version": __version__}}
         names = prim_names("sheet" if sheet.name == "sheet" else f"sheet_{sheet.name}" for sheet in info.sheets)
-        several = len(info.sheets) > 1
+        several, self._levels = len(info.sheets) > 1, info.levels
         places = range(len(info.sheets)) if several else (None,)
         parts = zip(names, info.sheets, places, strict=True)
         self._sheets = [_FilmedSheet(stage, *part) for part in parts]
@@ -169,8 +169,8 @@ class Film:
         define_camera(stage, lower, upper)
         if len(self._sheets) > 1:
             gap = max(_GAP_TO_HEIGHT * (upper - lower)[2], _GAP_TO_WIDTH * (upper - lower)[:2].max())
-            from_bottom = [sheet.path for sheet in sorted(self._sheets, key=lambda sheet: sheet.height)]
-            define_views(stage, from_bottom, self._above, self._below, gap)
+            from_bottom = sorted(zip(self._levels, (sheet.path for sheet in self._sheets), strict=True))
+            define_views(stage, [path for _, path in from_bottom], self._above, self._below, gap)
             define_camera(stage, lower, upper + (0.0, 0.0, gap * (len(self._sheets) - 1)), "camera_exploded")
         with usd_errors():
             stage.Save()
@@ -195,7 +195,6 @@ class _FilmedSheet:
 
     Attributes:
         path: of its prim.
-        height: mean of its nodes before the run [m].
     """
 
     def __init__(self, stage: Any, name: str, info: SheetInfo, place: int | None) -> None:
@@ -203,7 +202,7 @@ class _FilmedSheet:
 
         self._blank, self._symmetry = info.blank, info.symmetry
         self._smoothing_weights = smoothing_weights(self._blank, self._symmetry)
-        self.path, self.height = f"/World/{name}", float(self._blank.node_position[:, 2].mean())
+        self.path = f"/World/{name}"
         self._mesh = define_mesh(stage, self.path, self._blank.quads)
         primvars = UsdGeom.PrimvarsAPI(self._mesh)
         self._colour = primvars.CreatePrimvar(

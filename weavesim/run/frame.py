@@ -104,6 +104,12 @@ class RunInfo:
         return tuple(tuple(sheet for sheet in self.sheets if sheet.world == name) for name in names)
 
     @property
+    def levels(self) -> tuple[int, ...]:
+        """Place of every sheet from the bottom, by the mean height of its blank; of equals the first is lower."""
+        heights = [float(sheet.blank.node_position[:, 2].mean()) for sheet in self.sheets]
+        return tuple(np.argsort(np.argsort(heights, kind="stable")).tolist())
+
+    @property
     def element_count(self) -> int:
         """Elements of all sheets."""
         return sum(sheet.blank.element_count for sheet in self.sheets)

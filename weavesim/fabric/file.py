@@ -114,7 +114,8 @@ def fabric_of_table(
     except _Mistake as mistake:
         line = document.line_of((*keys, *mistake.keys))
         place = f", line {line}" if line else ""
-        raise InputError(f"{shown(document.path)}{place}, [{dotted(keys)}]: {mistake}") from None
+        text = str(mistake).removeprefix("Fabric: ")
+        raise InputError(f"job {shown(document.path)}{place}, [{dotted(keys)}]: {text}") from None
 
 
 class _Mistake(ValueError):

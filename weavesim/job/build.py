@@ -58,9 +58,8 @@ class Builder:
         """All of it."""
         job, solver, output = self.file.job, self.file.job.solver, self.file.job.output
         symmetry = Symmetry(job.process.symmetry)
-        sheets = tuple(
-            Sheet(self._blank(k), fabric, name=ply.name) for k, (ply, fabric) in enumerate(zip(job.ply, self.fabrics, strict=True))
-        )  # fmt: skip
+        parts = enumerate(zip(job.ply, self.fabrics, strict=True))
+        sheets = tuple(Sheet(self._blank(k), fabric, name=ply.name) for k, (ply, fabric) in parts)
         tools = tuple(self._tool(k, symmetry.share) for k in range(len(job.tool)))
         moving = [k for k, tool in enumerate(job.tool) if tool.stroke is not None]
         return Setup(

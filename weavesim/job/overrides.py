@@ -16,9 +16,7 @@ PLURALS = {"plies": "ply", "tools": "tool", "fabrics": "fabric"}
 FORM = "give --set TABLE.NAME.KEY=VALUE, such as --set tools.ring.force=600, or --set process.hold=5ms"
 
 
-def overridden(
-    values: Mapping[str, Any], settings: Iterable[str]
-) -> tuple[dict[str, Any], dict[tuple[str, ...], str]]:
+def overridden(values: Mapping[str, Any], settings: Iterable[str]) -> tuple[dict[str, Any], dict[tuple[str, ...], str]]:
     """The content of a job with ``settings``, and the setting of each key that one of them gives.
 
     The keys are those of the content, with the place of an entry in a list as text: ("tool", "1", "force").

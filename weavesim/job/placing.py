@@ -122,8 +122,8 @@ def motion_of(tool: ToolTable, shift: float, share: float) -> Motion:
     travel = -shift if isinstance(tool.stroke, str) else tool.stroke
     if isinstance(tool.stroke, str) and not travel > 0.0:
         raise InputError(
-            f'stroke = "close": the tool starts {-1e3 * travel:.4g} mm beyond where it is drawn; draw the tools closed, '
-            "or give the travel"
+            f'stroke = "close": the tool starts {abs(1e3 * travel):.4g} mm beyond where it is drawn; start it '
+            '"touching" with a clearance, or give the travel'
         )
     assert tool.speed is not None
     ramp = RAMP_SHARE * abs(travel) / tool.speed if tool.ramp is None else tool.ramp

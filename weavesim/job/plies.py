@@ -27,10 +27,9 @@ def fabric_of(file: JobFile, index: int) -> Fabric:
     """
     name, keys = file.job.ply[index].fabric, ["ply", index, "fabric"]
     if name in file.job.fabric:
-        if file.path.suffix.lower() != ".toml" or name in file.values.get("fabric", {}):
-            return fabric_of_table(
-                file.document, file.values["fabric"][name], ("fabric", name), accept_unusual=file.job.accept_unusual
-            )
+        return fabric_of_table(
+            file.document, file.values["fabric"][name], ("fabric", name), accept_unusual=file.job.accept_unusual
+        )
     if name.lower().endswith((".toml", ".json")):
         return load_fabric(file.file(name, keys), accept_unusual=file.job.accept_unusual)
     try:

@@ -133,9 +133,7 @@ def read_job(path: str | Path, settings: Iterable[str] = (), files_from: Iterabl
         if key in SEVERAL:
             if not isinstance(value, list):
                 _refuse(document, values, places, [key], f"write [[{key}]], since there may be several")
-            rest[key] = tuple(
-                checked(SEVERAL[key], entry, [key, str(index)]) for index, entry in enumerate(value)
-            )
+            rest[key] = tuple(checked(SEVERAL[key], entry, [key, str(index)]) for index, entry in enumerate(value))
         elif key in SINGLE:
             rest[key] = checked(SINGLE[key], value, [key])
         else:
@@ -163,7 +161,7 @@ def _check_whole(file: JobFile) -> None:
             if name in names[:index]:
                 file.refuse(
                     [kind, index, "name"],
-                    f"name = {name!r}: the name of another [[{kind}]]; results tell them apart by it, give each its own",
+                    f"name = {name!r}: another [[{kind}]] has it; results tell them apart by it, give each its own",
                 )
     if len(job.ply) > 1:
         file.refuse(["ply", 1], MANY_PLIES)

@@ -52,7 +52,7 @@ class PlyTable(JobTable):
     polygon: tuple[Point, ...] | None = Field(default=None, description="outline: corners in order")
     outline: str | None = Field(
         default=None,
-        description="outline: a DXF drawing with closed lines, or a mesh of quadrilaterals or triangles, beside the job",
+        description="outline: a DXF drawing of closed lines, or a mesh of quadrilaterals or triangles, beside it",
     )
     layer: str | None = Field(default=None, description="layer of the DXF drawing; all layers if left out")
     unit: str | None = Field(
@@ -97,9 +97,7 @@ class ToolTable(JobTable):
         default=None, description="surface: a mesh (STL, OBJ, PLY, ...) or a CAD file (STEP, IGES) beside the job"
     )
     unit: str | None = Field(default=None, description="unit of the file, such as mm; some formats say their own")
-    up: Direction = Field(
-        default="+z", description="direction in the file that points up, from the die to the punch"
-    )
+    up: Direction = Field(default="+z", description="direction in the file that points up, from the die to the punch")
     mirror: tuple[Literal["x", "y"], ...] = Field(
         default=(), description="planes at which the file ends, and behind which it is mirrored"
     )
@@ -121,9 +119,7 @@ class ToolTable(JobTable):
     faces: Literal["up", "down"] | None = Field(
         default=None, description="towards the sheet: up for a tool below it, down for one above"
     )
-    move: tuple[Coordinate, Coordinate, Coordinate] = Field(
-        default=(0.0, 0.0, 0.0), description="shifts the surface"
-    )
+    move: tuple[Coordinate, Coordinate, Coordinate] = Field(default=(0.0, 0.0, 0.0), description="shifts the surface")
     start: Literal["drawn", "touching"] = Field(
         default="drawn", description="at time zero: where it is drawn, or moved along its axis until it meets the sheet"
     )
@@ -168,9 +164,7 @@ class ToolTable(JobTable):
         if surface in ("offset_of", "ring_of"):
             _without(self, ("faces",), "a file or a shape: it faces the other tool")
         if surface == "file" and self.faces is None:
-            raise ValueError(
-                'faces: is required with a file: "up" for a tool below the sheet, "down" for one above it'
-            )
+            raise ValueError('faces: is required with a file: "up" for a tool below the sheet, "down" for one above it')
         return self
 
     @model_validator(mode="after")

@@ -24,6 +24,8 @@ class JobTable(Parameters):
     def _text_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
         field = cls.model_fields[info.field_name or ""]
         quantity = quantity_of(field)
+        if field.annotation is bool and not isinstance(value, bool):
+            raise ValueError("true or false is needed")
         if isinstance(value, str):
             if value in words_of(field):
                 return value

@@ -71,7 +71,9 @@ def test_every_unit_of_the_table_has_an_example_that_is_read():
         assert math.isfinite(number_of(EXAMPLES[row.unit], row))
 
 
-@pytest.mark.parametrize(("text", "metres"), [("mm", 0.001), ("m", 1.0), ("inch", 0.0254), ("in", 0.0254), ("cm", 0.01)])
+@pytest.mark.parametrize(
+    ("text", "metres"), [("mm", 0.001), ("m", 1.0), ("inch", 0.0254), ("in", 0.0254), ("cm", 0.01)]
+)
 def test_units_of_files(text, metres):
     assert length_unit(text) == metres
 

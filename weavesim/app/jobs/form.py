@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 def form_command(
     job: JobPath,
     set_: Settings = None,
-    out: Annotated[
-        Path | None, typer.Option(help="folder for the results [default: out, beside the job file]")
-    ] = None,
+    out: Annotated[Path | None, typer.Option(help="folder for the results [default: out, beside the job file]")] = None,
     files_from: FilesFrom = None,
     overwrite: Overwrite = False,
 ) -> None:

@@ -74,9 +74,8 @@ def _check(
     if np.any(turned <= 0.0) or np.any(near):
         worst = moved[used][np.argmin(nearest)] if np.any(near) else moved[faces[np.argmin(turned)]].mean(axis=0)
         raise InputError(
-            f"{name}: its offset by {1e3 * distance:.4g} mm crosses itself at {place(worst)}: the surface is hollow there "
-            "with a radius, or a width, below the offset. Give both tools as files, a smaller gap, or round the hollow "
-            "in the CAD"
+            f"{name}: its offset by {1e3 * distance:.4g} mm crosses itself at {place(worst)}: the surface is hollow "
+            "there with a radius, or a width, below the offset. Give both tools as files, or a smaller gap, or round it"
         )
 
 

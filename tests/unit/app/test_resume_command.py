@@ -85,7 +85,7 @@ def test_cases_are_resumed_in_their_order(tmp_path, monkeypatch):
     class KilledError(Exception):
         pass
 
-    def killed(self, *arguments):
+    def killed(self, *arguments, **given):
         raise KilledError
 
     parameters = hemisphere.SCENE.parameters(

@@ -6,7 +6,7 @@ import pytest
 from tests.support.runs import small_run
 from weavesim.run.checkpoint.container import DamageError, packed, unpacked
 from weavesim.run.checkpoint.memory import memory_of, put_together, recall, taken_apart
-from weavesim.run.guards import Guard
+from weavesim.run.guards import Guard, known_guards
 from weavesim.run.guards import guard as guard_module
 
 
@@ -25,7 +25,7 @@ def test_a_run_knows_again_what_it_knew():
     content = unpacked(b"".join(packed(*memory_of(first))))
     second = small_run(duration=4e-4)
     recall(second, content)
-    again = memory_of(second)
+    again = unpacked(b"".join(packed(*memory_of(second))))
     assert again.values == content.values and list(again.arrays) == list(content.arrays)
     assert all(again.arrays[name].tobytes() == content.arrays[name].tobytes() for name in content.arrays)
 
@@ -76,3 +76,8 @@ def test_a_guard_without_a_memory_says_what_it_missed(forgetful):
     assert "knows nothing of the run before 0.00040" in doubts["forgetful"].message
     guards = {guard.name: guard for guard in second.prepare().guards._guards}
     assert guards["mindful"].seen > 1 and "mindful" not in doubts
+
+
+def test_every_guard_of_weavesim_has_a_memory():
+    kinds = known_guards().values()
+    assert [kind.name for kind in kinds if kind.__module__.startswith("weavesim.") and kind().forgets] == []

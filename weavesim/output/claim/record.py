@@ -52,7 +52,7 @@ class RunRecord:
             "setup_hash": info.setup.content_hash if info.setup else None,
             "device": info.device,
             "precision": info.precision,
-            "versions": {"weavesim": __version__, "python": platform.python_version(), **dict(_versions())},
+            "versions": versions(),
             "system": platform.platform(),
             "processor_features": cpu_features(),
         }
@@ -90,10 +90,13 @@ def _has_content(path: Path) -> bool:
         return False
 
 
-def _versions() -> Iterator[tuple[str, str]]:
+def versions() -> dict[str, str]:
+    """Versions of what may change a result."""
+    found = {"weavesim": __version__, "python": platform.python_version()}
     for name in PACKAGES:
         with suppress(PackageNotFoundError):
-            yield name, version(name)
+            found[name] = version(name)
+    return found
 
 
 def _input_files(options: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:

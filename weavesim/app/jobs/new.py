@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import Annotated
@@ -71,9 +72,9 @@ def _tool_text(
     mesh_size: str | None,
 ) -> str:
     from ...fabric.file import resolve_fabric
+    from ...job.draft.survey import survey
+    from ...job.draft.template import Choices, new_job
     from ...job.surfaces import TURNS
-    from ...job.survey import survey
-    from ...job.template import Choices, new_job
 
     if up is not None and up not in TURNS:
         raise InputError(f"--up {up}: one of {', '.join(TURNS)} is needed")
@@ -125,7 +126,7 @@ def scene_text(name: str) -> str:
             continue
         quantity, value = quantity_of(field), defaults[key]
         unit = f" [{quantity.row.unit}]" if quantity and quantity.row.unit != "1" else ""
-        description = (field.description or "").split(" [")[0]
+        description = re.sub(r"\s*\[[^\]]*\]$", "", field.description or "")
         lines += [f"# {description}{unit}", f"# {key} = {_toml(value)}", ""]
     return "\n".join(lines) + "\n[output]\n# frame_count = 60\n"
 

@@ -25,9 +25,7 @@ LARGEST_SETUP = 2048 * MEBIBYTE
 
 def rerun_command(
     out: Annotated[Path, typer.Argument(help="folder of a finished run", metavar="OUT")],
-    into: Annotated[
-        Path | None, typer.Option(help="folder for the results of the repeated run [default: none]")
-    ] = None,
+    into: Annotated[Path | None, typer.Option(help="folder for its results [default: none are written]")] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Repeat a run from its folder, and say whether its result is the same to the bit."""

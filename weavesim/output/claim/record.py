@@ -14,8 +14,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...device import cpu_features
-from ...run.frame import RunInfo
+from ...run.frame import Frame, RunInfo
 from ...version import __version__
 from ..files import write_summary
 
@@ -81,6 +83,19 @@ class RunRecord:
             with suppress(OSError):
                 self._hashes[name] = file_hash(self._folder / name)
         self.write()
+
+
+def frame_hash(frame: Frame) -> str:
+    """SHA-256 of the state that a frame shows: time, tools, and every position, director and field, to the bit."""
+    digest = hashlib.sha256()
+    for part in (frame.time, frame.step_count, *np.asarray(frame.tool_displacement).tolist()):
+        digest.update(repr(part).encode())
+    for sheet in frame.sheets:
+        digest.update(np.ascontiguousarray(sheet.position).tobytes())
+        digest.update(np.ascontiguousarray(sheet.director).tobytes())
+        for name in sorted(sheet.fields):
+            digest.update(name.encode() + np.ascontiguousarray(sheet.fields[name]).tobytes())
+    return digest.hexdigest()
 
 
 def _has_content(path: Path) -> bool:

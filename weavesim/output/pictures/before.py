@@ -9,7 +9,7 @@ import numpy as np
 from ...tools.mesh_features import convex_radii
 from ...tools.mesh_topology import directed_edges, edge_keys
 from .sections import plane_cut
-from .style import ACCENT, INK, LINE_COLOURS, MEASURED, add_legend, new_axes, new_figure, words
+from .style import ACCENT, INK, LINE_COLOURS, MEASURED, new_axes, new_figure, words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,11 +36,14 @@ def before_run(setup: Setup) -> Figure:
     """
     world = setup.worlds[0]
     meshes = [tool for tool in world.tools if any(part.surface is not None for part in tool.shape.parts())]
-    figure = new_figure(14.0, 8.4 if meshes else 4.0)
+    figure = new_figure(14.0, 7.4 if meshes else 4.0)
     columns = max(1, min(3, len(meshes)))
     grid = figure.add_gridspec(2 if meshes else 1, 6, height_ratios=(1.0, 1.6) if meshes else (1.0,))
     for row, along in enumerate("xy"):
-        _section(new_axes(figure, grid[0, 3 * row : 3 * row + 3], aspect="equal"), setup, along, row == 0)
+        axes = new_axes(figure, grid[0, 3 * row : 3 * row + 3], aspect="equal")
+        _section(axes, setup, along)
+        if row == 0:
+            figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=6, frameon=False)
     size = max(float(np.sqrt(np.median(_areas(sheet.blank)))) for sheet in world.sheets)
     wide = 6 // columns
     for place, tool in enumerate(meshes[:columns]):
@@ -55,7 +58,7 @@ def _areas(blank: Blank) -> np.ndarray:
     return 0.5 * np.linalg.norm(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]), axis=1)
 
 
-def _section(axes: Axes, setup: Setup, along: str, has_legend: bool) -> None:
+def _section(axes: Axes, setup: Setup, along: str) -> None:
     from matplotlib.collections import LineCollection
 
     row, world = "xy".index(along), setup.worlds[0]
@@ -97,8 +100,6 @@ def _section(axes: Axes, setup: Setup, along: str, has_legend: bool) -> None:
     if high - low > tall:  # walls of built-in shapes may be drawn high
         high = low + tall
     axes.set(xlim=(reach[0] - margin, reach[1] + margin), ylim=(low - 4.0, high + 4.0))
-    if has_legend:
-        add_legend(axes, loc="lower left", ncols=2)
 
 
 def _plan(axes: Axes, setup: Setup, tool: Tool, size: float) -> None:

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError
-from ..meshes import read_mesh
-from ..tools.mesh_features import face_normals, fillet_radius
-from ..tools.mesh_repair import without_unused
-from ..tools.mesh_tool import MeshSurface
-from ..tools.surfaces.rim import facing_up, rim_faces
-from .surfaces import TURNS, turned
-from .units import length_unit
+from ...errors import InputError
+from ...meshes import read_mesh
+from ...tools.mesh_features import face_normals, fillet_radius
+from ...tools.mesh_repair import without_unused
+from ...tools.mesh_tool import MeshSurface
+from ...tools.surfaces.rim import facing_up, rim_faces
+from ..surfaces import TURNS, turned
+from ..units import length_unit
 
 # Sizes of a file in its own unit from which on it is in millimetres, and up to which it is in metres; inches between.
 LEAST_MILLIMETRES = 20.0

@@ -8,8 +8,8 @@ from textwrap import wrap
 
 import numpy as np
 
-from ..fabric.fabric import Fabric
-from .speed import rounded_down, suggested_speed
+from ...fabric.fabric import Fabric
+from ..speed import rounded_down, suggested_speed
 from .survey import Survey
 
 # Margin of a blank on the rim, over its longer side, and between which lengths [m].
@@ -149,9 +149,7 @@ def _punch(found: Survey, choices: Choices, gap: float, speed: float) -> str:
         head = _comment("The punch: the die's surface, at this gap when both are closed.")
         surface = f'offset_of = "die"\ngap = "{_mm(gap)} mm"\n'
     else:
-        head = _comment(
-            "The punch, which must be drawn closed: it starts above the sheet and goes to where it is drawn."
-        )
+        head = _comment("The punch, drawn closed: it starts above the sheet and goes to where it is drawn.")
         surface = f'file = "{choices.punch}"\nunit = "{found.unit}"\nup = "{found.up}"\nfaces = "down"\n'
     return (
         f'{head}[[tool]]\nname = "punch"\n{surface}start = "touching"\nclearance = "1 mm"\nstroke = "close"\n'

@@ -41,7 +41,7 @@ def sections(
         title = f"Section along {along} ({'y' if along == 'x' else 'x'} = 0)"
         chart = new_axes(figure, 2, 1, row + 1, aspect="equal", title=title, xlabel=f"{along} [mm]", ylabel="z [mm]")
         for k, (name, tool, displacement) in enumerate(tools):
-            cut = _cut(*tool.display_triangles(), 1 - row)
+            cut = plane_cut(*tool.display_triangles(), 1 - row)
             if len(cut):
                 shift = float(displacement) * np.asarray(tool.axis, dtype=float)
                 colour = GREYS[k % len(GREYS)] if len(sheets) > 1 else LINE_COLOURS[k % len(LINE_COLOURS)]
@@ -80,7 +80,7 @@ def _reach(sheet: FormedSheet, axis: int) -> float:
     return float(np.abs(1.0e3 * outline[:, axis]).max())
 
 
-def _cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:
+def plane_cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:
     """Intersections of triangles with the plane through the origin normal to ``axis``, (k, 2, 3) [m]."""
     corner = vertices[faces]
     place = corner[:, :, axis] - 1.0e-7  # shifted off vertices that lie on the plane

@@ -35,6 +35,7 @@ from ..device import Precision
 from ..errors import InputError, RunError
 from ..run.interruption import Interrupted, Interruption, interruption, leaving_at_once
 from .ending import ExitCode, closing_lines, exit_code, interrupted_code
+from .export_command import export_command
 from .fabric_command import fabric_application
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
@@ -53,6 +54,7 @@ application = typer.Typer(
 
 
 application.add_typer(fabric_application, name="fabric")
+application.command("export")(export_command)
 
 
 def main(*leading: str) -> None:

@@ -88,10 +88,10 @@ def test_the_recipe_of_an_output_field(fields_forgotten, tmp_path, coarse_run):
     assert np.array_equal(stored, values["current_areal_density"])
 
 
-def test_the_permeability_of_the_page_of_outputs(fields_forgotten, tmp_path):
+def test_the_recipe_of_a_permeability(fields_forgotten, tmp_path):
     from weavesim.output.stored.file import read_results
 
-    imported(written_recipe("permeability.py", tmp_path, "docs/outputs.md"), pytest.MonkeyPatch())
+    imported(written_recipe("permeability.py", tmp_path), pytest.MonkeyPatch())
     folder = ResultFolder(tmp_path / "run", writers=["results"])
     small_run().run([folder])
     value = read_results(tmp_path / "run").sheets[0].values["permeability_1"]

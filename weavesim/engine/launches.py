@@ -11,10 +11,10 @@ import warp as wp
 from ..device import block_size
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
+from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
-from ..kernels.shell.pressure import element_pressure_kernel
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import support_struct, surroundings_struct
 from ..kernels.stepping.step import (
@@ -27,8 +27,8 @@ from ..kernels.stepping.step import (
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import SUM_GROUP, ToolBooks, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
+from .loading.pressures import device_pressures
 from .model import Model
-from .pressures import device_pressures
 from .sheet_model import SheetModel
 from .state import SheetState, State
 

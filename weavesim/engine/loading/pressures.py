@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from ..kernels.shell.pressure import pressure_struct
-from ..process.pressure import Pressure
-from ..sheet.blank import Blank
-from .layout import lanes_view
+from ...kernels.loads.pressure import pressure_struct
+from ...process.pressure import Pressure
+from ...sheet.blank import Blank
+from ..layout import lanes_view
 
 
 def device_pressures(
     pressures: Sequence[Pressure], blank: Blank, element_count: int, real: type, lane_count: int, device: wp.Device
 ) -> Any:
-    """``kernels.shell.pressure.pressure_struct``, with all curves on common knots.
+    """``kernels.loads.pressure.pressure_struct``, with all curves on common knots.
 
     Args:
         pressures: at least one.

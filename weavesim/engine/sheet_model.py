@@ -113,6 +113,7 @@ class SheetModel:
         blank, fabric = sheet.oriented_blank, sheet.fabric
         self.name, self.blank, self.fabric = sheet.name, blank, fabric
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
+        self.pressures = sheet.pressures
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count

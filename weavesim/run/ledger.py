@@ -23,7 +23,8 @@ LOST = (
     "bending_friction_loss",
 )
 SUPPLIED = (
-    "tool_work", "driving_force_work", "support_work", "load_work", "thickness_work", "gravity_work", "initial_kinetic",
+    "tool_work", "driving_force_work", "support_work", "load_work", "pressure_work", "thickness_work", "gravity_work",
+    "initial_kinetic",
 )  # fmt: skip
 # Derived from the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")

@@ -13,7 +13,15 @@ from ..engine.sheet_model import TANGENTIAL_RATIO
 from ..engine.state import SheetState, State
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
-from ..kernels.rows import CellReportRow, ElementField, MotionRow, NodeWorkRow, SheetEnergy, ThicknessRow
+from ..kernels.rows import (
+    CellReportRow,
+    ElementField,
+    MotionRow,
+    NodeWorkRow,
+    ResultantRow,
+    SheetEnergy,
+    ThicknessRow,
+)
 from ..kernels.shell.energy import element_ledger_kernel
 from .fields import complete
 from .frame import SheetFrame
@@ -64,7 +72,8 @@ class SheetLedger:
         self.internal = (*sheet.cell_law.energy_names, *SHEET_INTERNAL)
         count, device = sheet.element_count, sheet.device
         self._energies = wp.zeros((len(self._energy_names), count), dtype=sheet.real, device=device)
-        self._fields = wp.zeros((ElementField.row_count(), count), dtype=sheet.real, device=device)
+        row_count = ElementField.row_count() + ResultantRow.row_count()
+        self._fields = wp.zeros((row_count, count), dtype=sheet.real, device=device)
         point_count = sheet.blank.node_count + sheet.blank.element_count if sheet.tool_count else 0
         self._points = wp.zeros(point_count, dtype=wp.vec3d, device=device)
         self._distances = wp.zeros((sheet.tool_count, point_count), dtype=sheet.real, device=device)
@@ -85,13 +94,15 @@ class SheetLedger:
         """A frame of the current state, given the state after the next step; waits for the device."""
         self._launch(ahead.sheets[self._index])
         motion = self._motion(self._own.motion)
+        fields, resultants = self._read_fields(ahead.sheets[self._index])
         position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
         return SheetFrame(
             name=self._model.name,
             position=position,
             director=motion[MotionRow.director.vector],
-            fields=self._read_fields(ahead.sheets[self._index]),
+            fields=fields,
             energies=self._entries(position, motion, ahead.sheets[self._index]),
+            resultants=resultants,
         )
 
     def _launch(self, ahead: SheetState) -> None:
@@ -110,11 +121,14 @@ class SheetLedger:
             )  # fmt: skip
         self._element_ledger.launch()
 
-    def _read_fields(self, ahead: SheetState) -> dict[str, np.ndarray]:
+    def _read_fields(self, ahead: SheetState) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """Fields and resultants by name."""
         count, fabric = self._model.blank.element_count, self._model.fabric
-        rows = dict(zip(ElementField.names(), self._fields.numpy()[:, :count].astype(np.float64), strict=True))
+        values = self._fields.numpy()[:, :count].astype(np.float64)
+        rows = dict(zip(ElementField.names(), values, strict=False))
         report = dict(zip(CellReportRow.names(), ahead.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
-        return complete(fabric, rows, report)
+        resultants = dict(zip(ResultantRow.names(), values[ElementField.row_count() :], strict=True))
+        return complete(fabric, rows, report), resultants
 
     def _motion(self, motion: wp.array) -> np.ndarray:
         """MOTION_VECTORS without padding, in double precision, (vectors, node_count, 3)."""

@@ -152,9 +152,7 @@ def sagitta(x: Any, d: Any, xi: Any, eta: Any):
 @wp.func
 def triple(a: Any, b: Any, c: Any):
     """a . (b x c)."""
-    return (
-        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
 
 
 @wp.func

@@ -54,7 +54,7 @@ def ply_forces_struct(real: type, lane_count: int):
 def ply_forces_function(real: type, lane_count: int):
     """wp.func -> PlyForces; slips, extremes and the loss of released springs are written."""
     types = lane_types(real, lane_count)
-    lanes, lanes3, indices = types.lanes, types.lanes3, types.indices
+    lanes, indices = types.lanes, types.indices
     Slaves, Facets, Law = slaves_struct(real, lane_count), facets_struct(real), contact_law_struct(real)
     Record, Place = record_struct(real, lane_count), ply_place_struct(real, lane_count)
     Stand, Forces = stand_struct(real, lane_count), ply_forces_struct(real, lane_count)
@@ -112,9 +112,7 @@ def ply_forces_function(real: type, lane_count: int):
         return forces
 
     @wp.func
-    def forces_of(
-        slaves: Slaves, facets: Facets, law: Law, place: Place, facet: indices, stand: Stand, record: Record
-    ):
+    def forces_of(slaves: Slaves, facets: Facets, law: Law, place: Place, facet: indices, stand: Stand, record: Record):
         forces = Forces()
         stiffness = slaves.stiffness[place.block]
         closing = -law.side * dot(stand.velocity, stand.normal)

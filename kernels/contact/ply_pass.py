@@ -8,9 +8,9 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, fill, lane_maximum, lane_types, rows3, scale, step_options, store_rows3, where_positive
+from ..lanes import dot, fill, lane_maximum, lane_types, rows3, step_options, store_rows3, where_positive
 from ..operators import div, mul  # noqa: F401
-from ..records import SCALAR, record3, record4, store_record3, store_record4, vector_of
+from ..records import SCALAR, record3, record4, store_record4
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
 from .facet import facets_struct, walk_function
 from .ply_data import NO_DEPTH, contact_law_struct, record_struct, slaves_struct
@@ -154,9 +154,7 @@ def meet_plies_kernel(real: type, lane_count: int):
         old_push = record.rows[PlyRow.push, block]
         worked = real(0.5) * (old_push + forces.push) * growth
         record.works[PlyWorkRow.thickness_work, block] = record.works[PlyWorkRow.thickness_work, block] + worked
-        book(
-            record, block, real(0.5) * place.mean_step, forces.force, forces.drag, forces.damped_share, stand.velocity
-        )
+        book(record, block, real(0.5) * place.mean_step, forces.force, forces.drag, forces.damped_share, stand.velocity)
         record.last_step[block] = place.mean_step
         store(record, block, facet, stand, forces, slaves.is_first)
 

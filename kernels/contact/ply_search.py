@@ -9,7 +9,7 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, lane_maximum, lane_types, store, where_positive
+from ..lanes import dot, lane_maximum, lane_types
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, record3, record4, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PassEntry, PlyRow
@@ -128,7 +128,7 @@ def seek_feet_kernel(real: type, lane_count: int):
 
     @wp.func
     def nearest_facet(facets: Facets, facet_count: int, point: vec3):
-        best = int(0)
+        best = 0
         way = way_to_facet(facets, 0, point)
         for facet in range(1, facet_count):
             other = way_to_facet(facets, facet, point)
@@ -239,7 +239,7 @@ def collect_strays_kernel(real: type):
         for block in range(watch.travel.shape[0]):
             longest = wp.max(longest, watch.travel[block])
             late = wp.max(late, wp.float64(watch.late[block]))
-        count = int(0)
+        count = 0
         for node in range(watch.found.shape[0]):
             if watch.found[node] == 1:
                 watch.stray[count] = node

@@ -129,9 +129,7 @@ def stand_function(real: type, lane_count: int):
         """``stand`` with the spin of its facets; feet that are not unique are taken away."""
         x1 = patch_along1(below.x, stand.eta)
         x2 = patch_along2(below.x, stand.xi)
-        offset = cross(
-            x1 + scale(g, patch_along1(below.d, stand.eta)), x2 + scale(g, patch_along2(below.d, stand.xi))
-        )
+        offset = cross(x1 + scale(g, patch_along1(below.d, stand.eta)), x2 + scale(g, patch_along2(below.d, stand.xi)))
         facing = dot(offset, stand.normal) - real(LEAST_FACING) * square_root(dot(offset, offset))
         stand.has_foot = where_positive(facing, stand.has_foot, lanes())
         stand.has_foot = where_positive(length - lanes(real(LEAST_DIRECTOR)), stand.has_foot, lanes())

@@ -42,6 +42,7 @@ from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maxi
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
+from .plies.ply_kernels import ply_kernels
 from .setup import Setup
 from .traits import node_traits, sheet_traits
 
@@ -62,6 +63,7 @@ class KernelSet:
         driven: whether supports move.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
+        plies: whether sheets touch each other.
     """
 
     unit_cell: UnitCell
@@ -74,6 +76,7 @@ class KernelSet:
     driven: bool = True
     threaded: bool = True
     meshes: bool = False
+    plies: bool = False
 
     @classmethod
     def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
@@ -97,6 +100,7 @@ class KernelSet:
             tools=any(one.tools for one in sets),
             driven=any(one.driven for one in sets),
             meshes=True,
+            plies=any(one.plies for one in sets),
         )
 
     @classmethod
@@ -118,6 +122,7 @@ class KernelSet:
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
+            plies=nodes.touched,
         )
 
     def kernels(self) -> list[wp.Kernel]:
@@ -141,6 +146,7 @@ class KernelSet:
             ),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
+            *(ply_kernels(real, lane_count) if self.plies else []),
             *(
                 [tool_motion_kernel(real)]
                 if is_cpu or not self.tools

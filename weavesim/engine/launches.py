@@ -27,6 +27,7 @@ from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import SUM_GROUP, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
 from .model import Model
+from .plies.ply_launches import PlyLaunches
 from .sheet_model import SheetModel
 from .state import SheetState, State
 
@@ -89,6 +90,7 @@ class Launches:
         self._kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
         self._arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
         self._node_laws = [sheet.node_laws() for sheet in model.sheets]
+        self.plies = PlyLaunches(model, state)
         self._sums = self._reaction_sums()
         # sums are in double precision
         self._tool_motion = tool_motion_kernel(wp.float64 if len(self._sums) > 1 else real)
@@ -141,6 +143,7 @@ class Launches:
         supports.held, supports.direction = sheet.held, sheet.drive_direction
         supports.increment, supports.holding = sheet.places.drives.of(state.drive_increment), own.holding
         around.supports = supports
+        around.ply_force = lanes_view(own.contact_force, sheet.lane_count)
         return around
 
     def _of_sheet(self, index: int) -> _SheetArguments:
@@ -311,7 +314,7 @@ class Launches:
         common += [self._partial_sums_of(values) for values in self._sums[:-1]]
         if self.model.drives.count:
             common.append(self._support_motion)
-        return list(dict.fromkeys([*own, *common]))
+        return list(dict.fromkeys([*own, *common, *self.plies.kernels]))
 
 
 class IntervalEnd:

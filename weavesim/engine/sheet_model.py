@@ -113,6 +113,7 @@ class SheetModel:
         blank, fabric = sheet.oriented_blank, sheet.fabric
         self.name, self.blank, self.fabric = sheet.name, blank, fabric
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
+        self.symmetry = world.symmetry
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count
@@ -176,6 +177,15 @@ class SheetModel:
         bounds.shear = cell.shear_stiffness
         bounds.steps_ahead = REFRESH_INTERVAL
         return bounds
+
+    def bound_plies(self, below: float, above: float) -> None:
+        """Make room in the stable step for contact with other plies.
+
+        Args:
+            below, above: squared frequency that an interface on either face adds at most [1/s^2]; 0 without one.
+        """
+        of_tools = self._contact_frequency if self.tool_count else 0.0
+        self.step_bounds.contact_frequency = max(below, of_tools) + max(above, of_tools)
 
     @property
     def follows_thickness(self) -> bool:

@@ -124,13 +124,15 @@ class Stepper:
         """One step on ``thread``; ``parts`` are those of every sheet for every thread."""
         launches, wait = self._launches, partial(self._replay.wait, len(parts[0]))
         own = [of_sheet[thread] for of_sheet in parts]
-        if self.model.drives.count:
-            if thread == 0:
-                launches.move_supports()
+        if self.model.drives.count and thread == 0:
+            launches.move_supports()
+        launches.plies.meet(len(parts[0]), thread)
+        if self.model.drives.count or launches.plies:
             wait()
         for index, part in enumerate(own):
             for elements, nodes in part.tiles:
                 launches.element_forces(index, *elements)
+                launches.plies.push(index, *elements)
                 if nodes[1]:
                     launches.move_nodes(index, *nodes)
         wait()
@@ -150,10 +152,15 @@ class Stepper:
             own = chunks(sheet.element_count // sheet.lane_count, thread_count)[thread]
             self._launches.element_extremes(index, *own)
             self._launches.fold_works(index, *chunks(sheet.block_count, thread_count)[thread])
+        self._launches.plies.watch_speeds(thread_count, thread)
         self._replay.wait(thread_count)
         if thread == 0:
             self._launches.set_step(self.step_safety, self.largest_step)
-        self._replay.wait(thread_count)
+        if self._launches.plies:
+            for _ in self._launches.plies.search(thread_count, thread):
+                self._replay.wait(thread_count)
+        else:
+            self._replay.wait(thread_count)
 
     def _block(self, parts: Sequence[Sequence[Part]], thread: int) -> None:
         for _ in range(REFRESH_INTERVAL):
@@ -165,8 +172,12 @@ class Stepper:
         launches, beside, join = self._launches, self._replay.beside, self._replay.join
         indices = range(len(self.model.sheets))
         for step_index in range(REFRESH_INTERVAL):
+            if launches.plies:
+                join()  # the clock, which the tools advance
+                launches.plies.meet()
             for index in indices:
                 launches.element_forces(index)
+                self._push_facets(launches, index)
             join()
             launches.move_supports()
             for index in indices:
@@ -183,8 +194,16 @@ class Stepper:
                 launches.element_extremes(index, 0, sheet.element_count // sheet.lane_count)
                 launches.fold_works(index, 0, sheet.block_count)
             launches.element_frequencies(index, 0, launches.frequency_block_count(index))
+        launches.plies.watch_speeds()
         launches.set_step(self.step_safety, self.largest_step)
+        for _ in launches.plies.search():
+            pass
         join()
+
+    def _push_facets(self, launches: Launches, index: int) -> None:
+        """Reactions of other plies on all elements of a sheet."""
+        sheet = self.model.sheets[index]
+        launches.plies.push(index, 0, sheet.element_count // sheet.lane_count)
 
     def _interval(self) -> None:
         """All blocks up to the target, done by a GPU without the host."""
@@ -286,8 +305,10 @@ class Stepper:
         ahead.state.copy_from(self.state)
         indices = range(len(self.model.sheets))
         if phase_count > 0:
+            ahead.plies.meet()
             for index in indices:
                 ahead.element_forces(index)
+                self._push_facets(ahead, index)
         if phase_count > 1:
             ahead.move_supports()
             for index in indices:

@@ -138,7 +138,7 @@ class ViscousFilm(Friction):
         coefficient: of Coulomb friction beside it.
     """
 
-    positional = ("viscosity", "thickness")
+    positional = ("viscosity", "thickness", "coefficient")
 
     viscosity: Annotated[Positive, Quantity("viscosity")]
     thickness: Annotated[Positive, Quantity("film thickness")]

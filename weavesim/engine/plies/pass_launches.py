@@ -16,28 +16,12 @@ from ...kernels.contact.ply_search import (
     list_nodes_kernel,
     plan_search_kernel,
     seek_feet_kernel,
-    watch_speed_kernel,
     watch_struct,
 )
 from ...kernels.stepping.step import fold_works_kernel
 from ..layout import lanes_view
 from ..state import State
 from .pass_model import PassModel
-
-
-def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
-    """Kernels of the contact of plies, roughly in order of decreasing compile time."""
-    return [
-        meet_plies_kernel(real, lane_count),
-        seek_feet_kernel(real, lane_count),
-        push_facets_kernel(real, lane_count),
-        list_nodes_kernel(real),
-        adopt_lists_kernel(real, lane_count),
-        watch_speed_kernel(real, lane_count),
-        begin_travel_kernel(real, lane_count),
-        collect_strays_kernel(real),
-        plan_search_kernel(real),
-    ]
 
 
 class PassLaunches:
@@ -57,7 +41,7 @@ class PassLaunches:
         slave, master = state.sheets[model.place.slave], state.sheets[model.place.master]
         self._motion = model.slave.motion_layout.view(slave.motion)
         self._corners = model.master.corners.view(master.corner_force)
-        self._slaves, self._facets = model.slaves(slave.motion), model.facets(master.motion, model.master)
+        self._slaves, self._facets = model.slaves(slave.motion), model.facets(master.motion)
         self._law, self._search = model.law(), model.search()
         self._record, self._reaction = self._make_record(slave.contact_force), self._make_reaction()
         self._listed, self._made = self._lists(self._own.listed, self._own.listed_count), self._scratch_lists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import warp as wp
@@ -18,6 +19,7 @@ from ...process.interfaces import Interface
 from ..layout import RowLayout
 from ..sheet_model import REFRESH_INTERVAL, TANGENTIAL_RATIO, SheetModel
 from .connectivity import edge_neighbours, free_edge_distance, home_elements, rings
+from .feet import Feet, find_feet
 
 # Rate of a film, or of the slope of a Stribeck curve, over what the step can carry.
 LARGEST_VISCOUS_SHARE = 0.1
@@ -104,33 +106,55 @@ class PassModel:
 
     # --- device constants --------------------------------------------------------------------------------------------
 
-    def facets(self, motion: wp.array, sheet: SheetModel):
-        """Facets of a sheet, as a new struct, on the motion of one state."""
-        facets = facets_struct(self.real)()
-        facets.corner = self._integers(sheet.motion_layout.entry(0, sheet.element_nodes).T)
-        neighbours = np.full((sheet.element_count, 4), int(FREE_EDGE), dtype=np.int32)
-        neighbours[: sheet.blank.element_count] = edge_neighbours(sheet.blank, sheet.symmetry)
-        facets.neighbour = self._integers(neighbours)
-        gradient = np.zeros((2, sheet.element_count))
-        gradient[:, : sheet.blank.element_count] = sheet.geometry.gradient[[GradientRow.bp1, GradientRow.bq1]]
-        facets.warp_gradient = wp.array(gradient, dtype=self.real, device=self.device)
-        facets.motion, facets.stride = motion, sheet.motion_layout.stride
-        return facets
+    def facets(self, motion: wp.array):
+        """Facets under the nodes, as a new struct, on the motion of one state of their sheet."""
+        return self._facets(self._master_arrays, self.master, motion)
 
     def slaves(self, motion: wp.array):
         """Nodes of the pass, as a new struct, on the motion of one state of their sheet."""
         slaves = slaves_struct(self.real, self.lane_count)()
-        count = self.slave.node_count
+        slaves.stiffness, slaves.home = self._slave_arrays
+        slaves.facets = self._facets(self._own_arrays, self.slave, motion)
+        slaves.is_first = int(self.place.is_first)
+        return slaves
+
+    def _facets(self, arrays: tuple[wp.array, ...], sheet: SheetModel, motion: wp.array):
+        facets = facets_struct(self.real)()
+        facets.corner, facets.neighbour, facets.warp_gradient = arrays
+        facets.motion, facets.stride = motion, sheet.motion_layout.stride
+        return facets
+
+    @cached_property
+    def _master_arrays(self) -> tuple[wp.array, ...]:
+        return self._facet_arrays(self.master)
+
+    @cached_property
+    def _own_arrays(self) -> tuple[wp.array, ...]:
+        return self._facet_arrays(self.slave)
+
+    @cached_property
+    def _slave_arrays(self) -> tuple[wp.array, ...]:
+        count, lane_count = self.slave.node_count, self.lane_count
         stiffness, home = np.zeros(count), np.zeros(count, dtype=np.int32)
         stiffness[: len(self.stiffness)] = self.stiffness
         home[: len(self.stiffness)] = home_elements(self.slave.blank)
-        slaves.stiffness = wp.array(
-            stiffness.reshape(-1, self.lane_count), dtype=self.types.lanes, device=self.device
+        return (
+            wp.array(stiffness.reshape(-1, lane_count), dtype=self.types.lanes, device=self.device),
+            wp.array(home.reshape(-1, lane_count), dtype=self.types.indices, device=self.device),
         )
-        slaves.home = wp.array(home.reshape(-1, self.lane_count), dtype=self.types.indices, device=self.device)
-        slaves.facets = self.facets(motion, self.slave)
-        slaves.is_first = int(self.place.is_first)
-        return slaves
+
+    def _facet_arrays(self, sheet: SheetModel) -> tuple[wp.array, ...]:
+        """Corners, neighbours and gradients along the warp of the facets of a sheet."""
+        count = sheet.blank.element_count
+        neighbours = np.full((sheet.element_count, 4), int(FREE_EDGE), dtype=np.int32)
+        neighbours[:count] = edge_neighbours(sheet.blank, sheet.symmetry)
+        gradient = np.zeros((2, sheet.element_count))
+        gradient[:, :count] = sheet.geometry.gradient[[GradientRow.bp1, GradientRow.bq1]]
+        return (
+            self._integers(sheet.motion_layout.entry(0, sheet.element_nodes).T),
+            self._integers(neighbours),
+            wp.array(gradient, dtype=self.real, device=self.device),
+        )
 
     def law(self):
         """Contact law, as a new struct."""
@@ -170,8 +194,18 @@ class PassModel:
         search = search_struct(self.real)()
         search.skin, search.thickness, search.steps = self.skin, self.thickness, REFRESH_INTERVAL
         search.facet_count = self.master.blank.element_count
-        search.ring = self._integers(rings(self.master.blank.quads))
+        search.ring = self._ring
         return search
+
+    @cached_property
+    def _ring(self) -> wp.array:
+        return self._integers(rings(self.master.blank.quads))
+
+    @cached_property
+    def feet(self) -> Feet:
+        """Feet of the nodes at the start."""
+        master = self.master.blank
+        return find_feet(self.slave.blank.node_position, master.node_position, master.initial_director, master.quads)
 
     def _integers(self, values: np.ndarray) -> wp.array:
         return wp.array(np.ascontiguousarray(values), dtype=wp.int32, device=self.device)

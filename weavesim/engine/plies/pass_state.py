@@ -9,8 +9,8 @@ import numpy as np
 import warp as wp
 
 from ...kernels.contact.ply_data import NO_DEPTH, TOO_MANY
-from ...kernels.rows import PLY_RECORD_LENGTH, PassEntry, PlyRow, PlyWorkRow
-from .feet import Feet, find_feet
+from ...kernels.rows import PassEntry, PlyRow, PlyWorkRow
+from .feet import Feet
 from .pass_model import PassModel
 
 # A padding node is never near enough to have a foot [m].
@@ -44,8 +44,9 @@ class PassState:
         return dict(zip(PlyWorkRow.names(), totals.tolist(), strict=True))
 
     @classmethod
-    def initial(cls, model: PassModel, feet: Feet) -> Self:
-        """The pass at time zero, with its feet."""
+    def initial(cls, model: PassModel) -> Self:
+        """The pass at time zero."""
+        feet = model.feet
         real, device, slave, master = model.real, model.device, model.slave, model.master
         node_count, facet_count, count = slave.node_count, master.element_count, slave.blank.node_count
         rows = np.zeros((PlyRow.row_count(), node_count))
@@ -54,6 +55,8 @@ class PassState:
         rows[PlyRow.stray] = NEVER
         rows[PlyRow.stray, :count] = np.maximum(feet.way, 0.0)
         rows[PlyRow.low] = NEVER
+        # the first search makes the lists
+        rows[PlyRow.travel] = 0.75 * model.skin
         facet = np.zeros(node_count, dtype=np.int32)
         facet[:count] = feet.facet
         listed, listed_count = _listed(feet, model)
@@ -75,12 +78,6 @@ class PassState:
             block_count=wp.zeros(facet_count // model.lane_count, dtype=wp.int32, device=device),
             entry=wp.array(entry, dtype=wp.float64, device=device),
         )
-
-
-def initial_feet(model: PassModel) -> Feet:
-    """Feet of the nodes of a pass at the start."""
-    master = model.master.blank
-    return find_feet(model.slave.blank.node_position, master.node_position, master.initial_director, master.quads)
 
 
 def _listed(feet: Feet, model: PassModel) -> tuple[np.ndarray, np.ndarray]:

@@ -128,7 +128,7 @@ def seek_feet_kernel(real: type, lane_count: int):
 
     @wp.func
     def nearest_facet(facets: Facets, facet_count: int, point: vec3):
-        best = 0
+        best = wp.int32(0)
         way = way_to_facet(facets, 0, point)
         for facet in range(1, facet_count):
             other = way_to_facet(facets, facet, point)
@@ -239,7 +239,7 @@ def collect_strays_kernel(real: type):
         for block in range(watch.travel.shape[0]):
             longest = wp.max(longest, watch.travel[block])
             late = wp.max(late, wp.float64(watch.late[block]))
-        count = 0
+        count = wp.int32(0)
         for node in range(watch.found.shape[0]):
             if watch.found[node] == 1:
                 watch.stray[count] = node

@@ -24,7 +24,7 @@ from ..kernels.stepping.step import (
     set_step_kernel,
 )
 from ..kernels.stepping.supports import support_motion_kernel
-from ..kernels.stepping.tools import SUM_GROUP, partial_sum_kernel, tool_motion_kernel
+from ..kernels.stepping.tools import SUM_GROUP, ToolBooks, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
 from .model import Model
 from .plies.ply_launches import PlyLaunches
@@ -94,6 +94,8 @@ class Launches:
         self._sums = self._reaction_sums()
         # sums are in double precision
         self._tool_motion = tool_motion_kernel(wp.float64 if len(self._sums) > 1 else real)
+        self._tool_books = ToolBooks()
+        self._tool_books.work, self._tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
@@ -225,8 +227,8 @@ class Launches:
             dim=tools.drives.thread_count,
             inputs=[tools.drives, self._sums[-1]],
             outputs=[
-                state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_work,
-                state.tool_watch,
+                state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_drive,
+                self._tool_books,
             ],
             device=device,
         )  # fmt: skip

@@ -17,6 +17,7 @@ from ..kernels.rows import (
     MOTION_RECORD_LENGTH,
     MOTION_VECTORS,
     ROWS_PER_CORNER,
+    CornerRow,
     LoadRow,
     MotionRow,
     NodeWorkRow,
@@ -341,6 +342,21 @@ class SheetModel:
         if mean_angle is not None:
             values[MotionRow.mean_angle, : len(mean_angle)] = mean_angle
         motion.assign(self.motion_layout.flat(values))
+
+    def corner_rows(self, corner_force: wp.array) -> np.ndarray:
+        """What the elements wrote at their corners, (corner, row of CornerRow, element); waits for the device.
+
+        Forces are those at the positions of the last evaluation or step: ``Stepper.look_ahead`` has those of now.
+        """
+        return self.corners.read(corner_force)[:, : self.blank.element_count].reshape(4, ROWS_PER_CORNER, -1)
+
+    def nodal_forces(self, corner_force: wp.array) -> np.ndarray:
+        """Forces of the elements on the nodes, (node_count, 3) [N]; see ``corner_rows``."""
+        corners = self.corner_rows(corner_force)[:, CornerRow.force.span].astype(np.float64)
+        result = np.zeros((self.blank.node_count, 3))
+        for corner in range(4):
+            np.add.at(result, self.blank.quads[:, corner], corners[corner].T)
+        return result
 
     def initial_motion(self) -> np.ndarray:
         """MOTION_VECTORS at the start, (vectors, padded nodes, 3)."""

@@ -21,6 +21,7 @@ from ..kernels.rows import (
     MotionRow,
     SlipRow,
     ThicknessRow,
+    ToolDriveRow,
     ToolWatchRow,
     ToolWorkRow,
 )
@@ -106,6 +107,7 @@ class State:
         tool_force: of the sheets on each tool, (tool_count,) vec3d [N].
         tool_work: rows ToolWorkRow, (rows, tool_count) float64 [J].
         tool_watch: rows ToolWatchRow, (rows, tool_count) float64.
+        tool_drive: rows ToolDriveRow, (rows, tool_count) float64.
         reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N].
         drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
             (drive_count,) [m].
@@ -120,6 +122,7 @@ class State:
     tool_force: wp.array
     tool_work: wp.array
     tool_watch: wp.array
+    tool_drive: wp.array
     reaction: wp.array
     drive_displacement: wp.array
     drive_increment: wp.array
@@ -145,6 +148,7 @@ class State:
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
             tool_work=wp.zeros((ToolWorkRow.row_count(), tool_count), dtype=wp.float64, device=device),
             tool_watch=wp.zeros((ToolWatchRow.row_count(), tool_count), dtype=wp.float64, device=device),
+            tool_drive=wp.zeros((ToolDriveRow.row_count(), tool_count), dtype=wp.float64, device=device),
             reaction=wp.zeros((max(tool_count, 1), model.reaction_count), dtype=model.types.vec3, device=device),
             drive_displacement=wp.zeros(drive_count, dtype=wp.float64, device=device),
             drive_increment=wp.zeros(drive_count, dtype=model.real, device=device),

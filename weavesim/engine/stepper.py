@@ -16,7 +16,7 @@ import numpy as np
 import warp as wp
 
 from ..device import load_kernel
-from ..kernels.rows import ROWS_PER_CORNER, ClockEntry, CornerRow
+from ..kernels.rows import ClockEntry
 from ..kernels.stepping.step import STEP_GROWTH
 from .compilation import KernelSet, compile_missing
 from .launches import IntervalEnd, Launches
@@ -323,28 +323,6 @@ class Stepper:
             if launches is not None:
                 launches.set_damping(rate)
         self._forget_recordings()
-
-    def corner_rows(self, index: int = 0, state: State | None = None) -> np.ndarray:
-        """Values that the elements of a sheet wrote in the last evaluation, (corner, row of CornerRow, element).
-
-        Args:
-            index: of the sheet.
-            state: ``look_ahead()`` for the forces at the current positions; by default the current state, whose
-                forces are those of the last ``evaluate`` or step.
-        """
-        sheet = self.model.sheets[index]
-        corner_force = (state or self.state).sheets[index].corner_force
-        rows = sheet.corners.read(corner_force)[:, : sheet.blank.element_count]
-        return rows.reshape(4, ROWS_PER_CORNER, -1)
-
-    def nodal_forces(self, index: int = 0, state: State | None = None) -> np.ndarray:
-        """Forces of the elements on the nodes of a sheet, (node_count, 3) [N]; arguments as ``corner_rows``."""
-        blank = self.model.sheets[index].blank
-        corners = self.corner_rows(index, state)[:, CornerRow.force.span].astype(np.float64)
-        result = np.zeros((blank.node_count, 3))
-        for corner in range(4):
-            np.add.at(result, blank.quads[:, corner], corners[corner].T)
-        return result
 
     def advance(self, block_count: int = 1) -> None:
         """Do ``block_count`` blocks of ``REFRESH_INTERVAL`` steps."""

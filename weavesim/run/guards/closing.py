@@ -30,7 +30,7 @@ LARGEST_DIVISION = 60
 class ClosingGap(Guard):
     """Two tools on either side of the sheet that leave less room for it than its thickness.
 
-    Tools that a force moves stop at the sheet, and are left out.
+    Tools that a force moves stop at the sheet, and so do strokes with a largest force: they are left out.
     """
 
     name = "closing_gap"
@@ -59,7 +59,7 @@ class ClosingGap(Guard):
         if not gap < (1.0 - LARGEST_LACK) * thickness - error:
             return
         names = f"{tools[0].name} and {tools[1].name}"
-        advice = "make the stroke shorter, or the gap at least the thickness"
+        advice = "make the stroke shorter, the gap at least the thickness, or give the stroke a largest_force"
         if gap + error <= 0.0:
             raise InputError(
                 f"{names} run into each other by {-1e3 * gap:.3g} mm at {time:.4g} s; the sheet between them is "
@@ -76,8 +76,8 @@ class ClosingGap(Guard):
 
 
 def _closes(a: Tool, b: Tool, start: Start) -> bool:
-    """Whether two tools move relative to each other, by prescribed strokes."""
-    if a.motion.by_force or b.motion.by_force:
+    """Whether two tools move relative to each other, by prescribed strokes that nothing stops."""
+    if any(tool.motion.by_force or tool.motion.limiting_force for tool in (a, b)):
         return False
     return any(len(set(tool.motion.curve()[1])) > 1 for tool in (a, b))
 

@@ -89,16 +89,16 @@ class PassModel:
         densities = [mean_density(sheet) for sheet in (slave, master)]
         self.reduced_density = densities[0] * densities[1] / sum(densities)
         self.area_stiffness = interface.stiffness_share * self.reduced_density / reference_step**2
-        slave_area, master_area = nodal_areas(slave), nodal_areas(master)
-        smaller = np.minimum(slave_area, np.mean(master_area))
+        area = mean_facet_area(master)
+        smaller = np.minimum(nodal_areas(slave), area)
         self.stiffness = self._edge_shares(place.share) * self.area_stiffness * smaller
-        self.skin = SKIN_SHARE * math.sqrt(np.mean(master_area))
-        box = (math.sqrt(np.mean(master_area)) + 2.0 * self.skin) ** 2
-        self.slot_count = math.ceil(SPARE_SLOTS * (box / np.mean(slave_area) + 1.0))
+        self.skin = SKIN_SHARE * math.sqrt(area)
+        box = (math.sqrt(area) + 2.0 * self.skin) ** 2
+        self.slot_count = math.ceil(SPARE_SLOTS * (box / mean_facet_area(slave) + 1.0))
 
     def _edge_shares(self, share: float) -> np.ndarray:
         """Share of every node: at least a half near a free edge, where both passes are needed."""
-        slave, size = self.slave, math.sqrt(np.mean(nodal_areas(self.slave)))
+        slave, size = self.slave, math.sqrt(mean_facet_area(self.slave))
         band = max(size, 2.0 * self.thickness)
         distance = free_edge_distance(slave.blank, slave.symmetry)
         near = np.clip((band + size - distance) / size, 0.0, 1.0)
@@ -218,6 +218,11 @@ def nodal_areas(sheet: SheetModel) -> np.ndarray:
     return area
 
 
+def mean_facet_area(sheet: SheetModel) -> float:
+    """Area around a node within the flat sheet, on the mean, which is that of its elements [m^2]."""
+    return float(np.mean(sheet.geometry.area))
+
+
 def mean_density(sheet: SheetModel) -> float:
     """Areal density with the added mass, of the whole sheet [kg/m^2]."""
     return float(sheet.node_mass.sum() / sheet.geometry.area.sum())
@@ -228,8 +233,8 @@ def pass_shares(interface: Interface, lower: SheetModel, upper: SheetModel) -> t
 
     The finer sheet carries more: unequal meshes would otherwise press unevenly on its nodes.
     """
-    fine, coarse = np.mean(nodal_areas(upper)), np.mean(nodal_areas(lower))
-    share = float(coarse**2 / (fine**2 + coarse**2))
+    fine, coarse = mean_facet_area(upper), mean_facet_area(lower)
+    share = coarse**2 / (fine**2 + coarse**2)
     if interface.passes == "one":
         share = 1.0 if fine <= coarse else 0.0
     return share, 1.0 - share

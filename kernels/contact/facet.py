@@ -1,7 +1,7 @@
 """The surface of a sheet within one element, and the foot of a point on it (docs/theory.md, section 11).
 
-The facet is the bilinear quadrilateral of its four nodes, with their directors interpolated alike. Positions and
-directors are shared along edges, so that feet cover the sheet once: there are no cases for edges and corners.
+The facet is the bilinear quadrilateral of its four nodes, with their normals interpolated alike. Positions and normals
+are shared along edges, so that feet cover the sheet once: there are no cases for edges and corners.
 """
 
 from functools import cache
@@ -28,10 +28,13 @@ def facets_struct(real: type):
     @wp.struct
     class Facets:
         corner: wp.array2d(dtype=wp.int32)  # [facet, corner]: first entry of the node in the motion
+        normal_corner: wp.array2d(dtype=wp.int32)  # the same in the normals
         neighbour: wp.array2d(dtype=wp.int32)  # [facet, edge]: the facet beyond, FREE_EDGE or SYMMETRY_EDGE
         warp_gradient: wp.array2d(dtype=real)  # [diagonal, facet]: gradients along the warp, GradientRow bp1 and bq1
         motion: wp.array(dtype=real)  # rows: see MotionRow
         stride: wp.int32  # entries between two rows
+        normals: wp.array(dtype=real)  # unit normals of the nodes: see surface_normals.py
+        normal_stride: wp.int32
 
     return Facets
 
@@ -53,7 +56,7 @@ def patch_struct(real: type, lane_count: int):
 
 @cache
 def patch_functions(real: type, lane_count: int):
-    """wp.funcs that gather the vectors of a row of the motion as a patch: as they are, and positions from a point."""
+    """wp.funcs that gather patches: a row of the motion as it is, positions from a point, and normals."""
     types, Patch, Facets = lane_types(real, lane_count), patch_struct(real, lane_count), facets_struct(real)
     indices, lanes3 = types.indices, types.lanes3
 
@@ -107,7 +110,21 @@ def patch_functions(real: type, lane_count: int):
             from_point(facets, corner_entries(facets, facet, 3), position, remainder),
         )
 
-    return vectors, positions
+    @wp.func
+    def normal_at(facets: Facets, facet: indices, corner: int):
+        entry = indices()
+        for i in range(lane_count):
+            entry[i] = facets.normal_corner[facet[i], corner]
+        return vector_of(gather4(facets.normals, entry, 0, facets.normal_stride))
+
+    @wp.func
+    def normals(facets: Facets, facet: indices):
+        return patch_of(
+            normal_at(facets, facet, 0), normal_at(facets, facet, 1), normal_at(facets, facet, 2),
+            normal_at(facets, facet, 3),
+        )  # fmt: skip
+
+    return vectors, positions, normals
 
 
 @wp.func
@@ -142,7 +159,7 @@ def corner_weight(corner: int, xi: Any, eta: Any):
 
 @wp.func
 def sagitta(x: Any, d: Any, xi: Any, eta: Any):
-    """Height along the directors of the surface that they describe over the bilinear facet."""
+    """Height of the surface that the normals describe over the bilinear facet, along them."""
     one = fill(xi, 1.0)
     bow1 = (one - xi * xi) * dot(patch_along1(x, eta), patch_along1(d, eta))
     bow2 = (one - eta * eta) * dot(patch_along2(x, xi), patch_along2(d, xi))
@@ -165,7 +182,7 @@ def bounded(value: Any, size: Any):
 def find_foot(x: Any, d: Any, xi: Any, eta: Any, iterations: int):
     """Coordinates (xi, eta) and height g with x(xi, eta) + g d(xi, eta) = 0, by Newton's method.
 
-    ``x`` is the facet as seen from the point whose foot is sought, and ``d`` the directors, which are not normalised.
+    ``x`` is the facet as seen from the point whose foot is sought, and ``d`` the normals, of any length in between.
     """
     farthest = fill(xi, FARTHEST)
     n = patch_at(d, xi, eta)

@@ -106,7 +106,7 @@ def seek_feet_kernel(real: type, lane_count: int):
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
     Record = record_struct(real, lane_count)
-    vectors, _ = patch_functions(real, lane_count)
+    vectors, _, _ = patch_functions(real, lane_count)
 
     @wp.func
     def corner_place(facets: Facets, facet: int, corner: int):

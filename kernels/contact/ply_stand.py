@@ -23,9 +23,9 @@ from .ply_data import NO_DEPTH, contact_law_struct
 
 # A foot that has gone farther than this from its facet is lost, and sought again among all facets.
 LOST = wp.constant(1.9)
-# Least cosine between facet and directors, and least length of the mean director, where a foot is unique.
+# Least cosine between facet and normal, and least length of the mean normal, where a foot is unique.
 LEAST_FACING = wp.constant(0.3)
-LEAST_DIRECTOR = wp.constant(0.7)
+LEAST_NORMAL = wp.constant(0.7)
 
 
 @cache
@@ -47,7 +47,7 @@ def ply_place_struct(real: type, lane_count: int):
 
 @cache
 def below_struct(real: type, lane_count: int):
-    """The facets under a block of nodes: positions from each node, directors, velocities."""
+    """The facets under a block of nodes: positions from each node, normals, velocities."""
     Patch = patch_struct(real, lane_count)
 
     @wp.struct
@@ -69,7 +69,7 @@ def stand_struct(real: type, lane_count: int):
     class Stand:
         xi: lanes
         eta: lanes
-        normal: lanes3  # unit normal of the other ply, interpolated from its directors
+        normal: lanes3  # unit normal of the other ply, interpolated from its nodes
         depth: lanes  # penetration [m]; NO_DEPTH without a foot
         distance: lanes  # of the mid-surfaces, at which they touch [m]
         velocity: lanes3  # of the nodes relative to their feet [m/s]; 0 without a foot
@@ -85,13 +85,13 @@ def below_function(real: type, lane_count: int):
     """wp.func (facets, facet, place) -> Below."""
     indices = lane_types(real, lane_count).indices
     Facets, Place, Below = facets_struct(real), ply_place_struct(real, lane_count), below_struct(real, lane_count)
-    vectors, positions = patch_functions(real, lane_count)
+    vectors, positions, normals = patch_functions(real, lane_count)
 
     @wp.func
     def look_below(facets: Facets, facet: indices, place: Place):
         below = Below()
         below.x = positions(facets, facet, place.position, place.remainder)
-        below.d = vectors(facets, facet, MotionRow.director)
+        below.d = normals(facets, facet)
         below.v = vectors(facets, facet, MotionRow.velocity)
         return below
 
@@ -132,7 +132,7 @@ def stand_function(real: type, lane_count: int):
         offset = cross(x1 + scale(g, patch_along1(below.d, stand.eta)), x2 + scale(g, patch_along2(below.d, stand.xi)))
         facing = dot(offset, stand.normal) - real(LEAST_FACING) * square_root(dot(offset, offset))
         stand.has_foot = where_positive(facing, stand.has_foot, lanes())
-        stand.has_foot = where_positive(length - lanes(real(LEAST_DIRECTOR)), stand.has_foot, lanes())
+        stand.has_foot = where_positive(length - lanes(real(LEAST_NORMAL)), stand.has_foot, lanes())
         area = dot(cross(x1, x2), stand.normal)
         turning = dot(patch_along1(below.v, stand.eta), x2) - dot(patch_along2(below.v, stand.xi), x1)
         stand.spin = where_positive(stand.has_foot, real(0.5) * turning / area, lanes())

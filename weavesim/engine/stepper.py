@@ -126,8 +126,11 @@ class Stepper:
         own = [of_sheet[thread] for of_sheet in parts]
         if self.model.drives.count and thread == 0:
             launches.move_supports()
-        launches.plies.meet(len(parts[0]), thread)
+        launches.plies.find_normals(len(parts[0]), thread)
         if self.model.drives.count or launches.plies:
+            wait()
+        if launches.plies:
+            launches.plies.meet(len(parts[0]), thread)
             wait()
         for index, part in enumerate(own):
             for elements, nodes in part.tiles:
@@ -174,6 +177,7 @@ class Stepper:
         for step_index in range(REFRESH_INTERVAL):
             if launches.plies:
                 join()  # the clock, which the tools advance
+                launches.plies.find_normals()
                 launches.plies.meet()
             for index in indices:
                 launches.element_forces(index)
@@ -305,6 +309,7 @@ class Stepper:
         ahead.state.copy_from(self.state)
         indices = range(len(self.model.sheets))
         if phase_count > 0:
+            ahead.plies.find_normals()
             ahead.plies.meet()
             for index in indices:
                 ahead.element_forces(index)

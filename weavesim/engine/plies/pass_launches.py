@@ -32,16 +32,20 @@ class PassLaunches:
         state: of the run.
         index: of the pass.
         squared_speeds: largest squared speed of every block of every sheet, written by ``watch_speed``.
+        normals: of every sheet, written by ``surface_normals``.
     """
 
-    def __init__(self, model: PassModel, state: State, index: int, squared_speeds: list[wp.array]) -> None:
+    def __init__(
+        self, model: PassModel, state: State, index: int, squared_speeds: list[wp.array], normals: list[wp.array]
+    ) -> None:
         self.model, self._own = model, state.passes[index]
         self._clock, self._speeds = state.clock, squared_speeds
         self._real, self._lanes = model.real, model.lane_count
         slave, master = state.sheets[model.place.slave], state.sheets[model.place.master]
         self._motion = model.slave.motion_layout.view(slave.motion)
         self._corners = model.master.corners.view(master.corner_force)
-        self._slaves, self._facets = model.slaves(slave.motion), model.facets(master.motion)
+        self._slaves = model.slaves(slave.motion, normals[model.place.slave])
+        self._facets = model.facets(master.motion, normals[model.place.master])
         self._law, self._search = model.law(), model.search()
         self._record, self._reaction = self._make_record(slave.contact_force), self._make_reaction()
         self._listed, self._made = self._lists(self._own.listed, self._own.listed_count), self._scratch_lists()

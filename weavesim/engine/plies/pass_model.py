@@ -20,6 +20,7 @@ from ..layout import RowLayout
 from ..sheet_model import REFRESH_INTERVAL, TANGENTIAL_RATIO, SheetModel
 from .connectivity import edge_neighbours, free_edge_distance, home_elements, rings
 from .feet import Feet, find_feet
+from .normals import normal_layout
 
 # Rate of a film, or of the slope of a Stribeck curve, over what the step can carry.
 LARGEST_VISCOUS_SHARE = 0.1
@@ -106,22 +107,23 @@ class PassModel:
 
     # --- device constants --------------------------------------------------------------------------------------------
 
-    def facets(self, motion: wp.array):
-        """Facets under the nodes, as a new struct, on the motion of one state of their sheet."""
-        return self._facets(self._master_arrays, self.master, motion)
+    def facets(self, motion: wp.array, normals: wp.array):
+        """Facets under the nodes, as a new struct, on the motion and the normals of one state of their sheet."""
+        return self._facets(self._master_arrays, self.master, motion, normals)
 
-    def slaves(self, motion: wp.array):
-        """Nodes of the pass, as a new struct, on the motion of one state of their sheet."""
+    def slaves(self, motion: wp.array, normals: wp.array):
+        """Nodes of the pass, as a new struct, on the motion and the normals of one state of their sheet."""
         slaves = slaves_struct(self.real, self.lane_count)()
         slaves.stiffness, slaves.home = self._slave_arrays
-        slaves.facets = self._facets(self._own_arrays, self.slave, motion)
+        slaves.facets = self._facets(self._own_arrays, self.slave, motion, normals)
         slaves.is_first = int(self.place.is_first)
         return slaves
 
-    def _facets(self, arrays: tuple[wp.array, ...], sheet: SheetModel, motion: wp.array):
+    def _facets(self, arrays: tuple[wp.array, ...], sheet: SheetModel, motion: wp.array, normals: wp.array):
         facets = facets_struct(self.real)()
-        facets.corner, facets.neighbour, facets.warp_gradient = arrays
+        facets.corner, facets.normal_corner, facets.neighbour, facets.warp_gradient = arrays
         facets.motion, facets.stride = motion, sheet.motion_layout.stride
+        facets.normals, facets.normal_stride = normals, normal_layout(sheet).stride
         return facets
 
     @cached_property
@@ -144,7 +146,7 @@ class PassModel:
         )
 
     def _facet_arrays(self, sheet: SheetModel) -> tuple[wp.array, ...]:
-        """Corners, neighbours and gradients along the warp of the facets of a sheet."""
+        """Corners, those among the normals, neighbours and gradients along the warp of the facets of a sheet."""
         count = sheet.blank.element_count
         neighbours = np.full((sheet.element_count, 4), int(FREE_EDGE), dtype=np.int32)
         neighbours[:count] = edge_neighbours(sheet.blank, sheet.symmetry)
@@ -152,6 +154,7 @@ class PassModel:
         gradient[:, :count] = sheet.geometry.gradient[[GradientRow.bp1, GradientRow.bq1]]
         return (
             self._integers(sheet.motion_layout.entry(0, sheet.element_nodes).T),
+            self._integers(normal_layout(sheet).entry(0, sheet.element_nodes).T),
             self._integers(neighbours),
             wp.array(gradient, dtype=self.real, device=self.device),
         )

@@ -15,6 +15,7 @@ from ...kernels.contact.ply_search import (
     seek_feet_kernel,
     watch_speed_kernel,
 )
+from ...kernels.contact.surface_normals import surface_normals_kernel
 
 
 def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
@@ -25,6 +26,7 @@ def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
         push_facets_kernel(real, lane_count),
         list_nodes_kernel(real),
         adopt_lists_kernel(real, lane_count),
+        surface_normals_kernel(real, lane_count),
         watch_speed_kernel(real, lane_count),
         begin_travel_kernel(real, lane_count),
         collect_strays_kernel(real),

@@ -10,6 +10,7 @@ from ...kernels.contact.ply_search import watch_speed_kernel
 from ..model import Model
 from ..state import State
 from ..tiles import chunks
+from .normals import NormalLaunch
 from .pass_launches import PassLaunches
 from .ply_kernels import ply_kernels
 
@@ -31,10 +32,17 @@ class PlyLaunches:
             for index, sheet in enumerate(model.sheets)
         ]
         self._speeds = speeds
-        self._passes = [PassLaunches(each, state, index, speeds) for index, each in enumerate(model.passes)]
+        self._normals = {index: NormalLaunch(model.sheets[index], state.sheets[index].motion) for index in self._touched}
+        normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
+        self._passes = [PassLaunches(each, state, index, speeds, normals) for index, each in enumerate(model.passes)]
 
     def __bool__(self) -> bool:
         return bool(self._passes)
+
+    def find_normals(self, thread_count: int = 1, thread: int = 0) -> None:
+        """Normals at this thread's share of the nodes, before ``meet``; all threads must be done with them."""
+        for index, normals in self._normals.items():
+            normals.launch(*chunks(self._model.sheets[index].block_count, thread_count)[thread])
 
     def meet(self, thread_count: int = 1, thread: int = 0) -> None:
         """Contact forces on this thread's share of the nodes of every pass, before anything moves."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...kernels.contact.facet import FREE_EDGE, SYMMETRY_EDGE
+from ...kernels.plies.facet import FREE_EDGE, SYMMETRY_EDGE
 from ...sheet.blank import Blank
 from ...sheet.symmetry import Symmetry
 

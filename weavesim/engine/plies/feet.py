@@ -52,19 +52,20 @@ def find_feet(points: np.ndarray, position: np.ndarray, director: np.ndarray, qu
     best = np.full(len(points), np.inf)
     facet = near[:, 0].astype(np.int32)
     found = np.zeros((3, len(points)))
+    found[0] = 2.0  # beside the sheet, where no facet has a foot
     for k in range(near.shape[1]):
         solved = _solve(points, corners[near[:, k]], director[quads[near[:, k]]])
-        outside = np.maximum(np.abs(solved[0]), np.abs(solved[1]))
+        outside = np.where(solved[3] < 1.0e-6, np.maximum(np.abs(solved[0]), np.abs(solved[1])), np.inf)
         # on an edge, the facet whose middle is nearer stays
         better = outside < best - 1.0e-9
         best[better], facet[better] = outside[better], near[better, k]
-        found[:, better] = solved[:, better]
+        found[:, better] = solved[:3, better]
     way = (distance - 1.2 * radius[near]).min(axis=1)
     return Feet(facet, found[0], found[1], found[2], way)
 
 
 def _solve(points: np.ndarray, corner: np.ndarray, director: np.ndarray) -> np.ndarray:
-    """xi, eta and height over one facet each, (3, n), by Newton's method."""
+    """xi, eta, height and error over the size of the facet, for one facet each, (4, n), by Newton's method."""
     xi, eta, g = (np.zeros(len(points)) for _ in range(3))
     g = np.einsum("ni,ni->n", points - corner.mean(axis=1), director.mean(axis=1))
     for _ in range(ITERATIONS):
@@ -84,7 +85,9 @@ def _solve(points: np.ndarray, corner: np.ndarray, director: np.ndarray) -> np.n
     bow1 = np.einsum("nc,nci,nd,ndi->n", by_xi, corner, by_xi, director)
     bow2 = np.einsum("nc,nci,nd,ndi->n", by_eta, corner, by_eta, director)
     sagitta = 0.5 * ((1.0 - xi**2) * bow1 + (1.0 - eta**2) * bow2) / length
-    return np.stack([xi, eta, g * length - sagitta])
+    rest = np.einsum("nc,nci->ni", weight, corner) + g[:, None] * np.einsum("nc,nci->ni", weight, director) - points
+    size = np.linalg.norm(corner[:, 2] - corner[:, 0], axis=1)
+    return np.stack([xi, eta, g * length - sagitta, np.linalg.norm(rest, axis=1) / size])
 
 
 def weights(xi: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import warp as wp
 
-from ...kernels.contact.surface_normals import NORMAL_ROW_COUNT, normal_table_struct, surface_normals_kernel
+from ...kernels.plies.normals import NORMAL_ROW_COUNT, normal_table_struct, surface_normals_kernel
 from ...sheet.symmetry import AXES
 from ..layout import RowLayout, lanes_view
 from ..sheet_model import SheetModel
@@ -58,9 +58,7 @@ def _table(sheet: SheetModel):
         neighbour = np.roll(quads, shift, axis=1).ravel()
         table[slot, node[order]] = sheet.motion_layout.entry(0, neighbour[order])
         tables.append(
-            wp.array(
-                table.reshape(len(table), -1, lane_count), dtype=sheet.types.indices, device=sheet.device
-            )
+            wp.array(table.reshape(len(table), -1, lane_count), dtype=sheet.types.indices, device=sheet.device)
         )
     kept = np.ones((3, sheet.node_count))
     for plane in sheet.symmetry.planes:

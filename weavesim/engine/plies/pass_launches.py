@@ -6,10 +6,10 @@ from typing import Any
 
 import warp as wp
 
-from ...kernels.contact.ply_data import listed_struct, record_struct
-from ...kernels.contact.ply_pass import meet_plies_kernel
-from ...kernels.contact.ply_reaction import push_facets_kernel, reaction_struct
-from ...kernels.contact.ply_search import (
+from ...kernels.plies.data import listed_struct, record_struct
+from ...kernels.plies.node_pass import meet_plies_kernel
+from ...kernels.plies.reaction import push_facets_kernel, reaction_struct
+from ...kernels.plies.search import (
     adopt_lists_kernel,
     begin_travel_kernel,
     collect_strays_kernel,

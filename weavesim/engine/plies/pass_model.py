@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 import warp as wp
 
-from ...kernels.contact.facet import FREE_EDGE, facets_struct
 from ...kernels.contact.friction import HERSEY, NO_ARGUMENT, PRESSURE, YARN_ANGLE, friction_law_struct
-from ...kernels.contact.ply_data import contact_law_struct, slaves_struct
-from ...kernels.contact.ply_search import search_struct
+from ...kernels.plies.data import contact_law_struct, slaves_struct
+from ...kernels.plies.facet import FREE_EDGE, facets_struct
+from ...kernels.plies.search import search_struct
 from ...kernels.rows import PLY_RECORD_LENGTH, GradientRow, PlyRow
 from ...process.friction import Friction, PressureFriction, StribeckFriction, ViscousFilm, YarnAngleFriction
 from ...process.interfaces import Interface

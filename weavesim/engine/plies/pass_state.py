@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 import warp as wp
 
-from ...kernels.contact.ply_data import NO_DEPTH, TOO_MANY
+from ...kernels.plies.data import NO_DEPTH, TOO_MANY
 from ...kernels.rows import PassEntry, PlyRow, PlyWorkRow
 from .feet import Feet
 from .pass_model import PassModel

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import warp as wp
 
-from ...kernels.contact.ply_pass import meet_plies_kernel
-from ...kernels.contact.ply_reaction import push_facets_kernel
-from ...kernels.contact.ply_search import (
+from ...kernels.plies.node_pass import meet_plies_kernel
+from ...kernels.plies.normals import surface_normals_kernel
+from ...kernels.plies.reaction import push_facets_kernel
+from ...kernels.plies.search import (
     adopt_lists_kernel,
     begin_travel_kernel,
     collect_strays_kernel,
@@ -15,7 +16,6 @@ from ...kernels.contact.ply_search import (
     seek_feet_kernel,
     watch_speed_kernel,
 )
-from ...kernels.contact.surface_normals import surface_normals_kernel
 
 
 def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import warp as wp
 
-from ...kernels.contact.ply_search import watch_speed_kernel
+from ...kernels.plies.search import watch_speed_kernel
 from ..model import Model
 from ..state import State
 from ..tiles import chunks
@@ -32,7 +32,9 @@ class PlyLaunches:
             for index, sheet in enumerate(model.sheets)
         ]
         self._speeds = speeds
-        self._normals = {index: NormalLaunch(model.sheets[index], state.sheets[index].motion) for index in self._touched}
+        self._normals = {
+            index: NormalLaunch(model.sheets[index], state.sheets[index].motion) for index in self._touched
+        }
         normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
         self._passes = [PassLaunches(each, state, index, speeds, normals) for index, each in enumerate(model.passes)]
 

@@ -33,7 +33,7 @@ def facets_struct(real: type):
         warp_gradient: wp.array2d(dtype=real)  # [diagonal, facet]: gradients along the warp, GradientRow bp1 and bq1
         motion: wp.array(dtype=real)  # rows: see MotionRow
         stride: wp.int32  # entries between two rows
-        normals: wp.array(dtype=real)  # unit normals of the nodes: see surface_normals.py
+        normals: wp.array(dtype=real)  # unit normals of the nodes: see normals.py
         normal_stride: wp.int32
 
     return Facets

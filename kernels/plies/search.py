@@ -13,8 +13,8 @@ from ..lanes import dot, lane_maximum, lane_types
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, record3, record4, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PassEntry, PlyRow
+from .data import NO_DEPTH, TOO_MANY, listed_struct, record_struct
 from .facet import facets_struct, patch_at, patch_functions
-from .ply_data import NO_DEPTH, TOO_MANY, listed_struct, record_struct
 
 # Plies may move this much farther until the next update than at their largest speeds now.
 SPEED_MARGIN = wp.constant(2.0)

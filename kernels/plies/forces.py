@@ -4,6 +4,8 @@ from functools import cache
 
 import warp as wp
 
+from ..contact.friction import YARN_ANGLE, coefficient_function
+from ..contact.penalty import friction_spring, normal_force
 from ..lanes import (
     cross,
     dot,
@@ -20,12 +22,10 @@ from ..lanes import (
 )
 from ..operators import div, mul  # noqa: F401
 from ..rows import PlyRow, PlyWorkRow
+from .argument import friction_argument_function, yarn_angle_function
+from .data import contact_law_struct, record_struct, slaves_struct
 from .facet import facets_struct
-from .friction import YARN_ANGLE, coefficient_function
-from .penalty import friction_spring, normal_force
-from .ply_argument import friction_argument_function, yarn_angle_function
-from .ply_data import contact_law_struct, record_struct, slaves_struct
-from .ply_stand import ply_place_struct, stand_struct
+from .stand import ply_place_struct, stand_struct
 
 # A contact that begins deeper than this share of the thickness, or than two steps' approach, begins without force.
 USUAL_ENTRY = wp.constant(0.005)

@@ -4,9 +4,9 @@ from functools import cache
 
 import warp as wp
 
+from ..contact.friction import friction_law_struct
 from ..lanes import lane_types
 from .facet import facets_struct
-from .friction import friction_law_struct
 
 # Penetration of a node that has no foot [m].
 NO_DEPTH = wp.constant(-1000.0)

@@ -12,8 +12,8 @@ from ..lanes import lane_maximum, lane_types, scale, step_options
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, gather4, record4, store_record4, vector_of
 from ..rows import CORNER_ROW_COUNT, PLY_RECORD_LENGTH, ROWS_PER_CORNER, CornerRow, PlyRow
+from .data import TOO_MANY
 from .facet import corner_weight
-from .ply_data import TOO_MANY
 
 
 @cache

@@ -4,12 +4,12 @@ from functools import cache
 
 import warp as wp
 
+from ..contact.friction import HERSEY, LEAST_PRESSURE, NO_ARGUMENT, YARN_ANGLE, friction_law_struct
 from ..lanes import dot, fill, lane_types, larger, magnitude, scale, smaller, square_root, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import MotionRow, PlyRow
+from .data import record_struct, slaves_struct
 from .facet import facets_struct, patch_functions
-from .friction import HERSEY, LEAST_PRESSURE, NO_ARGUMENT, YARN_ANGLE, friction_law_struct
-from .ply_data import record_struct, slaves_struct
 
 # Series of the arc cosine: acos(x) = sqrt(1 - x) (a0 + a1 x + ...), Abramowitz and Stegun 4.4.46, error 2e-8.
 _ARC_COSINE = (

@@ -8,6 +8,7 @@ import warp as wp
 from ..lanes import cross, dot, fill, lane_types, magnitude, scale, square_root, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import MotionRow
+from .data import NO_DEPTH, contact_law_struct
 from .facet import (
     facets_struct,
     find_foot,
@@ -19,7 +20,6 @@ from .facet import (
     patch_struct,
     sagitta,
 )
-from .ply_data import NO_DEPTH, contact_law_struct
 
 # A foot that has gone farther than this from its facet is lost, and sought again among all facets.
 LOST = wp.constant(1.9)

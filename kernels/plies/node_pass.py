@@ -1,7 +1,7 @@
 """One pass of the contact between two plies: the nodes of one on the facets of the other (docs/theory.md, section 11).
 
 The pass reads where both plies are before any node moves, and writes only what belongs to its own nodes. The facets
-take their share of the forces later, from the records of the nodes (``ply_reaction.py``).
+take their share of the forces later, from the records of the nodes (``reaction.py``).
 """
 
 from functools import cache
@@ -12,10 +12,10 @@ from ..lanes import dot, fill, lane_maximum, lane_types, rows3, step_options, st
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, record3, record4, store_record4
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
+from .data import NO_DEPTH, contact_law_struct, record_struct, slaves_struct
 from .facet import facets_struct, walk_function
-from .ply_data import NO_DEPTH, contact_law_struct, record_struct, slaves_struct
-from .ply_forces import ply_forces_function, ply_forces_struct
-from .ply_stand import (
+from .forces import ply_forces_function, ply_forces_struct
+from .stand import (
     below_function,
     below_struct,
     ply_place_struct,

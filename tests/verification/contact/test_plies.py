@@ -187,7 +187,7 @@ def test_the_middle_ply_is_pulled_out_with_the_friction_of_both_faces():
     top = square(0.03, 0.01, 2 * THICKNESS)
     edge = np.flatnonzero(middle.node_position[:, 0] > 0.05 - 1e-9)
     pull = Support(
-        "pull", edge, (Drive(Stroke((0.0, 2e-3, 1.0), (0.0, 2e-3, 0.8)), (1.0, 0.0, 0.0)),), displacements="x"
+        "pull", edge, (Drive(Stroke((0.0, 2e-3, 1.0), (0.0, 2.5e-4, 0.2)), (1.0, 0.0, 0.0)),), displacements="x"
     )
     fixed = np.ones((len(bottom.node_position), 6), dtype=bool)
     fixed[:, :2] = False
@@ -196,10 +196,12 @@ def test_the_middle_ply_is_pulled_out_with_the_friction_of_both_faces():
         ply("middle", middle, supports=(pull,)),
         ply("top", top, pressure=-pressure, free=fixed),
     ]
-    run = run_stack(sheets, Coulomb(coefficient), duration=8e-3, dynamics={"contact_damping_ratio": 0.5}, frame_count=8)
-    # thin plies rattle: the work of friction over the way is its mean force
+    run = run_stack(
+        sheets, Coulomb(coefficient), duration=0.012, dynamics={"contact_damping_ratio": 0.5}, frame_count=8
+    )
+    # the ply vibrates as it is pulled: the work of friction over the way is its mean force
     early, last = run.history[3], run.history[-1]
-    way = 0.8 * (last["time"] - early["time"])
+    way = 0.2 * (last["time"] - early["time"])
     drag = (last["ply_friction_loss"] - early["ply_friction_loss"]) / way
     assert drag == pytest.approx(2.0 * coefficient * pressure * 0.06**2, rel=0.01)
     assert abs(last["balance_error"]) < 0.01 * last["supplied"]

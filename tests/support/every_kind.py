@@ -19,6 +19,7 @@ from weavesim.process import (
     Fixed,
     ForceDriven,
     Interface,
+    Pressure,
     PressureFriction,
     StribeckFriction,
     Stroke,
@@ -119,7 +120,11 @@ def pulled(solver: Solver) -> Setup:
     )  # fmt: skip
     force = 0.01 * np.column_stack([np.zeros_like(x), np.zeros_like(x), y])
     loads = NodalLoads(force=force, couple=1e-4 * force[:, ::-1], times=(0.0, 1e-3), shares=(0.2, 1.0))
-    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads)
+    pressures = (
+        Pressure.ramped("top", 2e3, 1e-3),
+        Pressure("bottom", (1e3, -5e2), (0.0, 1e-3), elements=np.array([1, 4, 7])),
+    )
+    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads, pressures=pressures)
     return Setup(name="pulled", sheets=(sheet,), duration=1.0, symmetry=("y",), solver=solver)
 
 

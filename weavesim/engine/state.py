@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -54,6 +54,7 @@ class SheetState:
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
     contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
+    pressure_work: wp.array  # (element blocks,) float64, of the pressures so far [J]; empty without any
 
     def works(self) -> np.ndarray:
         """Works at the nodes of all steps, of ``SheetModel.node_work_rows``, (rows,) [J]; waits for the device."""
@@ -94,6 +95,7 @@ class SheetState:
             gap=zeros(tool_rows, model.block_count),
             holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
             contact_force=zeros(3, model.node_count if touched else BLOCK),
+            pressure_work=zeros(model.element_count // model.lane_count if model.pressures else 0, dtype=wp.float64),
         )
 
 
@@ -209,7 +211,7 @@ class State:
         """
         path = Path(path)
         about = {"version": FILE_VERSION, "step_count": self.step_count, **model.identity}
-        content = {name: array.numpy() for name, array in self.arrays()}
+        content = self.content()
         temporary = path.with_name(f".{path.name}.partial")
         try:
             with temporary.open("wb") as file:
@@ -240,14 +242,30 @@ class State:
                     "take the set-up and the solver settings of that run"
                 )
         state = cls.initial(model)
-        state.step_count = step_count
-        for name, array in state.arrays():
+        try:
+            state.take(content, step_count)
+        except ValueError as error:
+            raise InputError(f"state {path}: {error}; the file is damaged") from None
+        return state
+
+    def content(self) -> dict[str, np.ndarray]:
+        """Every array by name, on the host; waits for the device."""
+        return {name: array.numpy() for name, array in self.arrays()}
+
+    def take(self, content: Mapping[str, np.ndarray], step_count: int) -> None:
+        """Become what ``content`` returned of a state of the same run.
+
+        Raises:
+            ValueError: an array that is missing, or of another shape or type; nothing is changed.
+        """
+        for name, array in self.arrays():
             here = array.numpy()
             if name not in content or (content[name].shape, content[name].dtype) != (here.shape, here.dtype):
-                raise InputError(f"state {path}: {name} is missing or of another shape or type; the file is damaged")
+                raise ValueError(f"{name} is missing or of another shape or type")
+        self.step_count = step_count
+        for name, array in self.arrays():
             if array.size:
                 array.assign(content[name])
-        return state
 
 
 def _copies(values: State | SheetState | PassState) -> dict[str, Any]:

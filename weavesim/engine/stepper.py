@@ -136,6 +136,7 @@ class Stepper:
             for elements, nodes in part.tiles:
                 launches.element_forces(index, *elements)
                 launches.plies.push(index, *elements)
+                launches.apply_pressures(index, *elements)
                 if nodes[1]:
                     launches.move_nodes(index, *nodes)
         wait()
@@ -185,6 +186,7 @@ class Stepper:
             join()
             launches.move_supports()
             for index in indices:
+                launches.apply_pressures(index)
                 launches.move_nodes(index)
             with beside():
                 launches.move_tools()
@@ -279,9 +281,13 @@ class Stepper:
         return self._choice.most_used
 
     def evaluate(self) -> None:
-        """Compute the element forces of the current state."""
-        for index in range(len(self.model.sheets)):
+        """Compute the element forces of the current state, with those of pressures."""
+        for index, own in enumerate(self.state.sheets):
             self._launches.element_forces(index)
+            booked = wp.clone(own.pressure_work)
+            self._launches.apply_pressures(index)
+            if booked.size:  # the next step books it
+                wp.copy(own.pressure_work, booked)
 
     def refresh_step(self) -> None:
         """Compute the stable step from the current state."""
@@ -314,6 +320,7 @@ class Stepper:
             for index in indices:
                 ahead.element_forces(index)
                 self._push_facets(ahead, index)
+                ahead.apply_pressures(index)
         if phase_count > 1:
             ahead.move_supports()
             for index in indices:

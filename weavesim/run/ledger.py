@@ -28,7 +28,8 @@ PLY_STORED = ("ply_contact", "ply_friction_spring")
 PLY_LOST = ("ply_friction_loss", "ply_damping_loss")
 PLY_SUPPLIED = ("ply_thickness_work",)
 SUPPLIED = (
-    "tool_work", "driving_force_work", "support_work", "load_work", "thickness_work", "gravity_work", "initial_kinetic",
+    "tool_work", "driving_force_work", "support_work", "load_work", "pressure_work", "thickness_work", "gravity_work",
+    "initial_kinetic",
 )  # fmt: skip
 # Derived from the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")

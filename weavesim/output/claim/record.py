@@ -14,8 +14,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...device import cpu_features
-from ...run.frame import RunInfo
+from ...run.frame import Frame, RunInfo
 from ...version import __version__
 from ..files import write_summary
 
@@ -49,10 +51,11 @@ class RunRecord:
             "folder": os.getcwd(),
             "options": dict(options),
             "input_files": dict(_input_files(options)),
+            "resumed": list(info.parts),
             "setup_hash": info.setup.content_hash if info.setup else None,
             "device": info.device,
             "precision": info.precision,
-            "versions": {"weavesim": __version__, "python": platform.python_version(), **dict(_versions())},
+            "versions": versions(),
             "system": platform.platform(),
             "processor_features": cpu_features(),
         }
@@ -70,6 +73,11 @@ class RunRecord:
                 self._names[name] = None
                 self.write()
 
+    @property
+    def names(self) -> list[str]:
+        """Of all recorded files, relative to the folder."""
+        return list(self._names)
+
     def missing(self) -> list[str]:
         """Names of recorded files that are not there, or empty."""
         return [name for name in self._names if not _has_content(self._folder / name)]
@@ -83,6 +91,19 @@ class RunRecord:
         self.write()
 
 
+def frame_hash(frame: Frame) -> str:
+    """SHA-256 of the state that a frame shows: time, tools, and every position, director and field, to the bit."""
+    digest = hashlib.sha256()
+    for part in (frame.time, frame.step_count, *np.asarray(frame.tool_displacement).tolist()):
+        digest.update(repr(part).encode())
+    for sheet in frame.sheets:
+        digest.update(np.ascontiguousarray(sheet.position).tobytes())
+        digest.update(np.ascontiguousarray(sheet.director).tobytes())
+        for name in sorted(sheet.fields):
+            digest.update(name.encode() + np.ascontiguousarray(sheet.fields[name]).tobytes())
+    return digest.hexdigest()
+
+
 def _has_content(path: Path) -> bool:
     try:
         return path.stat().st_size > 0
@@ -90,10 +111,13 @@ def _has_content(path: Path) -> bool:
         return False
 
 
-def _versions() -> Iterator[tuple[str, str]]:
+def versions() -> dict[str, str]:
+    """Versions of what may change a result."""
+    found = {"weavesim": __version__, "python": platform.python_version()}
     for name in PACKAGES:
         with suppress(PackageNotFoundError):
-            yield name, version(name)
+            found[name] = version(name)
+    return found
 
 
 def _input_files(options: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -43,6 +43,7 @@ from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maxi
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
+from .plies.ply_kernels import ply_kernels
 from .setup import Setup
 from .traits import node_traits, sheet_traits
 
@@ -64,6 +65,7 @@ class KernelSet:
         pressed: whether there is pressure on a sheet.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
+        plies: whether sheets touch each other.
     """
 
     unit_cell: UnitCell
@@ -77,6 +79,7 @@ class KernelSet:
     pressed: bool = False
     threaded: bool = True
     meshes: bool = False
+    plies: bool = False
 
     @classmethod
     def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
@@ -101,6 +104,7 @@ class KernelSet:
             driven=any(one.driven for one in sets),
             pressed=any(one.pressed for one in sets),
             meshes=True,
+            plies=any(one.plies for one in sets),
         )
 
     @classmethod
@@ -123,6 +127,7 @@ class KernelSet:
             driven=any(support.drives for support in setup.supports),
             pressed=any(sheet.pressures for sheet in setup.sheets),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
+            plies=nodes.touched,
         )
 
     def kernels(self) -> list[wp.Kernel]:
@@ -146,6 +151,7 @@ class KernelSet:
             ),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
+            *(ply_kernels(real, lane_count) if self.plies else []),
             *(
                 [tool_motion_kernel(real)]
                 if is_cpu or not self.tools

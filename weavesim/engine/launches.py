@@ -29,6 +29,7 @@ from ..kernels.stepping.tools import SUM_GROUP, ToolBooks, partial_sum_kernel, t
 from .layout import lanes_view
 from .loading.pressures import device_pressures
 from .model import Model
+from .plies.ply_launches import PlyLaunches
 from .sheet_model import SheetModel
 from .state import SheetState, State
 
@@ -91,6 +92,7 @@ class Launches:
         self._kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
         self._arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
         self._node_laws = [sheet.node_laws() for sheet in model.sheets]
+        self.plies = PlyLaunches(model, state)
         self._sums = self._reaction_sums()
         # sums are in double precision
         self._tool_motion = tool_motion_kernel(wp.float64 if len(self._sums) > 1 else real)
@@ -153,6 +155,7 @@ class Launches:
         supports.held, supports.direction = sheet.held, sheet.drive_direction
         supports.increment, supports.holding = sheet.places.drives.of(state.drive_increment), own.holding
         around.supports = supports
+        around.ply_force = lanes_view(own.contact_force, sheet.lane_count)
         return around
 
     def _of_sheet(self, index: int) -> _SheetArguments:
@@ -337,7 +340,7 @@ class Launches:
             common.append(self._support_motion)
         if self._pressures:
             common.append(self._pressing)
-        return list(dict.fromkeys([*own, *common]))
+        return list(dict.fromkeys([*own, *common, *self.plies.kernels]))
 
 
 class IntervalEnd:

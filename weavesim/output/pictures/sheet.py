@@ -125,6 +125,7 @@ def draw_view(
     corners: np.ndarray,
     segments: np.ndarray,
     colours_of_faces: np.ndarray,
+    in_front: np.ndarray | float = 0.0,
 ) -> Axes:
     """Painter's algorithm: elements and yarn segments in one collection, far ones first.
 
@@ -134,6 +135,8 @@ def draw_view(
         corners: of the elements, (k, 4, 3) [m].
         segments: of yarns, (n, 2, 3) [m].
         colours_of_faces: of the elements, encoded sRGB, (k, 3).
+        in_front: how much nearer to the eye elements are than they seem, in their own size, (k,): sheets that lie on
+            each other are nearer than the elements are wide, and would hide each other in part.
     """
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
@@ -143,7 +146,7 @@ def draw_view(
     size = float(np.sqrt(np.median(np.linalg.norm(np.cross(
         corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1)) / 2.0))  # fmt: skip
     strokes = segments[:, [0, 1, 1, 0]]
-    depth = np.concatenate([corners.mean(axis=1) @ to_eye, strokes.mean(axis=1) @ to_eye + size])
+    depth = np.concatenate([corners.mean(axis=1) @ to_eye + size * in_front, strokes.mean(axis=1) @ to_eye + size])
     polygons = np.concatenate([corners, strokes]) @ screen
     edges = np.concatenate([faces, np.tile(to_rgba("white", 0.55), (len(strokes), 1))])
     colours = np.concatenate([faces, np.zeros((len(strokes), 4))])

@@ -48,7 +48,8 @@ def stack_picture(sheets: Sequence[tuple[str, FormedSheet]]) -> Figure:
     draw_view(left, _DIRECTION, np.concatenate(apart), np.concatenate(lines), angle_colours(np.concatenate(angles)))
     right = new_axes(figure, grid[0, 1], title="As they lie")
     own = [np.tile(to_rgb(colour), (len(part), 1)) for colour, part in zip(colours, corners, strict=True)]
-    draw_view(right, _DIRECTION, np.concatenate(corners), np.zeros((0, 2, 3)), np.concatenate(own))
+    levels = np.repeat(np.arange(len(sheets)), [len(part) for part in corners])
+    draw_view(right, _DIRECTION, np.concatenate(corners), np.zeros((0, 2, 3)), np.concatenate(own), levels)
     add_angle_bar(figure, [left], float(np.concatenate(angles).max()))
     patches = [Patch(color=colour) for colour in reversed(colours)]
     names = [words(name) for name, _ in reversed(sheets)]

@@ -3,7 +3,7 @@
 #   make test       run the test suite on the CPU
 #   make test-fast  run it without the slow tests, under a minute once the kernels are compiled
 #   make verify     run the verification studies and rebuild docs/verification.md (about 20 minutes)
-#   make soak       kill, damage and exhaust it for hours; SOAK="--part kills --count 200" takes one part (scripts/soak.py)
+#   make soak       kill, damage and exhaust it for hours; SOAK="--part kills --count 200" takes one part (scripts/soaking/soak.py)
 #   make lint       check style, formatting and types
 
 VENV := .venv
@@ -26,7 +26,7 @@ verify: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) scripts/verification.py --workers $(WORKERS)
 
 soak: $(VENV)/.installed-test
-	$(PYTHON_IN_VENV) scripts/soak.py $(SOAK)
+	$(PYTHON_IN_VENV) scripts/soaking/soak.py $(SOAK)
 
 lint: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m ruff check

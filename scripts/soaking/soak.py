@@ -1,8 +1,8 @@
 """What takes hours: runs that are killed a thousand times, ten thousand damaged files per reader, a million steps.
 
-    python scripts/soak.py                            everything
-    python scripts/soak.py --part kills --count 200   one part, shorter
-    python scripts/soak.py --part kills --seed 2      and with other chances
+    python scripts/soaking/soak.py                            everything
+    python scripts/soaking/soak.py --part kills --count 200   one part, shorter
+    python scripts/soaking/soak.py --part kills --seed 2      and with other chances
 
 Every part prints its progress, and FAILED with what is needed to repeat it. The exit code is 1 if anything failed.
 docs/reliability.md has the figures.
@@ -19,7 +19,7 @@ from typing import Annotated, NamedTuple
 
 import typer
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from scripts.soaking import damage, endurance, kills  # noqa: E402

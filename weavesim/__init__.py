@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from .output.folder import ResultFolder
     from .output.writer import Writer
     from .process.dynamics import Dynamics
+    from .process.grippers import Gripper
     from .process.loads import NodalLoads
     from .process.pressure import Pressure
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
@@ -127,6 +128,7 @@ _names_in = {
     "output.folder": ("ResultFolder",),
     "output.writer": ("Writer",),
     "process.dynamics": ("Dynamics",),
+    "process.grippers": ("Gripper",),
     "process.loads": ("NodalLoads",),
     "process.pressure": ("Pressure",),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),

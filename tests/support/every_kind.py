@@ -14,7 +14,7 @@ from weavesim import Drive, Dynamics, Fabric, NodalLoads, Setup, Sheet, SmoothSt
 from weavesim.checks import Kinded
 from weavesim.fabric import ShearFriction, YarnBending, glass_polypropylene
 from weavesim.fabric.bending import BendingCurve
-from weavesim.process import Fixed, ForceDriven, Pressure, Stroke
+from weavesim.process import Fixed, ForceDriven, Gripper, Pressure, Stroke
 from weavesim.sheet.blank import Blank
 from weavesim.tools import (
     Capsule,
@@ -113,7 +113,14 @@ def pulled(solver: Solver) -> Setup:
         Pressure.ramped("top", 2e3, 1e-3),
         Pressure("bottom", (1e3, -5e2), (0.0, 1e-3), elements=np.array([1, 4, 7])),
     )
-    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads, pressures=pressures)
+    pulling = Stroke((0.0, 1e-3), (0.0, 2e-3))
+    grippers = (
+        Gripper(
+            "slipping", np.flatnonzero(y > 0.02 - 1e-9)[2:5], (0.0, 1.0, 0.5), 2e4, largest_force=3.0, motion=pulling
+        ),
+        Gripper("tight", np.array([30]), (0.0, 0.0, 1.0), 1e3, pretension=1.0, ramp_time=1e-3, release_time=2e-3),
+    )
+    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads, pressures=pressures, grippers=grippers)
     return Setup(name="pulled", sheets=(sheet,), duration=1.0, symmetry=("y",), solver=solver)
 
 

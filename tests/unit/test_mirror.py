@@ -28,6 +28,8 @@ TESTED_ELSEWHERE = {
     "kernels/laws/yarn_bending.py": SHELL,
     "kernels/shell/laws.py": SHELL,
     "kernels/shell/membrane.py": SHELL,
+    "kernels/loads/grippers.py": "verification/process/test_grippers.py",
+    "weavesim/engine/loading/grips.py": "verification/process/test_grippers.py",
     "kernels/loads/pressure.py": "verification/process/test_pressure.py",
     "kernels/shell/shear.py": SHELL,
     "kernels/shell/thickness.py": "verification/shell/test_thickness.py",

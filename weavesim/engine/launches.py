@@ -11,6 +11,7 @@ import warp as wp
 from ..device import block_size
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
+from ..kernels.loads.grippers import grip_kernel
 from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
@@ -27,6 +28,7 @@ from ..kernels.stepping.step import (
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import SUM_GROUP, ToolBooks, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
+from .loading.grips import device_grips
 from .loading.pressures import device_pressures
 from .model import Model
 from .sheet_model import SheetModel
@@ -105,6 +107,8 @@ class Launches:
             for index, sheet in enumerate(model.sheets)
             if sheet.pressures
         }
+        self._pulling = grip_kernel(real)
+        self._grips = {index: device_grips(sheet) for index, sheet in enumerate(model.sheets) if sheet.grippers}
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._fold_works = fold_works_kernel(real, model.lane_count)
@@ -193,10 +197,10 @@ class Launches:
             block_dim=block_size(self._kernels[index].forces, sheet.device),
         )
 
-    def apply_pressures(self, index: int, first: int = 0, count: int | None = None) -> None:
-        """Add the pressures on sheet ``index`` to its corner forces, in ``count`` blocks of elements from ``first``."""
+    def apply_loads(self, index: int, first: int = 0, count: int | None = None) -> None:
+        """Add pressures and grippers of sheet ``index`` to its corner forces, in ``count`` blocks from ``first``."""
+        sheet, own = self.model.sheets[index], self.state.sheets[index]
         if index in self._pressures:
-            sheet, own = self.model.sheets[index], self.state.sheets[index]
             wp.launch(
                 self._pressing,
                 dim=sheet.element_count // sheet.lane_count if count is None else count,
@@ -204,6 +208,19 @@ class Launches:
                 outputs=[self._arguments[index].corner_force, own.pressure_work],
                 device=sheet.device,
             )
+        if index in self._grips:
+            lanes, block_count = sheet.lane_count, sheet.element_count // sheet.lane_count
+            first_grip, grip_count = self._grips[index].within(
+                first * lanes, (block_count if count is None else count) * lanes
+            )
+            if grip_count:
+                wp.launch(
+                    self._pulling,
+                    dim=grip_count,
+                    inputs=[first_grip, self._grips[index].grips, own.motion, self.state.clock],
+                    outputs=[own.corner_force, own.grip],
+                    device=sheet.device,
+                )
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""
@@ -337,6 +354,8 @@ class Launches:
             common.append(self._support_motion)
         if self._pressures:
             common.append(self._pressing)
+        if self._grips:
+            common.append(self._pulling)
         return list(dict.fromkeys([*own, *common]))
 
 

@@ -27,6 +27,7 @@ from ..kernels.shell.laws import sheet_struct
 from ..kernels.stepping.node_data import node_laws_struct, node_struct
 from ..kernels.stepping.node_forces import USUAL_CORNER_COUNT
 from ..process.device import build_support_arrays
+from ..process.grippers import Gripper
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
@@ -113,7 +114,7 @@ class SheetModel:
         blank, fabric = sheet.oriented_blank, sheet.fabric
         self.name, self.blank, self.fabric = sheet.name, blank, fabric
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
-        self.pressures = sheet.pressures
+        self.pressures, self.grippers = sheet.pressures, sheet.grippers
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count
@@ -172,11 +173,20 @@ class SheetModel:
     def _step_bounds(self):
         bounds, cell = step_bounds_struct(self.real)(), self.fabric.unit_cell
         bounds.contact_frequency = 2.0 * self._contact_frequency if self.tool_count else 0.0
+        bounds.contact_frequency += max(
+            (float((each.stiffness * self.shares(each) / self.node_mass[each.nodes]).max()) for each in self.grippers),
+            default=0.0,
+        )
         bounds.bending = self.fabric.largest_bending_stiffness
         bounds.warp, bounds.weft = cell.yarn_stiffness_per_width
         bounds.shear = cell.shear_stiffness
         bounds.steps_ahead = REFRESH_INTERVAL
         return bounds
+
+    def shares(self, gripper: Gripper) -> np.ndarray:
+        """Share of each node of a gripper in its stiffness and forces, as of the area around it, (k,)."""
+        area = self._to_nodes(0.25 * self.geometry.area)[gripper.nodes]
+        return area / area.sum()
 
     @property
     def follows_thickness(self) -> bool:

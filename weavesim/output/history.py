@@ -28,12 +28,15 @@ class History:
         support_names, drive_names: in the order of the supports, and of all their drives.
         support_force: of each support on the sheet, (frame_count, support_count, 3) [N].
         drive_displacement, drive_force: (frame_count, drive_count) [m], [N].
+        gripper_names: in the order of the grippers.
+        gripper_force, gripper_slip: (frame_count, gripper_count) [N], [m].
     """
 
     def __init__(self) -> None:
         self.tool_names: list[str] = []
         self.support_names: list[str] = []
         self.drive_names: list[str] = []
+        self.gripper_names: list[str] = []
         self.last_frame: Frame | None = None
         self._rows: list[tuple] = []
 
@@ -41,6 +44,7 @@ class History:
         self.tool_names = list(info.tool_names)
         self.support_names = [support.name for support in info.supports]
         self.drive_names = [f"{s.name}_drive_{k + 1}" for s in info.supports for k in range(len(s.drives))]
+        self.gripper_names = [gripper.name for gripper in info.grippers]
         self.last_frame, self._rows = None, []
 
     def frame(self, frame: Frame) -> None:
@@ -60,6 +64,8 @@ class History:
                 np.array(
                     frame.tool_wanted if len(frame.tool_wanted) else [math.nan] * len(self.tool_names), dtype=float
                 ),
+                np.array(frame.gripper_force, dtype=float),
+                np.array(frame.gripper_slip, dtype=float),
             )
         )
 
@@ -115,13 +121,21 @@ class History:
     def tool_wanted(self) -> np.ndarray:
         return self._column(10).reshape(self.frame_count, len(self.tool_names))
 
+    @property
+    def gripper_force(self) -> np.ndarray:
+        return self._column(11).reshape(self.frame_count, len(self.gripper_names))
+
+    @property
+    def gripper_slip(self) -> np.ndarray:
+        return self._column(12).reshape(self.frame_count, len(self.gripper_names))
+
     def _column(self, place: int) -> np.ndarray:
         return np.array([row[place] for row in self._rows])
 
     def write(self, path: str | Path) -> None:
         """Write ``history.csv``: frame, step count, time, stroke; displacement and force of each tool; force that
-        drives each of those that a force moves; force of each support; displacement and force of each drive; every
-        energy.
+        drives each of those that a force moves; force of each support; displacement and force of each drive;
+        force and slip of each gripper; every energy.
         """
         energies = self.energies
         header = ["frame", "step_count", "time_s", "stroke_m"]
@@ -132,14 +146,18 @@ class History:
         header += [f"{name}_wanted_force_n" for name, by_force in zip(self.tool_names, driven, strict=True) if by_force]
         header += [f"{name}_force_{axis}_n" for name in self.support_names for axis in "xyz"]
         header += [f"{name}_{what}" for name in self.drive_names for what in ("displacement_m", "force_n")]
+        of_gripper = ("gripper_force_n", "gripper_slip_m")
+        header += [f"{name}_{what}" for name in self.gripper_names for what in of_gripper]
         header += [f"{name}_j" if name.endswith(_NOT_ENERGIES) else f"{name}_energy_j" for name in energies]
+        grippers = np.stack([self.gripper_force, self.gripper_slip], axis=2).reshape(self.frame_count, -1)
         rows = []
-        for i, (index, step_count, time, stroke, displacement, reaction, _, support, travel, force, _) in enumerate(
+        for i, (index, step_count, time, stroke, displacement, reaction, _, support, travel, force, *_) in enumerate(
             self._rows
         ):
             tools = np.column_stack([displacement, reaction]).ravel().tolist() if len(displacement) else []
             supports = [*support.ravel().tolist(), *np.column_stack([travel, force]).ravel().tolist()]
             values = (float(values[i]) for values in energies.values())
-            rows.append([index, step_count, time, stroke, *tools, *wanted[i][driven].tolist(), *supports, *values])
+            rest = [*wanted[i][driven].tolist(), *supports, *grippers[i].tolist(), *values]
+            rows.append([index, step_count, time, stroke, *tools, *rest])
         # a tool and a support may have the same name
         write_table(path, unique_names(header), rows)

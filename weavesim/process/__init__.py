@@ -1,6 +1,7 @@
-"""What happens to the sheet: strokes, supports, loads, pressure, gravity and damping."""
+"""What happens to the sheet: strokes, supports, loads, pressure, grippers, gravity and damping."""
 
 from .dynamics import Dynamics
+from .grippers import Gripper
 from .loads import NodalLoads
 from .pressure import Pressure
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
@@ -11,6 +12,7 @@ __all__ = [
     "Dynamics",
     "Fixed",
     "ForceDriven",
+    "Gripper",
     "Motion",
     "NodalLoads",
     "Pressure",

@@ -102,7 +102,7 @@ def test_the_state_moves():
     own = {
         f"sheets/{k}/{name}"
         for k in range(3)
-        for name in ("slip", "holding", "friction", "gap", "depth", "thickness", "pressure_work")
+        for name in ("slip", "holding", "friction", "gap", "depth", "thickness", "pressure_work", "grip")
     }
     assert still <= own | {"reaction", "tool_force"} | {f"sheets/{k}/node_work" for k in range(3)}
     assert not still & {

@@ -125,6 +125,7 @@ QUANTITIES: dict[str, Row] = {
     "stabilisation": Row("share of the stiffness of an hourglass mode", "1", (0.0, 100.0), (0.0, 2.0)),
     "duration": Row("duration of a run", "s", (1.0e-12, 1.0e6), (1.0e-7, 300.0)),
     "time": Row("point in time", "s", (0.0, 1.0e7), (0.0, 600.0)),
+    "wall time": Row("time on the clock on the wall", "s", (0.0, 1.0e8), (1.0, 1.0e6)),
     "time step": Row("time step", "s", (1.0e-15, 10.0), (1.0e-9, 0.01)),
     "energy share": Row("ratio of energies", "1", (0.0, 1.0e9), (0.0, 0.5)),
     "angle": Row("angle of yarns or of a test", "degrees", (0.0, 3600.0), (0.0, 180.0)),

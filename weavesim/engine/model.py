@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import Any
 
 import warp as wp
@@ -76,7 +77,7 @@ class Model:
             raise InputError(f"this run has {len(self.sheets)} sheets: use one of model.sheets")
         return self.sheets[0]
 
-    @property
+    @cached_property
     def identity(self) -> dict[str, object]:
         """Properties that a saved state must share with this run to continue it."""
         elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -206,7 +206,7 @@ class State:
         """
         path = Path(path)
         about = {"version": FILE_VERSION, "step_count": self.step_count, **model.identity}
-        content = {name: array.numpy() for name, array in self.arrays()}
+        content = self.content()
         temporary = path.with_name(f".{path.name}.partial")
         try:
             with temporary.open("wb") as file:
@@ -237,14 +237,30 @@ class State:
                     "take the set-up and the solver settings of that run"
                 )
         state = cls.initial(model)
-        state.step_count = step_count
-        for name, array in state.arrays():
+        try:
+            state.take(content, step_count)
+        except ValueError as error:
+            raise InputError(f"state {path}: {error}; the file is damaged") from None
+        return state
+
+    def content(self) -> dict[str, np.ndarray]:
+        """Every array by name, on the host; waits for the device."""
+        return {name: array.numpy() for name, array in self.arrays()}
+
+    def take(self, content: Mapping[str, np.ndarray], step_count: int) -> None:
+        """Become what ``content`` returned of a state of the same run.
+
+        Raises:
+            ValueError: an array that is missing, or of another shape or type; nothing is changed.
+        """
+        for name, array in self.arrays():
             here = array.numpy()
             if name not in content or (content[name].shape, content[name].dtype) != (here.shape, here.dtype):
-                raise InputError(f"state {path}: {name} is missing or of another shape or type; the file is damaged")
+                raise ValueError(f"{name} is missing or of another shape or type")
+        self.step_count = step_count
+        for name, array in self.arrays():
             if array.size:
                 array.assign(content[name])
-        return state
 
 
 def _copies(values: State | SheetState) -> dict[str, Any]:

@@ -72,6 +72,7 @@ class RunInfo:
         grippers: in the order of all frames.
         expected: what the run will take.
         run_id: unlike that of any other run; every result tells it.
+        parts: where the run was resumed from a checkpoint, in words.
     """
 
     name: str
@@ -90,6 +91,7 @@ class RunInfo:
     grippers: tuple[Gripper, ...] = ()
     expected: Estimate | None = None
     run_id: str = field(default_factory=lambda: new_run_id())
+    parts: tuple[str, ...] = ()
 
     @property
     def sheet(self) -> SheetInfo:

@@ -42,7 +42,8 @@ from weavesim.tools import Sphere
 WITHOUT_QUANTITY = {
     "Compaction.thickening", "CrossedYarns.warp_crimp_share", "Drive.direction", "FloatWeave.repeat",
     "Gripper.direction", "IsotropicBending.poisson_ratio", "NodalLoads.shares", "Origin.range", "Origin.scatter",
-    "Setup.frame_count", "Setup.leading_tool", "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
+    "Setup.frame_count", "Setup.leading_tool",
+    "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
     "Tool.colour", "TriangleMesh.side", "RunOptions.threads", "RunOptions.frame_count", "HemisphereParameters.seed",
     "CusickDrapeParameters.seed", "CalibrationOptions.held_uncertainty", "CalibrationOptions.knots",
     "CalibrationOptions.noise", "CalibrationOptions.seed", "CalibrationOptions.starts", "ToolTable.axis",

@@ -44,6 +44,7 @@ SLIPS: dict[str, tuple[tuple[str, float], ...]] = {
     "m/s^2": (("mm/s^2", 1.0e-3),),
     "s": (("ms", 1.0e-3), ("us", 1.0e-6)),
     "1/s": (),
+    "Pa s": (("mPa s", 1.0e-3),),
     "1": (("per cent", 1.0e-2),),
     "m/unit": (),
 }
@@ -120,6 +121,10 @@ QUANTITIES: dict[str, Row] = {
     "load factor": Row("force of a machine over that of its frame", "1", (1.0e-3, 1.0e3), (0.05, 20.0)),
     "mass": Row("mass that a force moves", "kg", (1.0e-9, 1.0e7), (1.0e-6, 1.0e4)),
     "friction": Row("Coulomb coefficient", "1", (0.0, 10.0), (0.0, 1.5)),
+    "Hersey number": Row("viscosity times speed over pressure", "m", (0.0, 1.0e3), (0.0, 1.0)),
+    "viscosity": Row("viscosity of a resin", "Pa s", (1.0e-6, 1.0e9), (1.0e-3, 1.0e6)),
+    "film thickness": Row("thickness of a film between plies", "m", (1.0e-8, 0.01), (1.0e-7, 1.0e-3)),
+    "stiffness share": Row("share of the largest contact stiffness", "1", (1.0e-6, 0.2), (1.0e-3, 0.2)),
     "damping rate": Row("mass-proportional damping rate", "1/s", (0.0, 1.0e9), (0.0, 1.0e6)),
     "damping ratio": Row("share of critical damping", "1", (0.0, 100.0), (0.0, 2.0)),
     "stabilisation": Row("share of the stiffness of an hourglass mode", "1", (0.0, 100.0), (0.0, 2.0)),

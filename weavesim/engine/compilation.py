@@ -44,6 +44,7 @@ from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maxi
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
+from .plies.ply_kernels import ply_kernels
 from .setup import Setup
 from .traits import node_traits, sheet_traits
 
@@ -66,6 +67,7 @@ class KernelSet:
         gripped: whether there are grippers.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
+        plies: whether sheets touch each other.
     """
 
     unit_cell: UnitCell
@@ -80,6 +82,7 @@ class KernelSet:
     gripped: bool = False
     threaded: bool = True
     meshes: bool = False
+    plies: bool = False
 
     @classmethod
     def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
@@ -105,6 +108,7 @@ class KernelSet:
             pressed=any(one.pressed for one in sets),
             gripped=any(one.gripped for one in sets),
             meshes=True,
+            plies=any(one.plies for one in sets),
         )
 
     @classmethod
@@ -128,6 +132,7 @@ class KernelSet:
             pressed=any(sheet.pressures for sheet in setup.sheets),
             gripped=bool(setup.grippers),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
+            plies=nodes.touched,
         )
 
     def kernels(self) -> list[wp.Kernel]:
@@ -151,6 +156,7 @@ class KernelSet:
             ),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
+            *(ply_kernels(real, lane_count) if self.plies else []),
             *(
                 [tool_motion_kernel(real)]
                 if is_cpu or not self.tools

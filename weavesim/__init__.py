@@ -58,7 +58,17 @@ if TYPE_CHECKING:
     from .output.folder import ResultFolder
     from .output.writer import Writer
     from .process.dynamics import Dynamics
+    from .process.friction import (
+        Coulomb,
+        Friction,
+        PressureFriction,
+        StribeckFriction,
+        ViscousFilm,
+        YarnAngleFriction,
+    )
+    from .process.interfaces import Interface
     from .process.loads import NodalLoads
+    from .process.pressure import Pressure
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
     from .process.supports import Drive, Support
     from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
@@ -126,7 +136,17 @@ _names_in = {
     "output.folder": ("ResultFolder",),
     "output.writer": ("Writer",),
     "process.dynamics": ("Dynamics",),
+    "process.friction": (
+        "Coulomb",
+        "Friction",
+        "PressureFriction",
+        "StribeckFriction",
+        "ViscousFilm",
+        "YarnAngleFriction",
+    ),
+    "process.interfaces": ("Interface",),
     "process.loads": ("NodalLoads",),
+    "process.pressure": ("Pressure",),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),
     "process.supports": ("Drive", "Support"),
     "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),

@@ -30,6 +30,7 @@ from ..kernels.contact.mesh_distance import (
 )
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
+from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
@@ -42,6 +43,7 @@ from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maxi
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
+from .plies.ply_kernels import ply_kernels
 from .setup import Setup
 from .traits import node_traits, sheet_traits
 
@@ -60,8 +62,10 @@ class KernelSet:
         lane_count: elements per kernel thread.
         tools: whether there are any.
         driven: whether supports move.
+        pressed: whether there is pressure on a sheet.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
+        plies: whether sheets touch each other.
     """
 
     unit_cell: UnitCell
@@ -72,8 +76,10 @@ class KernelSet:
     lane_count: int
     tools: bool = True
     driven: bool = True
+    pressed: bool = False
     threaded: bool = True
     meshes: bool = False
+    plies: bool = False
 
     @classmethod
     def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
@@ -96,7 +102,9 @@ class KernelSet:
             sets[0].lane_count,
             tools=any(one.tools for one in sets),
             driven=any(one.driven for one in sets),
+            pressed=any(one.pressed for one in sets),
             meshes=True,
+            plies=any(one.plies for one in sets),
         )
 
     @classmethod
@@ -117,7 +125,9 @@ class KernelSet:
             solver.lanes(is_cpu=is_cpu),
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
+            pressed=any(sheet.pressures for sheet in setup.sheets),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
+            plies=nodes.touched,
         )
 
     def kernels(self) -> list[wp.Kernel]:
@@ -141,12 +151,14 @@ class KernelSet:
             ),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
+            *(ply_kernels(real, lane_count) if self.plies else []),
             *(
                 [tool_motion_kernel(real)]
                 if is_cpu or not self.tools
                 else [tool_motion_kernel(wp.float64), *map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))]
             ),
             *([support_motion_kernel(real)] if self.driven else []),
+            *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
             partial_maximum_kernel(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),

@@ -12,9 +12,10 @@ from pydantic import field_validator, model_validator
 
 from ..checks import NotNegative, Parameters, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision, resolve_precision
-from ..errors import InputError
+from ..errors import InputError, did_you_mean
 from ..names import FileName, Label
 from ..process.dynamics import Dynamics
+from ..process.interfaces import Interface
 from ..process.supports import Support
 from ..ranges import Quantity, check_usual
 from ..sheet.sheet import Sheet
@@ -27,7 +28,7 @@ STEP_SAFETY = 0.9
 # Elements per kernel thread: on a GPU, and on a CPU.
 LANE_COUNTS = (1, 16)
 # Fields of a world that a set-up with one world accepts directly.
-_WORLD_FIELDS = ("sheets", "tools", "symmetry", "dynamics")
+_WORLD_FIELDS = ("sheets", "tools", "symmetry", "dynamics", "interfaces")
 
 
 class Solver(Parameters):
@@ -109,6 +110,7 @@ class World(Parameters):
         tools: rigid, in the order of all outputs.
         symmetry: planes at which the sheets are cut; their nodes on these planes are held accordingly.
         dynamics: gravity, damping and contact.
+        interfaces: which sheets touch; others pass through each other.
         name: of the world.
     """
 
@@ -118,6 +120,7 @@ class World(Parameters):
     tools: tuple[Tool, ...] = ()
     symmetry: Symmetry = Symmetry()
     dynamics: Dynamics = Dynamics()
+    interfaces: tuple[Interface, ...] = ()
     name: Label = "world"
 
     @field_validator("symmetry", mode="before")
@@ -132,7 +135,24 @@ class World(Parameters):
         _check_names("tools", [tool.name for tool in self.tools])
         for sheet in self.sheets:
             sheet.check_symmetry(self.symmetry)
+        self._check_interfaces()
         return self
+
+    def _check_interfaces(self) -> None:
+        names = [sheet.name for sheet in self.sheets]
+        _check_names("interfaces", [" / ".join(sorted((each.lower, each.upper))) for each in self.interfaces])
+        for interface in self.interfaces:
+            for name in (interface.lower, interface.upper):
+                if name not in names:
+                    raise ValueError(
+                        f"interface {interface.name}: there is no sheet {name!r} in world {self.name}; its sheets are "
+                        f"{', '.join(names)}{did_you_mean(name, names)}"
+                    )
+        if self.interfaces and self.dynamics.contact_thickness != "initial":
+            raise ValueError(
+                f"contact_thickness = {self.dynamics.contact_thickness!r}: interfaces between plies are at the initial "
+                'thickness; write "initial"'
+            )
 
     def disproportions(self) -> Iterator[str]:
         for sheet in self.sheets:
@@ -229,6 +249,11 @@ class Setup(Parameters):
     def tools(self) -> tuple[Tool, ...]:
         """Of all worlds, in order."""
         return tuple(tool for world in self.worlds for tool in world.tools)
+
+    @property
+    def interfaces(self) -> tuple[Interface, ...]:
+        """Of all worlds, in order."""
+        return tuple(interface for world in self.worlds for interface in world.interfaces)
 
     @property
     def supports(self) -> tuple[Support, ...]:

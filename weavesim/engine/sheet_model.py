@@ -17,6 +17,7 @@ from ..kernels.rows import (
     MOTION_RECORD_LENGTH,
     MOTION_VECTORS,
     ROWS_PER_CORNER,
+    CornerRow,
     LoadRow,
     MotionRow,
     NodeWorkRow,
@@ -113,6 +114,8 @@ class SheetModel:
         blank, fabric = sheet.oriented_blank, sheet.fabric
         self.name, self.blank, self.fabric = sheet.name, blank, fabric
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
+        self.symmetry = world.symmetry
+        self.pressures = sheet.pressures
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count
@@ -176,6 +179,15 @@ class SheetModel:
         bounds.shear = cell.shear_stiffness
         bounds.steps_ahead = REFRESH_INTERVAL
         return bounds
+
+    def bound_plies(self, below: float, above: float) -> None:
+        """Make room in the stable step for contact with other plies.
+
+        Args:
+            below, above: squared frequency that an interface on either face adds at most [1/s^2]; 0 without one.
+        """
+        of_tools = self._contact_frequency if self.tool_count else 0.0
+        self.step_bounds.contact_frequency = max(below, of_tools) + max(above, of_tools)
 
     @property
     def follows_thickness(self) -> bool:
@@ -331,6 +343,21 @@ class SheetModel:
         if mean_angle is not None:
             values[MotionRow.mean_angle, : len(mean_angle)] = mean_angle
         motion.assign(self.motion_layout.flat(values))
+
+    def corner_rows(self, corner_force: wp.array) -> np.ndarray:
+        """What the elements wrote at their corners, (corner, row of CornerRow, element); waits for the device.
+
+        Forces are those at the positions of the last evaluation or step: ``Stepper.look_ahead`` has those of now.
+        """
+        return self.corners.read(corner_force)[:, : self.blank.element_count].reshape(4, ROWS_PER_CORNER, -1)
+
+    def nodal_forces(self, corner_force: wp.array) -> np.ndarray:
+        """Forces of the elements on the nodes, (node_count, 3) [N]; see ``corner_rows``."""
+        corners = self.corner_rows(corner_force)[:, CornerRow.force.span].astype(np.float64)
+        result = np.zeros((self.blank.node_count, 3))
+        for corner in range(4):
+            np.add.at(result, self.blank.quads[:, corner], corners[corner].T)
+        return result
 
     def initial_motion(self) -> np.ndarray:
         """MOTION_VECTORS at the start, (vectors, padded nodes, 3)."""

@@ -70,6 +70,7 @@ class RunInfo:
         setup: the input of the run.
         expected: what the run will take.
         run_id: unlike that of any other run; every result tells it.
+        parts: where the run was resumed from a checkpoint, in words.
     """
 
     name: str
@@ -87,6 +88,7 @@ class RunInfo:
     setup: Setup | None = None
     expected: Estimate | None = None
     run_id: str = field(default_factory=lambda: new_run_id())
+    parts: tuple[str, ...] = ()
 
     @property
     def sheet(self) -> SheetInfo:

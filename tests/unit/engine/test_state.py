@@ -100,9 +100,12 @@ def test_the_state_moves():
     # the first sheet alone has friction inside and tools near, the third alone supports; the weight has bounced off;
     # the works of a whole block are in their sums
     own = {
-        f"sheets/{k}/{name}" for k in range(3) for name in ("slip", "holding", "friction", "gap", "depth", "thickness")
+        f"sheets/{k}/{name}"
+        for k in range(3)
+        for name in ("slip", "holding", "friction", "gap", "depth", "thickness", "pressure_work")
     }
-    assert still <= own | {"reaction", "tool_force"} | {f"sheets/{k}/node_work" for k in range(3)}
+    unmoved = {f"sheets/{k}/{name}" for k in range(3) for name in ("node_work", "contact_force")}
+    assert still <= own | {"reaction", "tool_force"} | unmoved
     assert not still & {
         "sheets/0/slip",
         "sheets/2/holding",

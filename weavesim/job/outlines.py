@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import InputError
 from ..input_files import MEBIBYTE, check_bounded, shown
 from ..meshes.mesh_file import MeshFile
-from ..sheet.fitted_mesh import Outline
+from ..sheet.outline import Outline
 
 LARGEST_DRAWING = 64 * MEBIBYTE
 # Curves are drawn by lines this near to them [m].

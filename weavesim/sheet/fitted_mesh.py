@@ -14,11 +14,10 @@ import numpy as np
 from ..errors import InputError
 from ..quantities import finite, positive
 from .mesh_checks import check_count
+from .outline import Outline, Region, checked_outline, cross
 from .topology import checked_distortion
 from .untangling import corner_sines, untangled
 
-# A vertex where the outline turns by more than this becomes a node; others are treated as parts of a curve [rad].
-CORNER_TURN = np.deg2rad(15.0)
 # Where the outline turns left by more than this, one element fills the corner; elsewhere two meet in it [rad].
 FILLED_TURN = np.deg2rad(60.0)
 # Nodes of the grid keep this distance from the outline, in element sizes.
@@ -62,7 +61,7 @@ def fitted_mesh(
         InputError: an outline that crosses itself, is too small for the elements, or has corners that they cannot
             fill well.
     """
-    loops = [_checked_outline(outline), *(_checked_outline(hole)[::-1] for hole in holes)]
+    loops = [checked_outline(outline), *(checked_outline(hole)[::-1] for hole in holes)]
     outline = loops[0]
     element_size, mesh_angle = positive("element_size", element_size), finite("mesh_angle", mesh_angle)
     distortion = checked_distortion(distortion)
@@ -136,91 +135,6 @@ def _check_holes(region: Region) -> None:
         for other, border in enumerate(region.borders[1:]):
             if other != index and border.nearest(hole.vertex)[0].max() >= 0.0:
                 raise InputError(f"fitted mesh: holes {min(index, other)} and {max(index, other)} overlap")
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-
-
-def _checked_outline(outline: np.ndarray) -> np.ndarray:
-    """The corners counter-clockwise, (k, 2)."""
-    try:
-        outline = np.asarray(outline, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError("fitted mesh: the outline is no array of numbers; (k, 2) coordinates are needed") from None
-    if outline.ndim != 2 or outline.shape[1:] != (2,) or len(outline) < 3 or not np.isfinite(outline).all():
-        raise InputError(f"fitted mesh: outline of shape {outline.shape}; (k, 2) finite coordinates, k > 2, are needed")
-    side = np.roll(outline, -1, axis=0) - outline
-    if np.any(np.linalg.norm(side, axis=1) < 1e-9 * np.ptp(outline, axis=0).max()):
-        raise InputError("fitted mesh: two corners of the outline coincide; give each once, the last one too")
-    # sides i and j cross if the ends of each lie on different sides of the other
-    start, end = outline, np.roll(outline, -1, axis=0)
-    across = np.sign(_cross(side[:, None], start[None] - start[:, None])) * np.sign(
-        _cross(side[:, None], end[None] - start[:, None])
-    )
-    if np.any((across < 0.0) & (across.T < 0.0)):
-        i, j = np.argwhere((across < 0.0) & (across.T < 0.0))[0]
-        raise InputError(f"fitted mesh: sides {i} and {j} of the outline cross; order the corners around it")
-    return outline if _cross(start, end).sum() > 0.0 else outline[::-1]
-
-
-class Outline:
-    """A closed polygon, counter-clockwise, with its arc length."""
-
-    def __init__(self, vertex: np.ndarray) -> None:
-        self.vertex = vertex
-        self.side = np.roll(vertex, -1, axis=0) - vertex
-        self.side_length = np.linalg.norm(self.side, axis=1)
-        self.start = np.concatenate([[0.0], np.cumsum(self.side_length)])
-        before = np.roll(self.side, 1, axis=0)
-        self.turn = np.arctan2(_cross(before, self.side), np.einsum("ij,ij->i", before, self.side))
-        self.corner = np.flatnonzero(np.abs(self.turn) > CORNER_TURN)
-
-    @property
-    def length(self) -> float:
-        return float(self.start[-1])
-
-    def nearest(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Signed distance of points (n, 2), positive inside, and the arc length of the nearest point of the outline."""
-        from_start = point[:, None] - self.vertex
-        share = np.clip((from_start * self.side).sum(axis=2) / np.square(self.side_length), 0.0, 1.0)
-        distance = np.linalg.norm(from_start - share[..., None] * self.side, axis=2)
-        side = distance.argmin(axis=1)
-        row = np.arange(len(point))
-        # crossings of a ray in the x direction
-        y, low, high = point[:, 1:], self.vertex[:, 1], np.roll(self.vertex[:, 1], -1)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            crossing = self.vertex[:, 0] + (y - low) / (high - low) * self.side[:, 0]
-        inside = (((low > y) != (high > y)) & (point[:, :1] < crossing)).sum(axis=1) % 2 == 1
-        return (
-            np.where(inside, 1.0, -1.0) * distance[row, side],
-            self.start[side] + share[row, side] * self.side_length[side],
-        )
-
-    def point(self, arc: np.ndarray) -> np.ndarray:
-        """Points at arc lengths, (n, 2)."""
-        arc = np.mod(arc, self.length)
-        side = np.clip(np.searchsorted(self.start, arc, side="right") - 1, 0, len(self.vertex) - 1)
-        return self.vertex[side] + ((arc - self.start[side]) / self.side_length[side])[:, None] * self.side[side]
-
-
-class Region:
-    """What lies inside the first of several outlines and outside the others, which are clockwise."""
-
-    def __init__(self, borders: list[Outline]) -> None:
-        self.borders = borders
-
-    @property
-    def has_hollows(self) -> bool:
-        """Whether a corner points inwards, or there are holes."""
-        return len(self.borders) > 1 or any(border.turn.min() < -CORNER_TURN for border in self.borders)
-
-    def distance(self, point: np.ndarray) -> np.ndarray:
-        """Signed distance of points (n, 2) from the outlines, positive inside, (n,)."""
-        found = self.borders[0].nearest(point)[0]
-        for hole in self.borders[1:]:
-            found = np.minimum(found, -hole.nearest(point)[0])
-        return found
 
 
 def _inner_grid(region: Region) -> tuple[np.ndarray, np.ndarray]:
@@ -299,7 +213,7 @@ def _join(node: np.ndarray, stair: np.ndarray, border: Outline) -> tuple[np.ndar
     filled = np.zeros(len(stair), dtype=bool)
     before, after = np.roll(stair, 1), np.roll(stair, -1)
     # 1 where one square ends, 0 along an edge, -1 where the staircase steps out again
-    step = _cross(node[stair] - node[before], node[after] - node[stair])
+    step = cross(node[stair] - node[before], node[after] - node[stair])
     position = border.start[:-1]
     for corner in border.corner:
         fill = border.turn[corner] > FILLED_TURN

@@ -11,6 +11,7 @@ from weavesim.scenes.scene import known_scenes
 # Shorter modules outside the kernels may be tested with what uses them.
 LEAST_LENGTH = 60
 SHELL = "verification/element/test_energies.py"
+PLIES = "verification/contact/test_plies.py"
 # Modules whose test has another name, with the file that tests them.
 TESTED_ELSEWHERE = {
     # A part of a kernel has no result of its own: forces against energies, patches and modes find its mistakes.
@@ -28,6 +29,9 @@ TESTED_ELSEWHERE = {
     "kernels/laws/yarn_bending.py": SHELL,
     "kernels/shell/laws.py": SHELL,
     "kernels/shell/membrane.py": SHELL,
+    "kernels/loads/grippers.py": "verification/process/test_grippers.py",
+    "weavesim/engine/loading/grips.py": "verification/process/test_grippers.py",
+    "weavesim/engine/loading/load_launches.py": "verification/process/test_pressure.py",
     "kernels/loads/pressure.py": "verification/process/test_pressure.py",
     "kernels/shell/shear.py": SHELL,
     "kernels/shell/thickness.py": "verification/shell/test_thickness.py",
@@ -46,6 +50,16 @@ TESTED_ELSEWHERE = {
     "kernels/cell/law.py": "verification/cell/test_unit_cells.py",
     "kernels/cell/yarn.py": "unit/kernels/cell/test_plain_weave.py",
     "kernels/cell/response.py": "verification/cell/test_unit_cells.py",
+    "kernels/plies/facet.py": PLIES,
+    "kernels/contact/friction.py": PLIES,
+    "kernels/plies/argument.py": PLIES,
+    "kernels/plies/data.py": PLIES,
+    "kernels/plies/forces.py": PLIES,
+    "kernels/plies/node_pass.py": PLIES,
+    "kernels/plies/reaction.py": PLIES,
+    "kernels/plies/search.py": PLIES,
+    "kernels/plies/stand.py": PLIES,
+    "kernels/plies/normals.py": PLIES,
     "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",
     "kernels/contact/penalty.py": "verification/contact/test_contact.py",
     "kernels/contact/tool_shapes.py": "unit/tools/test_shapes.py",

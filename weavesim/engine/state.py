@@ -18,6 +18,7 @@ from ..kernels.rows import (
     CellReportRow,
     ClockEntry,
     ExtremeRow,
+    GripRow,
     MotionRow,
     SlipRow,
     ThicknessRow,
@@ -26,6 +27,7 @@ from ..kernels.rows import (
     ToolWorkRow,
 )
 from .layout import BLOCK
+from .plies.pass_state import PassState
 
 if TYPE_CHECKING:
     from .model import Model
@@ -52,6 +54,8 @@ class SheetState:
     extremes: wp.array  # (rows, elements), ExtremeRow
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
+    contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
+    grip: wp.array  # (rows, gripped nodes) float64, GripRow
     pressure_work: wp.array  # (element blocks,) float64, of the pressures so far [J]; empty without any
 
     def works(self) -> np.ndarray:
@@ -66,8 +70,8 @@ class SheetState:
         self.node_work.zero_()
 
     @classmethod
-    def initial(cls, model: SheetModel) -> Self:
-        """The sheet at time zero."""
+    def initial(cls, model: SheetModel, touched: bool = False) -> Self:
+        """The sheet at time zero; ``touched`` if it has interfaces with others."""
         real, device, tool_rows = model.real, model.device, max(model.tool_count, 1)
         slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
         thickness = np.zeros((ThicknessRow.row_count(), model.node_count if model.follows_thickness else 0))
@@ -92,6 +96,8 @@ class SheetState:
             extremes=zeros(ExtremeRow.row_count(), model.element_count),
             gap=zeros(tool_rows, model.block_count),
             holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
+            contact_force=zeros(3, model.node_count if touched else BLOCK),
+            grip=zeros(GripRow.row_count(), sum(len(each.nodes) for each in model.grippers), dtype=wp.float64),
             pressure_work=zeros(model.element_count // model.lane_count if model.pressures else 0, dtype=wp.float64),
         )
 
@@ -111,6 +117,7 @@ class State:
         drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
             (drive_count,) [m].
         clock: rows ClockEntry, float64 [s].
+        passes: of the contact between plies, in the order of ``Model.passes``.
         step_count: steps done.
     """
 
@@ -125,6 +132,7 @@ class State:
     drive_displacement: wp.array
     drive_increment: wp.array
     clock: wp.array
+    passes: tuple[PassState, ...] = ()
     step_count: int = 0
 
     @classmethod
@@ -138,7 +146,8 @@ class State:
             return wp.array(np.asarray(values, dtype=np.float64), dtype=wp.float64, device=device)
 
         return cls(
-            sheets=tuple(SheetState.initial(sheet) for sheet in model.sheets),
+            sheets=tuple(SheetState.initial(sheet, sheet.node_traits.touched) for sheet in model.sheets),
+            passes=tuple(PassState.initial(each) for each in model.passes),
             tool_displacement=doubles(model.tools.initial_displacement),
             tool_velocity=doubles(model.tools.initial_velocity),
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
@@ -178,14 +187,16 @@ class State:
             value = getattr(self, field.name)
             if isinstance(value, wp.array):
                 yield field.name, value
-        for index, sheet in enumerate(self.sheets):
-            for field in fields(sheet):
-                yield f"sheets/{index}/{field.name}", getattr(sheet, field.name)
+        for name, parts in (("sheets", self.sheets), ("passes", self.passes)):
+            for index, part in enumerate(parts):
+                for field in fields(part):
+                    yield f"{name}/{index}/{field.name}", getattr(part, field.name)
 
     def clone(self) -> State:
         """A copy with arrays of its own."""
         sheets = tuple(SheetState(**_copies(sheet)) for sheet in self.sheets)
-        return State(**(_copies(self) | {"sheets": sheets}))
+        passes = tuple(PassState(**_copies(each)) for each in self.passes)
+        return State(**(_copies(self) | {"sheets": sheets, "passes": passes}))
 
     def copy_from(self, other: State) -> None:
         """Take what the next step reads of a state of the same run; may be recorded."""
@@ -203,7 +214,7 @@ class State:
         """
         path = Path(path)
         about = {"version": FILE_VERSION, "step_count": self.step_count, **model.identity}
-        content = self.content()
+        content: dict[str, Any] = self.content()
         temporary = path.with_name(f".{path.name}.partial")
         try:
             with temporary.open("wb") as file:
@@ -260,7 +271,7 @@ class State:
                 array.assign(content[name])
 
 
-def _copies(values: State | SheetState) -> dict[str, Any]:
+def _copies(values: State | SheetState | PassState) -> dict[str, Any]:
     """Fields by name, arrays as copies."""
     own = {field.name: getattr(values, field.name) for field in fields(values)}
     return {name: wp.clone(value) if isinstance(value, wp.array) else value for name, value in own.items()}

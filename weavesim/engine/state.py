@@ -214,7 +214,7 @@ class State:
         """
         path = Path(path)
         about = {"version": FILE_VERSION, "step_count": self.step_count, **model.identity}
-        content = self.content()
+        content: dict[str, Any] = self.content()
         temporary = path.with_name(f".{path.name}.partial")
         try:
             with temporary.open("wb") as file:

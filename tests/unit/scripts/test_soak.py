@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scripts.soaking import damage, endurance
+from scripts.soaking import cells, damage, endurance
 from weavesim.errors import InputError
 
 
@@ -35,6 +35,14 @@ def test_a_message_has_to_be_one(tmp_path):
     assert "unreadable" in damage.one(reader, tmp_path / "a.txt", np.random.default_rng(0))
 
 
+def test_random_states_of_cells(tmp_path, monkeypatch, capsys):
+    assert cells.cells(tmp_path, 300, 2)
+    assert "300 states, 0 flagged, 0 not finite in silence, 0 wrong" in capsys.readouterr().out
+    monkeypatch.setattr(cells, "LARGEST_DIFFERENCE", 1e-18)
+    assert not cells.cells(tmp_path, 50, 2)
+    assert "FAILED: " in capsys.readouterr().out
+
+
 def test_a_run_of_many_steps_keeps_no_memory(tmp_path):
-    assert endurance.steps(tmp_path, 1500, 1)
+    assert endurance.steps(tmp_path, 400, 1)
     assert endurance.descriptors() > 2 and endurance.resident() > 1_000_000

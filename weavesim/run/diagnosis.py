@@ -8,6 +8,7 @@ import numpy as np
 
 from ..engine.model import Model
 from ..engine.state import State
+from ..kernels.rows import PassEntry
 from ..sheet.blank import Blank
 from .frame import Frame, SheetFrame
 
@@ -26,12 +27,23 @@ def find_failure(model: Model, state: State, last: Frame) -> str | None:
         if not good.all() or (not finite_step and len(model.sheets) == 1):
             suspects.append(_suspect(sheet.blank, frame, ~good, sheet.name if len(model.sheets) > 1 else None))
     if not suspects and finite_step:
-        return None
+        return _late_contact(model, state)
     where = suspects[0] if suspects else "its stable step is not positive; no sheet has lost a node yet"
     return (
         f"the state became non-finite after {state.step_count} steps, {state.time:.4g} s; the last "
         f"good frame is {last.index} at {last.time:.4g} s. {where}"
     )
+
+
+def _late_contact(model: Model, state: State) -> str | None:
+    for each, own in zip(model.passes, state.passes, strict=True):
+        if own.entry.numpy()[PassEntry.late] > 0.0:
+            return (
+                f"interface {each.interface.name}: before {state.time:.4g} s a node went past the facets on which it "
+                "was looked for, so that a contact may have been missed: plies slide faster than the search allows; "
+                "move the tools more slowly"
+            )
+    return None
 
 
 def _suspect(blank: Blank, last: SheetFrame, bad_node: np.ndarray, sheet: str | None) -> str:

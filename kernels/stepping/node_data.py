@@ -19,6 +19,7 @@ class NodeTraits:
         supported: nodes are held by supports.
         shape_kinds: of the parts of all tools, see kernels/contact/tool_shapes.py; empty without tools.
         rotated: whether any part is rotated.
+        sampled: whether tools are met between nodes too.
     """
 
     follows_thickness: bool = False
@@ -26,6 +27,7 @@ class NodeTraits:
     supported: bool = False
     shape_kinds: tuple[str, ...] = ()
     rotated: bool = False
+    sampled: bool = False
 
 
 @cache

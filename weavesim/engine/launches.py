@@ -16,6 +16,7 @@ from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import support_struct, surroundings_struct
+from ..kernels.stepping.sample_data import sampled_struct
 from ..kernels.stepping.step import (
     MAXIMUM_GROUP,
     check_clock,
@@ -24,6 +25,7 @@ from ..kernels.stepping.step import (
     set_step_kernel,
 )
 from ..kernels.stepping.supports import support_motion_kernel
+from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tools import SUM_GROUP, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
 from .model import Model
@@ -44,6 +46,7 @@ class SheetKernels:
     nodes: wp.Kernel
     frequencies: wp.Kernel
     extremes: wp.Kernel
+    samples: wp.Kernel | None  # where tools are met between nodes
     frequency_lane_count: int  # the wide kernel takes long to compile: only for cells that run faster with it
 
     @classmethod
@@ -55,6 +58,7 @@ class SheetKernels:
             nodes=node_motion_kernel(real, lane_count, sheet.node_traits),
             frequencies=element_frequency_kernel(real, frequency_lanes, sheet.cell_law, sheet.sheet_traits),
             extremes=element_extremes_kernel(real, lane_count, sheet.sheet_traits.flat),
+            samples=surface_contact_kernel(real, lane_count, sheet.node_traits) if sheet.sample_count else None,
             frequency_lane_count=frequency_lanes,
         )
 
@@ -67,6 +71,7 @@ class _SheetArguments:
     stable_sheet: Any  # for the stable step, whose kernel may have other lanes
     around: Any
     touch: Any
+    sampled: Any  # None where only nodes meet tools
     motion: wp.array
     cell_unknowns: wp.array
     cell_report: wp.array
@@ -89,6 +94,7 @@ class Launches:
         self._kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
         self._arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
         self._node_laws = [sheet.node_laws() for sheet in model.sheets]
+        self._samples = [sheet.samples() if sheet.sample_count else None for sheet in model.sheets]
         self._sums = self._reaction_sums()
         # sums are in double precision
         self._tool_motion = tool_motion_kernel(wp.float64 if len(self._sums) > 1 else real)
@@ -144,21 +150,19 @@ class Launches:
         return around
 
     def _of_sheet(self, index: int) -> _SheetArguments:
-        sheet, own, state = self.model.sheets[index], self.state.sheets[index], self.state
+        sheet, own = self.model.sheets[index], self.state.sheets[index]
         lane_count = sheet.lane_count
         touch = touch_struct(sheet.real, lane_count)()
         touch.friction = sheet.friction_layout.view(own.friction)
         touch.gap, touch.depth = own.gap, lanes_view(own.depth, lane_count)
-        touch.thickness = lanes_view(own.thickness, lane_count)
-        rows = sheet.places.tools if sheet.tool_count else slice(0, 1)
-        touch.reaction = state.reaction[
-            rows.start : rows.stop, sheet.places.first_reaction : sheet.places.first_reaction + sheet.block_count
-        ]
+        touch.thickness, touch.moved = lanes_view(own.thickness, lane_count), own.moved
+        touch.reaction = self._reaction(sheet)[:, : sheet.block_count]
         return _SheetArguments(
             sheet=sheet.device_sheet(lane_count),
             stable_sheet=sheet.device_sheet(self._kernels[index].frequency_lane_count),
             around=self._surroundings(sheet, own),
             touch=touch,
+            sampled=self._sampled(sheet, own) if sheet.sample_count else None,
             motion=sheet.motion_layout.view(own.motion),
             cell_unknowns=lanes_view(own.cell_unknowns, lane_count),
             cell_report=lanes_view(own.cell_report, lane_count),
@@ -166,6 +170,23 @@ class Launches:
             corner_force=sheet.corners.view(own.corner_force),
             node_work=lanes_view(own.node_work, lane_count),
         )  # fmt: skip
+
+    def _reaction(self, sheet: SheetModel) -> wp.array:
+        """The entries of one sheet in the forces on its tools, [tool, block]."""
+        rows, places = sheet.places.tools if sheet.tool_count else slice(0, 1), sheet.places
+        return self.state.reaction[rows.start : rows.stop, places.first_reaction : places.last_reaction]
+
+    def _sampled(self, sheet: SheetModel, own: SheetState) -> Any:
+        """What the samples between nodes write."""
+        lane_count = sheet.lane_count
+        touch = touch_struct(sheet.real, lane_count)()
+        touch.friction = sheet.sample_layout.view(own.sample_friction)
+        touch.gap, touch.reaction = own.sample_gap, own.sample_reaction
+        touch.depth, touch.thickness = (lanes_view(a, lane_count) for a in (own.sample_depth, own.sample_thickness))
+        sampled = sampled_struct(sheet.real, lane_count)()
+        sampled.touch, sampled.reaction = touch, self._reaction(sheet)[:, sheet.block_count :]
+        sampled.memory, sampled.works = (lanes_view(a, lane_count) for a in (own.sample_memory, own.sample_work))
+        return sampled
 
     # --- the launches of a step --------------------------------------------------------------------------------------
 
@@ -180,6 +201,23 @@ class Launches:
             device=sheet.device,
             block_dim=block_size(self._kernels[index].forces, sheet.device),
         )
+
+    def meet_between_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
+        """Meet the tools between the nodes of sheet ``index``, in ``count`` blocks of elements from ``first``.
+
+        Nothing where only nodes meet tools; else after ``element_forces`` of these, and before their nodes move.
+        """
+        sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self._arguments[index]
+        kernel = self._kernels[index].samples
+        if kernel is not None:
+            wp.launch(
+                kernel,
+                dim=sheet.element_count // sheet.lane_count if count is None else count,
+                inputs=[first, self._samples[index], self._node_laws[index], arguments.around, own.moved, own.motion],
+                outputs=[arguments.corner_force, arguments.sampled],
+                device=sheet.device,
+                block_dim=block_size(kernel, sheet.device),
+            )
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""
@@ -259,6 +297,17 @@ class Launches:
             device=self.model.device,
         )
 
+    def fold_sample_works(self, index: int, first: int, count: int) -> None:
+        """The same of the samples between nodes, in ``count`` blocks of samples."""
+        if self.model.sheets[index].sample_count:
+            wp.launch(
+                self._fold_works,
+                dim=count,
+                inputs=[first],
+                outputs=[self._arguments[index].sampled.works, self.state.sheets[index].sample_work_sum],
+                device=self.model.device,
+            )
+
     def element_extremes(self, index: int, first: int, count: int) -> None:
         """Extremes so far of sheet ``index``, in ``count`` blocks of elements from ``first``."""
         sheet, own = self.model.sheets[index], self.state.sheets[index]
@@ -305,7 +354,8 @@ class Launches:
         own = [
             kernel
             for kernels in self._kernels
-            for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes)
+            for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes, kernels.samples)
+            if kernel is not None
         ]
         common = [self._tool_motion, self._partial_maximum, self._set_step, self._fold_works]
         common += [self._partial_sums_of(values) for values in self._sums[:-1]]

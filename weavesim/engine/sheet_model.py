@@ -26,8 +26,10 @@ from ..kernels.shell.kinematics import element_struct
 from ..kernels.shell.laws import sheet_struct
 from ..kernels.stepping.node_data import node_laws_struct, node_struct
 from ..kernels.stepping.node_forces import USUAL_CORNER_COUNT
+from ..kernels.stepping.sample_data import samples_struct
 from ..process.device import build_support_arrays
 from ..sheet.geometry import ElementGeometry
+from ..sheet.samples import sample_motion, sample_places
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
@@ -38,6 +40,10 @@ from .traits import node_traits, sheet_traits
 # Contact stiffness is this share of mass / step^2: two tools on one node then reduce the stable step by a few per cent.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
+# Between nodes tools are met at the square of this number of places in an element.
+SAMPLES_PER_SIDE = 2
+# Stiffness of all of these together over that of the nodes.
+SAMPLE_SHARE = 0.25
 # The distance to a tool is evaluated again once less than this share of half the thickness is left.
 SPARE_DISTANCE = 0.5
 # Steps between two updates of the stable step.
@@ -82,12 +88,14 @@ class Places:
     Attributes:
         tools: of its world, among all tools.
         drives: of its supports, among all drives.
-        first_reaction: its first block of nodes, among those of its world.
+        first_reaction: its first block of nodes, among those of its world; those of elements follow.
+        last_reaction: the first block after them.
     """
 
     tools: Span
     drives: Span
     first_reaction: int
+    last_reaction: int
 
 
 class SheetModel:
@@ -106,6 +114,10 @@ class SheetModel:
         element_nodes: (4, padded elements) corner nodes.
         corners, motion_layout, friction_layout: layouts of the values that elements write at their corners
             (CORNER_ROW_COUNT), of the nodes' motion, and of their friction springs (three components per tool).
+        sample_places: of the samples of an element between its nodes, (samples of an element, 2) from -1 to 1; none
+            where only nodes meet tools.
+        sample_count: samples of all elements, with padding.
+        sample_layout: layout of the friction springs of the samples.
         added_mass_ratio: mass added by scaling over the mass of the blank.
     """
 
@@ -127,6 +139,10 @@ class SheetModel:
         self.geometry = ElementGeometry.of(blank)
         self.sheet_traits = sheet_traits(fabric, self.geometry, world.dynamics)
         self.node_traits = node_traits(sheet, world)
+
+        self.sample_places = sample_places(SAMPLES_PER_SIDE if self.node_traits.sampled else 0)
+        self.sample_count = len(self.sample_places) * self.element_count
+        self.sample_layout = RowLayout(3 * max(self.tool_count, 1), self.sample_count, self.lane_count)
 
         self.areal_density, frequencies = self._scaled_mass(numerics.target_step)
         self.reference_step = STEP_SAFETY * 2.0 / math.sqrt((frequencies.straight + frequencies.constant).max())
@@ -170,7 +186,14 @@ class SheetModel:
 
     def _step_bounds(self):
         bounds, cell = step_bounds_struct(self.real)(), self.fabric.unit_cell
-        bounds.contact_frequency = 2.0 * self._contact_frequency if self.tool_count else 0.0
+        # two tools; all samples together are as stiff as the nodes
+        springs = 2.0 * self._contact_frequency if self.tool_count else 0.0
+        bounds.contact_frequency = springs
+        if self.sample_count:
+            sway, turning = sample_motion(self.blank.node_position[self.blank.quads], self.sample_places)
+            bounds.sample_frequency = SAMPLE_SHARE * springs * sway
+            bounds.sample_turning = SAMPLE_SHARE * springs * turning
+            bounds.contact_frequency = springs + bounds.sample_frequency
         bounds.bending = self.fabric.largest_bending_stiffness
         bounds.warp, bounds.weft = cell.yarn_stiffness_per_width
         bounds.shear = cell.shear_stiffness
@@ -294,6 +317,29 @@ class SheetModel:
         nodes.inverse_mass = lanes(1.0 / self.node_mass)
         nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
         return nodes
+
+    @property
+    def sample_stiffness(self) -> np.ndarray:
+        """Of the contact spring of a sample of each element, (element_count,) [N/m]."""
+        mass = self.areal_density * self.geometry.area
+        return SAMPLE_SHARE * self._contact_frequency * mass / max(len(self.sample_places), 1)
+
+    def samples(self):
+        """Constants of the samples between nodes, as a new struct."""
+        samples, block_count = samples_struct(self.real, self.lane_count)(), self.element_count // self.lane_count
+        samples.corner_node, samples.node_stride = self.elements.corner_node, self.elements.node_stride
+        samples.place = self._array(self.sample_places, wp.vec2d)
+        samples.block_count, samples.lever = block_count, self.geometry.largest_size
+        mass = self._padded(self.sample_stiffness / self._contact_frequency, self.element_count)
+        samples.mass = lanes_view(self._array(mass, self.real), self.lane_count)
+        around = [
+            np.unique(nodes)
+            for nodes in (self.element_nodes // self.lane_count).reshape(4, block_count, -1).swapaxes(0, 1)
+        ]
+        width = max(map(len, around))
+        table = np.array([np.pad(blocks, (0, width - len(blocks)), mode="edge") for blocks in around]).T
+        samples.node_block = self._array(np.ascontiguousarray(table), wp.int32)
+        return samples
 
     def node_laws(self):
         """Constants of the time integration and contact, as a new struct."""

@@ -131,6 +131,7 @@ class Stepper:
         for index, part in enumerate(own):
             for elements, nodes in part.tiles:
                 launches.element_forces(index, *elements)
+                launches.meet_between_nodes(index, *elements)
                 if nodes[1]:
                     launches.move_nodes(index, *nodes)
         wait()
@@ -150,6 +151,9 @@ class Stepper:
             own = chunks(sheet.element_count // sheet.lane_count, thread_count)[thread]
             self._launches.element_extremes(index, *own)
             self._launches.fold_works(index, *chunks(sheet.block_count, thread_count)[thread])
+            self._launches.fold_sample_works(
+                index, *chunks(sheet.sample_count // sheet.lane_count, thread_count)[thread]
+            )
         self._replay.wait(thread_count)
         if thread == 0:
             self._launches.set_step(self.step_safety, self.largest_step)
@@ -170,6 +174,7 @@ class Stepper:
             join()
             launches.move_supports()
             for index in indices:
+                launches.meet_between_nodes(index)
                 launches.move_nodes(index)
             with beside():
                 launches.move_tools()
@@ -182,6 +187,7 @@ class Stepper:
             with beside():
                 launches.element_extremes(index, 0, sheet.element_count // sheet.lane_count)
                 launches.fold_works(index, 0, sheet.block_count)
+                launches.fold_sample_works(index, 0, sheet.sample_count // sheet.lane_count)
             launches.element_frequencies(index, 0, launches.frequency_block_count(index))
         launches.set_step(self.step_safety, self.largest_step)
         join()
@@ -291,6 +297,7 @@ class Stepper:
         if phase_count > 1:
             ahead.move_supports()
             for index in indices:
+                ahead.meet_between_nodes(index)
                 ahead.move_nodes(index)
         if phase_count > 2:
             ahead.move_tools()

@@ -179,6 +179,23 @@ class ElementField(Rows):
     shear_moment = "N/m", "moment of shear, elastic and friction, without in-plane bending"
 
 
+class ResultantRow(Rows):
+    """Resultants of each element per reference area, for output; contravariant, along the convected yarn vectors."""
+
+    shear11 = "N/m", "T of in-plane shear: the law, its friction, and a unit cell that depends on the angle"
+    shear12 = "N/m", "the same"
+    shear22 = "N/m", "the same"
+    in_plane_moment = "N/m", "moment of the bending of the yarns in the plane"
+    bending11 = "N/m", "T of bending: what a change of the metric does to the bending energy"
+    bending12 = "N/m", "the same"
+    bending22 = "N/m", "the same"
+    moment11 = "N", "M of bending, with the friction inside the bent yarns"
+    moment12 = "N", "the same"
+    moment22 = "N", "the same"
+    transverse1 = "N/m", "Q of transverse shear"
+    transverse2 = "N/m", "the same"
+
+
 class ExtremeRow(Rows):
     """Extremes of each element over all blocks of steps so far."""
 

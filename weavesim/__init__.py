@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from .run.simulation import Simulation
     from .sheet.blank import Blank
     from .sheet.sheet import Sheet
+    from .sheet.stack import LayUp, Ply
     from .sheet.symmetry import Symmetry
     from .tools.mesh_tool import MeshShape
     from .tools.shapes import (
@@ -133,6 +134,7 @@ _names_in = {
     "run.simulation": ("Simulation",),
     "sheet.blank": ("Blank",),
     "sheet.sheet": ("Sheet",),
+    "sheet.stack": ("LayUp", "Ply"),
     "sheet.symmetry": ("Symmetry",),
     "tools.mesh_tool": ("MeshShape",),
     "tools.shapes": (

@@ -1,4 +1,4 @@
-"""Energies and fields of the current state, for output frames only (docs/theory.md, section 8). One lane."""
+"""Energies, fields and resultants of the current state, for output frames (docs/theory.md, section 8). One lane."""
 
 from functools import cache
 from typing import Any
@@ -11,8 +11,8 @@ from ..curve import spring_energy
 from ..lanes import dot, fill, lane_types, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
-from ..rows import CellReportRow, ElementField, MotionRow, SheetEnergy, SlipRow
-from .bending import bending_friction_energy, resultants_struct, transverse_shear
+from ..rows import CellReportRow, ElementField, MotionRow, ResultantRow, SheetEnergy, SlipRow
+from .bending import WARP, WEFT, bending_friction_energy, resultants_struct, transverse_shear
 from .hourglass import hourglass_function, hourglass_stiffnesses
 from .kinematics import (
     bend_function,
@@ -24,8 +24,12 @@ from .kinematics import (
     vectors_functions,
 )
 from .laws import SheetTraits, sheet_struct
-from .membrane import unknowns_function
+from .membrane import bundling_stiffness, unknowns_function
+from .shear import moment_resultants
 from .thickness import compressive_energy, compressive_force
+
+# Number of the first of the rows of resultants, behind those of the fields.
+RESULTANTS = ElementField.row_count()
 
 
 @cache
@@ -114,15 +118,57 @@ def hourglass_energy_function(flat: bool):
 
 
 @cache
+def resultants_function(real: type, traits: SheetTraits):
+    """Function that writes the resultants of an element; friction is that of its springs, which it does not move."""
+    Resultants = resultants_struct(real, 1)
+    shear_resultants, shear_slides = device_law(traits.shear).resultants, traits.shear_friction != ""
+    bending_resultants, bending_slides = device_law(traits.bending).resultants, traits.bending_friction
+
+    @wp.func
+    def write_resultants(laws: Any, e: int, m: Any, b: Any, cell_moment: Any, slip: Any, out: Any):
+        moment, shear12 = shear_resultants(laws, m)
+        moment = moment + cell_moment
+        if wp.static(shear_slides):
+            moment = moment + laws.shear_friction.stiffness * slip[SlipRow.shear_spring, e]
+        one = fill(moment, 1.0)
+        turned11, turned12, turned22 = moment_resultants(
+            moment, m.m12, one / m.stretch1, one / m.stretch2, m.inverse_ratio
+        )
+        out[RESULTANTS + ResultantRow.shear11, e] = turned11
+        out[RESULTANTS + ResultantRow.shear12, e] = turned12 + shear12
+        out[RESULTANTS + ResultantRow.shear22, e] = turned22
+        r = bending_resultants(laws, m, b, Resultants())
+        if wp.static(bending_slides):
+            two = one.dtype(2.0)
+            warp = laws.bending_friction.stiffness[WARP] * slip[SlipRow.warp_bending_spring, e]
+            weft = laws.bending_friction.stiffness[WEFT] * slip[SlipRow.weft_bending_spring, e]
+            r.moment11 = r.moment11 + warp / m.m11
+            r.moment22 = r.moment22 + weft / m.m22
+            r.t11 = r.t11 - two * warp * b.k11 / (m.m11 * m.m11)
+            r.t22 = r.t22 - two * weft * b.k22 / (m.m22 * m.m22)
+        out[RESULTANTS + ResultantRow.bending11, e] = r.t11
+        out[RESULTANTS + ResultantRow.bending12, e] = r.t12
+        out[RESULTANTS + ResultantRow.bending22, e] = r.t22
+        r = transverse_shear(laws, m, b, r)
+        out[RESULTANTS + ResultantRow.moment11, e] = r.moment11
+        out[RESULTANTS + ResultantRow.moment12, e] = r.moment12
+        out[RESULTANTS + ResultantRow.moment22, e] = r.moment22
+        out[RESULTANTS + ResultantRow.transverse1, e] = r.shear_force1
+        out[RESULTANTS + ResultantRow.transverse2, e] = r.shear_force2
+
+    return write_resultants
+
+
+@cache
 def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
-    """Energies [J] and fields of every element; does not change the state."""
+    """Energies [J], fields and resultants of every element; does not change the state."""
     lanes, layout, part_count = lane_types(real, 1).lanes, (real, 1), len(cell.energy_names)
     Sheet, Shape = sheet_struct(*layout, cell, traits), shape_struct(*layout)
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)
     book_cell, book_shear = cell_energies_function(real, cell), shear_energies_function(part_count, traits)
     book_bending = bending_energies_function(real, part_count, traits)
-    hourglass_energy = hourglass_energy_function(traits.flat)
+    hourglass_energy, write_resultants = hourglass_energy_function(traits.flat), resultants_function(real, traits)
 
     @wp.kernel(module="unique", enable_backward=False)
     def element_ledger(
@@ -135,7 +181,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         slip: wp.array2d(dtype=lanes),  # rows: see SlipRow
         # Out
         energies: wp.array2d(dtype=lanes),  # rows: the parts of the unit cell, SheetEnergy
-        fields: wp.array2d(dtype=lanes),  # rows: see ElementField
+        fields: wp.array2d(dtype=lanes),  # rows: ElementField, ResultantRow
     ):
         e = wp.tid()
         elements = sheet.elements
@@ -168,5 +214,7 @@ def element_ledger_kernel(real: type, cell: CellLaw, traits: SheetTraits):
         fields[ElementField.crossover_pressure, e] = answer.pressure
         fields[ElementField.area_ratio, e] = m.area_ratio
         fields[ElementField.shear_moment, e] = moment
+        write_resultants(laws, e, m, b, answer.moment, slip, fields)
+        fields[RESULTANTS + ResultantRow.in_plane_moment, e] = bundling_stiffness(laws, shape) * difference
 
     return element_ledger

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from weavesim.measures.findings import SHEET_FINDINGS
+from weavesim.measures.stresses import STRESS_FIELDS
 from weavesim.output import known_writers
 from weavesim.run.fields import FIELDS
 from weavesim.run.guards import known_guards
@@ -24,4 +25,10 @@ def tables() -> str:
     lines += [f"| `{name}` | {guard.watches} |" for name, guard in own.items()]
     lines += ["", "## Fields per element", "", "| name in files | unit | what it is |", "|---|---|---|"]
     lines += [f"| `{field.file_name}` | {field.file_unit} | {field.description} |" for field in FIELDS]
+    lines += ["", "## Stresses per element", ""]
+    lines += [
+        "Of the final state: components in the frame with axis 1 along the warp, 2 across it, 3 along the normal."
+    ]
+    lines += ["", "| name in files | unit | what it is |", "|---|---|---|"]
+    lines += [f"| `{name}` | {unit} | {text} |" for name, (unit, text) in STRESS_FIELDS.items()]
     return "\n".join(lines) + "\n"

@@ -22,9 +22,13 @@ TALLIES = ("crossings", "folded", "inverted", "beyond")
 
 
 def judged(
-    *, extremes: dict[str, Extreme] | None = None, tallies: dict[str, Tally] | None = None, **numbers: Any
+    *,
+    extremes: dict[str, Extreme] | None = None,
+    tallies: dict[str, Tally] | None = None,
+    stacks: tuple[Any, ...] = (),
+    **numbers: Any,
 ) -> Any:
-    """A sound run of a sheet 1 mm thick without tools, but for these numbers, extremes and tallies."""
+    """A sound run of a sheet 1 mm thick without tools, but for these numbers, extremes, tallies, stacks."""
     own = {
         "min_stretch": Extreme(0.99), "max_stretch": Extreme(1.01), "angle": Extreme(0.5), "depth": Extreme(1e-5),
         "rows": np.zeros((ExtremeRow.row_count(), 1)),
@@ -40,6 +44,7 @@ def judged(
             tools={name: np.zeros(0) for name in ToolWatchRow.names()},
             touched=np.zeros(0, dtype=bool),
         ),
+        stacks=list(stacks),
         conditions=[SimpleNamespace(**({name: Tally() for name in TALLIES} | (tallies or {})))],
         run=SimpleNamespace(outcome=Outcome.FINISHED, info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
     )

@@ -45,7 +45,8 @@ WITHOUT_QUANTITY = {
     "Setup.leading_tool", "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
     "Tool.colour", "TriangleMesh.side", "RunOptions.threads", "RunOptions.frame_count", "HemisphereParameters.seed",
     "CusickDrapeParameters.seed", "CalibrationOptions.held_uncertainty", "CalibrationOptions.knots",
-    "CalibrationOptions.noise", "CalibrationOptions.seed", "CalibrationOptions.starts",
+    "CalibrationOptions.noise", "CalibrationOptions.seed", "CalibrationOptions.starts", "ToolTable.axis",
+    "SolverTable.threads",
 }  # fmt: skip
 
 

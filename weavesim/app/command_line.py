@@ -16,9 +16,7 @@ Exit codes:
 from __future__ import annotations
 
 import inspect
-import logging
 import re
-import signal
 import sys
 import types
 from collections.abc import Callable, Iterable, Iterator
@@ -33,16 +31,16 @@ import typer
 from .. import __version__
 from ..device import Precision
 from ..errors import InputError, RunError
-from ..run.interruption import Interrupted, Interruption, interruption, leaving_at_once
-from .ending import ExitCode, closing_lines, exit_code, interrupted_code
+from ..run.interruption import leaving_at_once
+from .ending import ExitCode, closing_lines, exit_code
 from .fabric_command import fabric_application
+from .jobs import add_commands
+from .session import announce_compilation, announced, interruptible
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup
 
-
-logger = logging.getLogger(__name__)
 
 application = typer.Typer(
     help="Draping and forming of woven fabrics.",
@@ -53,6 +51,7 @@ application = typer.Typer(
 
 
 application.add_typer(fabric_application, name="fabric")
+add_commands(application)
 
 
 def main(*leading: str) -> None:
@@ -146,7 +145,7 @@ def compile_command(
             raise InputError(f"{what} {name!r} is unknown: choose one of {', '.join(known)}")
     for wanted in precision or [Precision.SINGLE]:
         setups = default_setups([scene] if scene else SCENES, precision=wanted, device=device)
-        with _interruptible():
+        with interruptible():
             seconds = compile_kernels(KernelSet.of_setups(setups, UNIT_CELLS[unit_cell]()), processes)
         print(f"{wanted}, {device}, {unit_cell}: compiled within {seconds:.1f} s")
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
@@ -200,7 +199,7 @@ def _calibrate(context: typer.Context) -> None:
 
     def command(**values: Any) -> None:
         given = {name: value for name, value in values.items() if value != options[name].default}
-        with _typed(options, parameters), _interruptible():
+        with _typed(options, parameters), interruptible():
             checked = parameters(**{n: tuple(v) if isinstance(v, list) else v for n, v in given.items()})
             for line in calibrate_into_folder(checked):
                 say(line)
@@ -235,9 +234,9 @@ def scene_command(
 
         with (
             _typed(options, parameters),
-            _interruptible() as interrupted,
-            side_by_side(partial(_announce_compilation, scene)),
-            _announced(),
+            interruptible() as interrupted,
+            side_by_side(partial(announce_compilation, scene)),
+            announced(),
         ):
             result = run(checked)
             number = interrupted.signal
@@ -250,58 +249,6 @@ def scene_command(
     command.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
     command.__annotations__ = {name: option.annotation for name, option in options.items()}
     scene_application.command(help=text)(command)
-
-
-@contextmanager
-def _interruptible() -> Iterator[Interruption]:
-    """Take the signals of the process; one with nothing to lose ends the command at once, with its exit code."""
-    try:
-        with interruption() as interrupted:
-            yield interrupted
-    except KeyboardInterrupt as error:
-        # before the run, or while its results were written for somebody who did not wait
-        raise _interrupted(error.signal if isinstance(error, Interrupted) else signal.SIGINT) from None
-    except (InputError, RunError, typer.Exit):
-        raise
-    except Exception:
-        if interrupted.signal is None:
-            raise
-        # code that the signal met in the middle may raise what it likes
-        logger.debug("a signal ended this", exc_info=True)
-        raise _interrupted(interrupted.signal) from None
-
-
-def _interrupted(number: int) -> typer.Exit:
-    say(f"Interrupted by {signal.Signals(number).name}.")
-    return typer.Exit(interrupted_code(number))
-
-
-def _announce_compilation(scene: str, kernel_count: int) -> None:
-    kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
-    text = f"{scene}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
-    say(text, error=True)
-
-
-class _Announcements(logging.Handler):
-    """Shows what takes seconds before a run: log records with ``announced``."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        if getattr(record, "announced", False):
-            say(record.getMessage(), error=True)
-
-
-@contextmanager
-def _announced() -> Iterator[None]:
-    """Show which large meshes are being prepared."""
-    logger, handler = logging.getLogger("weavesim.tools"), _Announcements(logging.INFO)
-    level = logger.level
-    logger.setLevel(logging.INFO)
-    logger.addHandler(handler)
-    try:
-        yield
-    finally:
-        logger.removeHandler(handler)
-        logger.setLevel(level)
 
 
 @contextmanager

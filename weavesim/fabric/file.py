@@ -94,6 +94,30 @@ def _load(path: str | Path, accept_unusual: bool, readers: tuple[Path, ...]) -> 
     return fabric
 
 
+def fabric_of_table(
+    document: Document, values: dict[str, Any], keys: tuple[str, ...], *, accept_unusual: bool = False
+) -> Fabric:
+    """The fabric that a table within another document describes, as a fabric file does.
+
+    Args:
+        document: that contains it.
+        values: of the table.
+        keys: of the table in the document.
+        accept_unusual: take unusual values as meant.
+
+    Raises:
+        InputError: see ``load_fabric``.
+    """
+    reader = _Reader(Document(document.path, values, document.text), ())
+    try:
+        return reader.fabric(accept_unusual)
+    except _Mistake as mistake:
+        line = document.line_of((*keys, *mistake.keys))
+        place = f", line {line}" if line else ""
+        text = str(mistake).removeprefix("Fabric: ")
+        raise InputError(f"job {shown(document.path)}{place}, [{dotted(keys)}]: {text}") from None
+
+
 class _Mistake(ValueError):
     """What is wrong, and the keys of the place."""
 

@@ -7,6 +7,7 @@ from .angles import (
     smoothed_shear_angle,
     smoothing_weights,
     ten_points,
+    yarn_angles,
     yarn_components,
     yarn_vectors,
 )
@@ -23,9 +24,11 @@ from .border import (
 )
 from .folds import RimFolds, rim_folds
 from .proximity import close_pairs
+from .stresses import STRESS_FIELDS, stress_fields
 from .zigzag import Checkerboard, checkerboard
 
 __all__ = [
+    "STRESS_FIELDS",
     "Checkerboard",
     "MaterialLine",
     "Outline",
@@ -42,10 +45,12 @@ __all__ = [
     "smoothed",
     "smoothed_shear_angle",
     "smoothing_weights",
+    "stress_fields",
     "symmetry_line",
     "taut_path_draw_in",
     "ten_points",
     "whole_outline",
+    "yarn_angles",
     "yarn_components",
     "yarn_vectors",
 ]

@@ -136,6 +136,25 @@ def yarn_vectors(
     return warp / np.linalg.norm(warp, axis=1, keepdims=True), weft / np.linalg.norm(weft, axis=1, keepdims=True)
 
 
+def yarn_angles(blank: Blank, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Angles of warp and weft in each element's own frame, two of (element_count,) [rad], within +-pi.
+
+    The frame of a formed element: x from its first corner to the second, seen along the normal; angles are counted
+    towards the third corner.
+    """
+    corner = position[blank.quads]
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    along = corner[:, 1] - corner[:, 0]
+    along = along - np.einsum("ei,ei->e", along, normal)[:, None] * normal
+    across = np.cross(normal, along)
+    warp, weft = (
+        np.arctan2(np.einsum("ei,ei->e", yarn, across), np.einsum("ei,ei->e", yarn, along))
+        for yarn in yarn_vectors(blank, position)
+    )
+    return warp, weft
+
+
 def yarn_components(blank: Blank) -> np.ndarray:
     """Components of warp and weft direction along the two mean sides of each flat element, (2, element_count, 2)."""
     along = _sides(blank.node_position[blank.quads])

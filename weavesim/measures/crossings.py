@@ -1,17 +1,19 @@
-"""Where a sheet passes through itself: an exact count of its triangles that meet others."""
+"""Where sheets pass through themselves or each other: an exact count of the triangles that meet others.
+
+Every pair of triangles whose boxes overlap is tested, with predicates that bound their rounding. Nothing here is shared
+with the search for contact, so that a pair which that search misses is found.
+"""
 
 from __future__ import annotations
 
-from itertools import product
+from collections.abc import Sequence
 
 import numpy as np
 
+from .near import near_pairs
 from .proximity import join
+from .triangles import meet, pierces
 
-# Share of the product of three edges below which a volume is rounding, and counts as zero.
-ROUNDING = 1.0e-13
-# Elements larger than the median by more than this are compared with all others.
-LARGEST_RATIO = 4.0
 # Edges of the border that are compared with all others at once.
 EDGES_AT_ONCE = 512
 # The triangles around a node lie in one half space by at least this cosine wherever none of them can meet.
@@ -50,9 +52,25 @@ class Crossings:
         if self._has_a_plan(position):
             return np.empty((0, 2), dtype=np.int64)
         first, second = self._apart(position)
-        meet = _meet(position[self._triangles[first]], position[self._triangles[second]])
+        meeting = meet(position[self._triangles[first]], position[self._triangles[second]])
         fan = self._near_nodes(position)
-        return np.concatenate([np.column_stack([first, second])[meet], fan[self._meet_elsewhere(position, fan)]])
+        return np.concatenate([np.column_stack([first, second])[meeting], fan[self._meet_elsewhere(position, fan)]])
+
+    def distant(self, pairs: np.ndarray, flat: np.ndarray, distance: float) -> np.ndarray:
+        """Those of ``pairs`` that have no common node and lie further apart on the flat blank than ``distance``.
+
+        Contact of a sheet with itself leaves out what is closer on the flat blank than about twice its thickness: there
+        two triangles are neighbours.
+
+        Args:
+            pairs: of triangles, (k, 2).
+            flat: flat coordinates of the nodes, (node_count, 2) [m].
+            distance: [m].
+        """
+        own, other = self._triangles[pairs[:, 0]], self._triangles[pairs[:, 1]]
+        apart = ~(own[:, :, None] == other[:, None, :]).any(axis=(1, 2))
+        gap = np.minimum(_corner_gap(flat[own], flat[other]), _corner_gap(flat[other], flat[own]))
+        return pairs[apart & (gap > distance)]
 
     # --- sheets that need no search ----------------------------------------------------------------------------------
 
@@ -92,13 +110,7 @@ class Crossings:
                 apart &= own[:, corner] != other[:, opposite]
         first, second = first[apart], second[apart]
         points = position[self._triangles]
-        lower = np.minimum(np.minimum(points[:, 0], points[:, 1]), points[:, 2])
-        upper = np.maximum(np.maximum(points[:, 0], points[:, 1]), points[:, 2])
-        overlap = np.ones(len(first), dtype=bool)
-        for axis in range(3):
-            low, high = lower[:, axis], upper[:, axis]
-            overlap &= (low[first] <= high[second]) & (low[second] <= high[first])
-        return first[overlap], second[overlap]
+        return _overlapping(*_boxes(points), first, second)
 
     # --- pairs with one common node ----------------------------------------------------------------------------------
 
@@ -136,8 +148,76 @@ class Crossings:
             at = np.argmax((these[:, :, None] == those[:, None, :]).any(axis=2), axis=1)
             row = np.arange(len(pairs))
             p, q = position[these[row, (at + 1) % 3]], position[these[row, (at + 2) % 3]]
-            found |= _pierces(p, q, position[those], touching=False)
+            found |= pierces(p, q, position[those], touching=False)
         return found
+
+
+class CrossingsBetween:
+    """Finds the triangles of sheets that meet triangles of other sheets.
+
+    Every element is two triangles, as in ``Crossings``; pairs that meet or touch count.
+
+    Args:
+        quads: of every sheet, (element_count, 4) each.
+    """
+
+    def __init__(self, quads: Sequence[np.ndarray]) -> None:
+        self._quads = [np.asarray(own, dtype=np.int64) for own in quads]
+        self._sheet = np.repeat(np.arange(len(quads)), [len(own) for own in quads])
+        self._first = np.concatenate([[0], np.cumsum([len(own) for own in quads])])
+
+    def pairs(self, positions: Sequence[np.ndarray]) -> np.ndarray:
+        """Every pair that meets, (k, 4): number of the sheet and its triangle, twice; the lower sheet first.
+
+        Triangle t of a sheet is one of its element t // 2.
+
+        Args:
+            positions: formed nodes of every sheet, (node_count, 3) each [m].
+        """
+        middle = np.concatenate(positions).mean(axis=0)
+        corners = np.concatenate([
+            position[quads] - middle for position, quads in zip(positions, self._quads, strict=True)
+        ])  # fmt: skip
+        a, b = near_pairs(corners.mean(axis=1), corners, self._sheet)
+        a, b = _overlapping(*_boxes(corners), a, b)
+        first = (2 * a[:, None] + np.array([0, 0, 1, 1])).ravel()
+        second = (2 * b[:, None] + np.array([0, 1, 0, 1])).ravel()
+        triangles = corners[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3)
+        first, second = _overlapping(*_boxes(triangles), first, second)
+        meeting = meet(triangles[first], triangles[second])
+        first, second = first[meeting], second[meeting]
+        sheets = self._sheet[first // 2], self._sheet[second // 2]
+        return np.column_stack([
+            sheets[0], first - 2 * self._first[sheets[0]], sheets[1], second - 2 * self._first[sheets[1]],
+        ])  # fmt: skip
+
+
+def _boxes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper corners of the boxes around bodies of few points, (k, n, 3), (k, 3) each [m]."""
+    points = corners.transpose(1, 0, 2)  # a reduction over a short axis is slow
+    return np.minimum.reduce(list(points)), np.maximum.reduce(list(points))
+
+
+def _overlapping(
+    lower: np.ndarray, upper: np.ndarray, first: np.ndarray, second: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Those of the pairs whose boxes overlap; ``lower`` and ``upper`` are the corners of all boxes, (k, 3)."""
+    overlap = np.ones(len(first), dtype=bool)
+    for low, high in zip(lower.T, upper.T, strict=True):
+        overlap &= (low[first] <= high[second]) & (low[second] <= high[first])
+    return first[overlap], second[overlap]
+
+
+def _corner_gap(points: np.ndarray, triangle: np.ndarray) -> np.ndarray:
+    """Smallest distance from the corners of flat triangles (k, 3, 2) to the edges of others (k, 3, 2), (k,)."""
+    gap = np.full(len(points), np.inf)
+    for corner in range(3):
+        start = triangle[:, corner, None]
+        edge = triangle[:, (corner + 1) % 3, None] - start
+        to = points - start
+        share = np.clip((to * edge).sum(axis=2) / np.maximum((edge * edge).sum(axis=2), 1.0e-300), 0.0, 1.0)
+        gap = np.minimum(gap, np.linalg.norm(to - share[:, :, None] * edge, axis=2).min(axis=1))
+    return gap
 
 
 def _crossing_edges(start: np.ndarray, end: np.ndarray, nodes: np.ndarray, rows: slice) -> np.ndarray:
@@ -156,105 +236,3 @@ def _crossing_edges(start: np.ndarray, end: np.ndarray, nodes: np.ndarray, rows:
     near = ((lower[rows, None] <= upper[None]) & (lower[None] <= upper[rows, None])).all(axis=2)
     common = (nodes[rows, None, :, None] == nodes[None, :, None, :]).any(axis=(2, 3))
     return np.asarray(parted & near & ~common)
-
-
-def near_pairs(centre: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs a < b of bodies whose bounding spheres meet, each once.
-
-    Args:
-        centre: (k, 3) [m].
-        corners: all points of every body, (k, n, 3) [m].
-    """
-    radius = np.sqrt(np.square(corners - centre[:, None]).sum(axis=2).max(axis=1)) * (1.0 + 1.0e-12)
-    usual = LARGEST_RATIO * float(np.median(radius))
-    large, small = np.flatnonzero(radius > usual), np.flatnonzero(radius <= usual)
-    found = [_meeting(centre, radius, np.full(len(centre), body), np.arange(len(centre))) for body in large]
-    if len(large):
-        found = [np.unique(np.sort(np.concatenate(found), axis=1), axis=0)]
-
-    size = max(2.0 * float(radius[small].max(initial=0.0)), 1.0e-300)
-    cell = np.floor((centre[small] - centre.min(axis=0)) / size).astype(np.int64) + 1
-    stride = cell.max(axis=0, initial=0) + 3
-    key = (cell[:, 0] * stride[1] + cell[:, 1]) * stride[2] + cell[:, 2]
-    order = np.argsort(key, kind="stable")
-    ranked, own = key[order], small[order]
-    for shift in product((-1, 0, 1), repeat=3):
-        step = (shift[0] * stride[1] + shift[1]) * stride[2] + shift[2]
-        if step < 0:  # the other way round it is found too
-            continue
-        first, last = (np.searchsorted(ranked, ranked + step, side=side) for side in ("left", "right"))
-        if step == 0:
-            first = np.arange(1, len(ranked) + 1)
-        body, other = join(own, first, last)
-        found.append(_meeting(centre, radius, body, own[other]))
-    pairs = np.concatenate(found)
-    return pairs.min(axis=1), pairs.max(axis=1)
-
-
-def _meeting(centre: np.ndarray, radius: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Those of the pairs (a, b) of different bodies whose spheres meet, (k, 2)."""
-    apart = centre[a] - centre[b]
-    meet = (np.einsum("ki,ki->k", apart, apart) <= (radius[a] + radius[b]) ** 2) & (a != b)
-    return np.column_stack([a[meet], b[meet]])
-
-
-def _volume(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Sign of the volume of tetrahedra, (k,): 0 where it is rounding."""
-    u, v, w = b - a, c - a, d - a
-    value = np.einsum("ki,ki->k", np.cross(u, v), w)
-    size = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1) * np.linalg.norm(w, axis=1)
-    return np.where(np.abs(value) <= ROUNDING * size, 0.0, np.sign(value))
-
-
-def _pierces(p: np.ndarray, q: np.ndarray, triangle: np.ndarray, touching: bool) -> np.ndarray:
-    """Whether segments p-q (k, 3) go through triangles (k, 3, 3) that are not in one plane with them.
-
-    Args:
-        touching: whether it is enough to touch.
-    """
-    a, b, c = triangle[:, 0], triangle[:, 1], triangle[:, 2]
-    below, above = _volume(a, b, c, p), _volume(a, b, c, q)
-    result = below * above < 0.0
-    if touching:
-        result |= (below * above == 0.0) & (below != above)
-    (candidate,) = np.nonzero(result)
-    p, q, a, b, c = (array[candidate] for array in (p, q, a, b, c))
-    sides = np.stack([_volume(p, q, a, b), _volume(p, q, b, c), _volume(p, q, c, a)])
-    through = (sides > 0.0).all(axis=0) | (sides < 0.0).all(axis=0)
-    if touching:
-        through = (sides >= 0.0).all(axis=0) | (sides <= 0.0).all(axis=0)
-    result[candidate] = through
-    return result
-
-
-def _meet(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Whether pairs of triangles (k, 3, 3) meet or touch, (k,)."""
-    result = np.zeros(len(first), dtype=bool)
-    if not len(first):
-        return result
-    a, b, c = second[:, 0], second[:, 1], second[:, 2]
-    side = np.stack([_volume(a, b, c, first[:, corner]) for corner in range(3)])
-    crossing = ~((side > 0.0).all(axis=0) | (side < 0.0).all(axis=0))
-    flat = (side == 0.0).all(axis=0)
-    (candidate,) = np.nonzero(crossing & ~flat)
-    for these, those in ((first, second), (second, first)):
-        for corner in range(3):
-            p, q = these[candidate, corner], these[candidate, (corner + 1) % 3]
-            result[candidate] |= _pierces(p, q, those[candidate], touching=True)
-    (candidate,) = np.nonzero(flat)
-    if len(candidate):
-        result[candidate] = _overlap(first[candidate], second[candidate])
-    return result
-
-
-def _overlap(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Whether pairs of triangles (k, 3, 3) in one plane overlap or touch: no edge of either separates them."""
-    normal = np.cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0])
-    apart = np.zeros(len(first), dtype=bool)
-    for triangle in (first, second):
-        for corner in range(3):
-            start, edge = triangle[:, corner], triangle[:, (corner + 1) % 3] - triangle[:, corner]
-            across = np.cross(normal, edge)
-            own, other = (np.einsum("kni,ki->kn", points - start[:, None], across) for points in (first, second))
-            apart |= (own.min(axis=1) > other.max(axis=1)) | (other.min(axis=1) > own.max(axis=1))
-    return ~apart

@@ -10,7 +10,8 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from ..errors import InputError
-from ..measures.angles import yarn_components, yarn_vectors
+from ..measures.angles import yarn_angles, yarn_components, yarn_vectors
+from ..measures.stresses import stress_fields
 from ..run.fields import in_files
 from ..run.frame import Frame, Outcome, RunInfo, SheetFrame, SheetInfo
 from .files import file_endings, replacing, write_text
@@ -29,7 +30,8 @@ class ParaViewSeries:
 
     Point data: ``displacement`` [m] and ``director``. Cell data: every field of the frame, with its name and unit in
     files (``weavesim.run.fields``), and the yarn directions ``warp_direction`` and ``weft_direction``. Frames are in
-    single precision, the final state in double. Only the computed part is written (ParaView's Reflect filter mirrors
+    single precision; the final state is in double, and has stresses (``STRESS_FIELDS``) and the angles of the yarns in
+    each element's own frame. Only the computed part is written (ParaView's Reflect filter mirrors
     it).
 
     Args:
@@ -74,7 +76,8 @@ class ParaViewSeries:
             return
         if not self._written or self._written[-1][0] < self._last.time:
             self._add(self._last)
-        self._write(self._last, "final_state", np.float64)
+        for sheet, state in zip(self._sheets, self._last.sheets, strict=True):
+            sheet.write_final(state)
 
     def _add(self, frame: Frame) -> None:
         self._write(frame, f"frame_{frame.index:04d}", np.float32)
@@ -105,6 +108,7 @@ class _SheetFiles:
 
     def __init__(self, folder: Path, run_id: str, place: int, ending: str, info: SheetInfo) -> None:
         self._folder, self._run_id, self._ending, self._blank = folder, run_id, ending, info.blank
+        self._fabric = info.fabric
         # ParaView identifies parts by number
         self.part = f' part="{place}" name={quoteattr(info.name)}' if ending else ""
         self._yarn_components = yarn_components(info.blank)
@@ -113,13 +117,25 @@ class _SheetFiles:
         """Name of a file."""
         return f"{stem}{self._ending}.vtu"
 
-    def write(self, frame: SheetFrame, stem: str, real: type) -> None:
-        """Write the state of a frame with numbers of type ``real``."""
+    def write_final(self, frame: SheetFrame) -> None:
+        """Write the last state: in double precision, with stresses and with angles in the elements' own frames."""
+        cells = dict(
+            zip(("warp_angle_deg", "weft_angle_deg"), np.rad2deg(yarn_angles(self._blank, frame.position)), strict=True)
+        )
+        if frame.resultants:
+            cells |= stress_fields(
+                self._blank, self._fabric, frame.position, frame.director, frame.fields, frame.resultants
+            )
+        self.write(frame, "final_state", np.float64, cells)
+
+    def write(self, frame: SheetFrame, stem: str, real: type, further: Mapping[str, np.ndarray] | None = None) -> None:
+        """Write the state of a frame, and ``further`` values of its elements, with numbers of type ``real``."""
         points = {"displacement": frame.position - self._blank.node_position, "director": frame.director}
         cells = in_files(frame.fields)
         cells["warp_direction"], cells["weft_direction"] = yarn_vectors(
             self._blank, frame.position, self._yarn_components
         )
+        cells |= further or {}
         write_quads(
             self._folder / self.file(stem),
             frame.position.astype(real),

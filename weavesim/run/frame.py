@@ -38,6 +38,7 @@ class SheetInfo:
         symmetry: planes at which it is cut.
         tools: indices of the tools of its world among those of the run.
         supports: indices of its supports among those of the run.
+        world: name of its world: only sheets of the same one can meet.
     """
 
     name: str
@@ -46,6 +47,7 @@ class SheetInfo:
     symmetry: Symmetry
     tools: tuple[int, ...] = ()
     supports: tuple[int, ...] = ()
+    world: str = "world"
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,12 @@ class RunInfo:
         return only_sheet(self.sheets)
 
     @property
+    def worlds(self) -> tuple[tuple[SheetInfo, ...], ...]:
+        """Sheets of every world, in order."""
+        names = dict.fromkeys(sheet.world for sheet in self.sheets)
+        return tuple(tuple(sheet for sheet in self.sheets if sheet.world == name) for name in names)
+
+    @property
     def element_count(self) -> int:
         """Elements of all sheets."""
         return sum(sheet.blank.element_count for sheet in self.sheets)
@@ -125,6 +133,8 @@ class SheetFrame:
         director: unit directors, (node_count, 3).
         fields: one value per element, (element_count,), by name: those of ``weavesim.run.fields``, in SI units.
         energies: the entries of the ledger that belong to one sheet [J], by name.
+        resultants: of each element, (element_count,), by the names of ``ResultantRow``; ``measures.stresses`` makes
+            forces and stresses of them.
     """
 
     name: str
@@ -132,6 +142,7 @@ class SheetFrame:
     director: np.ndarray
     fields: dict[str, np.ndarray]
     energies: dict[str, float]
+    resultants: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,15 @@ from ..engine.layout import lanes_view
 from ..engine.model import Model
 from ..engine.sheet_model import TANGENTIAL_RATIO
 from ..engine.state import SheetState, State
-from ..kernels.rows import CellReportRow, ElementField, MotionRow, NodeWorkRow, SheetEnergy, ThicknessRow
+from ..kernels.rows import (
+    CellReportRow,
+    ElementField,
+    MotionRow,
+    NodeWorkRow,
+    ResultantRow,
+    SheetEnergy,
+    ThicknessRow,
+)
 from ..kernels.shell.energy import element_ledger_kernel
 from ..sheet.samples import surface_points
 from .fields import complete
@@ -77,7 +85,8 @@ class SheetLedger:
         self.internal = (*sheet.cell_law.energy_names, *SHEET_INTERNAL)
         count, device = sheet.element_count, sheet.device
         self._energies = wp.zeros((len(self._energy_names), count), dtype=sheet.real, device=device)
-        self._fields = wp.zeros((ElementField.row_count(), count), dtype=sheet.real, device=device)
+        row_count = ElementField.row_count() + ResultantRow.row_count()
+        self._fields = wp.zeros((row_count, count), dtype=sheet.real, device=device)
         # packed once: a launch from Python costs more than the work of a small sheet
         self._element_ledger: wp.Launch | None = None
         elements, nodes = sheet.blank.element_count, sheet.blank.node_count
@@ -95,13 +104,15 @@ class SheetLedger:
         """A frame of the current state, given the state after the next step; waits for the device."""
         self._launch(ahead.sheets[self._index])
         motion = self._motion(self._own.motion)
+        fields, resultants = self._read_fields(ahead.sheets[self._index])
         position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
         return SheetFrame(
             name=self._model.name,
             position=position,
             director=motion[MotionRow.director.vector],
-            fields=self._read_fields(ahead.sheets[self._index]),
+            fields=fields,
             energies=self._entries(position, motion, ahead.sheets[self._index]),
+            resultants=resultants,
         )
 
     def _launch(self, ahead: SheetState) -> None:
@@ -120,11 +131,14 @@ class SheetLedger:
             )  # fmt: skip
         self._element_ledger.launch()
 
-    def _read_fields(self, ahead: SheetState) -> dict[str, np.ndarray]:
+    def _read_fields(self, ahead: SheetState) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """Fields and resultants by name."""
         count, fabric = self._model.blank.element_count, self._model.fabric
-        rows = dict(zip(ElementField.names(), self._fields.numpy()[:, :count].astype(np.float64), strict=True))
+        values = self._fields.numpy()[:, :count].astype(np.float64)
+        rows = dict(zip(ElementField.names(), values, strict=False))
         report = dict(zip(CellReportRow.names(), ahead.cell_report.numpy()[:, :count].astype(np.float64), strict=True))
-        return complete(fabric, rows, report)
+        resultants = dict(zip(ResultantRow.names(), values[ElementField.row_count() :], strict=True))
+        return complete(fabric, rows, report), resultants
 
     def _motion(self, motion: wp.array) -> np.ndarray:
         """MOTION_VECTORS without padding, in double precision, (vectors, node_count, 3)."""

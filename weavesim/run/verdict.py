@@ -17,7 +17,7 @@ from .guards.law_range import beyond_data
 
 if TYPE_CHECKING:
     from .simulation import Simulation
-    from .watch.condition import Condition
+    from .watch.condition import Condition, StackCondition
     from .watch.extremes import Extremes
 
 # The balance error of a state is relative to the work so far, but at least to this share of the run's work.
@@ -96,6 +96,11 @@ class Judged:
         """Of every sheet so far: passes through itself, folds."""
         return self.run.watch.conditions
 
+    @property
+    def stacks(self) -> tuple[StackCondition, ...]:
+        """Of the sheets of every world with several: pass through each other."""
+        return self.run.watch.stacks
+
     @cached_property
     def thickness(self) -> float:
         """Of the thinnest sheet [m]."""
@@ -165,6 +170,18 @@ def _peak_forces(judged: Judged) -> dict[str, float]:
 def _support_forces(judged: Judged) -> dict[str, list[float]]:
     names = (support.name for support in judged.run.info.supports)
     return {name: force.tolist() for name, force in zip(names, judged.run.frame.support_force, strict=True)}
+
+
+def _sheet_intersections(judged: Judged) -> dict[str, dict[str, int]] | None:
+    """None in a run whose sheets cannot meet."""
+    return {
+        f"{first} and {second}": {
+            "at_end": int(tally.last), "most": int(tally.most), "total": stack.total[first, second],
+            "state_count": stack.look_count,
+        }
+        for stack in judged.stacks
+        for (first, second), tally in stack.crossings.items()
+    } or None  # fmt: skip
 
 
 RUN_FINDINGS = (
@@ -258,6 +275,12 @@ RUN_FINDINGS = (
     Finding(
         "most_self_intersections", PURE, "the same at the worst of the watched states",
         lambda judged: sum(int(condition.crossings.most) for condition in judged.conditions),
+    ),
+    Finding(
+        "sheet_intersections", PURE,
+        "pairs of triangles of two sheets that pass through each other, by the sheets' names: at the end, at the worst "
+        "of the watched states, and the sum over all of these",
+        _sheet_intersections,
     ),
     Finding(
         "folded_elements", PURE, "elements or neighbours folded onto each other, at the worst of the watched states",

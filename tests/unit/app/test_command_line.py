@@ -251,12 +251,12 @@ def test_scene_script_offers_the_common_options(name):
 
 
 def test_large_tool_meshes_are_announced(monkeypatch, capsys):
-    from weavesim.app.command_line import _announced
+    from weavesim.app.session import announced
     from weavesim.tools.mesh_tool import MeshSurface
 
     ball = trimesh.creation.icosphere(subdivisions=2, radius=0.05)
     monkeypatch.setattr("weavesim.tools.mesh_tool.MANY_TRIANGLES", 300)
-    with _announced():
+    with announced():
         MeshSurface(ball.vertices, ball.faces, name="punch.stl")
     assert capsys.readouterr().err == "punch.stl: checking 320 triangles\n"
     MeshSurface(ball.vertices, ball.faces, name="punch.stl")

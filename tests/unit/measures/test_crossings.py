@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from weavesim.measures.crossings import Crossings, near_pairs
+from weavesim.measures.crossings import Crossings, CrossingsBetween
 from weavesim.sheet.blank import Blank
 
 
@@ -151,18 +151,6 @@ def test_one_huge_element_is_compared_with_all():
     assert apart(pairs_of(position, BLANK.quads), BLANK.quads) == exhaustive(position, BLANK.quads)
 
 
-def test_near_pairs_are_all_whose_spheres_meet():
-    corners = np.random.default_rng(0).uniform(0.0, 1.0, (300, 4, 3)) * 0.2 + np.random.default_rng(1).uniform(
-        0, 1, (300, 1, 3)
-    )
-    centre = corners.mean(axis=1)
-    radius = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
-    gap = np.linalg.norm(centre[:, None] - centre, axis=2)
-    wanted = np.argwhere(np.triu(gap <= radius[:, None] + radius, 1))
-    found = np.column_stack(near_pairs(centre, corners))
-    assert np.array_equal(found[np.lexsort(found.T[::-1])], wanted)
-
-
 def test_a_landscape_needs_no_search_and_is_one_only_if_its_border_is_simple():
     """A strip that winds like a spiral stair faces one way everywhere, and its border crosses itself in the plan."""
     crossings = Crossings(BLANK.quads, BLANK.node_count)
@@ -176,3 +164,80 @@ def test_a_landscape_needs_no_search_and_is_one_only_if_its_border_is_simple():
     for seed in range(3):
         position = crumpled(seed)
         assert not crossings._has_a_plan(position)
+
+
+def between(*sheets: tuple[np.ndarray, np.ndarray]) -> set[tuple[int, int, int, int]]:
+    """Pairs that meet among sheets (positions, quads)."""
+    pairs = CrossingsBetween([quads for _, quads in sheets]).pairs([position for position, _ in sheets])
+    return set(map(tuple, pairs.tolist()))
+
+
+def exhaustive_between(*sheets: tuple[np.ndarray, np.ndarray]) -> set[tuple[int, int, int, int]]:
+    """The same by linear programming, every pair of triangles."""
+    corners = [position[triangles_of(quads)] for position, quads in sheets]
+    return {
+        (a, i, b, j)
+        for a in range(len(sheets))
+        for b in range(a + 1, len(sheets))
+        for i, p in enumerate(corners[a])
+        for j, q in enumerate(corners[b])
+        if (p.min(axis=0) <= q.max(axis=0)).all() and (q.min(axis=0) <= p.max(axis=0)).all() and meet(p, q)
+    }
+
+
+def test_sheets_of_different_meshes_that_cross_are_counted_as_by_linear_programming():
+    """A wavy sheet, one through its waves, and one on edge; none of their meshes match."""
+    wavy = np.column_stack([X, Y, 0.004 * np.sin(200.0 * X)])
+    other = Blank.fitted(
+        np.array([(0.005, 0.002), (0.05, 0.002), (0.05, 0.028), (0.005, 0.028)]), 0.006, mesh_angle=30.0
+    )
+    inclined = other.node_position + other.node_position[:, :1] * (0.0, 0.0, 0.05)
+    edgewise = Blank.rectangle((-0.01, 0.0), (0.01, 0.03), 0.007)
+    upright = edgewise.node_position[:, [2, 1, 0]] + (0.0311, 0.0, 0.0007)
+    sheets = (wavy, BLANK.quads), (inclined, other.quads), (upright, edgewise.quads)
+    found, wanted = between(*sheets), exhaustive_between(*sheets)
+    assert found == wanted
+    assert {(a, b) for a, _, b, _ in found} == {(0, 1), (0, 2), (1, 2)} and len(found) > 60
+
+
+@pytest.mark.parametrize("gap", [1.0e-3, 1.0e-9, -1.0e-9])
+def test_plies_that_lie_on_each_other_do_not_cross(gap):
+    domed = np.column_stack([X, Y, 0.05 * np.exp(-(((X - 0.03) ** 2 + (Y - 0.015) ** 2) / 1e-4))])
+    assert between((domed, BLANK.quads), (domed + (0.0, 0.0, gap), BLANK.quads)) == set()
+
+
+def test_a_node_that_is_pushed_through_is_found():
+    """By a millionth of the element."""
+    upper = BLANK.node_position + (0.0021, 0.0012, 1.0e-3)
+    middle = int(np.argmin(np.linalg.norm(BLANK.node_position - (0.03, 0.015, 0.0), axis=1)))
+    upper[middle, 2] = 5.0e-9
+    assert between((BLANK.node_position, BLANK.quads), (upper, BLANK.quads)) == set()
+    upper[middle, 2] = -5.0e-9
+    found = between((BLANK.node_position, BLANK.quads), (upper, BLANK.quads))
+    assert found and all(middle in triangles_of(BLANK.quads)[j] for _, _, _, j in found)
+
+
+def test_neighbours_on_the_flat_blank_can_be_left_out():
+    """A wrinkle that closes: its flanks are 4 elements apart on the flat blank, and cross."""
+    position = crumpled(0)
+    crossings = Crossings(BLANK.quads, len(position))
+    pairs, flat = crossings.pairs(position), BLANK.material_coordinates
+    triangles = triangles_of(BLANK.quads)
+
+    def gap(a: int, b: int) -> float:
+        """Smallest distance of two flat triangles, from points along their edges."""
+        share = np.linspace(0.0, 1.0, 41)[:, None]
+        p, q = (
+            np.concatenate([c[k] + share * (c[(k + 1) % 3] - c[k]) for k in range(3)])
+            for c in (flat[triangles[a]], flat[triangles[b]])
+        )
+        return float(np.linalg.norm(p[:, None] - q, axis=2).min())
+
+    limit = 0.0049
+    wanted = {
+        (a, b) for a, b in map(tuple, pairs.tolist())
+        if not set(triangles[a]) & set(triangles[b]) and gap(a, b) > limit
+    }  # fmt: skip
+    found = set(map(tuple, crossings.distant(pairs, flat, limit).tolist()))
+    assert found == wanted and 0 < len(found) < len(pairs)
+    assert len(crossings.distant(pairs, flat, 0.0)) == len(apart(set(map(tuple, np.sort(pairs, axis=1))), BLANK.quads))

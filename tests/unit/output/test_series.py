@@ -42,6 +42,28 @@ def test_final_state_is_that_of_the_run_in_double_precision(tmp_path, coarse_run
     assert np.arcsin(sine) == pytest.approx(last.fields["shear_angle"])
 
 
+def test_final_state_has_yarn_angles_in_the_frames_of_the_elements(tmp_path, coarse_run):
+    mesh = meshio.read(write_series(tmp_path, coarse_run) / "final_state.vtu")
+    warp, weft = (mesh.cell_data[f"{yarn}_angle_deg"][0] for yarn in ("warp", "weft"))
+    # shear is what is missing to a right angle between them
+    assert 90.0 - (weft - warp) == pytest.approx(mesh.cell_data["shear_angle_deg"][0], abs=1e-9)
+
+
+def test_final_state_of_a_run_has_stresses(tmp_path):
+    from tests.support.runs import one_sheet_run
+    from tests.support.sheet import plain_fabric
+    from weavesim.measures.stresses import STRESS_FIELDS
+    from weavesim.sheet.blank import Blank
+
+    blank = Blank.rectangle((0.0, 0.0), (0.08, 0.06), 0.01)
+    run = one_sheet_run(name="test", blank=blank, fabric=plain_fabric(), duration=1e-5, frame_count=1)
+    series = ParaViewSeries(tmp_path)
+    run.run([series])
+    cells = meshio.read(tmp_path / "final_state.vtu").cell_data
+    assert set(STRESS_FIELDS) <= set(cells)
+    assert cells["stress_upper"][0].shape == (48, 3)
+
+
 def test_every_listed_frame_exists_with_its_time_and_points(tmp_path, coarse_run):
     frames = {frame.time: frame for frame in coarse_run[1]}
     entries = listed(write_series(tmp_path, coarse_run))

@@ -1,4 +1,4 @@
-"""Sheets that pass through themselves, fold up, turn over, or leave their side of a symmetry plane."""
+"""Sheets that pass through themselves or each other, fold up, turn over, or leave their side of a symmetry plane."""
 
 from __future__ import annotations
 
@@ -50,6 +50,31 @@ class SelfIntersection(_Counted):
     what = "crossings"
     text = "pairs of triangles of the sheet pass through each other"
     advice = "nothing keeps the sheet from itself yet: the result is wrong there; refine the mesh or stop earlier"
+
+
+class SheetIntersection(Guard):
+    """Sheets of one world that pass through each other."""
+
+    name = "sheet_intersection"
+    watches = "sheets that pass through each other"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """The worst state of each pair of sheets."""
+        for stack in run.stacks:
+            for (first, second), tally in stack.crossings.items():
+                if tally.most > 0.0:
+                    yield self.doubt(
+                        Level.DO_NOT_USE if tally.share > USELESS_SHARE else Level.WARNING,
+                        f"{tally.most:.0f} pairs of triangles of {first} and {second} pass through each other "
+                        f"({tally.share:.2%} of their elements; {tally.last:.0f} at the end)",
+                        "the result is wrong there: sheets of one world need an interface between them, and variants "
+                        "a world each",
+                        sheet=first,
+                        place=tally.place,
+                        time=tally.time,
+                        value=tally.most,
+                        limit=0.0,
+                    )
 
 
 class FoldedElements(_Counted):

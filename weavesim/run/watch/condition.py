@@ -1,12 +1,14 @@
-"""Condition of a sheet: where it passes through itself, is folded, turned over, or beyond a symmetry plane."""
+"""Condition of sheets: where they pass through themselves or each other, are folded, turned over, or beyond a plane."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
-from ...measures.crossings import Crossings
+from ...measures.crossings import Crossings, CrossingsBetween
 from ...measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
 from ..frame import SheetFrame, SheetInfo
 
@@ -68,6 +70,44 @@ class Condition:
     def _counted(self, last: Tally, count: int, elements: np.ndarray, time: float) -> Tally:
         place = self._centres[elements[0]] if len(elements) else None
         return _worse(last, float(count), time, place, len(elements) / len(self._centres))
+
+
+class StackCondition:
+    """Looks at the sheets of one world: where they pass through each other.
+
+    Args:
+        infos: of these sheets, at least two.
+
+    Attributes:
+        crossings: pairs of triangles that meet, see ``CrossingsBetween``, by the names of two sheets; the place is that
+            on the flat blank of the first.
+        total: sum of these over all times, by the same names.
+        look_count: times so far.
+    """
+
+    def __init__(self, infos: Sequence[SheetInfo]) -> None:
+        self._infos = tuple(infos)
+        self._crossings = CrossingsBetween([info.blank.quads for info in infos])
+        names = [info.name for info in infos]
+        self.crossings = {pair: Tally() for pair in combinations(names, 2)}
+        self.total = dict.fromkeys(self.crossings, 0)
+        self.look_count = 0
+
+    def look(self, frames: Sequence[SheetFrame], time: float) -> None:
+        """Look at the sheets at ``time`` [s]; ``frames`` may be those of the whole run."""
+        own = {frame.name: frame.position for frame in frames}
+        pairs = self._crossings.pairs([own[info.name] for info in self._infos])
+        self.look_count += 1
+        for (a, first), (b, second) in combinations(enumerate(self._infos), 2):
+            meeting = pairs[(pairs[:, 0] == a) & (pairs[:, 2] == b)]
+            elements, others = np.unique(meeting[:, 1] // 2), np.unique(meeting[:, 3] // 2)
+            share = (len(elements) + len(others)) / (first.blank.element_count + second.blank.element_count)
+            place = None
+            if len(elements):
+                place = first.blank.material_coordinates[first.blank.quads[elements[0]]].mean(axis=0)
+            names = first.name, second.name
+            self.crossings[names] = _worse(self.crossings[names], float(len(meeting)), time, place, share)
+            self.total[names] += len(meeting)
 
 
 def _worse(last: Tally, value: float, time: float, place: np.ndarray | None, share: float) -> Tally:

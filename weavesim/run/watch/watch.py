@@ -7,7 +7,7 @@ import math
 from ..frame import Frame
 from ..sheet_ledger import NO_PENETRATION, Penetration
 from ..start import Prepared
-from .condition import Condition
+from .condition import Condition, StackCondition
 from .extremes import Extremes
 
 # States that are looked at in a run, evenly spaced in time.
@@ -30,6 +30,7 @@ class Watch:
         penetration: the deepest of all states so far.
         extremes: over all steps so far, kept on the device.
         conditions: of every sheet, at every fourth of these states and at the end.
+        stacks: conditions of the sheets of every world that has several, at the same times.
     """
 
     def __init__(self, prepared: Prepared) -> None:
@@ -37,6 +38,7 @@ class Watch:
         self._ledger, self._guards = prepared.ledger, prepared.guards
         self.extremes = Extremes(prepared.model)
         self.conditions = tuple(Condition(sheet) for sheet in prepared.info.sheets)
+        self.stacks = tuple(StackCondition(sheets) for sheets in prepared.info.worlds if len(sheets) > 1)
         self.history: list[dict[str, float]] = []
         self.penetration: Penetration = NO_PENETRATION
         self._last_step = -1
@@ -59,6 +61,8 @@ class Watch:
         if last or (new and following // CONDITION_INTERVAL > self._next // CONDITION_INTERVAL):
             for condition, sheet in zip(self.conditions, frame.sheets, strict=True):
                 condition.look(sheet, frame.time)
+            for stack in self.stacks:
+                stack.look(frame.sheets, frame.time)
         if not new:
             return
         self._last_step, self._next = frame.step_count, following

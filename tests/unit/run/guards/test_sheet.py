@@ -1,15 +1,22 @@
 """Guards of sheets that pass through themselves, fold, turn over, or enter their mirror image."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from tests.support.judged import said
 from tests.support.runs import small_run
+from weavesim.engine.setup import Setup, Solver, World
+from weavesim.fabric.presets import glass_polypropylene
 from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.guards import Level
+from weavesim.run.simulation import Simulation
 from weavesim.run.watch.condition import Tally
+from weavesim.run.watch.crossing_record import CrossingRecord
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 
 GUARDS = {
     "self_intersection": "crossings", "folded_elements": "folded", "inverted_elements": "inverted",
@@ -67,3 +74,37 @@ def test_an_edge_that_crosses_its_symmetry_plane_is_seen():
 def test_a_small_move_is_not_doubted():
     found = spoken(driven(lambda x: x > 0.035, (0.0, 0.0, 0.002)))
     assert not set(found) & {*GUARDS, "beyond_symmetry"}
+
+
+@pytest.mark.parametrize(("share", "level"), [(0.002, Level.WARNING), (0.02, Level.DO_NOT_USE)])
+def test_sheets_that_pass_through_each_other_are_doubted_by_their_share(share, level):
+    tally = Tally(3.0, 5.0, 0.2, (0.01, 0.02), share)
+    stack = SimpleNamespace(crossings={("ply_1", "ply_2"): tally, ("ply_2", "ply_3"): Tally()})
+    (doubt,) = said("sheet_intersection", stacks=(stack,))
+    assert doubt.level == level and doubt.text.startswith("5 pairs of triangles of ply_1 and ply_2 ")
+    assert (doubt.time, doubt.place, doubt.sheet) == (0.2, (0.01, 0.02), "ply_1") and said("sheet_intersection") == []
+
+
+def test_sheets_of_one_world_that_pass_through_each_other_are_seen_and_those_of_two_are_not():
+    """The upper one moves down through the lower one."""
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
+    above = Blank.rectangle((0.003, 0.0), (0.023, 0.02), 0.005, height=1e-4)
+    fabric = glass_polypropylene()
+    falling = np.tile([0.0, 0.0, -1.0], (above.node_count, 1))
+    tilted = falling * (1.0 + 100.0 * above.node_position[:, :1])
+    sheets = (Sheet(blank, fabric, "lower"), Sheet(above, fabric, "upper", initial_velocity=tilted))
+    settings = {"duration": 1e-4, "frame_count": 3, "solver": Solver(threads=1, lane_count=1)}
+    together, record = Simulation(Setup("together", (World(sheets),), **settings)), CrossingRecord()
+    together.run([record])
+    (doubt,) = [doubt for doubt in together.doubts() if doubt.guard == "sheet_intersection"]
+    assert doubt.sheet == "lower" and together.verdict == "do not use" and doubt.value > 0.0
+    found = together.summary()["sheet_intersections"]["lower and upper"]
+    assert found["at_end"] == 0 < found["most"] <= found["total"] and found["state_count"] > 3
+    assert len(record.between["lower", "upper"]) == 4 and record.within == {"lower": [0] * 4, "upper": [0] * 4}
+    assert 0 < max(record.between["lower", "upper"]) <= record.total
+
+    worlds = tuple(World((sheet,), name=sheet.name) for sheet in sheets)
+    apart, record = Simulation(Setup("apart", worlds, **settings)), CrossingRecord()
+    apart.run([record])
+    assert record.between == {} and "sheet_intersections" not in apart.summary()
+    assert "sheet_intersection" not in {doubt.guard for doubt in apart.doubts()}

@@ -5,7 +5,7 @@ import pytest
 
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.run.frame import SheetFrame, SheetInfo
-from weavesim.run.watch.condition import Condition
+from weavesim.run.watch.condition import Condition, StackCondition
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.symmetry import Symmetry
 
@@ -56,3 +56,30 @@ def test_a_fold_and_a_turn_are_counted():
     creased[back, 2] = 1e-4
     condition = looked(creased)
     assert condition.folded.last == 6.0 and condition.inverted.last == 36.0
+
+
+def test_sheets_that_pass_through_each_other_are_counted_by_pair():
+    names = ("lower", "middle", "upper")
+    infos = [SheetInfo(name, BLANK, glass_polypropylene(), Symmetry()) for name in names]
+    stack = StackCondition(infos)
+
+    def look(time: float, tilt: float) -> None:
+        heights = (0.0, 0.001, 0.002)
+        positions = [BLANK.node_position + (0.0, 0.0, height) for height in heights]
+        positions[1] = positions[1] + BLANK.node_position[:, :1] * (0.0, 0.0, tilt)
+        # in another order than that of the world, and with a sheet of another one
+        frames = [
+            SheetFrame(name, position, BLANK.initial_director, {}, {})
+            for name, position in [*zip(names, positions, strict=True), ("other", positions[0])]
+        ]
+        stack.look(frames[::-1], time)
+
+    look(0.0, 0.0)
+    look(0.1, 0.03)
+    look(0.2, 0.0)
+    assert stack.look_count == 3
+    assert list(stack.crossings) == [("lower", "middle"), ("lower", "upper"), ("middle", "upper")]
+    crossed = stack.crossings["middle", "upper"]
+    assert crossed.last == 0.0 < crossed.most == stack.total["middle", "upper"] and crossed.time == 0.1
+    assert crossed.place == pytest.approx((0.0325, 0.0025)) and crossed.share == pytest.approx(1.0 / 12.0)
+    assert stack.crossings["lower", "middle"].most == stack.crossings["lower", "upper"].most == 0.0

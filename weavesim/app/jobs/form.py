@@ -1,0 +1,96 @@
+"""``weavesim form``: run a job."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..ending import closing_lines, exit_code
+from ..session import announce_compilation, announced, interruptible
+from ..terminal import say
+from .arguments import FilesFrom, JobPath, Overwrite, Settings
+
+if TYPE_CHECKING:
+    from ...job.read import JobFile
+
+
+def form_command(
+    job: JobPath,
+    set_: Settings = None,
+    out: Annotated[Path | None, typer.Option(help="folder for the results [default: out, beside the job file]")] = None,
+    files_from: FilesFrom = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Run a job: form its plies, and write the results to a folder."""
+    from ...engine.compilation import side_by_side
+    from ...job.read import read_job
+
+    file = read_job(job, set_ or (), files_from or ())
+    folder = out or job.parent / "out"
+    with (
+        interruptible() as interrupted,
+        side_by_side(partial(announce_compilation, file.job.name)),
+        announced(),
+    ):
+        result = run_job(file, folder, overwrite=overwrite)
+        number = interrupted.signal
+        for line in closing_lines(result, folder, number):
+            say(line)
+    if code := exit_code(result, number):
+        raise typer.Exit(code)
+
+
+def run_job(file: JobFile, out: Path, *, overwrite: bool = False) -> Mapping[str, Any]:
+    """Run a job into a folder.
+
+    Args:
+        file: the job.
+        out: the folder.
+        overwrite: replace results that are there.
+
+    Returns:
+        The summary as written; of a scene with cases, the summaries by case.
+
+    Raises:
+        InputError: bad input, before anything runs.
+        RunError: the run had to stop; results up to its last good frame are written first.
+    """
+    from ...job.build import setup_of
+    from ...job.scenes import scene_of
+    from ...output import ResultFolder
+    from ...output.writer import chosen_writers
+    from ..run_into_folder import run_into_folder
+
+    if file.job.scene is not None:
+        scene, parameters = scene_of(file, out=out, overwrite=overwrite)
+        return scene.run(parameters)
+    setup, output = setup_of(file), file.job.output
+    writers = tuple(kind.name for kind in chosen_writers(output.write, output.without or ()))
+    options = options_of(file)
+    folder = ResultFolder(out, writers=writers, overwrite=overwrite, options=options)
+    return run_into_folder(setup, folder, options=options)
+
+
+def options_of(file: JobFile) -> dict[str, Any]:
+    """What a job says, by dotted keys, for the record of the run and its report."""
+    found: dict[str, Any] = {"job": str(file.path.absolute())}
+
+    def enter(keys: tuple[str, ...], value: Any) -> None:
+        if isinstance(value, Mapping):
+            for key, item in value.items():
+                enter((*keys, str(key)), item)
+        elif isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+            for index, item in enumerate(value):
+                enter((*keys, str(item.get("name", index))), item)
+        elif keys[-1] in ("file", "outline") and isinstance(value, str):
+            found[".".join(keys)] = str(file.file(value, keys).absolute())
+        else:
+            found[".".join(keys)] = value
+
+    for key, value in file.values.items():
+        enter((key,), value)
+    return found

@@ -1,0 +1,69 @@
+"""What surrounds the work of a command: signals, and what takes seconds before a run."""
+
+from __future__ import annotations
+
+import logging
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import typer
+
+from ..errors import InputError, RunError
+from ..run.interruption import Interrupted, Interruption, interruption
+from .ending import interrupted_code
+from .terminal import say
+
+logger = logging.getLogger(__name__)
+
+
+@contextmanager
+def interruptible() -> Iterator[Interruption]:
+    """Take the signals of the process; one with nothing to lose ends the command at once, with its exit code."""
+    try:
+        with interruption() as interrupted:
+            yield interrupted
+    except KeyboardInterrupt as error:
+        # before the run, or while its results were written for somebody who did not wait
+        raise _interrupted(error.signal if isinstance(error, Interrupted) else signal.SIGINT) from None
+    except (InputError, RunError, typer.Exit):
+        raise
+    except Exception:
+        if interrupted.signal is None:
+            raise
+        # code that the signal met in the middle may raise what it likes
+        logger.debug("a signal ended this", exc_info=True)
+        raise _interrupted(interrupted.signal) from None
+
+
+def _interrupted(number: int) -> typer.Exit:
+    say(f"Interrupted by {signal.Signals(number).name}.")
+    return typer.Exit(interrupted_code(number))
+
+
+def announce_compilation(name: str, kernel_count: int) -> None:
+    kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
+    text = f"{name}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
+    say(text, error=True)
+
+
+class _Announcements(logging.Handler):
+    """Shows what takes seconds before a run: log records with ``announced``."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if getattr(record, "announced", False):
+            say(record.getMessage(), error=True)
+
+
+@contextmanager
+def announced() -> Iterator[None]:
+    """Show which large meshes are being prepared."""
+    logger, handler = logging.getLogger("weavesim.tools"), _Announcements(logging.INFO)
+    level = logger.level
+    logger.setLevel(logging.INFO)
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)

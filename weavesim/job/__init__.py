@@ -1,0 +1,1 @@
+"""Jobs: a forming run as a file, without a line of Python."""

@@ -1,0 +1,166 @@
+"""A job as a set-up: plies on tools, tools that move."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..engine.setup import Setup, Solver
+from ..errors import InputError
+from ..fabric.fabric import Fabric
+from ..process.dynamics import Dynamics
+from ..sheet.blank import Blank
+from ..sheet.sheet import Sheet
+from ..sheet.symmetry import Symmetry
+from ..tools.shapes import Shape
+from ..tools.tool import Tool
+from .placing import Box, axis_of, motion_of, reach, start_shift
+from .plies import blank_of, box_of, fabric_of
+from .read import JobFile
+from .surfaces import Surfaces
+
+COLOURS = ((0.75, 0.76, 0.80), (0.45, 0.52, 0.62), (0.62, 0.55, 0.45), (0.55, 0.62, 0.50), (0.60, 0.50, 0.60))
+
+
+def setup_of(file: JobFile) -> Setup:
+    """The set-up of a job without a scene.
+
+    Raises:
+        InputError: files that cannot be read, plies and tools that do not fit together.
+    """
+    return Builder(file).setup()
+
+
+class Builder:
+    """Makes the parts of a set-up one after the other.
+
+    Attributes:
+        fabrics: of the plies.
+        shapes: of the tools, where they are drawn.
+        facing: "up" or "down" of each tool, towards the sheet; None where nobody says it.
+        heights: of the middles of the plies [m].
+        shifts: how far along its axis each tool is from where it is drawn, at the start [m].
+    """
+
+    def __init__(self, file: JobFile) -> None:
+        self.file = file
+        job = file.job
+        self.fabrics: tuple[Fabric, ...] = tuple(fabric_of(file, k) for k in range(len(job.ply)))
+        self.thickness = sum(fabric.thickness for fabric in self.fabrics)
+        surfaces = Surfaces(file, self.thickness)
+        self.shapes: tuple[Shape, ...] = tuple(surfaces.shape(k) for k in range(len(job.tool)))
+        self.facing = tuple(surfaces.facing(k) for k in range(len(job.tool)))
+        boxes = [box_of(file, k) for k in range(len(job.ply))]
+        self.box = Box(np.min([b.lower for b in boxes], axis=0), np.max([b.upper for b in boxes], axis=0))
+        self.heights = self._heights()
+        self.shifts = tuple(self._shift(k) for k in range(len(job.tool)))
+
+    def setup(self) -> Setup:
+        """All of it."""
+        job, solver, output = self.file.job, self.file.job.solver, self.file.job.output
+        symmetry = Symmetry(job.process.symmetry)
+        parts = enumerate(zip(job.ply, self.fabrics, strict=True))
+        sheets = tuple(Sheet(self._blank(k), fabric, name=ply.name) for k, (ply, fabric) in parts)
+        tools = tuple(self._tool(k, symmetry.share) for k in range(len(job.tool)))
+        moving = [k for k, tool in enumerate(job.tool) if tool.stroke is not None]
+        return Setup(
+            job.name,
+            sheets=sheets,
+            tools=tools,
+            symmetry=symmetry,
+            dynamics=Dynamics(
+                gravity=(0.0, 0.0, -job.process.gravity if job.process.gravity else 0.0),
+                damping=job.process.damping,
+                director_damping=job.process.director_damping,
+                contact_thickness=job.process.contact_thickness,
+            ),
+            duration=self._duration(tools),
+            frame_count=output.frame_count,
+            leading_tool=moving[0] if moving else 0,
+            solver=Solver(
+                device=solver.device,
+                precision=solver.precision,
+                threads=solver.threads,
+                time_step=solver.time_step,
+                target_step=solver.target_step,
+            ),
+            accept_unusual=job.accept_unusual,
+        )
+
+    def _heights(self) -> list[float]:
+        """Of the middles of the plies: as given, or upon each other, the lowest on the tools."""
+        result, floor = [], self._floor()
+        for k, (ply, fabric) in enumerate(zip(self.file.job.ply, self.fabrics, strict=True)):
+            if ply.height is not None:
+                height = ply.height
+            elif floor is None:
+                self.file.refuse(
+                    ["ply", k, "height"], 'height: is required, since no tool with faces = "up" is under the ply'
+                )
+            else:
+                height = floor + 0.5 * fabric.thickness
+            result.append(height)
+            floor = height + 0.5 * fabric.thickness
+        return result
+
+    def _floor(self) -> float | None:
+        """Height of the tools under the plies, where they start [m]."""
+        found: list[float] = []
+        for k, tool in enumerate(self.file.job.tool):
+            if self.facing[k] == "up" and tool.start == "drawn":
+                top = reach(self.shapes[k], self.box, "up")
+                if top is not None:
+                    found.append(top - tool.clearance * float(np.sign(axis_of(tool, "up")[2])))
+        return max(found, default=None)
+
+    def _shift(self, k: int) -> float:
+        tool, facing = self.file.job.tool[k], self.facing[k]
+        reached = face = None
+        if tool.start == "touching" and facing is not None:
+            reached = reach(self.shapes[k], self.box, facing)
+            face = self.bottom if facing == "up" else self.top
+        try:
+            return start_shift(tool, facing, reached, face or 0.0)
+        except InputError as error:
+            self.file.refuse(["tool", k, "start"], error)
+
+    @property
+    def bottom(self) -> float:
+        """Height of the lower face of the lowest ply [m]."""
+        return self.heights[0] - 0.5 * self.fabrics[0].thickness
+
+    @property
+    def top(self) -> float:
+        """Height of the upper face of the highest ply [m]."""
+        return self.heights[-1] + 0.5 * self.fabrics[-1].thickness
+
+    def _blank(self, k: int) -> Blank:
+        return blank_of(self.file, k, self.heights[k])
+
+    def _tool(self, k: int, share: float) -> Tool:
+        tool = self.file.job.tool[k]
+        try:
+            axis = np.array(axis_of(tool, self.facing[k]), dtype=np.float64)
+            shape = self.shapes[k]
+            if self.shifts[k] != 0.0:
+                shape = shape.placed(self.shifts[k] * axis / np.linalg.norm(axis))
+            motion = motion_of(tool, self.shifts[k], share)
+            return Tool(
+                tool.name,
+                shape,
+                motion,
+                friction=tool.friction,
+                axis=(float(axis[0]), float(axis[1]), float(axis[2])),
+                colour=COLOURS[k % len(COLOURS)],
+            )
+        except InputError as error:
+            key = str(error).split(":")[0].split(" ")[0]
+            self.file.refuse(["tool", k, key], str(error).removeprefix("Tool: "))
+
+    def _duration(self, tools: tuple[Tool, ...]) -> float:
+        process = self.file.job.process
+        if process.duration is not None:
+            return process.duration
+        strokes = [tool.motion.duration for tool in tools if not tool.motion.by_force]
+        if not any(strokes):
+            self.file.refuse(["process"], "duration: is required, since no tool has a stroke")
+        return max(strokes) + process.hold

@@ -1,0 +1,233 @@
+"""Read a job file: every table checked by its own model; a mistake is told with file, line, table, key and value."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ..checks import Parameters
+from ..documents import Document, read_document
+from ..errors import InputError, did_you_mean
+from ..input_files import shown, within_folder
+from ..names import file_name
+from .overrides import LISTS, overridden
+from .schema import Job, OutputTable, PlyTable, ProcessTable, SolverTable, ToolTable
+
+# Tables of their own, and those of which there may be several.
+SINGLE: dict[str, type[Parameters]] = {"process": ProcessTable, "solver": SolverTable, "output": OutputTable}
+SEVERAL: dict[str, type[Parameters]] = {"ply": PlyTable, "tool": ToolTable}
+# What people expect in a job, and what stands in its place.
+NOT_THERE = {
+    "stage": "stages are not there yet: all tools begin together, each after its own `delay`",
+    "spring": "springs are not there yet: the edge of a ply is free, or held by a tool",
+    "gripper": "grippers are not there yet: hold the edge of a ply by a tool, such as a ring with a force",
+    "pressure": "pressure on a ply is not there yet: forces come from tools",
+    "interface": "friction laws between plies are not there yet: each tool has its own `friction`",
+}
+MANY_PLIES = (
+    "contact between plies is not there yet: a second ply would go through the first; give one ply, with the thickness "
+    "and the properties of the stack as its fabric"
+)
+
+
+@dataclass(frozen=True)
+class JobFile:
+    """A job as read.
+
+    Attributes:
+        job: its tables.
+        path: of the file.
+        folders: from which it may read files: its own first.
+        values: content with all settings, as given.
+        places: settings from the command line, by their keys.
+        document: the file.
+    """
+
+    job: Job
+    path: Path
+    folders: tuple[Path, ...]
+    values: Mapping[str, Any]
+    places: Mapping[tuple[str, ...], str]
+    document: Document
+
+    def refuse(self, keys: Iterable[object], problem: object) -> NoReturn:
+        """Refuse what stands under some keys.
+
+        Raises:
+            InputError: always.
+        """
+        raise InputError(f"{self.where(keys)}{problem}")
+
+    def where(self, keys: Iterable[object]) -> str:
+        """Place of some keys for a message: file and line, or the setting of the command line, and the table."""
+        return _where(self.document, self.values, self.places, [str(key) for key in keys])
+
+    def file(self, reference: str, keys: Iterable[object]) -> Path:
+        """A file that the job names, in its folder or one that the user named.
+
+        Raises:
+            InputError: it is not there, or leads out of these folders.
+        """
+        keys = [str(key) for key in keys]
+        problem = ""
+        for folder in self.folders:
+            try:
+                path = within_folder(folder, reference, keys[-1])
+            except InputError as error:
+                problem = problem or str(error)
+                continue
+            if path.exists():
+                return path
+            problem = f"{keys[-1]} = {reference!r}: there is no such file in the folder of the job"
+        for folder in self.folders[1:]:
+            path = Path(reference)
+            if path.is_absolute() and path.resolve().is_relative_to(folder.resolve()) and path.exists():
+                return path
+        named = "" if len(self.folders) > 1 else ", or name its folder with --files-from"
+        self.refuse(keys, f"{problem}{named}")
+
+
+def read_job(path: str | Path, settings: Iterable[str] = (), files_from: Iterable[str | Path] = ()) -> JobFile:
+    """Read a job file, TOML or JSON.
+
+    Args:
+        path: of the file.
+        settings: values given beside it, see ``overrides.py``.
+        files_from: folders from which it may read files, besides its own.
+
+    Raises:
+        InputError: a file that cannot be read; a table, a key or a value that is not allowed.
+    """
+    document = read_document(path, "job")
+    values, places = overridden(document.values, settings)
+    folders = (document.path.parent, *map(Path, files_from))
+    for folder in folders[1:]:
+        if not folder.is_dir():
+            raise InputError(f"--files-from {shown(folder)}: there is no such folder")
+
+    def checked(cls: type[Parameters], given: Any, keys: list[str]) -> Any:
+        if not isinstance(given, Mapping):
+            _refuse(document, values, places, keys, "a table is needed")
+        for key in given:
+            if not str(key).isidentifier():
+                _refuse(document, values, places, [*keys, key], f"{key!r}: unknown name")
+        try:
+            return cls(**{key: _as_tuples(value) for key, value in given.items()})
+        except InputError as error:
+            text = str(error).removeprefix(f"{cls.__name__}: ")
+            name = re.split(r"[ .:=,]", text, maxsplit=1)[0]
+            _refuse(document, values, places, [*keys, name] if name in given else keys, text)
+
+    rest: dict[str, Any] = {}
+    known = [*Job.model_fields, *NOT_THERE]
+    for key, value in values.items():
+        if key in NOT_THERE:
+            _refuse(document, values, places, [key], NOT_THERE[key])
+        if key not in Job.model_fields:
+            singular = "tool" if key == "tools" else "ply" if key == "plies" else None
+            near = f"; write [[{singular}]]" if singular else did_you_mean(key, known)
+            _refuse(document, values, places, [key], f"{key}: unknown name{near}")
+        if key in SEVERAL:
+            if not isinstance(value, list):
+                _refuse(document, values, places, [key], f"write [[{key}]], since there may be several")
+            rest[key] = tuple(checked(SEVERAL[key], entry, [key, str(index)]) for index, entry in enumerate(value))
+        elif key in SINGLE:
+            rest[key] = checked(SINGLE[key], value, [key])
+        else:
+            rest[key] = value
+    if "name" not in rest:
+        rest["name"] = file_name("job", document.path.stem)
+    result = JobFile(checked(Job, rest, []), document.path, folders, values, places, document)
+    _check_whole(result)
+    return result
+
+
+def _check_whole(file: JobFile) -> None:
+    """What no table can see alone."""
+    job = file.job
+    if job.scene is not None:
+        for key in ("ply", "tool", "process", "fabric"):
+            if key in file.values:
+                file.refuse([key], f"[scene] brings its own; leave [{key}] out, or [scene]")
+        return
+    if not job.ply:
+        file.refuse([], "[[ply]]: at least one is needed, or a [scene]")
+    for kind in LISTS:
+        names = [entry.name for entry in getattr(job, kind)]
+        for index, name in enumerate(names):
+            if name in names[:index]:
+                file.refuse(
+                    [kind, index, "name"],
+                    f"name = {name!r}: another [[{kind}]] has it; results tell them apart by it, give each its own",
+                )
+    if len(job.ply) > 1:
+        file.refuse(["ply", 1], MANY_PLIES)
+    names = [tool.name for tool in job.tool]
+    for index, tool in enumerate(job.tool):
+        for key in ("offset_of", "ring_of"):
+            other = getattr(tool, key)
+            if other is None:
+                continue
+            others = [name for name in names if name != tool.name]
+            if other not in others:
+                file.refuse(
+                    ["tool", index, key],
+                    f"{key} = {other!r}: there is no such [[tool]]{did_you_mean(other, others)}; "
+                    f"there are {', '.join(others) or 'no others'}",
+                )
+            if job.tool[names.index(other)].file is None:
+                file.refuse(["tool", index, key], f"{key} = {other!r}: that tool needs a file as its surface")
+
+
+def _as_tuples(value: Any) -> Any:
+    return tuple(_as_tuples(item) for item in value) if isinstance(value, list) else value
+
+
+def _refuse(
+    document: Document, values: Mapping[str, Any], places: Mapping[tuple[str, ...], str], keys: list[str], problem: str
+) -> NoReturn:
+    raise InputError(f"{_where(document, values, places, keys)}{problem}")
+
+
+def _where(
+    document: Document, values: Mapping[str, Any], places: Mapping[tuple[str, ...], str], keys: list[str]
+) -> str:
+    """ "job tray.toml, line 12, [[tool]] ring: "."""
+    setting = places.get(tuple(keys))
+    line = _line_of(document, keys)
+    place = setting or f"job {shown(document.path)}" + (f", line {line}" if line else "")
+    return f"{place}, {_table(values, keys)}: " if _table(values, keys) else f"{place}: "
+
+
+def _table(values: Mapping[str, Any], keys: list[str]) -> str:
+    """The table that some keys are in, as it stands in the file, with the name of an entry."""
+    if not keys:
+        return ""
+    if keys[0] in LISTS or keys[0] in NOT_THERE:
+        entries = values.get(keys[0])
+        entry = entries[int(keys[1])] if len(keys) > 1 and isinstance(entries, list) else None
+        name = entry.get("name") if isinstance(entry, dict) else None
+        return f"[[{keys[0]}]] {shown(name)[:60]}" if isinstance(name, str) else f"[[{keys[0]}]]"
+    if keys[0] in SINGLE or keys[0] in ("scene", "fabric"):
+        return f"[{shown('.'.join(keys[:2] if keys[0] == 'fabric' else keys[:1]))}]"
+    return ""
+
+
+def _line_of(document: Document, keys: list[str]) -> int:
+    """Line of some keys in a TOML file; of an entry of a list, that of its own table; 0 if unknown."""
+    if not keys or keys[0] not in LISTS or len(keys) < 2:
+        return document.line_of(keys)
+    lines = document.text.split("\n")
+    heads = [k for k, line in enumerate(lines) if re.match(rf"\s*\[\[\s*{keys[0]}\s*\]\]", line[:200])]
+    if document.path.suffix.lower() != ".toml" or int(keys[1]) >= len(heads):
+        return 0
+    first = heads[int(keys[1])]
+    for number, line in enumerate(lines[first + 1 :], start=first + 2):
+        if re.match(r"\s*\[", line[:200]) and not re.match(rf"\s*\[\s*{keys[0]}\s*\.", line[:200]):
+            break
+        if len(keys) > 2 and re.match(rf"\s*{re.escape(keys[2])}\s*=", line[:200]):
+            return number
+    return first + 1

@@ -1,0 +1,254 @@
+"""The tables of a job file. Documents (docs/job.md) and the schema for editors are generated from them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from ..checks import Finite, NotNegative, Positive
+from ..device import LARGEST_THREAD_COUNT, Precision
+from ..names import FileName, Label
+from ..ranges import Quantity
+from .tables import JobTable
+from .units import length_unit
+
+Coordinate = Annotated[Finite, Quantity("position")]
+Point = tuple[Coordinate, Coordinate]
+Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+
+# How a blank, and a tool, may be given.
+OUTLINES = ("rectangle", "disc", "polygon", "outline")
+SURFACES = ("file", "shape", "offset_of", "ring_of")
+
+
+def _one_of(table: JobTable, names: tuple[str, ...]) -> str:
+    given = [name for name in names if getattr(table, name) is not None]
+    if len(given) != 1:
+        what = f"{' and '.join(given)} are given" if given else "none is given"
+        raise ValueError(f"{', '.join(names[:-1])} or {names[-1]}: one of them is needed, {what}")
+    return given[0]
+
+
+def _without(table: JobTable, names: tuple[str, ...], needed: str) -> None:
+    for name in names:
+        if name in table.model_fields_set and getattr(table, name) is not None:
+            raise ValueError(f"{name}: has no effect without {needed}; leave it out")
+
+
+class PlyTable(JobTable):
+    """A ply: its outline, fabric and angle. `[[ply]]`, one table per ply, from below to above."""
+
+    name: Label = Field(default="ply", description="name in all results")
+    fabric: str = Field(
+        description="a preset, the name of a file in your own folder of fabrics, a .toml file beside the job, or the "
+        "NAME of a table [fabric.NAME]"
+    )
+    angle: Annotated[Finite, Quantity("angle")] = Field(default=0.0, description="from the x axis to the warp")
+    rectangle: Annotated[tuple[Positive, Positive], Quantity("length")] | None = Field(
+        default=None, description="outline: sides along x and y"
+    )
+    disc: Annotated[Positive, Quantity("length")] | None = Field(default=None, description="outline: diameter")
+    polygon: tuple[Point, ...] | None = Field(default=None, description="outline: corners in order")
+    outline: str | None = Field(
+        default=None,
+        description="outline: a DXF drawing of closed lines, or a mesh of quadrilaterals or triangles, beside it",
+    )
+    layer: str | None = Field(default=None, description="layer of the DXF drawing; all layers if left out")
+    unit: str | None = Field(
+        default=None, description="unit of the outline's file, such as mm; a DXF drawing may say its own"
+    )
+    holes: tuple[tuple[Point, ...], ...] = Field(default=(), description="corners of each hole, in order")
+    slits: tuple[tuple[Point, ...], ...] = Field(default=(), description="points of each slit, in order")
+    centre: Point = Field(default=(0.0, 0.0), description="where the origin of the outline lies")
+    turn: Annotated[Finite, Quantity("angle")] = Field(
+        default=0.0, description="turns the outline about its origin, counter-clockwise; the yarns stay"
+    )
+    height: Coordinate | None = Field(
+        default=None, description="z of its middle; without it, the plies lie on the tools below them"
+    )
+    mesh_size: Annotated[Positive, Quantity("mesh size")] = Field(description="edge length of an element")
+    mesh_along: Literal["yarns", "outline"] = Field(
+        default="yarns", description="whether the elements are parallel to the yarns, or to the longest side"
+    )
+
+    @field_validator("unit")
+    @classmethod
+    def _is_a_length(cls, value: str | None) -> str | None:
+        if value is not None:
+            length_unit(value)
+        return value
+
+    @model_validator(mode="after")
+    def _has_one_outline(self) -> Self:
+        _one_of(self, OUTLINES)
+        if self.outline is None:
+            _without(self, ("layer", "unit"), "a file as outline")
+        elif not self.outline.lower().endswith(".dxf"):
+            _without(self, ("layer",), "a DXF drawing as outline")
+        return self
+
+
+class ToolTable(JobTable):
+    """A rigid tool: its surface, where it starts, and how it moves. `[[tool]]`, one table per tool."""
+
+    name: Label = Field(description="name in all results")
+    file: str | None = Field(
+        default=None, description="surface: a mesh (STL, OBJ, PLY, ...) or a CAD file (STEP, IGES) beside the job"
+    )
+    unit: str | None = Field(default=None, description="unit of the file, such as mm; some formats say their own")
+    up: Direction = Field(default="+z", description="direction in the file that points up, from the die to the punch")
+    mirror: tuple[Literal["x", "y"], ...] = Field(
+        default=(), description="planes at which the file ends, and behind which it is mirrored"
+    )
+    offset: Annotated[Finite, Quantity("displacement")] = Field(
+        default=0.0, description="moves the file's surface along its normal, towards the sheet"
+    )
+    shape: dict[str, Any] | None = Field(
+        default=None, description="surface: a built-in shape, {kind = ..., ...} with the names of its dimensions"
+    )
+    offset_of: str | None = Field(
+        default=None, description="surface: that of another tool, at the distance `gap` when both are closed"
+    )
+    ring_of: str | None = Field(
+        default=None, description="surface: a ring over the flat rim around the opening of another tool"
+    )
+    gap: Annotated[Positive, Quantity("gap")] | None = Field(
+        default=None, description="distance of an offset surface from the other tool, when both are closed"
+    )
+    faces: Literal["up", "down"] | None = Field(
+        default=None, description="towards the sheet: up for a tool below it, down for one above"
+    )
+    move: tuple[Coordinate, Coordinate, Coordinate] = Field(default=(0.0, 0.0, 0.0), description="shifts the surface")
+    start: Literal["drawn", "touching"] = Field(
+        default="drawn", description="at time zero: where it is drawn, or moved along its axis until it meets the sheet"
+    )
+    clearance: Annotated[NotNegative, Quantity("displacement")] = Field(
+        default=0.0, description="moved back by this from there"
+    )
+    axis: tuple[Finite, Finite, Finite] | None = Field(
+        default=None, description="direction of its stroke or force; without it, vertically towards the sheet"
+    )
+    stroke: Literal["close"] | Annotated[Finite, Quantity("displacement")] | None = Field(
+        default=None, description='travel along its axis; "close" goes to where it is drawn'
+    )
+    speed: Annotated[Positive, Quantity("speed")] | None = Field(default=None, description="of the stroke")
+    ramp: Annotated[NotNegative, Quantity("time")] | None = Field(
+        default=None, description="time to reach the speed, or the force; by default 5 % of the stroke's time, or 2 ms"
+    )
+    delay: Annotated[NotNegative, Quantity("time")] = Field(default=0.0, description="when the stroke begins")
+    force: Annotated[NotNegative, Quantity("force")] | None = Field(
+        default=None, description="along its axis, of the whole tool; instead of a stroke"
+    )
+    mass: Annotated[Positive, Quantity("mass")] = Field(default=2.0, description="what the force moves")
+    friction: Annotated[NotNegative, Quantity("friction")] = Field(
+        default=0.2, description="Coulomb coefficient between tool and sheet"
+    )
+
+    @field_validator("unit")
+    @classmethod
+    def _is_a_length(cls, value: str | None) -> str | None:
+        if value is not None:
+            length_unit(value)
+        return value
+
+    @model_validator(mode="after")
+    def _has_one_surface(self) -> Self:
+        surface = _one_of(self, SURFACES)
+        if surface != "file":
+            _without(self, ("unit", "up", "mirror", "offset"), "a file")
+        if surface == "offset_of" and self.gap is None:
+            raise ValueError("gap: is required with offset_of: the distance of both surfaces when they are closed")
+        if surface != "offset_of":
+            _without(self, ("gap",), "offset_of")
+        if surface in ("offset_of", "ring_of"):
+            _without(self, ("faces",), "a file or a shape: it faces the other tool")
+        if surface == "file" and self.faces is None:
+            raise ValueError('faces: is required with a file: "up" for a tool below the sheet, "down" for one above it')
+        return self
+
+    @model_validator(mode="after")
+    def _moves_in_one_way(self) -> Self:
+        if self.stroke is not None and self.force is not None:
+            raise ValueError("stroke and force: a tool moves by one of them, both are given")
+        if self.stroke is None:
+            _without(self, ("speed", "delay"), "a stroke")
+        elif self.speed is None:
+            raise ValueError("speed: is required with a stroke")
+        if self.force is None:
+            _without(self, ("mass",), "a force")
+        if self.stroke is None and self.force is None:
+            _without(self, ("ramp",), "a stroke or a force")
+        if self.stroke == 0.0:
+            raise ValueError("stroke = 0: for a tool at rest leave it out")
+        return self
+
+
+class ProcessTable(JobTable):
+    """What acts on all plies, and how long. `[process]`."""
+
+    symmetry: tuple[Literal["x", "y"], ...] = Field(
+        default=(), description="planes x = 0 and y = 0 at which plies and forces are cut"
+    )
+    gravity: Annotated[NotNegative, Quantity("acceleration")] = Field(default=0.0, description="downwards")
+    damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
+        default=100.0, description="mass-proportional damping of the nodes"
+    )
+    director_damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
+        default=1.0e4, description="the same of the directors, which vibrate a thousand times faster"
+    )
+    contact_thickness: Literal["initial", "current"] = Field(
+        default="initial", description="thickness of the sheet where it meets tools"
+    )
+    hold: Annotated[NotNegative, Quantity("time")] = Field(
+        default=2.0e-3, description="time at the end, after the last stroke"
+    )
+    duration: Annotated[Positive, Quantity("duration")] | None = Field(
+        default=None, description="of the run; without it, that of the strokes and `hold`"
+    )
+
+
+class SolverTable(JobTable):
+    """How and where the run is computed. `[solver]`."""
+
+    device: str = Field(default="cpu", description='"cpu", or "cuda:0", "cuda:1", ...')
+    precision: Precision = Field(default=Precision.SINGLE, description="scalar type of state and kernels")
+    threads: Annotated[int, Field(ge=1, le=LARGEST_THREAD_COUNT)] | None = Field(
+        default=None, description="CPU threads; the fastest number if left out; results are the same for any"
+    )
+    time_step: Annotated[Positive, Quantity("time step")] | None = Field(
+        default=None, description="largest time step; must be stable"
+    )
+    target_step: Annotated[Positive, Quantity("time step")] | None = Field(
+        default=None, description="scale the mass until this time step is stable; the added mass is reported"
+    )
+
+
+class OutputTable(JobTable):
+    """What is written. `[output]`."""
+
+    frame_count: Annotated[int, Field(ge=1)] = Field(default=60, description="frames after the first")
+    write: tuple[str, ...] | None = Field(default=None, description="results to write; all if left out")
+    without: tuple[str, ...] | None = Field(default=None, description="results to leave out")
+
+
+class Job(JobTable):
+    """A job file."""
+
+    name: FileName = Field(default="job", description="of the run; without it, that of the file")
+    accept_unusual: bool = Field(
+        default=False, description="take unusual values as meant, such as a thickness that looks like millimetres"
+    )
+    fabric: dict[str, dict[str, Any]] = Field(
+        default={},
+        description="[fabric.NAME]: a fabric as in a fabric file (docs/fabrics.md), in SI units; `based_on` a preset",
+    )
+    ply: tuple[PlyTable, ...] = Field(default=(), description="[[ply]], from below to above")
+    tool: tuple[ToolTable, ...] = Field(default=(), description="[[tool]], in the order of all results")
+    process: ProcessTable = Field(default=ProcessTable(), description="[process]")
+    solver: SolverTable = Field(default=SolverTable(), description="[solver]")
+    output: OutputTable = Field(default=OutputTable(), description="[output]")
+    scene: dict[str, Any] | None = Field(
+        default=None,
+        description="[scene]: a scene by its `name`, with its options by theirs; instead of plies and tools",
+    )

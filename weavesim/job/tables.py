@@ -1,0 +1,96 @@
+"""What the tables of a job have in common: numbers may be texts with units, and a description belongs to every key."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import ValidationInfo, field_validator
+from pydantic.fields import FieldInfo
+
+from ..checks import Parameters, json_schema, types_within
+from ..ranges import quantity_of
+from .units import EXAMPLES, in_units
+
+
+class JobTable(Parameters):
+    """Base class of the tables of a job file.
+
+    A field with a quantity takes a number in the unit of that quantity, or a text with a unit. Every field has a
+    description, which the documents and the schema for editors show.
+    """
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _text_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
+        field = cls.model_fields[info.field_name or ""]
+        quantity = quantity_of(field)
+        if field.annotation is bool and not isinstance(value, bool):
+            raise ValueError("true or false is needed")
+        if isinstance(value, str):
+            if value in words_of(field):
+                return value
+            if quantity is None and takes_numbers(field) and not takes_texts(field):
+                raise ValueError("a number is needed, not a text")
+        try:
+            return value if quantity is None else in_units(value, quantity.row)
+        except ValueError as error:
+            if not (words := words_of(field)):
+                raise
+            raise ValueError(f"{error}; or {' or '.join(map(repr, words))}") from None
+
+
+def words_of(field: FieldInfo) -> tuple[str, ...]:
+    """The words that a field allows by name."""
+    found: list[str] = []
+    for part in types_within(field.annotation):
+        if get_origin(part) is Literal:
+            found += [word for word in get_args(part) if isinstance(word, str) and word not in found]
+    return tuple(found)
+
+
+def takes_numbers(field: FieldInfo) -> bool:
+    """Whether numbers are among the values of a field."""
+    return bool({int, float} & set(types_within(field.annotation)))
+
+
+def takes_texts(field: FieldInfo) -> bool:
+    """Whether any text is among the values of a field."""
+    return any(isinstance(part, type) and issubclass(part, str) for part in types_within(field.annotation))
+
+
+def schema_of(cls: type[Parameters]) -> dict[str, Any]:
+    """JSON schema of a job file for editors: where a number is a quantity, a text with a unit will do too."""
+    schema = json_schema(cls)
+    for kind in (cls, *_tables_within(cls)):
+        part = schema if kind is cls else schema["$defs"][kind.__name__]
+        for name, field in kind.model_fields.items():
+            if (quantity := quantity_of(field)) is None:
+                continue
+            entry = part["properties"][name]
+            unit = quantity.row.unit
+            texts = {"type": "string", "examples": [EXAMPLES[unit]]}
+            part["properties"][name] = _with_texts(entry, texts)
+    return schema
+
+
+def _with_texts(entry: Any, texts: dict[str, Any]) -> Any:
+    """A schema in which every number may be a text with a unit."""
+    if isinstance(entry, list):
+        return [_with_texts(item, texts) for item in entry]
+    if not isinstance(entry, dict):
+        return entry
+    if entry.get("type") == "number":
+        kept = {key: value for key, value in entry.items() if key in ("description", "default", "title")}
+        number = {key: value for key, value in entry.items() if key not in kept}
+        return {**kept, "anyOf": [number, texts]}
+    return {key: value if key in ("default", "description") else _with_texts(value, texts)
+            for key, value in entry.items()}  # fmt: skip
+
+
+def _tables_within(cls: type[Parameters]) -> list[type[Parameters]]:
+    found: list[type[Parameters]] = []
+    for field in cls.model_fields.values():
+        for part in types_within(field.annotation):
+            if isinstance(part, type) and issubclass(part, JobTable) and part not in found:
+                found += [part, *_tables_within(part)]
+    return found

@@ -31,6 +31,7 @@ from .layout import lanes_view
 from .model import Model
 from .sheet_model import SheetModel
 from .state import SheetState, State
+from .tiles import chunks
 
 # A single thread reduces up to this number of entries; more of them are reduced in tiles first.
 LARGEST_SINGLE_REDUCTION = 8
@@ -287,26 +288,15 @@ class Launches:
             device=sheet.device,
         )  # fmt: skip
 
-    def fold_works(self, index: int, first: int, count: int) -> None:
-        """Add the works of the last steps of sheet ``index`` to their sums, in ``count`` blocks of nodes."""
-        wp.launch(
-            self._fold_works,
-            dim=count,
-            inputs=[first],
-            outputs=[self._arguments[index].node_work, self.state.sheets[index].node_work_sum],
-            device=self.model.device,
-        )
-
-    def fold_sample_works(self, index: int, first: int, count: int) -> None:
-        """The same of the samples between nodes, in ``count`` blocks of samples."""
-        if self.model.sheets[index].sample_count:
-            wp.launch(
-                self._fold_works,
-                dim=count,
-                inputs=[first],
-                outputs=[self._arguments[index].sampled.works, self.state.sheets[index].sample_work_sum],
-                device=self.model.device,
-            )
+    def fold_works(self, index: int, thread: int = 0, thread_count: int = 1) -> None:
+        """Add the works of the last steps of sheet ``index`` to their sums: the share of one thread."""
+        own, arguments = self.state.sheets[index], self._arguments[index]
+        folded = [(arguments.node_work, own.node_work_sum)]
+        if arguments.sampled is not None:
+            folded.append((arguments.sampled.works, own.sample_work_sum))
+        for works, sums in folded:
+            first, count = chunks(sums.shape[1], thread_count)[thread]
+            wp.launch(self._fold_works, dim=count, inputs=[first], outputs=[works, sums], device=self.model.device)
 
     def element_extremes(self, index: int, first: int, count: int) -> None:
         """Extremes so far of sheet ``index``, in ``count`` blocks of elements from ``first``."""

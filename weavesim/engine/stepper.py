@@ -150,10 +150,7 @@ class Stepper:
             sheet = self.model.sheets[index]
             own = chunks(sheet.element_count // sheet.lane_count, thread_count)[thread]
             self._launches.element_extremes(index, *own)
-            self._launches.fold_works(index, *chunks(sheet.block_count, thread_count)[thread])
-            self._launches.fold_sample_works(
-                index, *chunks(sheet.sample_count // sheet.lane_count, thread_count)[thread]
-            )
+            self._launches.fold_works(index, thread, thread_count)
         self._replay.wait(thread_count)
         if thread == 0:
             self._launches.set_step(self.step_safety, self.largest_step)
@@ -186,8 +183,7 @@ class Stepper:
         for index, sheet in enumerate(self.model.sheets):
             with beside():
                 launches.element_extremes(index, 0, sheet.element_count // sheet.lane_count)
-                launches.fold_works(index, 0, sheet.block_count)
-                launches.fold_sample_works(index, 0, sheet.sample_count // sheet.lane_count)
+                launches.fold_works(index)
             launches.element_frequencies(index, 0, launches.frequency_block_count(index))
         launches.set_step(self.step_safety, self.largest_step)
         join()

@@ -201,8 +201,9 @@ class SheetLedger:
         penetration = np.maximum(half_thickness - self._contact_gaps(np.concatenate(points)), 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
         of_samples = sheet.sample_layout.read(ahead.sample_friction)[: 3 * sheet.tool_count]
-        of_samples = of_samples.reshape(3 * sheet.tool_count, sample_count, -1)[..., :element_count]
-        friction = np.concatenate([friction, of_samples.reshape(len(friction), -1)], axis=1, dtype=np.float64)
+        of_samples = of_samples.reshape(len(friction), sample_count, sheet.element_count)
+        of_samples = of_samples[..., :element_count].reshape(len(friction), sample_count * element_count)
+        friction = np.concatenate([friction, of_samples], axis=1, dtype=np.float64)
         return {
             "contact": 0.5 * float((stiffness * np.square(penetration)).sum()),
             "friction_spring": 0.5 * TANGENTIAL_RATIO * float((stiffness * np.square(friction)).sum()),

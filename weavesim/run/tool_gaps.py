@@ -19,6 +19,9 @@ class ToolGaps:
         index: of the sheet.
         state: of the run, which is read.
         point_count: number of points.
+
+    Attributes:
+        launches: of every tool.
     """
 
     def __init__(self, model: Model, index: int, state: State, point_count: int) -> None:
@@ -27,17 +30,16 @@ class ToolGaps:
         self._points = wp.zeros(point_count if count else 0, dtype=wp.vec3d, device=model.device)
         self._distances = wp.zeros((count, len(self._points)), dtype=model.real, device=model.device)
         # packed once: a launch from Python costs more than the work of a small sheet
-        self._launches: list[wp.Launch] = []
+        self.launches = self._record() if len(self._points) else []
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """Distances of ``points`` (point_count, 3) [m], (tool_count, point_count) [m]; waits for the device."""
         if not len(self._points):
             return np.empty((self._sheet.tool_count, len(points)))
-        self._launches = self._launches or self._record()
         self._points.assign(points)
         places = self._sheet.places.tools
         displacement = self._state.tool_displacement.numpy()[places.start : places.stop]
-        for launch, value in zip(self._launches, displacement, strict=True):
+        for launch, value in zip(self.launches, displacement, strict=True):
             launch.set_param_by_name("displacement", wp.float64(value))
             launch.launch()
         return self._distances.numpy().astype(np.float64)

@@ -221,13 +221,22 @@ class ToolWorkRow(Rows):
 
     on_sheet = "J", "work of the tool on the sheet so far"
     driving = "J", "work of the driving force so far"
+    damping = "J", "energy lost in the damper of a tool that a force moves"
+
+
+class ToolDriveRow(Rows):
+    """What the drive of each tool keeps from step to step."""
+
+    carrying = "s", "time for which sheets have carried a tool that a force moves, since it landed"
+    stroke_time = "s", "time on the curve of a stroke, which waits at its largest force"
 
 
 class ToolWatchRow(Rows):
     """What is watched of each tool at every step."""
 
     peak = "N", "largest force of the sheets so far"
-    wanted = "s", "time during which a driving force was wanted"
+    waited = "s", "time in which a driving force was wanted before the tool first met a sheet"
+    wanted = "s", "time during which one was wanted since then"
     idle = "s", "of that, the time in which the sheets carried less than half of it"
     wanted_impulse = "N s", "driving force over time"
     carried_impulse = "N s", "what the sheets carried of it over time"

@@ -130,33 +130,33 @@ class DoubleDomeParameters(RunOptions):
         return BLANK_LENGTH * BLANK_WIDTH * 0.5 ** len(SYMMETRY[self.part])
 
 
-def clearance(fabric: Fabric) -> float:
-    """Between the default punch and die [m]: a thicker fabric gets an opening that is made for it."""
-    return max(SMALLEST_CLEARANCE, fabric.thickness)
+def clearance(thickness: float) -> float:
+    """Between the default punch and die [m]: a thicker sheet or stack gets an opening that is made for it."""
+    return max(SMALLEST_CLEARANCE, thickness)
 
 
-def blank_holder_area(fabric: Fabric) -> float:
-    """Flat area of the undeformed blank between die and holder [m^2].
+def blank_holder_area(thickness: float) -> float:
+    """Flat area of the undeformed blank, of ``thickness`` [m], between die and holder [m^2].
 
     Raises:
         InputError: there is none, since the fabric is too thick for these tools.
     """
-    rim = PUNCH_RADIUS + clearance(fabric) + DIE_ENTRY_RADIUS
+    rim = PUNCH_RADIUS + clearance(thickness) + DIE_ENTRY_RADIUS
     if rim > 0.5 * BLANK_WIDTH:
         raise InputError(
-            f"double dome: the fabric is {1e3 * fabric.thickness:.3g} mm thick, and an opening made for it is wider "
+            f"double dome: the fabric is {1e3 * thickness:.3g} mm thick, and an opening made for it is wider "
             f"than the blank; at most {1e3 * (0.5 * BLANK_WIDTH - PUNCH_RADIUS - DIE_ENTRY_RADIUS):.3g} mm is allowed"
         )
     return BLANK_LENGTH * BLANK_WIDTH - (math.pi * rim**2 + 2.0 * rim * DOME_DISTANCE)
 
 
 def tool_shapes(
-    parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple[str, ...]
+    parameters: DoubleDomeParameters, thickness: float, symmetry: tuple[str, ...]
 ) -> tuple[Shape, Shape, Shape]:
     """Punch, die and blank holder closed on a sheet of zero thickness at z = 0: the user's meshes, or the defaults."""
     half_length = 0.5 * DOME_DISTANCE
     opening = DomeOpening(
-        radius=PUNCH_RADIUS + clearance(fabric),
+        radius=PUNCH_RADIUS + clearance(thickness),
         half_length=half_length,
         edge_radius=DIE_ENTRY_RADIUS,
         display_size=(0.52, 0.32),
@@ -176,12 +176,12 @@ def tool_shapes(
     )
 
 
-def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple[str, ...]) -> tuple[Tool, ...]:
-    """Punch, die and blank holder around a sheet whose mid-surface is at z = 0."""
-    half = 0.5 * fabric.thickness
+def make_tools(parameters: DoubleDomeParameters, thickness: float, symmetry: tuple[str, ...]) -> tuple[Tool, ...]:
+    """Punch, die and blank holder around a sheet or stack of ``thickness`` [m] whose middle is at z = 0."""
+    half = 0.5 * thickness
     down = (0.0, 0.0, -1.0)
     share = 0.5 ** len(symmetry)
-    punch, die, blank_holder = tool_shapes(parameters, fabric, symmetry)
+    punch, die, blank_holder = tool_shapes(parameters, thickness, symmetry)
     holder_motion: Motion
     gap = 0.0
     if parameters.blank_holder_gap is not None:
@@ -189,7 +189,7 @@ def make_tools(parameters: DoubleDomeParameters, fabric: Fabric, symmetry: tuple
     else:
         force = parameters.blank_holder_force
         if force is None:
-            force = BLANK_HOLDER_PRESSURE * blank_holder_area(fabric)
+            force = BLANK_HOLDER_PRESSURE * blank_holder_area(thickness)
         holder_motion = ForceDriven.constant(force * share, BLANK_HOLDER_MASS * share, BLANK_HOLDER_RAMP)
     return (
         Tool(
@@ -233,7 +233,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     blank = Blank.rectangle(
         lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
     )
-    tools = make_tools(parameters, fabric, symmetry)
+    tools = make_tools(parameters, fabric.thickness, symmetry)
     return Setup(
         "double_dome", sheets=(Sheet(blank, fabric),), tools=tools, symmetry=symmetry,
         dynamics=Dynamics(
@@ -273,7 +273,7 @@ def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -
     if not 0.0 < depth <= PUNCH_RADIUS:
         return {}
     try:
-        taut = taut_path_draw_in(PUNCH_RADIUS, DIE_ENTRY_RADIUS, depth, thickness, clearance(fabric))
+        taut = taut_path_draw_in(PUNCH_RADIUS, DIE_ENTRY_RADIUS, depth, thickness, clearance(thickness))
     except InputError as error:  # a comparison, which the results do not need
         logger.info("there is no taut path to compare with: %s", error)
         return {}

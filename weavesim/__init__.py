@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from .output.writer import Writer
     from .process.dynamics import Dynamics
     from .process.loads import NodalLoads
+    from .process.pressure import Pressure
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
     from .process.supports import Drive, Support
     from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
@@ -127,6 +128,7 @@ _names_in = {
     "output.writer": ("Writer",),
     "process.dynamics": ("Dynamics",),
     "process.loads": ("NodalLoads",),
+    "process.pressure": ("Pressure",),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),
     "process.supports": ("Drive", "Support"),
     "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),

@@ -5,12 +5,14 @@ from typing import Any
 
 import warp as wp
 
-from ..rows import ClockEntry, ToolWatchRow, ToolWorkRow
+from ..rows import ClockEntry, ToolDriveRow, ToolWatchRow, ToolWorkRow
 
 STROKE = wp.constant(0)
 FORCE = wp.constant(1)
 # Neighbouring entries that one tile of ``partial_sum_kernel`` sums.
 SUM_GROUP = wp.constant(1024)
+# A stroke with a largest force goes at full speed up to this share of it.
+UNHINDERED_SHARE = wp.constant(0.8)
 
 
 @wp.struct
@@ -21,6 +23,10 @@ class ToolDrive:
     first_knot: wp.int32
     knot_count: wp.int32
     mass: wp.float64  # [kg], of a force-driven tool
+    damping: wp.float64  # of its damper where it lands [N s/m]
+    fading: wp.float64  # rate at which the damper fades while the tool carries [1/s]
+    largest_force: wp.float64  # at which a stroke waits [N]; 0 for none
+    stiffness: wp.float64  # largest of the contact with all sheets [N/m]
 
 
 @wp.struct
@@ -32,6 +38,14 @@ class ToolDrives:
     axis: wp.array(dtype=wp.vec3d)  # unit direction of each tool's motion
     curve_time: wp.array(dtype=wp.float64)  # knots of all curves [s]
     curve_value: wp.array(dtype=wp.float64)  # [m] or [N]
+
+
+@wp.struct
+class ToolBooks:
+    """What is booked of each tool; all of it is written."""
+
+    work: wp.array2d(dtype=wp.float64)  # rows: see ToolWorkRow
+    watch: wp.array2d(dtype=wp.float64)  # rows: see ToolWatchRow
 
 
 @wp.func
@@ -54,6 +68,63 @@ def curve_value(
         share = (time - curve_time[low]) / (curve_time[high] - curve_time[low])
         result = curve_value[low] + share * (curve_value[high] - curve_value[low])
     return result
+
+
+@wp.func
+def stroke_rate(drives: ToolDrives, drive: ToolDrive, time: wp.float64, step: wp.float64, along: wp.float64):
+    """Share of its speed at which a stroke goes on against ``along`` [N], from 1 to -1: it waits at its largest force.
+
+    Near that force the rate falls with it. The gain is such that a step changes the force by at most half of what is
+    left, even if all nodes touch.
+    """
+    one = wp.float64(1.0)
+    here = curve_value(drives.curve_time, drives.curve_value, drive, time)
+    ahead = curve_value(drives.curve_time, drives.curve_value, drive, time + step) - here
+    behind = here - curve_value(drives.curve_time, drives.curve_value, drive, time - step)
+    resisted = -along * wp.sign(wp.where(ahead != wp.float64(0.0), ahead, behind))
+    rate = one
+    if resisted > wp.float64(UNHINDERED_SHARE) * drive.largest_force:
+        travel = wp.max(wp.abs(ahead), wp.abs(behind))
+        width = wp.max(
+            (one - wp.float64(UNHINDERED_SHARE)) * drive.largest_force, wp.float64(2.0) * drive.stiffness * travel
+        )
+        rate = wp.clamp((drive.largest_force - resisted) / width, -one, one)
+    return rate
+
+
+@wp.func
+def stroke_time(
+    drives: ToolDrives,
+    drive: ToolDrive,
+    last: wp.float64,
+    next_time: wp.float64,
+    step: wp.float64,
+    along: wp.float64,
+):
+    """Time on the curve of a stroke at the end of the step: that of the clock, or its own with a largest force."""
+    result = next_time
+    if drive.largest_force > wp.float64(0.0):
+        end = drives.curve_time[drive.first_knot + drive.knot_count - 1]
+        result = wp.min(last + step * stroke_rate(drives, drive, last, step, along), end)
+    return result
+
+
+@wp.func
+def damper_share(drive: ToolDrive, carrying: wp.float64):
+    """Share of its damper that acts on a tool: whole where it lands, none in the air, fading while sheets carry it."""
+    return wp.where(carrying > wp.float64(0.0), wp.exp(-carrying * drive.fading), wp.float64(0.0))
+
+
+@wp.func
+def damped(drive: ToolDrive, velocity: wp.float64, gained: wp.float64, share: wp.float64, step: wp.float64):
+    """New velocity, and the energy lost, of a mass on a damper of ``share`` (Crank-Nicolson).
+
+    ``gained`` is the velocity that all other forces give the mass in the step.
+    """
+    half = wp.float64(0.5)
+    decay = step * share * drive.damping / drive.mass
+    mean = (velocity + half * gained) / (wp.float64(1.0) + half * decay)
+    return velocity + gained - decay * mean, decay * drive.mass * mean * mean
 
 
 @cache
@@ -105,16 +176,19 @@ def watch_tool(
 ):
     """Book what the sheets did to tool ``k`` in this step; ``wanted`` [N] along its axis drives it, if by force."""
     none = wp.float64(0.0)
-    watch[ToolWatchRow.peak, k] = wp.max(watch[ToolWatchRow.peak, k], wp.length(total))
+    peak = wp.max(watch[ToolWatchRow.peak, k], wp.length(total))
+    watch[ToolWatchRow.peak, k] = peak
     if wanted != none:
         force = wp.abs(wanted)
         # what the sheets carry pushes back
         carried = wp.max(-along * wp.sign(wanted), none)
         watch[ToolWatchRow.most_wanted, k] = wp.max(watch[ToolWatchRow.most_wanted, k], force)
-        add(watch, ToolWatchRow.wanted, k, step)
-        add(watch, ToolWatchRow.idle, k, wp.where(carried < wp.float64(0.5) * force, step, none))
-        add(watch, ToolWatchRow.wanted_impulse, k, step * force)
-        add(watch, ToolWatchRow.carried_impulse, k, step * carried)
+        since = wp.where(peak > none, step, none)
+        add(watch, ToolWatchRow.waited, k, step - since)
+        add(watch, ToolWatchRow.wanted, k, since)
+        add(watch, ToolWatchRow.idle, k, wp.where(carried < wp.float64(0.5) * force, since, none))
+        add(watch, ToolWatchRow.wanted_impulse, k, since * force)
+        add(watch, ToolWatchRow.carried_impulse, k, since * carried)
 
 
 @wp.func_native("""
@@ -141,8 +215,8 @@ def tool_motion_kernel(real: type):
         displacement: wp.array(dtype=wp.float64),
         velocity: wp.array(dtype=wp.float64),
         total_reaction: wp.array(dtype=wp.vec3d),
-        work: wp.array2d(dtype=wp.float64),  # rows: see ToolWorkRow
-        watch: wp.array2d(dtype=wp.float64),  # rows: see ToolWatchRow
+        kept: wp.array2d(dtype=wp.float64),  # rows: see ToolDriveRow
+        books: ToolBooks,
     ):
         step = clock[ClockEntry.step]
         next_time = clock[ClockEntry.time] + step
@@ -155,20 +229,30 @@ def tool_motion_kernel(real: type):
             old = displacement[k]
             old_velocity = velocity[k]
             drive_force = wp.float64(0.0)
-            new = curve_value(drives.curve_time, drives.curve_value, drive, next_time)
+            new = old
             if drive.kind == FORCE:
                 drive_force = curve_value(drives.curve_time, drives.curve_value, drive, clock[ClockEntry.time])
-                new_velocity = velocity[k] + clock[ClockEntry.mean_step] * (drive_force + along) / drive.mass
+                mean_step = clock[ClockEntry.mean_step]
+                gained = mean_step * (drive_force + along) / drive.mass
+                carries = along * drive_force < wp.float64(0.0)
+                carrying = wp.where(carries, kept[ToolDriveRow.carrying, k] + mean_step, wp.float64(0.0))
+                kept[ToolDriveRow.carrying, k] = carrying
+                share = damper_share(drive, carrying)
+                new_velocity, lost = damped(drive, old_velocity, gained, share, mean_step)
                 velocity[k] = new_velocity
-                new = old + step * new_velocity
+                add(books.work, ToolWorkRow.damping, k, lost)
+                new = old + step * velocity[k]
             else:
+                at = stroke_time(drives, drive, kept[ToolDriveRow.stroke_time, k], next_time, step, along)
+                kept[ToolDriveRow.stroke_time, k] = at
+                new = curve_value(drives.curve_time, drives.curve_value, drive, at)
                 velocity[k] = (new - old) / step
             displacement[k] = new
             # forces are at the current instant, between two half steps: as for a node, the travel is the mean of both
             travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
-            work[ToolWorkRow.on_sheet, k] = work[ToolWorkRow.on_sheet, k] - along * travel
-            work[ToolWorkRow.driving, k] = work[ToolWorkRow.driving, k] + drive_force * travel
-            watch_tool(watch, k, step, drive_force, total, along)
+            add(books.work, ToolWorkRow.on_sheet, k, -along * travel)
+            add(books.work, ToolWorkRow.driving, k, drive_force * travel)
+            watch_tool(books.watch, k, step, drive_force, total, along)
         wait_for_block()
         if thread == 0:
             clock[ClockEntry.time] = next_time

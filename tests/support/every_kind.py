@@ -14,7 +14,7 @@ from weavesim import Drive, Dynamics, Fabric, NodalLoads, Setup, Sheet, SmoothSt
 from weavesim.checks import Kinded
 from weavesim.fabric import ShearFriction, YarnBending, glass_polypropylene
 from weavesim.fabric.bending import BendingCurve
-from weavesim.process import Fixed, ForceDriven, Stroke
+from weavesim.process import Fixed, ForceDriven, Pressure, Stroke
 from weavesim.sheet.blank import Blank
 from weavesim.tools import (
     Capsule,
@@ -109,7 +109,11 @@ def pulled(solver: Solver) -> Setup:
     )  # fmt: skip
     force = 0.01 * np.column_stack([np.zeros_like(x), np.zeros_like(x), y])
     loads = NodalLoads(force=force, couple=1e-4 * force[:, ::-1], times=(0.0, 1e-3), shares=(0.2, 1.0))
-    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads)
+    pressures = (
+        Pressure.ramped("top", 2e3, 1e-3),
+        Pressure("bottom", (1e3, -5e2), (0.0, 1e-3), elements=np.array([1, 4, 7])),
+    )
+    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads, pressures=pressures)
     return Setup(name="pulled", sheets=(sheet,), duration=1.0, symmetry=("y",), solver=solver)
 
 

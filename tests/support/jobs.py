@@ -111,3 +111,24 @@ def write_tray(folder: Path, text: str = TRAY) -> Path:
     path = folder / "tray.toml"
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def two_valleys(radius: float = 3.0, depth: float = 12.0) -> tuple[np.ndarray, np.ndarray]:
+    """A die with two valleys and a ridge between them, and walls of 45 degrees, all in millimetres.
+
+    A height over a grid: vertices (n, 3), triangles (m, 3). ``radius`` is that of the ridge and of the entries.
+    """
+    x, y = np.meshgrid(np.linspace(-90.0, 90.0, 181), np.linspace(-60.0, 60.0, 121), indexing="ij")
+    tangent = radius * np.sqrt(0.5)
+    across = np.abs(x)
+    ridge = np.where(across < tangent, 2.0 * tangent - np.sqrt(np.maximum(radius**2 - across**2, 0.0)), across)
+
+    def entry(inside: np.ndarray) -> np.ndarray:
+        way = np.clip(inside + radius * np.tan(np.pi / 8), 0.0, tangent)
+        return np.where(inside < radius - tangent, radius - np.sqrt(radius**2 - way**2), inside)
+
+    z = -np.minimum.reduce([ridge, entry(70.0 - across), entry(40.0 - np.abs(y)), np.full(x.shape, depth)])
+    vertices = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+    index = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = index[:-1, :-1].ravel(), index[1:, :-1].ravel(), index[1:, 1:].ravel(), index[:-1, 1:].ravel()
+    return vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])

@@ -26,6 +26,7 @@ CHAPTERS = (
     "Mesh angle",
     "Draping",
     "Contact",
+    "Process",
     "Energy and time step",
 )
 

@@ -28,6 +28,7 @@ TESTED_ELSEWHERE = {
     "kernels/laws/yarn_bending.py": SHELL,
     "kernels/shell/laws.py": SHELL,
     "kernels/shell/membrane.py": SHELL,
+    "kernels/loads/pressure.py": "verification/process/test_pressure.py",
     "kernels/shell/shear.py": SHELL,
     "kernels/shell/thickness.py": "verification/shell/test_thickness.py",
     "kernels/shell/extremes.py": "unit/run/watch/test_extremes.py",

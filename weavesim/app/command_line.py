@@ -33,6 +33,7 @@ from ..device import Precision
 from ..errors import InputError, RunError
 from ..run.interruption import leaving_at_once
 from .ending import ExitCode, closing_lines, exit_code
+from .export_command import export_command
 from .fabric_command import fabric_application
 from .jobs import add_commands
 from .session import announce_compilation, announced, interruptible
@@ -51,6 +52,7 @@ application = typer.Typer(
 
 
 application.add_typer(fabric_application, name="fabric")
+application.command("export")(export_command)
 add_commands(application)
 
 

@@ -30,6 +30,7 @@ from ..kernels.contact.mesh_distance import (
 )
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
+from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
@@ -61,6 +62,7 @@ class KernelSet:
         lane_count: elements per kernel thread.
         tools: whether there are any.
         driven: whether supports move.
+        pressed: whether there is pressure on a sheet.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
     """
@@ -73,6 +75,7 @@ class KernelSet:
     lane_count: int
     tools: bool = True
     driven: bool = True
+    pressed: bool = False
     threaded: bool = True
     meshes: bool = False
 
@@ -97,6 +100,7 @@ class KernelSet:
             sets[0].lane_count,
             tools=any(one.tools for one in sets),
             driven=any(one.driven for one in sets),
+            pressed=any(one.pressed for one in sets),
             meshes=True,
         )
 
@@ -118,6 +122,7 @@ class KernelSet:
             solver.lanes(is_cpu=is_cpu),
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
+            pressed=any(sheet.pressures for sheet in setup.sheets),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
         )
 
@@ -149,6 +154,7 @@ class KernelSet:
                 else [tool_motion_kernel(wp.float64), *map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))]
             ),
             *([support_motion_kernel(real)] if self.driven else []),
+            *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
             partial_maximum_kernel(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),

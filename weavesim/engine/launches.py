@@ -11,12 +11,12 @@ import warp as wp
 from ..device import block_size
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
+from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import support_struct, surroundings_struct
-from ..kernels.stepping.sample_data import sampled_struct
 from ..kernels.stepping.step import (
     MAXIMUM_GROUP,
     check_clock,
@@ -25,12 +25,13 @@ from ..kernels.stepping.step import (
     set_step_kernel,
 )
 from ..kernels.stepping.supports import support_motion_kernel
-from ..kernels.stepping.surface_contact import surface_contact_kernel
-from ..kernels.stepping.tools import SUM_GROUP, partial_sum_kernel, tool_motion_kernel
+from ..kernels.stepping.tools import SUM_GROUP, ToolBooks, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
+from .loading.pressures import device_pressures
 from .model import Model
 from .sheet_model import SheetModel
 from .state import SheetState, State
+from .surface.contact import SurfaceContact
 from .tiles import chunks
 
 # A single thread reduces up to this number of entries; more of them are reduced in tiles first.
@@ -47,7 +48,6 @@ class SheetKernels:
     nodes: wp.Kernel
     frequencies: wp.Kernel
     extremes: wp.Kernel
-    samples: wp.Kernel | None  # where tools are met between nodes
     frequency_lane_count: int  # the wide kernel takes long to compile: only for cells that run faster with it
 
     @classmethod
@@ -59,7 +59,6 @@ class SheetKernels:
             nodes=node_motion_kernel(real, lane_count, sheet.node_traits),
             frequencies=element_frequency_kernel(real, frequency_lanes, sheet.cell_law, sheet.sheet_traits),
             extremes=element_extremes_kernel(real, lane_count, sheet.sheet_traits.flat),
-            samples=surface_contact_kernel(real, lane_count, sheet.node_traits) if sheet.sample_count else None,
             frequency_lane_count=frequency_lanes,
         )
 
@@ -72,7 +71,6 @@ class _SheetArguments:
     stable_sheet: Any  # for the stable step, whose kernel may have other lanes
     around: Any
     touch: Any
-    sampled: Any  # None where only nodes meet tools
     motion: wp.array
     cell_unknowns: wp.array
     cell_report: wp.array
@@ -95,11 +93,25 @@ class Launches:
         self._kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
         self._arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
         self._node_laws = [sheet.node_laws() for sheet in model.sheets]
-        self._samples = [sheet.samples() if sheet.sample_count else None for sheet in model.sheets]
+        self._surface = {
+            index: SurfaceContact(sheet, state.sheets[index], self._reaction(sheet)[:, sheet.block_count :])
+            for index, sheet in enumerate(model.sheets)
+            if sheet.sample_count
+        }
         self._sums = self._reaction_sums()
         # sums are in double precision
         self._tool_motion = tool_motion_kernel(wp.float64 if len(self._sums) > 1 else real)
+        self._tool_books = ToolBooks()
+        self._tool_books.work, self._tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)
+        self._pressing = element_pressure_kernel(real, model.lane_count)
+        self._pressures = {
+            index: device_pressures(
+                sheet.pressures, sheet.blank, sheet.element_count, real, sheet.lane_count, sheet.device
+            )
+            for index, sheet in enumerate(model.sheets)
+            if sheet.pressures
+        }
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._fold_works = fold_works_kernel(real, model.lane_count)
@@ -163,7 +175,6 @@ class Launches:
             stable_sheet=sheet.device_sheet(self._kernels[index].frequency_lane_count),
             around=self._surroundings(sheet, own),
             touch=touch,
-            sampled=self._sampled(sheet, own) if sheet.sample_count else None,
             motion=sheet.motion_layout.view(own.motion),
             cell_unknowns=lanes_view(own.cell_unknowns, lane_count),
             cell_report=lanes_view(own.cell_report, lane_count),
@@ -176,18 +187,6 @@ class Launches:
         """The entries of one sheet in the forces on its tools, [tool, block]."""
         rows, places = sheet.places.tools if sheet.tool_count else slice(0, 1), sheet.places
         return self.state.reaction[rows.start : rows.stop, places.first_reaction : places.last_reaction]
-
-    def _sampled(self, sheet: SheetModel, own: SheetState) -> Any:
-        """What the samples between nodes write."""
-        lane_count = sheet.lane_count
-        touch = touch_struct(sheet.real, lane_count)()
-        touch.friction = sheet.sample_layout.view(own.sample_friction)
-        touch.gap, touch.reaction = own.sample_gap, own.sample_reaction
-        touch.depth, touch.thickness = (lanes_view(a, lane_count) for a in (own.sample_depth, own.sample_thickness))
-        sampled = sampled_struct(sheet.real, lane_count)()
-        sampled.touch, sampled.reaction = touch, self._reaction(sheet)[:, sheet.block_count :]
-        sampled.memory, sampled.works = (lanes_view(a, lane_count) for a in (own.sample_memory, own.sample_work))
-        return sampled
 
     # --- the launches of a step --------------------------------------------------------------------------------------
 
@@ -208,16 +207,20 @@ class Launches:
 
         Nothing where only nodes meet tools; else after ``element_forces`` of these, and before their nodes move.
         """
-        sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self._arguments[index]
-        kernel = self._kernels[index].samples
-        if kernel is not None:
+        if index in self._surface:
+            arguments = self._arguments[index]
+            self._surface[index].launch(first, count, self._node_laws[index], arguments.around, arguments.corner_force)
+
+    def apply_pressures(self, index: int, first: int = 0, count: int | None = None) -> None:
+        """Add the pressures on sheet ``index`` to its corner forces, in ``count`` blocks of elements from ``first``."""
+        if index in self._pressures:
+            sheet, own = self.model.sheets[index], self.state.sheets[index]
             wp.launch(
-                kernel,
+                self._pressing,
                 dim=sheet.element_count // sheet.lane_count if count is None else count,
-                inputs=[first, self._samples[index], self._node_laws[index], arguments.around, own.moved, own.motion],
-                outputs=[arguments.corner_force, arguments.sampled],
+                inputs=[first, sheet.elements, self._pressures[index], own.motion, self.state.clock],
+                outputs=[self._arguments[index].corner_force, own.pressure_work],
                 device=sheet.device,
-                block_dim=block_size(kernel, sheet.device),
             )
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
@@ -261,8 +264,8 @@ class Launches:
             dim=tools.drives.thread_count,
             inputs=[tools.drives, self._sums[-1]],
             outputs=[
-                state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_work,
-                state.tool_watch,
+                state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_drive,
+                self._tool_books,
             ],
             device=device,
         )  # fmt: skip
@@ -292,8 +295,8 @@ class Launches:
         """Add the works of the last steps of sheet ``index`` to their sums: the share of one thread."""
         own, arguments = self.state.sheets[index], self._arguments[index]
         folded = [(arguments.node_work, own.node_work_sum)]
-        if arguments.sampled is not None:
-            folded.append((arguments.sampled.works, own.sample_work_sum))
+        if index in self._surface:
+            folded.append((self._surface[index].works, own.sample_work_sum))
         for works, sums in folded:
             first, count = chunks(sums.shape[1], thread_count)[thread]
             wp.launch(self._fold_works, dim=count, inputs=[first], outputs=[works, sums], device=self.model.device)
@@ -344,13 +347,15 @@ class Launches:
         own = [
             kernel
             for kernels in self._kernels
-            for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes, kernels.samples)
-            if kernel is not None
+            for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes)
         ]
+        own += [surface.kernel for surface in self._surface.values()]
         common = [self._tool_motion, self._partial_maximum, self._set_step, self._fold_works]
         common += [self._partial_sums_of(values) for values in self._sums[:-1]]
         if self.model.drives.count:
             common.append(self._support_motion)
+        if self._pressures:
+            common.append(self._pressing)
         return list(dict.fromkeys([*own, *common]))
 
 

@@ -53,8 +53,18 @@ class Model:
         self.reaction_count = max(sheet.places.last_reaction for sheet in self.sheets)
         self.drives = build_device_drives(setup.supports, self.device)
         self.samples = _sampled_meshes(setup, str(self.device))
-        self.tools = build_device_tools(setup.tools, self.real, str(self.device), self.samples)
+        self.tools = build_device_tools(
+            setup.tools, self.real, str(self.device), self.samples, self._contact_stiffness()
+        )
         self.reference_step = min(sheet.reference_step for sheet in self.sheets)
+
+    def _contact_stiffness(self) -> list[float]:
+        """Of every tool with all nodes of all sheets that it may touch [N/m]."""
+        result = [0.0] * len(self.setup.tools)
+        for sheet in self.sheets:
+            for tool in range(sheet.places.tools.start, sheet.places.tools.stop):
+                result[tool] += float(sheet.contact_stiffness.sum())
+        return result
 
     @property
     def sheet(self) -> SheetModel:

@@ -26,7 +26,6 @@ from ..kernels.shell.kinematics import element_struct
 from ..kernels.shell.laws import sheet_struct
 from ..kernels.stepping.node_data import node_laws_struct, node_struct
 from ..kernels.stepping.node_forces import USUAL_CORNER_COUNT
-from ..kernels.stepping.sample_data import samples_struct
 from ..process.device import build_support_arrays
 from ..sheet.geometry import ElementGeometry
 from ..sheet.samples import sample_motion, sample_places
@@ -125,6 +124,7 @@ class SheetModel:
         blank, fabric = sheet.oriented_blank, sheet.fabric
         self.name, self.blank, self.fabric = sheet.name, blank, fabric
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
+        self.pressures = sheet.pressures
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count
@@ -319,27 +319,14 @@ class SheetModel:
         return nodes
 
     @property
+    def sample_mass(self) -> np.ndarray:
+        """Share of each element's mass that is on the contact spring of one of its samples, (element_count,) [kg]."""
+        return SAMPLE_SHARE / max(len(self.sample_places), 1) * self.areal_density * self.geometry.area
+
+    @property
     def sample_stiffness(self) -> np.ndarray:
         """Of the contact spring of a sample of each element, (element_count,) [N/m]."""
-        mass = self.areal_density * self.geometry.area
-        return SAMPLE_SHARE * self._contact_frequency * mass / max(len(self.sample_places), 1)
-
-    def samples(self):
-        """Constants of the samples between nodes, as a new struct."""
-        samples, block_count = samples_struct(self.real, self.lane_count)(), self.element_count // self.lane_count
-        samples.corner_node, samples.node_stride = self.elements.corner_node, self.elements.node_stride
-        samples.place = self._array(self.sample_places, wp.vec2d)
-        samples.block_count, samples.lever = block_count, self.geometry.largest_size
-        mass = self._padded(self.sample_stiffness / self._contact_frequency, self.element_count)
-        samples.mass = lanes_view(self._array(mass, self.real), self.lane_count)
-        around = [
-            np.unique(nodes)
-            for nodes in (self.element_nodes // self.lane_count).reshape(4, block_count, -1).swapaxes(0, 1)
-        ]
-        width = max(map(len, around))
-        table = np.array([np.pad(blocks, (0, width - len(blocks)), mode="edge") for blocks in around]).T
-        samples.node_block = self._array(np.ascontiguousarray(table), wp.int32)
-        return samples
+        return self._contact_frequency * self.sample_mass
 
     def node_laws(self):
         """Constants of the time integration and contact, as a new struct."""

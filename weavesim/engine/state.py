@@ -24,6 +24,7 @@ from ..kernels.rows import (
     SampleRow,
     SlipRow,
     ThicknessRow,
+    ToolDriveRow,
     ToolWatchRow,
     ToolWorkRow,
 )
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 5
+FILE_VERSION = 6
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,7 @@ class SheetState:
     sample_depth: wp.array  # (tools, samples), as depth
     sample_gap: wp.array  # (tools, sample blocks), as gap
     sample_reaction: wp.array  # (tools, sample blocks) vec3, force of each block of samples on each tool [N]
+    pressure_work: wp.array  # (element blocks,) float64, of the pressures so far [J]; empty without any
 
     def works(self) -> np.ndarray:
         """Works at the nodes of all steps, of ``SheetModel.node_work_rows``, (rows,) [J]; waits for the device."""
@@ -120,6 +122,7 @@ class SheetState:
             sample_depth=zeros(tool_rows, samples),
             sample_gap=zeros(tool_rows, sample_blocks),
             sample_reaction=zeros(tool_rows, sample_blocks, dtype=model.types.vec3),
+            pressure_work=zeros(model.element_count // model.lane_count if model.pressures else 0, dtype=wp.float64),
         )
 
 
@@ -133,6 +136,7 @@ class State:
         tool_force: of the sheets on each tool, (tool_count,) vec3d [N].
         tool_work: rows ToolWorkRow, (rows, tool_count) float64 [J].
         tool_watch: rows ToolWatchRow, (rows, tool_count) float64.
+        tool_drive: rows ToolDriveRow, (rows, tool_count) float64.
         reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N].
         drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
             (drive_count,) [m].
@@ -146,6 +150,7 @@ class State:
     tool_force: wp.array
     tool_work: wp.array
     tool_watch: wp.array
+    tool_drive: wp.array
     reaction: wp.array
     drive_displacement: wp.array
     drive_increment: wp.array
@@ -169,6 +174,7 @@ class State:
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
             tool_work=wp.zeros((ToolWorkRow.row_count(), tool_count), dtype=wp.float64, device=device),
             tool_watch=wp.zeros((ToolWatchRow.row_count(), tool_count), dtype=wp.float64, device=device),
+            tool_drive=wp.zeros((ToolDriveRow.row_count(), tool_count), dtype=wp.float64, device=device),
             reaction=wp.zeros((max(tool_count, 1), model.reaction_count), dtype=model.types.vec3, device=device),
             drive_displacement=wp.zeros(drive_count, dtype=wp.float64, device=device),
             drive_increment=wp.zeros(drive_count, dtype=model.real, device=device),

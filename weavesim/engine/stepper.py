@@ -131,6 +131,7 @@ class Stepper:
         for index, part in enumerate(own):
             for elements, nodes in part.tiles:
                 launches.element_forces(index, *elements)
+                launches.apply_pressures(index, *elements)
                 launches.meet_between_nodes(index, *elements)
                 if nodes[1]:
                     launches.move_nodes(index, *nodes)
@@ -171,6 +172,7 @@ class Stepper:
             join()
             launches.move_supports()
             for index in indices:
+                launches.apply_pressures(index)
                 launches.meet_between_nodes(index)
                 launches.move_nodes(index)
             with beside():
@@ -258,9 +260,13 @@ class Stepper:
         return self._choice.most_used
 
     def evaluate(self) -> None:
-        """Compute the element forces of the current state."""
-        for index in range(len(self.model.sheets)):
+        """Compute the element forces of the current state, with those of pressures."""
+        for index, own in enumerate(self.state.sheets):
             self._launches.element_forces(index)
+            booked = wp.clone(own.pressure_work)
+            self._launches.apply_pressures(index)
+            if booked.size:  # the next step books it
+                wp.copy(own.pressure_work, booked)
 
     def refresh_step(self) -> None:
         """Compute the stable step from the current state."""
@@ -290,6 +296,7 @@ class Stepper:
         if phase_count > 0:
             for index in indices:
                 ahead.element_forces(index)
+                ahead.apply_pressures(index)
         if phase_count > 1:
             ahead.move_supports()
             for index in indices:

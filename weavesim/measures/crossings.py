@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .near import near_pairs
+from .geometry.near import near_pairs
+from .geometry.triangles import meet, pierces
 from .proximity import join
-from .triangles import meet, pierces
 
 # Edges of the border that are compared with all others at once.
 EDGES_AT_ONCE = 512

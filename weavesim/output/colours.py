@@ -9,6 +9,11 @@ import numpy as np
 # Shear angles are always shown on this range, so that pictures of different runs can be compared [degrees].
 LARGEST_SHOWN_ANGLE = 60.0
 
+# Of lines and sheets that are told apart by colour, as encoded sRGB.
+DISTINCT_COLOURS = (
+    "#5b3fb5", "#e07a1f", "#1f8a70", "#d1495b", "#3b82c4", "#a05d1a", "#7a7f8a", "#b5479b", "#5a8f29",
+)  # fmt: skip
+
 # Inverse of the OKLab colour space (B. Ottosson, 2020): to cone responses, and from their cubes to linear sRGB.
 _OKLAB_TO_CONES = np.array(
     [
@@ -50,3 +55,11 @@ def shear_colours(angle: np.ndarray) -> np.ndarray:
     """Linear sRGB of shear angles [degrees], (k, 3), regardless of sign."""
     place = np.clip(np.abs(angle) / LARGEST_SHOWN_ANGLE, 0.0, 1.0) * 255.0
     return colour_table()[np.rint(place).astype(int)]
+
+
+def distinct_colour(place: int) -> tuple[float, float, float]:
+    """Linear sRGB of the colour number ``place`` of ``DISTINCT_COLOURS``, which repeat."""
+    code = DISTINCT_COLOURS[place % len(DISTINCT_COLOURS)]
+    value = np.array([int(code[k : k + 2], 16) / 255.0 for k in (1, 3, 5)])
+    red, green, blue = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4).tolist()
+    return red, green, blue

@@ -16,16 +16,30 @@ from ..measures.angles import smoothed, smoothing_weights
 from ..run.fields import FIELDS
 from ..run.frame import Frame, Outcome, RunInfo, SheetFrame, SheetInfo, unique_names
 from ..version import __version__
-from .colours import shear_colours
+from .colours import distinct_colour, shear_colours
 from .files import note, temporary_name
 from .pace import Pace
-from .usd import bind, define_camera, define_light, define_mesh, define_tool, node_normals, sheet_material, usd_errors
+from .usd import (
+    bind,
+    define_camera,
+    define_light,
+    define_mesh,
+    define_tool,
+    define_views,
+    in_variant,
+    node_normals,
+    plain_material,
+    sheet_material,
+    usd_errors,
+)
 
 FRAMES_PER_SECOND = 24
 # Frames between two writes to disk: writing frees memory, and written frames survive a killed process.
 _FRAMES_PER_FLUSH = 40
 # Tools above the sheet would hide it from the camera, so they are drawn transparent.
 _OPACITY_ABOVE, _OPACITY_BELOW = 0.22, 1.0
+# Between the sheets of an exploded view, over the height and the width of the part.
+_GAP_TO_HEIGHT, _GAP_TO_WIDTH = 0.6, 0.1
 
 
 class Film:
@@ -39,6 +53,10 @@ class Film:
     degrees) and, per element and frame, the fields of ``weavesim.run.fields`` that have a ``film``, with their names
     and units in files; ``shear_angle_deg`` is the absolute value. Tools are drawn as their ``display_triangles``,
     without mirroring.
+
+    With several sheets, ``/World`` has two variant sets. "view" is "stacked", or "exploded": sheets and tools moved
+    apart along z, which ``/World/camera_exploded`` sees. "colours" is "shear_angle", or "sheets": each sheet in a
+    colour of its own. The visibility of a sheet is that of its prim and its mirrored copies.
 
     Raises:
         InputError: the path does not end in .usdc, .usda or .usd.
@@ -77,19 +95,27 @@ class Film:
         stage.GetRootLayer().comment = f"weavesim: {info.name}, {', '.join(fabrics)}"
         stage.GetRootLayer().customLayerData = {"weavesim": {"run_id": info.run_id, "version": __version__}}
         names = prim_names("sheet" if sheet.name == "sheet" else f"sheet_{sheet.name}" for sheet in info.sheets)
-        self._sheets = [_FilmedSheet(stage, *pair) for pair in zip(names, info.sheets, strict=True)]
-        self._define_tools(stage, info)
+        several, self._levels = len(info.sheets) > 1, info.levels
+        places = range(len(info.sheets)) if several else (None,)
+        parts = zip(names, info.sheets, places, strict=True)
+        self._sheets = [_FilmedSheet(stage, *part) for part in parts]
+        self._define_tools(stage, info, several)
         define_light(stage)
         self._frames: list[int] = []
 
-    def _define_tools(self, stage: Any, info: RunInfo) -> None:
+    def _define_tools(self, stage: Any, info: RunInfo, several: bool) -> None:
         self._tools, self._moves = info.tools, []
+        self._above: list[str] = []
+        self._below: list[str] = []
         rest = float(np.mean(np.concatenate([sheet.blank.node_position[:, 2] for sheet in info.sheets])))
         for name, tool in zip(prim_names(info.tool_names), self._tools, strict=True):
             triangles = tool.display_triangles()
             height = triangles[0][:, 2]
             above = 0.5 * float(height.min() + height.max()) > rest
             prim = define_tool(stage, name, tool, triangles, _OPACITY_ABOVE if above else _OPACITY_BELOW)
+            (self._above if above else self._below).append(str(prim.GetPath()))
+            if several:
+                prim.AddTranslateOp(opSuffix="exploded")
             self._moves.append(prim.AddTranslateOp())
 
     def frame(self, frame: Frame) -> None:
@@ -139,7 +165,13 @@ class Film:
         stage.SetStartTimeCode(float(self._frames[0]))
         stage.SetEndTimeCode(float(self._frames[-1]))
         extents = [sheet.extent_of_all() for sheet in self._sheets]
-        define_camera(stage, np.min([e[0] for e in extents], axis=0), np.max([e[1] for e in extents], axis=0))
+        lower, upper = np.min([e[0] for e in extents], axis=0), np.max([e[1] for e in extents], axis=0)
+        define_camera(stage, lower, upper)
+        if len(self._sheets) > 1:
+            gap = max(_GAP_TO_HEIGHT * (upper - lower)[2], _GAP_TO_WIDTH * (upper - lower)[:2].max())
+            from_bottom = sorted(zip(self._levels, (sheet.path for sheet in self._sheets), strict=True))
+            define_views(stage, [path for _, path in from_bottom], self._above, self._below, gap)
+            define_camera(stage, lower, upper + (0.0, 0.0, gap * (len(self._sheets) - 1)), "camera_exploded")
         with usd_errors():
             stage.Save()
 
@@ -153,25 +185,43 @@ class Film:
 
 
 class _FilmedSheet:
-    """One sheet in the film: its mesh, its mirrored copies, and its time-dependent attributes."""
+    """One sheet in the film: its mesh, its mirrored copies, and its time-dependent attributes.
 
-    def __init__(self, stage: Any, name: str, info: SheetInfo) -> None:
+    Args:
+        stage: of the film.
+        name: of its prim.
+        info: about it.
+        place: among several sheets; None for the only one.
+
+    Attributes:
+        path: of its prim.
+    """
+
+    def __init__(self, stage: Any, name: str, info: SheetInfo, place: int | None) -> None:
         from pxr import Gf, Sdf, UsdGeom
 
         self._blank, self._symmetry = info.blank, info.symmetry
         self._smoothing_weights = smoothing_weights(self._blank, self._symmetry)
-        self._mesh = define_mesh(stage, f"/World/{name}", self._blank.quads)
+        self.path = f"/World/{name}"
+        self._mesh = define_mesh(stage, self.path, self._blank.quads)
         primvars = UsdGeom.PrimvarsAPI(self._mesh)
         self._colour = primvars.CreatePrimvar(
             "displayColor", Sdf.ValueTypeNames.Color3fArray, UsdGeom.Tokens.vertex
         ).GetAttr()
         self._normals = self._mesh.CreateNormalsAttr()
         self._mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
-        bind(self._mesh, sheet_material(stage))
+        if place is None:
+            bind(self._mesh, sheet_material(stage))
+        else:
+            self._mesh.AddTranslateOp(opSuffix="exploded")
+            own = plain_material(stage, name, distinct_colour(place))
+            for colours, material in (("shear_angle", sheet_material(stage)), ("sheets", own)):
+                with in_variant(stage, "colours", colours):
+                    bind(self._mesh, material)
         for factors in self._symmetry.mirror_factors[1:]:
             names = "".join(f"_{axis}" for axis, factor in zip("xy", factors, strict=True) if factor < 0)
-            copy = UsdGeom.Mesh.Define(stage, f"/World/{name}_mirrored{names}")
-            copy.GetPrim().GetReferences().AddInternalReference(f"/World/{name}")
+            copy = UsdGeom.Mesh.Define(stage, f"{self.path}_mirrored{names}")
+            copy.GetPrim().GetReferences().AddInternalReference(self.path)
             copy.AddScaleOp().Set(Gf.Vec3f(*factors, 1.0))
         self._fields: dict[str, Any] = {}
         self._extent = np.array([np.full(3, np.inf), np.full(3, -np.inf)])

@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..names import file_name
 from ..run.frame import Frame, Outcome, RunInfo, SheetInfo
 from .claim.lock import FolderLock
-from .claim.record import SETUP_NAME, RunRecord
+from .claim.record import SETUP_NAME, RunRecord, frame_hash
 from .claim.remains import check_free, check_names, remove_results
 from .curves import Curves, LastCurve
 from .files import check_writable, noting, plain, write_text
@@ -211,7 +211,12 @@ class ResultFolder:
             for writer in self._writers:
                 writer.attempt(writer.title, partial(writer.conclude, results))
         if self._outcome is not None:
-            ending = partial(self._record.finish, outcome=self._outcome.value, missing=results.whole_summary["missing"])
+            ending = partial(
+                self._record.finish,
+                outcome=self._outcome.value,
+                missing=results.whole_summary["missing"],
+                final_state=frame_hash(frame),
+            )
             self._try("run.json", ending)
             self.release()
         return plain(results.whole_summary)

@@ -23,6 +23,7 @@ class History:
         index, step_count, time [s], stroke [m]: one per frame.
         tool_displacement: (frame_count, tool_count) [m].
         tool_reaction: force of the sheet on each tool, (frame_count, tool_count, 3) [N].
+        tool_wanted: force that drives each tool, (frame_count, tool_count) [N]; not a number where a stroke does.
         energies: by name, (frame_count,) [J].
         support_names, drive_names: in the order of the supports, and of all their drives.
         support_force: of each support on the sheet, (frame_count, support_count, 3) [N].
@@ -56,6 +57,9 @@ class History:
                 np.array(frame.support_force, dtype=float).reshape(-1, 3),
                 np.array(frame.drive_displacement, dtype=float),
                 np.array(frame.drive_force, dtype=float),
+                np.array(
+                    frame.tool_wanted if len(frame.tool_wanted) else [math.nan] * len(self.tool_names), dtype=float
+                ),
             )
         )
 
@@ -107,27 +111,35 @@ class History:
     def drive_force(self) -> np.ndarray:
         return self._column(9).reshape(self.frame_count, len(self.drive_names))
 
+    @property
+    def tool_wanted(self) -> np.ndarray:
+        return self._column(10).reshape(self.frame_count, len(self.tool_names))
+
     def _column(self, place: int) -> np.ndarray:
         return np.array([row[place] for row in self._rows])
 
     def write(self, path: str | Path) -> None:
-        """Write ``history.csv``: frame, step count, time, stroke; displacement and force of each tool; force of each
-        support; displacement and force of each drive; every energy.
+        """Write ``history.csv``: frame, step count, time, stroke; displacement and force of each tool; force that
+        drives each of those that a force moves; force of each support; displacement and force of each drive; every
+        energy.
         """
         energies = self.energies
         header = ["frame", "step_count", "time_s", "stroke_m"]
         for name in self.tool_names:
             header += [f"{name}_displacement_m", *(f"{name}_force_{axis}_n" for axis in "xyz")]
+        wanted = self.tool_wanted
+        driven = np.isfinite(wanted).any(axis=0) if len(wanted) else np.zeros(len(self.tool_names), dtype=bool)
+        header += [f"{name}_wanted_force_n" for name, by_force in zip(self.tool_names, driven, strict=True) if by_force]
         header += [f"{name}_force_{axis}_n" for name in self.support_names for axis in "xyz"]
         header += [f"{name}_{what}" for name in self.drive_names for what in ("displacement_m", "force_n")]
         header += [f"{name}_j" if name.endswith(_NOT_ENERGIES) else f"{name}_energy_j" for name in energies]
         rows = []
-        for i, (index, step_count, time, stroke, displacement, reaction, _, support, travel, force) in enumerate(
+        for i, (index, step_count, time, stroke, displacement, reaction, _, support, travel, force, _) in enumerate(
             self._rows
         ):
             tools = np.column_stack([displacement, reaction]).ravel().tolist() if len(displacement) else []
             supports = [*support.ravel().tolist(), *np.column_stack([travel, force]).ravel().tolist()]
             values = (float(values[i]) for values in energies.values())
-            rows.append([index, step_count, time, stroke, *tools, *supports, *values])
+            rows.append([index, step_count, time, stroke, *tools, *wanted[i][driven].tolist(), *supports, *values])
         # a tool and a support may have the same name
         write_table(path, unique_names(header), rows)

@@ -19,6 +19,8 @@ from .files import file_endings, replacing, write_text
 _VTK_QUAD = 9
 _VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uint8": "UInt8"}
 _BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
+# Between the sheets of an exploded view, over the largest blank.
+_GAP_TO_SIZE = 0.15
 # A tolerance for the rounding of frame times.
 _TIME_SLACK = 1.0e-9
 
@@ -26,7 +28,10 @@ _TIME_SLACK = 1.0e-9
 class ParaViewSeries:
     """Observer that writes ``frame_0000.vtu`` ..., ``series.pvd`` with their times, and ``final_state.vtu``.
 
-    With several sheets, each has its own files, ``frame_0000_NAME.vtu`` ..., which the series combines.
+    With several sheets, each has its own files, ``frame_0000_NAME.vtu`` ..., which are the named blocks of
+    ``frame_0000.vtm`` ... and ``final_state.vtm``; the series consists of these. Two more fields serve to tell sheets
+    apart: cell data ``sheet``, their number, and point data ``exploded`` [m], from which Warp By Vector makes an
+    exploded view.
 
     Point data: ``displacement`` [m] and ``director``. Cell data: every field of the frame, with its name and unit in
     files (``weavesim.run.fields``), and the yarn directions ``warp_direction`` and ``weft_direction``. Frames are in
@@ -51,15 +56,18 @@ class ParaViewSeries:
 
     def start(self, info: RunInfo) -> None:
         names = file_endings(info)
-        parts = zip(range(len(names)), names, info.sheets, strict=True)
+        gap = _GAP_TO_SIZE * max(sheet.blank.size for sheet in info.sheets)
+        shifts = [gap * level for level in info.levels]
+        parts = zip(range(len(names)), names, info.sheets, shifts, strict=True)
         self._run_id = info.run_id
         self._sheets = [_SheetFiles(self.folder, info.run_id, *part) for part in parts]
         self._interval = info.duration / 30.0
         self._next_time = 0.0
         self._written: list[tuple[float, int]] = []
         self.folder.mkdir(parents=True, exist_ok=True)
-        for old in self.folder.glob("frame_[0-9][0-9][0-9][0-9]*.vtu"):
-            old.unlink()
+        for ending in ("vtu", "vtm"):
+            for old in self.folder.glob(f"frame_[0-9][0-9][0-9][0-9]*.{ending}"):
+                old.unlink()
 
     def frame(self, frame: Frame) -> None:
         self._last = frame
@@ -78,14 +86,14 @@ class ParaViewSeries:
             self._add(self._last)
         for sheet, state in zip(self._sheets, self._last.sheets, strict=True):
             sheet.write_final(state)
+        self._join("final_state")
 
     def _add(self, frame: Frame) -> None:
         self._write(frame, f"frame_{frame.index:04d}", np.float32)
         self._written.append((frame.time, frame.index))
         entries = "\n".join(
-            f'    <DataSet timestep="{float(time)!r}"{sheet.part} file={quoteattr(sheet.file(f"frame_{index:04d}"))}/>'
+            f'    <DataSet timestep="{float(time)!r}" file={quoteattr(self._file(f"frame_{index:04d}"))}/>'
             for time, index in self._written
-            for sheet in self._sheets
         )
         write_text(
             self.folder / "series.pvd",
@@ -94,23 +102,33 @@ class ParaViewSeries:
             f"  <Collection>\n{entries}\n  </Collection>\n</VTKFile>\n",
         )
 
+    def _file(self, stem: str) -> str:
+        """Name of the file with all sheets."""
+        return f"{stem}.vtu" if len(self._sheets) == 1 else f"{stem}.vtm"
+
     def _write(self, frame: Frame, stem: str, real: type) -> None:
         for sheet, state in zip(self._sheets, frame.sheets, strict=True):
             sheet.write(state, stem, real)
+        self._join(stem)
+
+    def _join(self, stem: str) -> None:
+        """Write the file that names the files of all sheets, if there are several."""
+        if len(self._sheets) > 1:
+            blocks = [(sheet.name, sheet.file(stem)) for sheet in self._sheets]
+            write_text(self.folder / self._file(stem), blocks_text(blocks, self._run_id))
 
 
 class _SheetFiles:
     """Files of one sheet.
 
     Attributes:
-        part: what identifies them in the series, where there are several sheets.
+        name: of the sheet.
     """
 
-    def __init__(self, folder: Path, run_id: str, place: int, ending: str, info: SheetInfo) -> None:
+    def __init__(self, folder: Path, run_id: str, place: int, ending: str, info: SheetInfo, shift: float) -> None:
         self._folder, self._run_id, self._ending, self._blank = folder, run_id, ending, info.blank
         self._fabric = info.fabric
-        # ParaView identifies parts by number
-        self.part = f' part="{place}" name={quoteattr(info.name)}' if ending else ""
+        self.name, self._place, self._shift = info.name, place, shift
         self._yarn_components = yarn_components(info.blank)
 
     def file(self, stem: str) -> str:
@@ -136,19 +154,38 @@ class _SheetFiles:
             self._blank, frame.position, self._yarn_components
         )
         cells |= further or {}
+        point_data = {name: values.astype(real) for name, values in points.items()}
+        cell_data = {name: values.astype(real) for name, values in cells.items()}
+        if self._ending:
+            point_data["exploded"] = np.tile(np.array([0.0, 0.0, self._shift], dtype=real), (len(frame.position), 1))
+            cell_data["sheet"] = np.full(self._blank.element_count, self._place, dtype=np.int32)
         write_quads(
-            self._folder / self.file(stem),
-            frame.position.astype(real),
-            self._blank.quads,
-            {name: values.astype(real) for name, values in points.items()},
-            {name: values.astype(real) for name, values in cells.items()},
+            self._folder / self.file(stem), frame.position.astype(real), self._blank.quads, point_data, cell_data,
             self._run_id,
-        )
+        )  # fmt: skip
 
 
 def run_comment(run_id: str) -> str:
     """A comment in XML that tells the run."""
     return f"<!-- weavesim run {run_id} -->"
+
+
+def blocks_text(blocks: Iterable[tuple[str, str]], run_id: str) -> str:
+    """Text of a VTM file: named blocks in other files.
+
+    Args:
+        blocks: (name, file) of each.
+        run_id: goes into a comment.
+    """
+    entries = "\n".join(
+        f'    <DataSet index="{index}" name={quoteattr(name)} file={quoteattr(file)}/>'
+        for index, (name, file) in enumerate(blocks)
+    )
+    return (
+        f'<?xml version="1.0"?>\n{run_comment(run_id)}\n'
+        '<VTKFile type="vtkMultiBlockDataSet" version="1.0" byte_order="LittleEndian">\n'
+        f"  <vtkMultiBlockDataSet>\n{entries}\n  </vtkMultiBlockDataSet>\n</VTKFile>\n"
+    )
 
 
 def write_quads(
@@ -167,7 +204,7 @@ def write_quads(
         path: of the file.
         points: (node_count, 3).
         quads: (element_count, 4).
-        point_data, cell_data: by name, (count,) or (count, component_count); float32 or float64.
+        point_data, cell_data: by name, (count,) or (count, component_count); float32, float64 or int32.
         run_id: goes into a comment, which every reader of XML skips.
     """
     count = len(quads)

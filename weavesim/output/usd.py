@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -90,6 +90,31 @@ def sheet_material(stage: Any) -> str:
     return path
 
 
+def plain_material(stage: Any, name: str, colour: tuple[float, float, float]) -> str:
+    """A material of one colour, linear sRGB."""
+    from pxr import Gf, Sdf
+
+    path = f"/World/materials/{name}"
+    shader = _preview_surface(stage, path, roughness=0.7)
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*colour))
+    return path
+
+
+@contextmanager
+def in_variant(stage: Any, set_name: str, variant: str) -> Iterator[None]:
+    """What is written inside this context belongs to a variant of /World; the first of a set is chosen by default."""
+    variants = stage.GetPrimAtPath("/World").GetVariantSets().AddVariantSet(set_name)
+    first = variants.GetVariantNames() == []
+    variants.AddVariant(variant)
+    chosen = variant if first else variants.GetVariantSelection()
+    variants.SetVariantSelection(variant)
+    try:
+        with variants.GetVariantEditContext():
+            yield
+    finally:
+        variants.SetVariantSelection(chosen)
+
+
 def bind(mesh: Any, material_path: str) -> None:
     from pxr import UsdShade
 
@@ -97,11 +122,11 @@ def bind(mesh: Any, material_path: str) -> None:
     UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
 
 
-def define_camera(stage: Any, lower: np.ndarray, upper: np.ndarray) -> None:
+def define_camera(stage: Any, lower: np.ndarray, upper: np.ndarray, name: str = "camera") -> None:
     """A camera above one corner that sees the sphere around ``lower`` and ``upper``."""
     from pxr import Gf, UsdGeom
 
-    camera = UsdGeom.Camera.Define(stage, "/World/camera")
+    camera = UsdGeom.Camera.Define(stage, f"/World/{name}")
     focal_length, aperture = 50.0, (36.0, 24.0)  # tenths of a stage unit, as USD defines it; only the ratio matters
     centre, radius = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
     distance = 1.05 * radius / np.sin(np.arctan(0.5 * min(aperture) / focal_length))
@@ -116,6 +141,26 @@ def define_camera(stage: Any, lower: np.ndarray, upper: np.ndarray) -> None:
     camera.CreateVerticalApertureAttr(aperture[1])
     camera.CreateFocusDistanceAttr(float(distance))
     camera.CreateClippingRangeAttr(Gf.Vec2f(0.01 * distance, 10.0 * distance))
+
+
+def define_views(stage: Any, sheets: Sequence[str], above: Sequence[str], below: Sequence[str], gap: float) -> None:
+    """The variant set "view" of /World: "stacked" is the part as it is, "exploded" moves its sheets ``gap`` apart [m].
+
+    Args:
+        stage: of the film.
+        sheets: paths of the sheets, from the bottom to the top; the lowest stays.
+        above, below: paths of the tools above and below them, which move out of the way.
+        gap: between two sheets, and to the tools.
+    """
+    from pxr import Gf, UsdGeom
+
+    height = dict(zip(sheets, gap * np.arange(len(sheets)), strict=True))
+    height |= dict.fromkeys(above, gap * len(sheets)) | dict.fromkeys(below, -gap)
+    for view, factor in (("stacked", 0.0), ("exploded", 1.0)):
+        with in_variant(stage, "view", view):
+            for path, up in height.items():
+                move = UsdGeom.Xformable.Get(stage, path).GetTranslateOp("exploded")
+                move.Set(Gf.Vec3d(0.0, 0.0, factor * float(up)))
 
 
 def define_light(stage: Any) -> None:

@@ -1,7 +1,8 @@
-"""What happens to the sheet: strokes, supports, loads, gravity and damping."""
+"""What happens to the sheet: strokes, supports, loads, pressure, gravity and damping."""
 
 from .dynamics import Dynamics
 from .loads import NodalLoads
+from .pressure import Pressure
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
 
@@ -12,6 +13,7 @@ __all__ = [
     "ForceDriven",
     "Motion",
     "NodalLoads",
+    "Pressure",
     "SmoothStroke",
     "Stroke",
     "Support",

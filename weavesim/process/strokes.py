@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from ..checks import Kinded, Positive
+from ..checks import Kinded, NotNegative, Positive
 from ..errors import InputError
 from ..quantities import Numbers, finite
 from ..ranges import Quantity, argument
 
 # Knots of each smooth ramp: the speed of the piecewise linear stroke then changes by less than 0.4 % at a knot.
 RAMP_KNOT_COUNT = 400
+# Rate at which the damper of a tool fades over the frequency of its mass on the contact: it is there for the landing.
+FADING = 0.1
 
 
 class Motion(Kinded):
@@ -35,6 +37,26 @@ class Motion(Kinded):
     def driven_mass(self) -> float:
         """What the force moves [kg]; zero where the displacement is prescribed."""
         return 0.0
+
+    @property
+    def limiting_force(self) -> float:
+        """Force of the sheets at which a stroke waits [N]; zero where it never does."""
+        return 0.0
+
+    def damper(self, stiffness: float) -> tuple[float, float]:
+        """Damper of a tool that a force moves, on contact of ``stiffness`` [N/m]: where it lands [N s/m], fading [1/s].
+
+        Zeros for none.
+        """
+        return 0.0, 0.0
+
+    def force_at(self, time: float) -> float:
+        """Force along the axis that drives a tool at ``time`` [s], in N; not a number where none does."""
+        return math.nan
+
+    def displacement_at(self, time: float) -> float:
+        """Displacement along the axis of an unhindered stroke at ``time`` [s], in m; not a number by force."""
+        return math.nan if self.by_force else float(np.interp(time, *self.curve()))
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
         """For a tool: times [s], and displacements [m] or forces [N] along its axis."""
@@ -100,16 +122,32 @@ class Stroke(Knots):
     Attributes:
         times: increasing [s].
         displacements: one per time [m].
+        largest_force: of a tool, along its axis [N]: near it the stroke slows down, waits, and backs off where the
+            sheets push with more; None for a press that is always strong enough. With it, times are those of an
+            unhindered stroke.
     """
 
-    positional = ("times", "displacements")
+    positional = ("times", "displacements", "largest_force")
     values_name = "displacements"
     moves_supports = True
 
     displacements: Annotated[Numbers, Quantity("displacement")]
+    largest_force: Annotated[Positive, Quantity("force")] | None = None
+
+    @property
+    def limiting_force(self) -> float:
+        """``largest_force``, or zero [N]."""
+        return self.largest_force or 0.0
 
     @classmethod
-    def smooth(cls, distance: float, speed: float, ramp_time: float, start_time: float = 0.0) -> Stroke:
+    def smooth(
+        cls,
+        distance: float,
+        speed: float,
+        ramp_time: float,
+        start_time: float = 0.0,
+        largest_force: float | None = None,
+    ) -> Stroke:
         """Constant speed with a smooth start and stop.
 
         The speed follows 3s^2 - 2s^3 over each ramp, so that the acceleration is continuous. A ramp that is too long
@@ -120,6 +158,7 @@ class Stroke(Knots):
             speed: between the ramps [m/s], positive.
             ramp_time: duration of the start, and of the stop [s]; with zero the speed is constant throughout.
             start_time: pause before the stroke [s].
+            largest_force: of the stroke [N]; None for none.
 
         Returns:
             A stroke of duration ``start_time + |distance| / speed + ramp_time``.
@@ -144,7 +183,8 @@ class Stroke(Knots):
             times, travel = times[keep], travel[keep]
         else:
             times, travel = np.array([0.0, end]), np.array([0.0, abs(distance)])
-        return cls(tuple((start_time + times).tolist()), tuple((math.copysign(1.0, distance) * travel).tolist()))
+        travel = math.copysign(1.0, distance) * travel
+        return cls(tuple((start_time + times).tolist()), tuple(travel.tolist()), largest_force)
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
         """Times [s] and displacements along the axis [m]."""
@@ -164,6 +204,11 @@ class ForceDriven(Knots):
         times: increasing [s].
         forces: along the axis, one per time [N]; linear between the knots, constant before and after them.
         mass: moved by the force [kg].
+        damping_ratio: of a damper between the tool and the ground that keeps it from bouncing, as a share of critical
+            for its mass on the contact with all sheets. It acts when the tool lands and fades while it carries, so that
+            a sheet which lifts the tool slowly feels the force alone. Zero for no damper.
+        in_touch: whether the tool starts where it just touches a sheet, moved there along its axis, instead of where
+            its shape was placed.
     """
 
     positional = ("times", "forces", "mass")
@@ -172,10 +217,16 @@ class ForceDriven(Knots):
 
     forces: Annotated[Numbers, Quantity("force")]
     mass: Annotated[Positive, Quantity("mass")]
+    damping_ratio: Annotated[NotNegative, Quantity("damping ratio")] = 1.0
+    in_touch: bool = False
 
     @classmethod
-    def constant(cls, force: float, mass: float, ramp_time: float = 0.0) -> ForceDriven:
+    def constant(cls, force: float, mass: float, ramp_time: float = 0.0, **values: Any) -> ForceDriven:
         """A force [N] along the axis that is reached at ``ramp_time`` [s] and then held constant.
+
+        Args:
+            force, mass, ramp_time: of the tool.
+            **values: the other attributes.
 
         Raises:
             InputError: a ramp time that is negative or not finite.
@@ -183,13 +234,22 @@ class ForceDriven(Knots):
         if not finite("ramp_time", ramp_time) >= 0.0:
             raise InputError(f"ramp_time = {ramp_time}: a time [s] of zero or more is needed")
         if ramp_time > 0.0:
-            return cls((0.0, ramp_time), (0.0, force), mass)
-        return cls((0.0,), (force,), mass)
+            return cls((0.0, ramp_time), (0.0, force), mass, **values)
+        return cls((0.0,), (force,), mass, **values)
 
     @property
     def driven_mass(self) -> float:
         """The mass moved by the force [kg]."""
         return self.mass
+
+    def force_at(self, time: float) -> float:
+        """Of the curve, in N."""
+        return float(np.interp(time, self.times, self.forces))
+
+    def damper(self, stiffness: float) -> tuple[float, float]:
+        """2 ``damping_ratio`` sqrt(stiffness mass) [N s/m], and ``FADING`` sqrt(stiffness / mass) [1/s]."""
+        frequency = math.sqrt(stiffness / self.mass)
+        return 2.0 * self.damping_ratio * self.mass * frequency, FADING * frequency
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
         """Times [s] and forces along the axis [N]."""

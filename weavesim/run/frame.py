@@ -104,6 +104,12 @@ class RunInfo:
         return tuple(tuple(sheet for sheet in self.sheets if sheet.world == name) for name in names)
 
     @property
+    def levels(self) -> tuple[int, ...]:
+        """Place of every sheet from the bottom, by the mean height of its blank; of equals the first is lower."""
+        heights = [float(sheet.blank.node_position[:, 2].mean()) for sheet in self.sheets]
+        return tuple(np.argsort(np.argsort(heights, kind="stable")).tolist())
+
+    @property
     def element_count(self) -> int:
         """Elements of all sheets."""
         return sum(sheet.blank.element_count for sheet in self.sheets)
@@ -157,6 +163,7 @@ class Frame:
         sheets: in the order of the set-up.
         tool_displacement: along each tool's axis, (tool_count,) [m].
         tool_reaction: force of the sheets on each tool, (tool_count, 3) [N].
+        tool_wanted: force that drives each tool along its axis, (tool_count,) [N]; not a number where a stroke does.
         energies: every entry of the ledger [J], by name, summed over the sheets.
         support_force: force of each support on its sheet, (support_count, 3) [N]: it balances all other forces on
             its nodes and accelerates their mass.
@@ -176,6 +183,7 @@ class Frame:
     support_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     drive_displacement: np.ndarray = field(default_factory=lambda: np.zeros(0))
     drive_force: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    tool_wanted: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def sheet(self) -> SheetFrame:

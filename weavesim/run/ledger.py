@@ -8,20 +8,33 @@ import numpy as np
 
 from ..engine.state import State
 from ..engine.stepper import Stepper
-from ..kernels.rows import ToolWorkRow
+from ..kernels.rows import ToolWatchRow, ToolWorkRow
 from ..process.device import support_forces
-from .frame import Frame, SheetFrame
+from .frame import Frame, SheetFrame, unique_names
 from .sheet_ledger import NO_PENETRATION, Penetration, SheetLedger, centred
 
 STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
-LOST = ("friction_loss", "damping_loss", "snap_loss", "shear_friction_loss", "bending_friction_loss")
+LOST = (
+    "friction_loss",
+    "damping_loss",
+    "tool_damping_loss",
+    "snap_loss",
+    "shear_friction_loss",
+    "bending_friction_loss",
+)
 SUPPLIED = (
-    "tool_work", "driving_force_work", "support_work", "load_work", "thickness_work", "gravity_work", "initial_kinetic",
+    "tool_work", "driving_force_work", "support_work", "load_work", "pressure_work", "thickness_work", "gravity_work",
+    "initial_kinetic",
 )  # fmt: skip
 # Derived from the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")
 # Positions of the entries of the tools among those of the sheets.
-_BEFORE_TOOLS = {"tool_kinetic": "kinetic", "tool_work": "load_work", "driving_force_work": "tool_work"}
+_BEFORE_TOOLS = {
+    "tool_kinetic": "kinetic",
+    "tool_damping_loss": "damping_loss",
+    "tool_work": "load_work",
+    "driving_force_work": "tool_work",
+}
 
 
 class Ledger:
@@ -33,6 +46,7 @@ class Ledger:
     Attributes:
         sheets: ledgers of every sheet.
         internal: names of the elastic energies of all sheets; their sum is the entry ``internal``.
+        tool_names: as in all outputs.
     """
 
     def __init__(self, stepper: Stepper) -> None:
@@ -40,6 +54,7 @@ class Ledger:
         self.sheets = [SheetLedger(stepper.model, k, stepper.state) for k in range(len(stepper.model.sheets))]
         self.internal = tuple(dict.fromkeys(name for sheet in self.sheets for name in sheet.internal))
         tools = self._setup.tools
+        self.tool_names = unique_names(tool.name for tool in tools)
         self._driven = np.array([tool.motion.by_force for tool in tools], dtype=bool)
         self._tool_mass = np.array([tool.motion.driven_mass for tool in tools])
 
@@ -63,6 +78,7 @@ class Ledger:
             support_force=support_force,
             drive_displacement=drive_displacement,
             drive_force=drive_force,
+            tool_wanted=np.array([tool.motion.force_at(state.time) for tool in self._setup.tools]),
         )
 
     def _support_outputs(self, ahead: State) -> tuple[np.ndarray, np.ndarray]:
@@ -85,6 +101,7 @@ class Ledger:
         work = centred(state.tool_work, ahead.tool_work, state.step_count > 0)
         of_tools = {
             "tool_kinetic": 0.5 * float(self._tool_mass @ (state.tool_velocity.numpy() * ahead.tool_velocity.numpy())),
+            "tool_damping_loss": float(work[ToolWorkRow.damping].sum()),
             "tool_work": float(work[ToolWorkRow.on_sheet][~self._driven].sum()),
             "driving_force_work": float(work[ToolWorkRow.driving][self._driven].sum()),
         }
@@ -93,6 +110,10 @@ class Ledger:
         entries["used"] = sum(entries[name] for name in STORED + LOST)
         entries["balance_error"] = entries["supplied"] - entries["used"]
         return entries
+
+    def watched(self) -> dict[str, np.ndarray]:
+        """What every step has booked of the tools so far, by names of ``ToolWatchRow``, (tool_count,) each."""
+        return dict(zip(ToolWatchRow.names(), self._stepper.state.tool_watch.numpy().copy(), strict=True))
 
     def penetration(self, frame: Frame) -> Penetration:
         """Deepest penetration of a frame just taken."""

@@ -183,6 +183,8 @@ class SheetLedger:
         entries["support_work"] = works["support_work"]
         entries["thickness_work"] = works["thickness_work"]
         entries["load_work"] = works["load_work"]
+        # booked up to the positions of the evaluation, so the next step has it up to these
+        entries["pressure_work"] = float(ahead.pressure_work.numpy().sum())
         displacement = position - sheet.blank.node_position
         entries["gravity_work"] = float(sheet.node_mass @ (displacement @ np.array(sheet.dynamics.gravity)))
         entries["initial_kinetic"] = self.initial_kinetic

@@ -21,6 +21,7 @@ from .estimate import check_bounds, estimate
 from .frame import Frame, RunInfo, SheetFrame, SheetInfo
 from .guards import Guards, Level, Start
 from .ledger import Ledger
+from .touching import start_in_touch
 
 logger = logging.getLogger(__name__)
 
@@ -68,6 +69,7 @@ def prepare(setup: Setup) -> Prepared:
         step_safety=solver.step_safety,
     )
     stepper.load()
+    start_in_touch(model, state)
     stepper.start()
     stable = stepper.stable_step()
     if solver.time_step is not None and solver.time_step > stable:

@@ -14,6 +14,7 @@ from ..checks import Finite, Parameters
 from ..fabric.fabric import Fabric
 from ..names import Label
 from ..process.loads import NodalLoads
+from ..process.pressure import Pressure
 from ..process.supports import Support, prescribe_start
 from ..ranges import Quantity
 from .blank import Blank
@@ -39,6 +40,7 @@ class Sheet(Parameters):
         supports: nodes that are held and possibly driven; they need not be marked in ``free``, and components that
             they hold have their velocity from the start. Their names are unique in a run.
         loads: forces and couples prescribed at nodes.
+        pressures: on its faces; those on the same face add up.
     """
 
     positional = ("blank", "fabric", "name")
@@ -51,6 +53,7 @@ class Sheet(Parameters):
     initial_velocity: Annotated[FloatArray, Quantity("speed")] | None = None
     supports: tuple[Support, ...] = ()
     loads: NodalLoads | None = None
+    pressures: tuple[Pressure, ...] = ()
 
     @model_validator(mode="after")
     def _fits_the_blank(self) -> Self:
@@ -64,6 +67,8 @@ class Sheet(Parameters):
             )
         if self.loads is not None:
             self.loads.arrays(count)
+        for pressure in self.pressures:
+            pressure.check_elements(self.blank.element_count)
         owner = np.full(count, -1)
         for index, support in enumerate(self.supports):
             self._check_support(support, owner)

@@ -50,7 +50,11 @@ GPU_THREAD_COUNT = 32
 
 
 def build_device_tools(
-    tools: Sequence[Tool], real: type, device: str, samples: Samples = MappingProxyType({})
+    tools: Sequence[Tool],
+    real: type,
+    device: str,
+    samples: Samples = MappingProxyType({}),
+    stiffness: Sequence[float] = (),
 ) -> DeviceTools:
     """Arrays for ``node_motion_kernel`` and ``tool_motion_kernel``.
 
@@ -59,6 +63,7 @@ def build_device_tools(
         real: wp.float32 or wp.float64, of distances and frames.
         device: name in Warp.
         samples: of all meshes among the tools' parts, on the same device; see ``sample_meshes``.
+        stiffness: largest stiffness of each tool's contact [N/m]; none for tools on their own, which get no damper.
 
     Raises:
         InputError: a part is of an unknown kind, or lacks one of its dimensions.
@@ -73,7 +78,7 @@ def build_device_tools(
 
     drives = ToolDrives()
     drives.thread_count = GPU_THREAD_COUNT if wp.get_device(device).is_cuda else 1
-    drives.drive = array(_drives(tools, curves), ToolDrive)
+    drives.drive = array(_drives(tools, curves, stiffness or [0.0] * len(tools)), ToolDrive)
     drives.axis = array([tool.axis for tool in tools], wp.vec3d)
     drives.curve_time = array(np.concatenate([np.empty(0), *(times for times, _ in curves)]), wp.float64)
     drives.curve_value = array(np.concatenate([np.empty(0), *(values for _, values in curves)]), wp.float64)
@@ -133,15 +138,20 @@ def _part_data(part: Shape, real: type, samples: Samples) -> Any:
     return data
 
 
-def _drives(tools: Sequence[Tool], curves: Sequence[tuple[np.ndarray, np.ndarray]]) -> list[Any]:
+def _drives(
+    tools: Sequence[Tool], curves: Sequence[tuple[np.ndarray, np.ndarray]], stiffness: Sequence[float]
+) -> list[Any]:
     result: list[Any] = []
     first_knot = 0
-    for tool, (times, _) in zip(tools, curves, strict=True):
+    for tool, (times, _), of_contact in zip(tools, curves, stiffness, strict=True):
         drive = ToolDrive()
         drive.kind = int(FORCE if tool.motion.by_force else STROKE)
         drive.first_knot = first_knot
         drive.knot_count = len(times)
         drive.mass = tool.motion.driven_mass
+        drive.damping, drive.fading = tool.motion.damper(of_contact)
+        drive.largest_force = tool.motion.limiting_force
+        drive.stiffness = of_contact
         first_knot += len(times)
         result.append(drive)
     return result

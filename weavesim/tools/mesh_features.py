@@ -53,18 +53,12 @@ def fillet_radius(vertices: np.ndarray, faces: np.ndarray) -> float:
     Sharp edges are ignored.
     """
     normal, area = face_normals(vertices, faces)
-    pairs = neighbours(faces) // 3
-    sharp = np.einsum("ij,ij->i", normal[pairs[:, 0]], normal[pairs[:, 1]]) < math.cos(SHARP)
-    # a vertex at a sharp edge has no normal: its faces are ignored
-    rounded_vertex = np.ones(len(vertices), dtype=bool)
-    rounded_vertex[faces[np.unique(pairs[sharp])].ravel()] = False
-    vertex_normal = _vertex_normals(vertices, faces, normal)
-    usable = np.flatnonzero(np.all(rounded_vertex[faces], axis=1) & (area > 1e-6 * area.max()))
+    usable = _rounded_faces(vertices, faces, normal, area)
     if len(usable) > CURVATURE_FACE_COUNT:
         usable = np.sort(np.random.default_rng(0).choice(usable, CURVATURE_FACE_COUNT, replace=False))
     if not len(usable):
         return math.inf
-    curvature = _largest_curvature(vertices, faces[usable], normal[usable], vertex_normal)
+    curvature = _largest_curvature(vertices, faces[usable], normal[usable], _vertex_normals(vertices, faces, normal))
     convex = curvature > 0.5 / diagonal(vertices)
     if not np.any(convex):
         return math.inf
@@ -72,6 +66,31 @@ def fillet_radius(vertices: np.ndarray, faces: np.ndarray) -> float:
     order = np.argsort(radius)
     share = np.cumsum(weight[order]) / weight.sum()
     return float(radius[order][np.searchsorted(share, 0.05)])
+
+
+def convex_radii(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Smallest convex radius of each face, as ``fillet_radius`` estimates it, (m,) [m].
+
+    Infinite where a face is flat or hollow, and beside sharp edges.
+    """
+    normal, area = face_normals(vertices, faces)
+    usable = _rounded_faces(vertices, faces, normal, area)
+    radius = np.full(len(faces), math.inf)
+    if len(usable):
+        vertex_normal = _vertex_normals(vertices, faces, normal)
+        curvature = _largest_curvature(vertices, faces[usable], normal[usable], vertex_normal)
+        convex = curvature > 0.5 / diagonal(vertices)
+        radius[usable[convex]] = 1.0 / curvature[convex]
+    return radius
+
+
+def _rounded_faces(vertices: np.ndarray, faces: np.ndarray, normal: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Faces whose curvature can be estimated, (k,): a vertex at a sharp edge has no normal, and its faces none."""
+    pairs = neighbours(faces) // 3
+    sharp = np.einsum("ij,ij->i", normal[pairs[:, 0]], normal[pairs[:, 1]]) < math.cos(SHARP)
+    rounded_vertex = np.ones(len(vertices), dtype=bool)
+    rounded_vertex[faces[np.unique(pairs[sharp])].ravel()] = False
+    return np.flatnonzero(np.all(rounded_vertex[faces], axis=1) & (area > 1e-6 * area.max()))
 
 
 def _vertex_normals(vertices: np.ndarray, faces: np.ndarray, normal: np.ndarray) -> np.ndarray:

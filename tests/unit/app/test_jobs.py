@@ -29,7 +29,7 @@ def scene_folder(tmp_path_factory):
     """The double dome, coarse and short, as a scene."""
     scene = known_scenes()["double-dome"].load()
     out = tmp_path_factory.mktemp("scene") / "out"
-    scene.run(scene.parameters(**DOME, frame_count=2, out=out, write="tables"))
+    scene.run(scene.parameters(**DOME, frame_count=2, out=out, write="summary,tables"))
     return out
 
 
@@ -38,7 +38,7 @@ def job_folder(tmp_path_factory):
     """The same as a job, run by the command."""
     folder = tmp_path_factory.mktemp("job")
     text = '[scene]\nname = "double-dome"\nmesh_size = "20 mm"\nstroke = "9 mm"\npunch_speed = "2000 mm/s"\n'
-    (folder / "dome.toml").write_text(text + '[output]\nframe_count = 2\nwrite = ["tables"]\n')
+    (folder / "dome.toml").write_text(text + '[output]\nframe_count = 2\nwrite = ["summary", "tables"]\n')
     result = call("form", folder / "dome.toml", "--set", "scene.stroke=4 mm")
     assert f"Results are in {folder / 'out'}." in result.output
     return folder / "out"
@@ -56,3 +56,129 @@ def test_a_mistake_is_told_before_anything_runs(tmp_path):
     assert "did you mean 'force'" in problem("form", path, "--set", "tools.ring.forse=600")
     assert not (tmp_path / "out").exists()
     assert "cannot be read" in problem("form", tmp_path / "none.toml")
+
+
+def test_a_run_can_be_repeated_to_the_bit(job_folder):
+    result = call("rerun", job_folder)
+    assert result.exit_code == 0, result.output
+    assert "The same to the bit" in result.output
+
+
+def test_a_run_that_differs_is_told(job_folder, tmp_path):
+    import shutil
+
+    shutil.copytree(job_folder, tmp_path / "out")
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    (tmp_path / "out" / "run.json").write_text(json.dumps({**record, "final_state": "0" * 64}))
+    result = call("rerun", tmp_path / "out", "--into", tmp_path / "again")
+    assert result.exit_code == 1 and "Not the same" in result.output
+    assert json.loads((tmp_path / "again" / "run.json").read_text())["final_state"] == record["final_state"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"outcome": "interrupted"}, "its run is interrupted; only one that finished can be repeated"),
+        ({"final_state": None}, "did not record the final state"),
+        ({"setup_hash": "x"}, "is not the set-up that was run"),
+    ],
+)
+def test_what_cannot_be_repeated_is_refused(job_folder, tmp_path, change, message):
+    import shutil
+
+    shutil.copytree(job_folder, tmp_path / "out")
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    (tmp_path / "out" / "run.json").write_text(json.dumps({**record, **change}))
+    assert message in problem("rerun", tmp_path / "out")
+
+
+def test_a_run_is_shown_with_its_verdict_and_numbers(job_folder, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
+    result = call("view", job_folder)
+    assert result.exit_code == 0
+    for text in ("double_dome: finished", "verdict:", "max shear angle deg", "peak force of punch n", "history.csv"):
+        assert text in result.output
+    assert not opened  # this run wrote no report
+    (job_folder / "report.html").write_text("x")
+    assert "Report:" in call("view", job_folder).output and opened[0].startswith("file://")
+    opened.clear()
+    call("view", job_folder, "--no-open")
+    assert not opened
+    (job_folder / "report.html").unlink()
+
+
+def test_a_folder_without_a_run_is_refused(tmp_path, job_folder):
+    assert "no run wrote its results there" in problem("view", tmp_path)
+    assert "it has runs in" in problem("view", job_folder.parent)
+
+
+def test_a_scene_as_a_job_has_all_its_options_as_comments(tmp_path):
+    result = call("new", "dome", "--scene", "double-dome", "--into", tmp_path / "dome")
+    assert result.exit_code == 0, result.output
+    text = (tmp_path / "dome" / "job.toml").read_text()
+    assert "# punch_speed = 0.5" in text and "# [m/s] [m/s]" not in text
+    from weavesim.job.read import read_job
+    from weavesim.job.scenes import scene_of
+
+    scene, parameters = scene_of(read_job(tmp_path / "dome" / "job.toml"), out=tmp_path)
+    assert parameters == scene.parameters(out=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("part",), "give --die FILE for a tool of your own, or --scene NAME for a scene"),
+        (("part", "--die", "die.stl", "--scene", "double-dome"), "give --die FILE"),
+        (("part", "--die", "none.stl"), "none.stl does not exist"),
+        (("part", "--die", "die.stl", "--thickness", "1.2 kg"), "--thickness 1.2 kg: 'kg' is no unit of it"),
+        (("part", "--die", "die.stl", "--thickness", "0"), "--thickness 0: a length above 0 is needed"),
+        (("part", "--die", "die.stl", "--mesh-size", "900"), "--mesh-size 900: at most 0.5 m is allowed"),
+        (("part", "--die", "die.stl", "--up", "up"), "--up up: one of +z"),
+        (("part", "--die", "die.stl", "--unit", "kg"), "--unit kg: a unit of length is needed"),
+        (("part", "--die", "die.stl", "--fabric", "wool"), "fabric 'wool' is unknown"),
+        (("a/b", "--die", "die.stl"), "name of the job = 'a/b'"),
+        (("part", "--scene", "double-dom"), "did you mean 'double-dome'"),
+    ],
+)
+def test_what_new_cannot_do_is_refused(tmp_path, monkeypatch, words, message):
+    write_tray(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert message in problem("new", *words)
+    assert not (tmp_path / "part").exists()
+
+
+@pytest.mark.slow
+def test_the_hour_of_a_newcomer(tmp_path, monkeypatch):
+    """A die that is not ours: new, check, form, view; no edit but the fabric's name, and coarse to be quick."""
+    from tests.support.jobs import tray_surface, write_stl
+
+    monkeypatch.chdir(tmp_path)
+    write_stl(tmp_path / "die.stl", *tray_surface())
+    made = call("new", "tray", "--die", "die.stl", "--thickness", "1.2", "--mesh-size", "10")
+    assert made.exit_code == 0, made.output
+    for text in ("Unit: mm, guessed", "Up: +z", "an opening of 160 x 120 mm with a flat rim", "weavesim check"):
+        assert text in " ".join(made.output.split()), made.output
+    job = tmp_path / "tray" / "job.toml"
+    assert "it exists" in problem("new", "tray", "--die", "die.stl")
+    job.write_text(job.read_text().replace('"glass-polypropylene"', '"glass-polypropylene-polynomial"'))
+    checked = call("check", job)
+    assert checked.exit_code == 0, checked.output
+    assert "die - punch" in checked.output and (tmp_path / "tray" / "job_check.png").stat().st_size > 20_000
+    formed = call(
+        "form",
+        job,
+        "--set",
+        "output.frame_count=6",
+        "--set",
+        "tools.punch.speed=1.5 m/s",
+        "--set",
+        'output.write=["summary", "pictures"]',
+    )
+    assert "Results are in" in formed.output, formed.output
+    seen = call("view", tmp_path / "tray" / "out", "--no-open")
+    assert "glass" in json.loads((tmp_path / "tray" / "out" / "summary.json").read_text())["fabric"]
+    assert "pictures/formed_sheet.png" in seen.output
+    summary = json.loads((tmp_path / "tray" / "out" / "summary.json").read_text())
+    assert summary["outcome"] == "finished"
+    assert 30.0 < summary["max_shear_angle_deg"] < 75.0

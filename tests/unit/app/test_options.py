@@ -11,9 +11,9 @@ from weavesim.output.writer import known_writers
 @pytest.mark.parametrize(
     ("given", "writers"),
     [
-        ({}, ("film", "paraview", "tables", "pictures", "report", "summary")),
+        ({}, ("film", "paraview", "results", "tables", "pictures", "report", "summary")),
         ({"write": "summary, film"}, ("film", "summary")),
-        ({"without": "film,paraview"}, ("tables", "pictures", "report", "summary")),
+        ({"without": "film,paraview"}, ("results", "tables", "pictures", "report", "summary")),
         ({"write": "film,tables", "without": "film"}, ("tables",)),
     ],
 )
@@ -28,7 +28,7 @@ def test_an_unknown_result_is_refused_with_the_known_ones(option):
 
 
 def test_help_names_the_results():
-    assert "film,paraview,tables,pictures,report,summary" in RunOptions.model_fields["write"].description
+    assert "film,paraview,results,tables,pictures,report,summary" in RunOptions.model_fields["write"].description
 
 
 @pytest.mark.parametrize(("size", "message"), [(5.0, "write 0.005 for 5 mm"), (1e-5, "at least"), (-1.0, "mesh_size")])

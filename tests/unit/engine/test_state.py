@@ -100,7 +100,9 @@ def test_the_state_moves():
     # the first sheet alone has friction inside and tools near, the third alone supports; the weight has bounced off;
     # the works of a whole block are in their sums
     own = {
-        f"sheets/{k}/{name}" for k in range(3) for name in ("slip", "holding", "friction", "gap", "depth", "thickness")
+        f"sheets/{k}/{name}"
+        for k in range(3)
+        for name in ("slip", "holding", "friction", "gap", "depth", "thickness", "pressure_work")
     }
     assert still <= own | {"reaction", "tool_force"} | {f"sheets/{k}/node_work" for k in range(3)}
     assert not still & {
@@ -189,8 +191,8 @@ def rewritten(content: bytes, **changes: np.ndarray | None) -> bytes:
         ({"clock": np.zeros(3, dtype=np.float32)}, "clock is missing or of another shape or type"),
         ({"about": np.array("[1]")}, "cannot be read"),
         ({"about": np.array("null")}, "cannot be read"),
-        ({"about": np.array('{"version": 0, "step_count": 0}')}, "its version is 0, but this run has 4"),
-        ({"about": np.array('{"version": 4}')}, "cannot be read"),
+        ({"about": np.array('{"version": 0, "step_count": 0}')}, "its version is 0, but this run has 5"),
+        ({"about": np.array('{"version": 5}')}, "cannot be read"),
     ],
 )
 def test_what_is_missing_or_otherwise_in_a_file_is_named(tmp_path, saved, changes, message):

@@ -245,8 +245,13 @@ def test_unknown_endings_are_refused():
 
 
 @pytest.fixture(scope="module")
-def stack_film(tmp_path_factory, stack):
-    return Usd.Stage.Open(str(write_film(tmp_path_factory.mktemp("stack") / "stack.usdc", stack)))
+def stack_path(tmp_path_factory, stack):
+    return write_film(tmp_path_factory.mktemp("film") / "stack.usdc", stack)
+
+
+@pytest.fixture(scope="module")
+def stack_film(stack_path):
+    return Usd.Stage.Open(str(stack_path))
 
 
 def test_every_sheet_of_a_run_is_a_mesh_with_its_own_copies(stack_film, stack):
@@ -279,3 +284,77 @@ def test_the_camera_sees_all_sheets(stack_film, stack):
 
 def test_names_of_prims_are_valid_and_differ():
     assert prim_names(["ply 1", "ply-1", "ply_1", "2nd"]) == ["ply_1", "ply_1_2", "ply_1_3", "_nd"]
+
+
+def chosen(path, **variants: str):
+    """The film with these variants of /World, chosen as a viewer does: in its session, not in the file."""
+    stage = Usd.Stage.Open(str(path))
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        for name, variant in variants.items():
+            assert stage.GetPrimAtPath("/World").GetVariantSet(name).SetVariantSelection(variant)
+    return stage
+
+
+def moved(stage, path: str, time: float = 0.0) -> np.ndarray:
+    """Where the origin of a prim is [m]."""
+    transform = UsdGeom.Xformable(stage.GetPrimAtPath(path)).ComputeLocalToWorldTransform(time)
+    return np.array(transform.ExtractTranslation())
+
+
+SHEETS_OF_STACK = ("/World/sheet_upper", "/World/sheet_lower")
+
+
+def test_validators_accept_every_view_of_several_sheets(stack_path):
+    for view in ("stacked", "exploded"):
+        for colours in ("shear_angle", "sheets"):
+            assert complaints(chosen(stack_path, view=view, colours=colours)) == []
+
+
+def test_several_sheets_are_seen_as_they_are_unless_they_are_moved_apart(stack_path, stack):
+    info, frames = stack
+    stage = Usd.Stage.Open(str(stack_path))
+    for path in (*SHEETS_OF_STACK, "/World/sheet_upper_mirrored_x"):
+        assert moved(stage, path) == pytest.approx(0.0)
+    apart = chosen(stack_path, view="exploded")
+    points = np.concatenate([sheet.position for frame in frames for sheet in frame.sheets])
+    gap = moved(apart, SHEETS_OF_STACK[1])[2]  # both are at one height: the first counts as the lower one
+    assert gap == pytest.approx(max(0.6 * np.ptp(points[:, 2]), 0.2 * np.abs(points[:, :2]).max()))
+    assert moved(apart, SHEETS_OF_STACK[0]) == pytest.approx(0.0)
+    # mirrored copies go with their sheet, and are mirrored still
+    for name in ("_mirrored_x", "_mirrored_y", "_mirrored_x_y"):
+        assert moved(apart, f"{SHEETS_OF_STACK[0]}{name}") == pytest.approx(0.0)
+        scale = UsdGeom.Xformable(apart.GetPrimAtPath(f"{SHEETS_OF_STACK[0]}{name}")).ComputeLocalToWorldTransform(0.0)
+        assert abs(scale.GetDeterminant()) == pytest.approx(1.0) and scale != Gf.Matrix4d(1.0)
+    # tools move out of the way, and still with their strokes
+    last = frames[-1]
+    for k, (name, away) in enumerate(zip(info.tool_names, (2.0 * gap, -gap, 2.0 * gap) * 2, strict=True)):
+        stroke = last.tool_displacement[k] * np.array(info.tools[k].axis)
+        assert moved(apart, f"/World/tools/{name}", last.index) == pytest.approx(stroke + (0.0, 0.0, away)), name
+
+
+def test_a_camera_sees_the_sheets_that_are_moved_apart(stack_path, stack):
+    stage = chosen(stack_path, view="exploded")
+    frustum = UsdGeom.Camera.Get(stage, "/World/camera_exploded").GetCamera(0.0).frustum
+    for frame in (stack[1][0], stack[1][-1]):
+        for path, sheet in zip(SHEETS_OF_STACK, frame.sheets, strict=True):
+            for point in sheet.position + moved(stage, path):
+                assert frustum.Intersects(Gf.Vec3d(*point))
+
+
+def test_sheets_have_colours_of_their_own_where_these_are_chosen(stack_path):
+    def materials(**variants):
+        stage = chosen(stack_path, **variants)
+        paths = (*SHEETS_OF_STACK, "/World/sheet_upper_mirrored_x_y")
+        bound = [UsdShade.MaterialBindingAPI(stage.GetPrimAtPath(path)).ComputeBoundMaterial()[0] for path in paths]
+        colours = [material.ComputeSurfaceSource()[0].GetInput("diffuseColor").Get() for material in bound]
+        return [(str(material.GetPath()), colour) for material, colour in zip(bound, colours, strict=True)]
+
+    assert {path for path, _ in materials()} == {"/World/materials/sheet"}
+    upper, lower, mirrored = materials(colours="sheets")
+    assert upper[0] == mirrored[0] == "/World/materials/sheet_upper" and lower[0] == "/World/materials/sheet_lower"
+    assert upper[1] == mirrored[1] != lower[1]
+
+
+def test_one_sheet_has_nothing_to_choose(stage):
+    assert stage.GetPrimAtPath("/World").GetVariantSets().GetNames() == []
+    assert not stage.GetPrimAtPath("/World/camera_exploded")

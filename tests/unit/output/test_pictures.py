@@ -166,3 +166,18 @@ def test_a_run_at_rest_can_be_drawn(tmp_path, coarse_run):
         path = tmp_path / f"{i}.png"
         pictures.write_picture(figure, path)
         assert np.ptp(imread(path)[..., :3]) > 0.5
+
+
+def test_a_run_is_drawn_before_it_starts(tmp_path):
+    from tests.support.jobs import write_tray
+    from weavesim.job.build import setup_of
+    from weavesim.job.read import read_job
+    from weavesim.output.pictures.before import before_run
+
+    figure = before_run(setup_of(read_job(write_tray(tmp_path))))
+    titles = [axes.get_title(loc="left") or axes.get_title() for axes in figure.axes]
+    assert titles[:2] == ["At the start, cut along x (y = 0 mm)", "At the start, cut along y (x = 0 mm)"]
+    assert [title.split(":")[0] for title in titles[2:]] == ["die", "punch", "ring"]
+    drawn = figure.axes[2].collections[0]
+    # the entry radius of the die is too small for elements of 10 mm, its rim is not
+    assert len({tuple(colour) for colour in drawn.get_facecolors()}) > 1

@@ -88,9 +88,19 @@ def test_the_recipe_of_an_output_field(fields_forgotten, tmp_path, coarse_run):
     assert np.array_equal(stored, values["current_areal_density"])
 
 
+def test_the_recipe_of_a_permeability(fields_forgotten, tmp_path):
+    from weavesim.output.stored.file import read_results
+
+    imported(written_recipe("permeability.py", tmp_path), pytest.MonkeyPatch())
+    folder = ResultFolder(tmp_path / "run", writers=["results"])
+    small_run().run([folder])
+    value = read_results(tmp_path / "run").sheets[0].values["permeability_1"]
+    assert value.unit == "m^2" and value.values == pytest.approx(np.full(16, 0.667e-10 * 0.6028), rel=1e-3)
+
+
 def test_recipes_leave_nothing_behind():
     assert "obj" not in known_writers()
-    assert "current_areal_density" not in {field.name for field in fields.FIELDS}
+    assert not {"current_areal_density", "permeability_1"} & {field.name for field in fields.FIELDS}
 
 
 def test_the_tables_of_the_page_are_those_of_the_code():

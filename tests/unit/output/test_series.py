@@ -121,10 +121,11 @@ def test_every_sheet_of_a_run_has_its_files_in_one_series(tmp_path, stack):
     info, frames = stack
     write_series(tmp_path, stack)
     entries = xml.parse(tmp_path / "series.pvd").getroot().findall("./Collection/DataSet")
-    assert [(entry.get("part"), entry.get("name"), entry.get("file")) for entry in entries[:3]] == [
-        ("0", "upper", "frame_0000_upper.vtu"),
-        ("1", "lower", "frame_0000_lower.vtu"),
+    assert [entry.get("file") for entry in entries[:2]] == ["frame_0000.vtm", "frame_0001.vtm"]
+    blocks = xml.parse(tmp_path / "frame_0001.vtm").getroot().findall("./vtkMultiBlockDataSet/DataSet")
+    assert [(block.get("index"), block.get("name"), block.get("file")) for block in blocks] == [
         ("0", "upper", "frame_0001_upper.vtu"),
+        ("1", "lower", "frame_0001_lower.vtu"),
     ]
     for sheet, state in zip(info.sheets, frames[-1].sheets, strict=True):
         mesh = meshio.read(tmp_path / f"final_state_{sheet.name}.vtu")
@@ -135,7 +136,35 @@ def test_every_sheet_of_a_run_has_its_files_in_one_series(tmp_path, stack):
         assert (tmp_path / entry.get("file")).exists()
 
 
+def test_vtk_reads_the_sheets_as_named_blocks(tmp_path, stack):
+    """In ParaView and PyVista, which use it: every frame, with the positions of the run."""
+    pyvista = pytest.importorskip("pyvista")
+    info, frames = stack
+    write_series(tmp_path, stack)
+    reader = pyvista.get_reader(str(tmp_path / "series.pvd"))
+    assert len(reader.time_values) == len(frames)
+    for time_value, frame in zip(reader.time_values, frames, strict=True):
+        reader.set_active_time_value(time_value)
+        (blocks,) = reader.read()
+        assert blocks.keys() == ["upper", "lower"]
+        for sheet in frame.sheets:
+            assert np.array_equal(blocks[sheet.name].points, sheet.position.astype(np.float32))
+    final = pyvista.read(str(tmp_path / "final_state.vtm"))
+    for name, place, level in (("upper", 0, 0), ("lower", 1, 1)):
+        assert set(final[name].cell_data["sheet"]) == {place}
+        exploded = final[name].warp_by_vector("exploded").points - final[name].points
+        gap = 0.15 * max(sheet.blank.size for sheet in info.sheets)
+        assert exploded == pytest.approx(np.tile([0.0, 0.0, level * gap], (len(exploded), 1)))
+
+
+def test_one_sheet_has_no_blocks(tmp_path, coarse_run):
+    write_series(tmp_path, coarse_run)
+    assert not list(tmp_path.glob("*.vtm"))
+    mesh = meshio.read(tmp_path / "final_state.vtu")
+    assert "sheet" not in mesh.cell_data and "exploded" not in mesh.point_data
+
+
 def test_frames_of_a_former_run_of_several_sheets_go_too(tmp_path, coarse_run, stack):
     write_series(tmp_path, stack)
     write_series(tmp_path, coarse_run)
-    assert not list(tmp_path.glob("frame_*_upper.vtu"))
+    assert not list(tmp_path.glob("frame_*_upper.vtu")) and not list(tmp_path.glob("frame_*.vtm"))

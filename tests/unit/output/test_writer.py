@@ -33,15 +33,17 @@ def play(folder, run):
 
 
 def test_writers_come_in_the_order_in_which_they_write():
-    assert names(chosen_writers()) == ["film", "paraview", "tables", "pictures", "report", "summary"]
+    assert names(chosen_writers()) == ["film", "paraview", "results", "tables", "pictures", "report", "summary"]
     assert names(chosen_writers(["summary", "film"])) == ["film", "summary"]
-    assert names(chosen_writers(without=["film", "pictures"])) == ["paraview", "tables", "report", "summary"]
+    assert names(chosen_writers(without=["film", "pictures"])) == ["paraview", "results", "tables", "report", "summary"]
     assert names(chosen_writers(["film"], without=["film"])) == []
 
 
 @pytest.mark.parametrize("given", [{"names": ["movie"]}, {"without": ["movie"]}])
 def test_an_unknown_writer_is_refused_and_the_known_ones_are_listed(given):
-    with pytest.raises(InputError, match="'movie': choose from film, paraview, tables, pictures, report, summary"):
+    with pytest.raises(
+        InputError, match="'movie': choose from film, paraview, results, tables, pictures, report, summary"
+    ):
         chosen_writers(**given)
 
 

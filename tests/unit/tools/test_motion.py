@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weavesim.errors import InputError
-from weavesim.kernels.rows import ClockEntry, ToolWatchRow, ToolWorkRow
-from weavesim.kernels.stepping.tools import tool_motion_kernel
+from weavesim.kernels.rows import ClockEntry, ToolDriveRow, ToolWatchRow, ToolWorkRow
+from weavesim.kernels.stepping.tools import ToolBooks, tool_motion_kernel
 from weavesim.process.strokes import Fixed, ForceDriven, SmoothStroke, Stroke
 from weavesim.tools.device import build_device_tools
 from weavesim.tools.shapes import Plane
@@ -24,25 +24,36 @@ class Tools(NamedTuple):
     displacement: wp.array
     velocity: wp.array
     force: wp.array
-    work: wp.array
-    watch: wp.array
+    drive: wp.array
+    books: ToolBooks
+
+    @property
+    def work(self) -> wp.array:
+        return self.books.work
+
+    @property
+    def watch(self) -> wp.array:
+        return self.books.watch
 
 
-def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0)):
+def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0), stiffness=()):
     """Displacement and velocity after each step, (step_count, tool_count), and all that the kernel wrote."""
-    device = build_device_tools(tools, wp.float64, "cpu")
+    device = build_device_tools(tools, wp.float64, "cpu", stiffness=stiffness)
     clock = np.zeros(ClockEntry.row_count())
     clock[ClockEntry.step] = clock[ClockEntry.mean_step] = step
     clock = wp.array(clock, dtype=wp.float64, device="cpu")
     # each tool feels the reaction in two blocks
     half = np.tile(0.5 * np.array(reaction), (len(tools), 2, 1))
     reactions = wp.array(half, dtype=wp.vec3d, device="cpu")
+    books = ToolBooks()
+    books.work = wp.zeros((ToolWorkRow.row_count(), len(tools)), dtype=wp.float64, device="cpu")
+    books.watch = wp.zeros((ToolWatchRow.row_count(), len(tools)), dtype=wp.float64, device="cpu")
     state = Tools(
         wp.array(device.initial_displacement, dtype=wp.float64, device="cpu"),
         wp.array(device.initial_velocity, dtype=wp.float64, device="cpu"),
         wp.zeros(len(tools), dtype=wp.vec3d, device="cpu"),
-        wp.zeros((ToolWorkRow.row_count(), len(tools)), dtype=wp.float64, device="cpu"),
-        wp.zeros((ToolWatchRow.row_count(), len(tools)), dtype=wp.float64, device="cpu"),
+        wp.zeros((ToolDriveRow.row_count(), len(tools)), dtype=wp.float64, device="cpu"),
+        books,
     )
     displacement, velocity = [], []
     for _ in range(step_count):
@@ -123,7 +134,8 @@ def test_driven_tool_falls_as_newton_says():
     np.testing.assert_allclose(state.force.numpy()[0], reaction, atol=1e-12)
     # half of the step before and half of the one to come; the last half is still to come
     travel = step * (velocity[:, 0].sum() - 0.5 * velocity[-1, 0])
-    on_sheet, driving = state.work.numpy()[:, 0]
+    on_sheet, driving, damping = state.work.numpy()[:, 0]
+    assert damping == 0.0  # nobody said how stiff the contact is
     np.testing.assert_allclose([on_sheet, driving], [-along * travel, force * travel], rtol=1e-12)
     assert driving - on_sheet == pytest.approx(0.5 * mass * velocity[-1, 0] ** 2, rel=1e-12)
 
@@ -195,3 +207,46 @@ def test_the_force_of_every_step_is_watched():
     assert watch["carried_impulse"][0] == pytest.approx(0.6 * watch["wanted_impulse"][0]) == pytest.approx(0.03)
     _, _, state = run([tool(driven)], 1e-4, 50, reaction=(0.0, 0.0, 4.9))
     assert state.watch.numpy()[ToolWatchRow.idle, 0] == pytest.approx(5e-3)
+
+
+def test_a_damper_slows_a_tool_that_carries_and_fades():
+    """Carrying exactly its force, a tool loses its speed to the damper: v' = -c/m exp(-t/T) v, all of it booked."""
+    force, mass, stiffness, step = 10.0, 2.0, 8.0e4, 1e-5
+    motion = ForceDriven.constant(force, mass, damping_ratio=0.05)
+    damping, fading = motion.damper(stiffness)
+    assert damping == pytest.approx(0.1 * math.sqrt(stiffness * mass)) and fading == pytest.approx(20.0)
+    tools, device = [tool(motion)], build_device_tools([tool(motion)], wp.float64, "cpu", stiffness=[stiffness])
+    assert device.drives.drive.numpy()["damping"][0] == pytest.approx(damping)
+    _, velocity, _ = run(tools, step, 2000, (0.0, 0.0, 0.0), [stiffness])
+    # in the air it is free
+    np.testing.assert_allclose(velocity[:, 0], force / mass * step * np.arange(1, 2001), rtol=1e-12)
+    _, velocity, state = run(tools, step, 2000, (0.0, 0.0, 0.5 * force), [stiffness])
+    time = step * np.arange(1, 2001)
+    rate = damping / mass
+    # v' = F/2m - rate exp(-fading t) v, by quadrature of the exact solution
+    decay = rate / fading * (1.0 - np.exp(-fading * time))
+    whole = np.concatenate([[0.0], np.cumsum(step * np.exp(decay))])[1:]
+    expected = 0.5 * force / mass * np.exp(-decay) * whole
+    np.testing.assert_allclose(velocity[:, 0], expected, rtol=2e-3)
+    booked = dict(zip(ToolWorkRow.names(), state.work.numpy()[:, 0], strict=True))
+    kinetic = 0.5 * mass * velocity[-1, 0] ** 2
+    assert booked["driving"] - booked["on_sheet"] - booked["damping"] == pytest.approx(kinetic, rel=1e-3)
+    assert state.drive.numpy()[ToolDriveRow.carrying, 0] == pytest.approx(time[-1])
+
+
+def test_a_stroke_with_a_largest_force_waits_and_backs_off():
+    """At full speed below 0.8 of it, at rest at it, backwards above: a stroke that is on time without a force."""
+    motion = Stroke((-1.0, 1.0), (-1.0, 1.0), largest_force=10.0)
+    axis = (0.0, 0.0, -1.0)
+
+    def speed(push: float) -> tuple[float, float]:
+        displacement, velocity, _ = run([tool(motion, axis)], 1e-3, 200, (0.0, 0.0, push), [1.0])
+        return float(velocity[-1, 0]), float(displacement[-1, 0])
+
+    assert speed(0.0) == pytest.approx((1.0, 0.2)) == speed(7.9) == speed(-50.0)
+    assert speed(9.0)[0] == pytest.approx(0.5)
+    assert speed(10.0) == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert speed(11.0)[0] == pytest.approx(-0.5)
+    # a stiff contact lowers the gain: what is left halves from step to step
+    _, velocity, _ = run([tool(motion, axis)], 1e-3, 1, (0.0, 0.0, 9.0), [1.0e6])
+    assert velocity[0, 0] * 1e-3 * 1.0e6 == pytest.approx(0.5 * (10.0 - 9.0))

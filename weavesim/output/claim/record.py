@@ -14,8 +14,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...device import cpu_features
-from ...run.frame import RunInfo
+from ...run.frame import Frame, RunInfo
 from ...version import __version__
 from ..files import write_summary
 
@@ -52,7 +54,7 @@ class RunRecord:
             "setup_hash": info.setup.content_hash if info.setup else None,
             "device": info.device,
             "precision": info.precision,
-            "versions": {"weavesim": __version__, "python": platform.python_version(), **dict(_versions())},
+            "versions": versions(),
             "system": platform.platform(),
             "processor_features": cpu_features(),
         }
@@ -83,6 +85,19 @@ class RunRecord:
         self.write()
 
 
+def frame_hash(frame: Frame) -> str:
+    """SHA-256 of the state that a frame shows: time, tools, and every position, director and field, to the bit."""
+    digest = hashlib.sha256()
+    for part in (frame.time, frame.step_count, *np.asarray(frame.tool_displacement).tolist()):
+        digest.update(repr(part).encode())
+    for sheet in frame.sheets:
+        digest.update(np.ascontiguousarray(sheet.position).tobytes())
+        digest.update(np.ascontiguousarray(sheet.director).tobytes())
+        for name in sorted(sheet.fields):
+            digest.update(name.encode() + np.ascontiguousarray(sheet.fields[name]).tobytes())
+    return digest.hexdigest()
+
+
 def _has_content(path: Path) -> bool:
     try:
         return path.stat().st_size > 0
@@ -90,10 +105,13 @@ def _has_content(path: Path) -> bool:
         return False
 
 
-def _versions() -> Iterator[tuple[str, str]]:
+def versions() -> dict[str, str]:
+    """Versions of what may change a result."""
+    found = {"weavesim": __version__, "python": platform.python_version()}
     for name in PACKAGES:
         with suppress(PackageNotFoundError):
-            yield name, version(name)
+            found[name] = version(name)
+    return found
 
 
 def _input_files(options: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:

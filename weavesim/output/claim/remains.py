@@ -13,8 +13,9 @@ from .record import RECORD_NAME
 SUMMARY_NAME = "summary.json"
 # What versions without a record left, and what a reader would take for a result.
 PATTERNS = (
-    SUMMARY_NAME, RECORD_NAME, "setup.json", "history.csv", "report.html", "run.log", "draw_in*.csv",
-    "shear_angle*.csv", "paraview/frame_[0-9][0-9][0-9][0-9]*.vtu", "paraview/final_state*.vtu", "paraview/series.pvd",
+    SUMMARY_NAME, RECORD_NAME, "setup.json", "results.h5", "history.csv", "report.html", "run.log", "draw_in*.csv",
+    "shear_angle*.csv", "paraview/frame_[0-9][0-9][0-9][0-9]*.vt[um]", "paraview/final_state*.vt[um]",
+    "paraview/series.pvd",
     "pictures/formed_sheet*.png", "pictures/energies.png",
 )  # fmt: skip
 # Of a version without a record: also these.

@@ -23,7 +23,10 @@ MARKERS = ("o", "s", "^", "D", "v")
 
 
 def tool_forces(history: History, tools: Sequence[Tool], part: str) -> Figure:
-    """Force between sheet and each tool along the tool's axis, against the stroke; ``part`` names the computed part."""
+    """Force between sheet and each tool along the tool's axis, against the stroke; ``part`` names the computed part.
+
+    Dashed is the force that was wanted of a tool that a force moves.
+    """
     figure = new_figure(9.0, 4.4)
     chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {part}")
     chart.set(xlabel="stroke [mm]", ylabel="force along the tool's axis [N]")
@@ -31,6 +34,10 @@ def tool_forces(history: History, tools: Sequence[Tool], part: str) -> Figure:
         force = np.abs(history.tool_reaction[:, k] @ np.asarray(tool.axis, dtype=float))
         colour = LINE_COLOURS[k % len(LINE_COLOURS)]
         chart.plot(*_against(history, force), color=colour, label=words(history.tool_names[k]))
+        wanted = np.abs(history.tool_wanted[:, k])
+        if np.isfinite(wanted).any():
+            label = f"{words(history.tool_names[k])}, wanted"
+            chart.plot(*_against(history, wanted), color=colour, linestyle=(0, (4, 3)), linewidth=1.2, label=label)
     _name_progress(chart, history)
     chart.set_ylim(bottom=0.0)
     chart.margins(x=0.0)

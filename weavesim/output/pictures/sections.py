@@ -38,7 +38,7 @@ def sections(sheet: FormedSheet, tools: Sequence[tuple[str, Tool, float]]) -> Fi
         across /= np.linalg.norm(tangent, axis=1, keepdims=True)
         reach = np.abs(1.0e3 * whole_outline(blank, blank.material_coordinates, symmetry)[:, row]).max()
         for k, (name, tool, displacement) in enumerate(tools):
-            cut = _cut(*tool.display_triangles(), 1 - row)
+            cut = plane_cut(*tool.display_triangles(), 1 - row)
             if len(cut):
                 shift = float(displacement) * np.asarray(tool.axis, dtype=float)
                 colour = LINE_COLOURS[k % len(LINE_COLOURS)]
@@ -57,7 +57,7 @@ def sections(sheet: FormedSheet, tools: Sequence[tuple[str, Tool, float]]) -> Fi
     return figure
 
 
-def _cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:
+def plane_cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:
     """Intersections of triangles with the plane through the origin normal to ``axis``, (k, 2, 3) [m]."""
     corner = vertices[faces]
     place = corner[:, :, axis] - 1.0e-7  # shifted off vertices that lie on the plane

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..colours import colour_table, encoded
+from ..colours import DISTINCT_COLOURS, colour_table, encoded
 from ..files import replacing
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 INK, GREY, FAINT, ACCENT, MEASURED = "#23262d", "#6b7280", "#9aa1ad", "#5b3fb5", "#d1495b"
-LINE_COLOURS = ("#5b3fb5", "#e07a1f", "#1f8a70", "#d1495b", "#3b82c4", "#a05d1a", "#7a7f8a", "#b5479b", "#5a8f29")
+LINE_COLOURS = DISTINCT_COLOURS
 _STYLE: Any = {
     "font.size": 9.5,
     "axes.edgecolor": FAINT,

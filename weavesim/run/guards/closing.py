@@ -30,7 +30,7 @@ LARGEST_DIVISION = 60
 class ClosingGap(Guard):
     """Two tools on either side of the sheet that leave less room for it than its thickness.
 
-    Tools that a force moves stop at the sheet, and are left out.
+    Tools that a force moves stop at the sheet, and so do strokes with a largest force: they are left out.
     """
 
     name = "closing_gap"
@@ -48,8 +48,8 @@ class ClosingGap(Guard):
             thickness = min(sheet.fabric.thickness for sheet in world.sheets)
             for a, b in pairs:
                 tools = world.tools[a], world.tools[b]
-                if _closes(*tools, start) and _on_both_sides(start, world, first, a, b):
-                    gap, time = _smallest_gap(start, world, first, (a, b))
+                if _closes(*tools, start) and on_both_sides(start, world, first, a, b):
+                    gap, time = smallest_gap(start, world, first, (a, b))
                     yield from self._judged(tools, gap, time, thickness, _error(start, tools))
             first += len(world.tools)
 
@@ -59,7 +59,7 @@ class ClosingGap(Guard):
         if not gap < (1.0 - LARGEST_LACK) * thickness - error:
             return
         names = f"{tools[0].name} and {tools[1].name}"
-        advice = "make the stroke shorter, or the gap at least the thickness"
+        advice = "make the stroke shorter, the gap at least the thickness, or give the stroke a largest_force"
         if gap + error <= 0.0:
             raise InputError(
                 f"{names} run into each other by {-1e3 * gap:.3g} mm at {time:.4g} s; the sheet between them is "
@@ -76,13 +76,13 @@ class ClosingGap(Guard):
 
 
 def _closes(a: Tool, b: Tool, start: Start) -> bool:
-    """Whether two tools move relative to each other, by prescribed strokes."""
-    if a.motion.by_force or b.motion.by_force:
+    """Whether two tools move relative to each other, by prescribed strokes that nothing stops."""
+    if any(tool.motion.by_force or tool.motion.limiting_force for tool in (a, b)):
         return False
     return any(len(set(tool.motion.curve()[1])) > 1 for tool in (a, b))
 
 
-def _on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> bool:
+def on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> bool:
     """Whether the sheets are between two tools, seen from their nearest nodes."""
     distances = ToolDistances(start.model)
     names = [sheet.name for sheet in world.sheets]
@@ -100,8 +100,11 @@ def _on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> bo
     return sides[0] * sides[1] < 0.0
 
 
-def _smallest_gap(start: Start, world: World, first: int, pair: tuple[int, int]) -> tuple[float, float]:
-    """Smallest distance between two tools over the flat blank, on all of their way [m], and when [s]."""
+def smallest_gap(start: Start, world: World, first: int, pair: tuple[int, int]) -> tuple[float, float]:
+    """Smallest distance between two tools over the flat blank, on all of their way [m], and when [s].
+
+    A tool that a force moves is taken where it starts.
+    """
     distances, duration = ToolDistances(start.model), start.model.setup.duration
     tools = [world.tools[k] for k in pair]
     size = min(float(np.sqrt(sheet.geometry.area.min())) for sheet in start.model.sheets)
@@ -110,7 +113,7 @@ def _smallest_gap(start: Start, world: World, first: int, pair: tuple[int, int])
     best = (np.inf, 0.0)
     times = np.unique(np.concatenate([np.linspace(0.0, duration, PLACE_COUNT), *map(_turns, tools)]))
     for time in times[(times >= 0.0) & (times <= duration)]:
-        at = [float(np.interp(time, *tool.motion.curve())) for tool in tools]
+        at = [0.0 if tool.motion.by_force else float(np.interp(time, *tool.motion.curve())) for tool in tools]
         for own, other in ((0, 1), (1, 0)):
             moved = points[own] + at[own] * np.array(tools[own].axis)
             within = _over(moved, nodes)
@@ -122,7 +125,7 @@ def _smallest_gap(start: Start, world: World, first: int, pair: tuple[int, int])
 
 def _turns(tool: Tool) -> np.ndarray:
     """Times of the first and last knot of a stroke, and of the furthest in both directions [s]."""
-    times, displacements = tool.motion.curve()
+    times, displacements = (np.zeros(1), np.zeros(1)) if tool.motion.by_force else tool.motion.curve()
     return times[[0, -1, int(np.argmin(displacements)), int(np.argmax(displacements))]]
 
 

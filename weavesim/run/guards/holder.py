@@ -1,7 +1,8 @@
-"""Tools driven by a force that do not carry it."""
+"""Tools driven by a force that do not carry it, and strokes that wait at their largest force."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,18 @@ from ..frame import Outcome
 from .guard import Doubt, Guard, Level
 
 if TYPE_CHECKING:
+    import numpy as np
+
+    from ..frame import Frame
+    from ..ledger import Ledger
     from ..verdict import Judged
+
+logger = logging.getLogger(__name__)
+
+# Share of the force, between two looks at a run, below which the run is told that a tool does not carry it.
+LEAST_SHARE = 0.9
+# Share of the run that a tool may take to land.
+LONGEST_WAIT = 0.1
 
 # Share of the time with less than half the force that is not doubted, and from which on the force is not applied.
 LARGEST_IDLE = 0.1
@@ -17,34 +29,95 @@ USELESS_IDLE = 0.5
 # Peak over the largest force wanted, likewise.
 LARGEST_PEAK = 3.0
 USELESS_PEAK = 10.0
+# What a stroke may be short of unnoticed [m].
+LEAST_LACK = 1.0e-6
 # Of tools that have met the sheet, and of those of an interrupted run that have not.
-BOUNCES = "it bounces: raise its force and move tools more slowly, or take a heavier holder or a gap"
-NOT_THERE = "it has not met the sheet yet: put it nearer, or let the run go on"
+BOUNCES = "it bounces: raise its force or its damping_ratio, move tools more slowly, or take a heavier holder or a gap"
+LANDS_HARD = "it lands hard: put it nearer, or let it start in_touch"
+NOT_THERE = "it has not met the sheet yet: put it nearer (in_touch), or let the run go on"
+LATE = "the sheet was not held before: put it nearer, or let it start in_touch"
 
 
 class BouncingHolder(Guard):
-    """Holders and punches driven by a force that bounce off the sheet, or fly."""
+    """Holders and punches driven by a force that bounce off the sheet, land late, or fly."""
 
     name = "bouncing_holder"
     watches = "the force that force-driven tools carry, in every step"
 
+    def __init__(self) -> None:
+        self._last: dict[str, np.ndarray] | None = None
+        self._told: set[int] = set()
+
+    def watch(self, frame: Frame, ledger: Ledger) -> None:
+        """Tell a running command the first time that a tool which has landed does not carry its force."""
+        last, self._last = self._last, ledger.watched()
+        if last is None:
+            return
+        gained = {name: values - last[name] for name, values in self._last.items()}
+        for k, wanted in enumerate(gained["wanted_impulse"]):
+            share = gained["carried_impulse"][k] / wanted if wanted > 0.0 else 1.0
+            # the landing itself is in the first look
+            if share < LEAST_SHARE and last["wanted"][k] > 0.0 and k not in self._told:
+                self._told.add(k)
+                name = ledger.tool_names[k]
+                logger.warning("at %.4g s %s carries %.0f %% of its force", frame.time, name, 1e2 * share)
+
     def after(self, run: Judged) -> Iterable[Doubt]:
-        """Tools that carried less than half of their force for long, or far more."""
+        """Tools that carried less than half of their force for long, or far more, or that landed late."""
         watched, finished = run.extremes.tools, run.run.outcome is Outcome.FINISHED
         for k, (name, met) in enumerate(zip(run.run.info.tool_names, run.extremes.touched, strict=True)):
             if finished and not met:
                 continue  # ``never_touched`` speaks
-            wanted, time = watched["most_wanted"][k], watched["wanted"][k]
-            if not (wanted > 0.0 and time > 0.0):
+            wanted, time, waited = (watched[key][k] for key in ("most_wanted", "wanted", "waited"))
+            if not (wanted > 0.0 and time + waited > 0.0):
                 continue
-            idle, peak = watched["idle"][k] / time, watched["peak"][k] / wanted
+            if not met:
+                time, waited = waited, 0.0
+            idle = watched["idle"][k] / time if met and time > 0.0 else 1.0
+            peak = watched["peak"][k] / wanted
             if idle > LARGEST_IDLE or peak > LARGEST_PEAK:
-                share = watched["carried_impulse"][k] / watched["wanted_impulse"][k]
+                impulse = watched["wanted_impulse"][k]
+                share = watched["carried_impulse"][k] / impulse if impulse > 0.0 else 0.0
                 yield self.doubt(
                     Level.DO_NOT_USE if idle > USELESS_IDLE or peak > USELESS_PEAK else Level.WARNING,
                     f"{name} carried less than half of its force for {idle:.0%} of the time, {share:.0%} of it on "
                     f"average, and {watched['peak'][k]:.4g} N at its peak, where {wanted:.4g} N were wanted",
-                    BOUNCES if met else NOT_THERE,
+                    NOT_THERE if not met else BOUNCES if idle > LARGEST_IDLE else LANDS_HARD,
                     value=float(idle),
                     limit=LARGEST_IDLE,
+                )
+            late = waited / (time + waited)
+            if met and late > LONGEST_WAIT:
+                yield self.doubt(
+                    Level.DO_NOT_USE if late > USELESS_IDLE else Level.WARNING,
+                    f"{name} met the sheet only after {waited:.4g} s, {late:.0%} of the time that it was driven",
+                    LATE,
+                    value=float(late),
+                    limit=LONGEST_WAIT,
+                )
+
+
+class WaitingStroke(Guard):
+    """Strokes that waited at their largest force, so that a run ends short of them."""
+
+    name = "waiting_stroke"
+    watches = "strokes with a largest force"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """Tools that are behind their strokes."""
+        info = run.run.info
+        for k, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
+            limit = tool.motion.limiting_force
+            if not limit:
+                continue
+            frame = run.run.frame
+            goal = tool.motion.displacement_at(frame.time)
+            short = abs(goal - float(frame.tool_displacement[k]))
+            if short > LEAST_LACK:
+                yield self.doubt(
+                    Level.NOTE,
+                    f"{name} is {1e3 * short:.3g} mm short of its stroke, since it waited at its largest force of "
+                    f"{limit:.4g} N",
+                    "let it push with more, or give it more time, if it should go on",
+                    value=short,
                 )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from weavesim.measures.triangles import meet, pierces, volume_sign
+from weavesim.measures.geometry.triangles import meet, pierces, volume_sign
 
 FLAT = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 # Through the middle of FLAT, upright.

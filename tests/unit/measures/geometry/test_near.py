@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from weavesim.measures.near import near_pairs
+from weavesim.measures.geometry.near import near_pairs
 
 
 def test_near_pairs_are_all_whose_spheres_meet():

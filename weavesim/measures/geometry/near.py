@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 
-from .proximity import join
+from ..proximity import join
 
 # Bodies larger than the median by more than this are compared with all others.
 LARGEST_RATIO = 4.0

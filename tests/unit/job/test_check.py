@@ -1,0 +1,64 @@
+"""The table of what is known before a run: facts, and what to look at."""
+
+import pytest
+
+from tests.support.jobs import TRAY, write_tray
+from weavesim.job.build import setup_of
+from weavesim.job.check import Row, check_setup, table_of
+from weavesim.job.read import read_job
+
+
+def rows_of(folder, *changes):
+    text = TRAY
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    checked = check_setup(setup_of(read_job(write_tray(folder, text))))
+    return checked, {(row.topic, row.what): row for row in checked.rows}
+
+
+@pytest.fixture(scope="module")
+def tray(tmp_path_factory):
+    return rows_of(tmp_path_factory.mktemp("tray"))
+
+
+def test_everything_that_is_asked_for_is_there(tray):
+    checked, rows = tray
+    assert {row.topic for row in checked.rows} >= {"plies", "tools", "gaps", "forces", "speeds", "cost"}
+    assert rows["gaps", "die - punch"].judgement == "ok"
+    assert rows["forces", "ring"].value == "in touch at the start"
+    assert "suggested: 0.4 m/s" in rows["speeds", "punch"].advice
+    assert "steps" in rows["cost", "time step"].value
+
+
+def test_coarse_elements_and_a_fast_punch_are_to_be_looked_at(tray):
+    checked, rows = tray
+    assert checked.is_doubtful
+    assert rows["speeds", "punch"].judgement == "look"
+    assert [row for row in checked.rows if row.what == "smallest radius"][0].judgement == "look"
+
+
+def test_the_error_of_the_distance_is_told_for_every_mesh(tray):
+    checked, _ = tray
+    assert set(checked.errors) == {"die", "punch", "ring"}
+    assert all(0.0 <= usual <= largest < 1e-3 for usual, largest in checked.errors.values())
+
+
+def test_a_gap_that_does_not_suit_the_stack_is_told(tmp_path):
+    tight = rows_of(tmp_path, ('gap = "1.2 mm"', 'gap = "1 mm"'))[1]["gaps", "die - punch"]
+    assert (tight.judgement, "too tight" in tight.advice) == ("look", True)
+    loose = rows_of(tmp_path, ('gap = "1.2 mm"', 'gap = "3 mm"'))[1]["gaps", "die - punch"]
+    assert (loose.judgement, "not pressed" in loose.advice) == ("note", True)
+
+
+def test_a_holder_that_is_not_in_touch_is_told(tmp_path):
+    changes = ('force = "600 N"', 'force = "600 N"\nclearance = "3 mm"')
+    row = rows_of(tmp_path, changes)[1]["forces", "ring"]
+    assert row.judgement == "look" and row.value.startswith("3 mm above the sheet")
+
+
+def test_the_table_is_folded_to_the_width():
+    rows = [Row("topic", "what", "value " * 30, "look", "advice " * 10), Row("topic", "other", "5 mm")]
+    lines = table_of(rows, 80).split("\n")
+    assert lines[0] == "topic" and lines[1].startswith("  look  what   value")
+    assert max(map(len, lines)) <= 80

@@ -1,0 +1,157 @@
+"""``weavesim new``: a job for a tool of one's own."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ...errors import InputError, did_you_mean
+from ..terminal import say
+
+SCHEMA_NAME, JOB_NAME = "job.schema.json", "job.toml"
+
+
+def new_command(
+    name: Annotated[str, typer.Argument(help="of the job, and of the folder that it is written to")],
+    die: Annotated[Path | None, typer.Option(help="surface of the die, a mesh or CAD file")] = None,
+    punch: Annotated[Path | None, typer.Option(help="the punch, drawn closed [default: made from the die]")] = None,
+    ring: Annotated[Path | None, typer.Option(help="the holder [default: made from the die's rim]")] = None,
+    no_ring: Annotated[bool, typer.Option("--no-ring", help="without a holder")] = False,
+    thickness: Annotated[
+        str | None,
+        typer.Option(help="gap between the closed tools, in mm or with a unit [default: of the fabric]"),
+    ] = None,
+    fabric: Annotated[str, typer.Option(help="a preset, or the name of a file in your own folder")] = (
+        "glass-polypropylene"
+    ),
+    unit: Annotated[str | None, typer.Option(help="of the files: mm, inch, m [default: from the size]")] = None,
+    up: Annotated[
+        str | None, typer.Option(help="direction in the files from die to punch: +z, -y, ... [default: found]")
+    ] = None,
+    mesh_size: Annotated[str | None, typer.Option(help="edge of an element, in mm or with a unit")] = None,
+    scene: Annotated[str | None, typer.Option(help="write a job of this scene, with all its options")] = None,
+    into: Annotated[Path | None, typer.Option(help="folder that is made [default: the name]")] = None,
+) -> None:
+    """Write a commented job for a die of your own, or for a scene."""
+    from ...names import file_name
+
+    file_name("name of the job", name)
+    folder = into or Path(name)
+    if (scene is None) == (die is None):
+        raise InputError("give --die FILE for a tool of your own, or --scene NAME for a scene")
+    if scene is not None:
+        text = scene_text(scene)
+        _write(folder, text, ())
+    else:
+        assert die is not None
+        text = _tool_text(
+            name, die, punch, None if no_ring else ring, not no_ring, thickness, fabric, unit, up, mesh_size
+        )
+        _write(folder, text, tuple(path for path in (die, punch, None if no_ring else ring) if path is not None))
+    for line in text.split("\n"):
+        if line.startswith("# "):
+            say(line[2:])
+    say(f"wrote {folder / JOB_NAME}; next: weavesim check {folder / JOB_NAME}")
+
+
+def _tool_text(
+    name: str,
+    die: Path,
+    punch: Path | None,
+    ring: Path | None,
+    with_ring: bool,
+    thickness: str | None,
+    fabric: str,
+    unit: str | None,
+    up: str | None,
+    mesh_size: str | None,
+) -> str:
+    from ...fabric.file import resolve_fabric
+    from ...job.draft.survey import survey
+    from ...job.draft.template import Choices, new_job
+    from ...job.surfaces import TURNS
+
+    if up is not None and up not in TURNS:
+        raise InputError(f"--up {up}: one of {', '.join(TURNS)} is needed")
+    choices = Choices(
+        name=name,
+        die=die.name,
+        fabric=fabric,
+        gap=_millimetres("--thickness", thickness, "gap"),
+        punch=None if punch is None else punch.name,
+        ring=None if ring is None else ring.name,
+        mesh_size=_millimetres("--mesh-size", mesh_size, "mesh size"),
+        with_ring=with_ring,
+        schema=SCHEMA_NAME,
+    )
+    return new_job(survey(die, unit=unit, up=up), choices, resolve_fabric(fabric))
+
+
+def _millimetres(option: str, text: str | None, quantity: str) -> float | None:
+    """A length that a user typed, in millimetres if it has no unit [m]."""
+    from ...job.units import number_of
+    from ...ranges import QUANTITIES, illegal
+
+    if text is None:
+        return None
+    row = QUANTITIES[quantity]
+    try:
+        value = number_of(f"{text} mm" if text.strip().replace(".", "", 1).isdigit() else text, row)
+    except ValueError as error:
+        raise InputError(f"{option} {text}: {error}") from None
+    if value <= 0.0 or (problem := illegal(value, row)):
+        raise InputError(f"{option} {text}: {'a length above 0 is needed' if value <= 0.0 else problem}")
+    return value
+
+
+def scene_text(name: str) -> str:
+    """A job of a scene: every option as a comment with its default."""
+    from ...job.scenes import ELSEWHERE, known_scenes
+    from ...ranges import quantity_of
+
+    scenes = known_scenes()
+    if name not in scenes:
+        raise InputError(f"--scene {name}: one of {', '.join(scenes)} is needed{did_you_mean(name, scenes)}")
+    parameters = scenes[name].load().parameters
+    lines = [f"# {scenes[name].help}", "# A line without its # replaces the default; weavesim form runs it.", ""]
+    lines += ["[scene]", f'name = "{name}"', ""]
+    defaults = parameters().model_dump(mode="json")
+    for key, field in parameters.model_fields.items():
+        if key in ELSEWHERE:
+            continue
+        quantity, value = quantity_of(field), defaults[key]
+        unit = f" [{quantity.row.unit}]" if quantity and quantity.row.unit != "1" else ""
+        description = re.sub(r"\s*\[[^\]]*\]$", "", field.description or "")
+        lines += [f"# {description}{unit}", f"# {key} = {_toml(value)}", ""]
+    return "\n".join(lines) + "\n[output]\n# frame_count = 60\n"
+
+
+def _toml(value: object) -> str:
+    return '""' if value is None else json.dumps(value)
+
+
+def _write(folder: Path, text: str, files: tuple[Path, ...]) -> None:
+    """Write the job, its schema, and copies of the files into a folder that has no job yet."""
+    from ...job.schema import Job
+    from ...job.tables import schema_of
+    from ...output.files import check_writable, write_text
+
+    check_writable(folder)
+    if (folder / JOB_NAME).exists():
+        raise InputError(f"{folder / JOB_NAME}: it exists; give another name, or remove it first")
+    names = [path.name for path in files]
+    if len(set(names)) < len(names):
+        raise InputError(f"{', '.join(names)}: two of these files have the same name; rename one")
+    for path in files:
+        if not (folder / path.name).exists() or not (folder / path.name).samefile(path):
+            try:
+                shutil.copyfile(path, folder / path.name)
+            except OSError as error:
+                raise InputError(f"{path}: cannot be copied to {folder} ({error.strerror})") from None
+    write_text(folder / JOB_NAME, text)
+    write_text(folder / SCHEMA_NAME, json.dumps(schema_of(Job), indent=1) + "\n")

@@ -1,0 +1,1 @@
+"""What pushes and pulls on the sheets, in the form that the kernels read."""

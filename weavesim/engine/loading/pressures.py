@@ -1,0 +1,47 @@
+"""The pressures on a sheet, in the form that the kernels read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from ...kernels.loads.pressure import pressure_struct
+from ...process.pressure import Pressure
+from ...sheet.blank import Blank
+from ..layout import lanes_view
+
+
+def device_pressures(
+    pressures: Sequence[Pressure], blank: Blank, element_count: int, real: type, lane_count: int, device: wp.Device
+) -> Any:
+    """``kernels.loads.pressure.pressure_struct``, with all curves on common knots.
+
+    Args:
+        pressures: at least one.
+        blank: the sheet's.
+        element_count: with padding.
+        real: scalar type of the run.
+        lane_count: elements per kernel thread.
+        device: of the arrays.
+    """
+    times = np.unique(np.concatenate([pressure.times for pressure in pressures]))
+    share = np.zeros((len(pressures), element_count))
+    up = _turns(blank)
+    for row, pressure in zip(share, pressures, strict=True):
+        acts = pressure.acts_on(blank.element_count)
+        row[: blank.element_count] = np.where(acts, up if pressure.face == "bottom" else -up, 0.0)
+    result = pressure_struct(real, lane_count)()
+    result.share = lanes_view(wp.array(share, dtype=real, device=device), lane_count)
+    result.time = wp.array(times, dtype=wp.float64, device=device)
+    result.value = wp.array(np.stack([pressure.at(times) for pressure in pressures]), dtype=wp.float64, device=device)
+    return result
+
+
+def _turns(blank: Blank) -> np.ndarray:
+    """1 for elements whose corners turn counter-clockwise as seen from the top, -1 for the others, (element_count,)."""
+    corners = blank.node_position[blank.quads]
+    area = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    return np.sign((area * blank.initial_director[blank.quads].mean(axis=1)).sum(axis=1))

@@ -1,0 +1,269 @@
+"""What can be known of a job before it runs, as a table: tools, gaps, speeds, the time step, time and memory."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..engine.setup import Setup
+from ..run.guards import Doubt, Level, Start
+from ..run.guards.closing import on_both_sides, smallest_gap
+from ..run.guards.tool_mesh import FEWEST_ELEMENTS_PER_QUARTER_TURN, LEAST_ELEMENTS_PER_QUARTER_TURN
+from ..run.simulation import Simulation
+from ..run.watch.tool_distance import ToolDistances
+from ..tools.sampling import DOUBTFUL_ERROR
+from .speed import suggested_speed
+
+if TYPE_CHECKING:
+    from ..run.estimate import Estimate
+
+# Of the stack: a closed gap below the first crushes it, one above the second does not press it.
+TIGHT, LOOSE = 0.95, 1.5
+# A tool that a force moves is in touch within this share of the stack.
+IN_TOUCH = 0.1
+# Over the suggested speed: more is doubtful.
+TOO_FAST = 2.0
+# A force-driven tool should close a gap of a tenth of the stack within this share of the run.
+SLOW_HOLDER = 0.02
+OK, NOTE, LOOK = "ok", "note", "look"
+
+
+class Row(NamedTuple):
+    """A line of the table.
+
+    Attributes:
+        topic: of the group of lines.
+        what: that is known.
+        value: with its unit.
+        judgement: "ok", "note" or "look"; "" for a mere fact.
+        advice: what to do, or how it is judged.
+    """
+
+    topic: str
+    what: str
+    value: str
+    judgement: str = ""
+    advice: str = ""
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What is known of a run before it starts.
+
+    Attributes:
+        setup: of the run.
+        rows: the table.
+        doubts: what the guards say.
+        expected: time and memory.
+        errors: of the distance from each mesh tool, that 99 % of points near it have at most, and the largest [m].
+    """
+
+    setup: Setup
+    rows: tuple[Row, ...]
+    doubts: tuple[Doubt, ...]
+    expected: Estimate | None
+    errors: dict[str, tuple[float, float]]
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether something should be looked at."""
+        return any(row.judgement == LOOK for row in self.rows)
+
+
+def check_setup(setup: Setup) -> Checked:
+    """Prepare a run, without running it, and say what is known.
+
+    Raises:
+        InputError: the run would be refused.
+    """
+    prepared = Simulation(setup).prepare()
+    start = Start(prepared.model, prepared.ledger, prepared.frame)
+    doubts = tuple(prepared.guards.first)
+    errors = _errors(start)
+    rows = [
+        *_plies(setup, start),
+        *_tools(setup, start, errors),
+        *_gaps(setup, start),
+        *_holders(setup, start),
+        *_speeds(setup),
+        *_cost(prepared.info.expected),
+        *(
+            Row("doubts", doubt.guard.replace("_", " "), doubt.text, _judgement(doubt), doubt.advice)
+            for doubt in doubts
+            if doubt.guard not in ("tool_radius", "closing_gap")  # told above
+        ),
+    ]
+    return Checked(setup, tuple(rows), doubts, prepared.info.expected, errors)
+
+
+def _judgement(doubt: Doubt) -> str:
+    return NOTE if doubt.level == Level.NOTE else LOOK
+
+
+def _plies(setup: Setup, start: Start) -> Iterator[Row]:
+    for sheet, model in zip(setup.sheets, start.model.sheets, strict=True):
+        area = float(model.geometry.area.sum())
+        fabric = sheet.fabric
+        yield Row("plies", sheet.name, fabric.name)
+        yield Row(
+            "plies",
+            "mesh",
+            f"{sheet.blank.element_count:,} elements of {1e3 * model.geometry.largest_size:.3g} mm, "
+            f"{1e4 * area:.4g} cm2",
+        )
+        yield Row("plies", "fabric", f"{1e3 * fabric.thickness:.3g} mm, {1e3 * fabric.areal_density * area:.4g} g")
+
+
+def _errors(start: Start) -> dict[str, tuple[float, float]]:
+    """Errors of the sampled distance of each tool with a mesh."""
+    found: dict[str, tuple[float, float]] = {}
+    for tool in start.model.setup.tools:
+        surfaces = [part.surface for part in tool.shape.parts() if part.surface is not None]
+        samples = [start.model.samples[surface] for surface in surfaces]
+        if samples:
+            found[tool.name] = max(s.usual_error for s in samples), max(s.largest_error for s in samples)
+    return found
+
+
+def _tools(setup: Setup, start: Start, errors: dict[str, tuple[float, float]]) -> Iterator[Row]:
+    size = max(sheet.geometry.largest_size for sheet in start.model.sheets)
+    thickness = min(sheet.fabric.thickness for sheet in setup.sheets)
+    for tool in setup.tools:
+        surfaces = [part.surface for part in tool.shape.parts() if part.surface is not None]
+        kind = ", ".join(
+            f"{len(s.faces):,} triangles, {'closed' if s.closed else 'open, solid behind it'}" for s in surfaces
+        )
+        yield Row("tools", tool.name, kind or type(tool.shape).__name__)
+        for surface in surfaces:
+            for note in surface.notes()[1:]:
+                text = note.removeprefix(f"{surface.name}: ")
+                is_fact = text.startswith("faces (")
+                yield Row("tools", "side" if is_fact else "repaired", text, "" if is_fact else NOTE)
+        radius = tool.fillet_radius
+        if math.isfinite(radius):
+            count = tool.elements_per_quarter_turn(size)
+            wanted = 0.5 * math.pi * radius / LEAST_ELEMENTS_PER_QUARTER_TURN
+            yield Row(
+                "tools",
+                "smallest radius",
+                f"{1e3 * radius:.3g} mm: {count:.1f} elements on 90 degrees",
+                OK if count >= LEAST_ELEMENTS_PER_QUARTER_TURN
+                else NOTE if count >= FEWEST_ELEMENTS_PER_QUARTER_TURN else LOOK,
+                "" if count >= LEAST_ELEMENTS_PER_QUARTER_TURN else f"five need mesh_size = \"{1e3 * wanted:.2g} mm\"",
+            )  # fmt: skip
+        if tool.name in errors:
+            usual, largest = errors[tool.name]
+            yield Row(
+                "tools",
+                "error of distance",
+                f"{1e3 * usual:.2g} mm (99 %), {1e3 * largest:.2g} mm at most",
+                OK if usual <= DOUBTFUL_ERROR * thickness else LOOK,
+                f"at most {1e3 * DOUBTFUL_ERROR * thickness:.2g} mm are trusted",
+            )
+
+
+def _gaps(setup: Setup, start: Start) -> Iterator[Row]:
+    """The gap of every pair of tools on both sides of the sheets, when they are closed."""
+    first = 0
+    for world in setup.worlds:
+        stack = sum(sheet.fabric.thickness for sheet in world.sheets)
+        for a, b in combinations(range(len(world.tools)), 2):
+            if not on_both_sides(start, world, first, a, b):
+                continue
+            gap, time = smallest_gap(start, world, first, (a, b))
+            if not math.isfinite(gap):
+                continue
+            share = gap / stack
+            judgement, advice = OK, f"the stack is {1e3 * stack:.3g} mm"
+            pressed = any(tool.motion.by_force for tool in (world.tools[a], world.tools[b]))
+            if share < TIGHT:
+                judgement, advice = LOOK, f"{advice}: too tight, shorten the stroke or widen the gap"
+            elif share > LOOSE and not pressed:
+                judgement, advice = NOTE, f"{advice}: it is not pressed"
+            yield Row(
+                "gaps", f"{world.tools[a].name} - {world.tools[b].name}", f"{1e3 * gap:.3g} mm at {1e3 * time:.4g} ms",
+                judgement, advice,
+            )  # fmt: skip
+        first += len(world.tools)
+
+
+def _holders(setup: Setup, start: Start) -> Iterator[Row]:
+    """Tools that a force moves: whether they touch, and whether their mass suits the force."""
+    distances = ToolDistances(start.model)
+    for index, tool in enumerate(setup.tools):
+        if not tool.motion.by_force:
+            continue
+        found = [
+            float(distances(index, 0.0, frame.position)[0].min()) - 0.5 * sheet.fabric.thickness
+            for sheet, frame in zip(setup.sheets, start.frame.sheets, strict=True)
+        ]
+        gap, stack = min(found), sum(sheet.fabric.thickness for sheet in setup.sheets)
+        touches = gap <= IN_TOUCH * stack
+        yield Row(
+            "forces",
+            tool.name,
+            f"{1e3 * max(gap, 0.0):.3g} mm above the sheet" if not touches else "in touch at the start",
+            OK if touches else LOOK,
+            "" if touches else 'it flies there first: start = "touching"',
+        )
+        force, mass = float(np.abs(tool.motion.curve()[1]).max()), tool.motion.driven_mass
+        if force > 0.0:
+            follow = math.sqrt(2.0 * IN_TOUCH * stack * mass / force)
+            quick = follow <= SLOW_HOLDER * setup.duration
+            yield Row(
+                "forces",
+                "mass",
+                f"{force:.4g} N on {mass:.3g} kg close {1e3 * IN_TOUCH * stack:.2g} mm in {1e3 * follow:.2g} ms",
+                OK if quick else NOTE,
+                "" if quick else f"slow for a run of {1e3 * setup.duration:.3g} ms: a lighter tool follows the sheet",
+            )
+
+
+def _speeds(setup: Setup) -> Iterator[Row]:
+    speed = suggested_speed(sheet.fabric for sheet in setup.sheets)
+    for tool in setup.tools:
+        times, travel = tool.motion.curve()
+        if tool.motion.by_force or len(set(travel)) < 2:
+            continue
+        fastest = float(np.abs(np.diff(travel) / np.diff(times)).max())
+        yield Row(
+            "speeds",
+            tool.name,
+            f"{1e3 * np.ptp(travel):.4g} mm at {fastest:.3g} m/s",
+            OK if fastest <= TOO_FAST * speed else LOOK,
+            f"suggested: {speed:g} m/s, at which inertia is about a hundredth of the work of shearing",
+        )
+
+
+def _cost(expected: Estimate | None) -> Iterator[Row]:
+    from ..run.estimate import duration_text
+
+    if expected is None or expected.time_step is None or expected.seconds is None or expected.step_count is None:
+        return
+    yield Row("cost", "time step", f"{1e6 * expected.time_step:.3g} us, {expected.step_count:,.0f} steps")
+    yield Row("cost", "time", f"about {duration_text(expected.seconds)}, half or twice as long")
+    yield Row(
+        "cost", "memory and disk", f"{max(1.0, expected.memory / 1e6):,.0f} MB, {max(1.0, expected.disk / 1e6):,.0f} MB"
+    )
+
+
+def table_of(rows: Sequence[Row], width: int) -> str:
+    """The rows as text for that many columns: what is judged first, then fact and advice."""
+    import textwrap
+
+    widest = max((len(row.what) for row in rows), default=0)
+    lines, topic = [], ""
+    for row in rows:
+        if row.topic != topic:
+            topic = row.topic
+            lines.append(topic)
+        start = f"  {row.judgement:<5} {row.what:<{widest}}  "
+        text = row.value + (f" ({row.advice})" if row.advice else "")
+        indent = " " * len(start)
+        lines += textwrap.wrap(text, max(width, len(start) + 30), initial_indent=start, subsequent_indent=indent)
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""Triangles that meet, and bodies that may."""

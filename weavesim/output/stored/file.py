@@ -1,0 +1,225 @@
+"""``results.h5``: written from the last frame of a run, and read back (docs/outputs.md).
+
+Groups ``sheets/0``, ``sheets/1``, ... in the order of the set-up, and ``tools/0``, ...: names may have any characters.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...errors import InputError
+from ...input_files import check_bounded, read_bounded, shown
+from ...measures.findings import FormedSheet
+from ...run.fields import FIELDS
+from ...run.frame import Frame, RunInfo
+from ...sheet.blank import Blank
+from ...sheet.symmetry import Symmetry
+from ...tools.tool import Tool
+from ...version import __version__
+from ..claim.record import SETUP_NAME
+from ..files import replacing
+from .values import ElementValue, element_values
+
+if TYPE_CHECKING:
+    from ...engine.setup import Setup
+    from ...fabric.fabric import Fabric
+
+FILE_NAME = "results.h5"
+FORMAT, FORMAT_VERSION = "weavesim results", 1
+LARGEST_FILE = 4 * 2**30
+LARGEST_SETUP = 2**30
+_REFERENCE = ("node_position", "material_coordinates", "initial_director", "quads", "warp_direction", "weft_direction")
+
+
+@dataclass(frozen=True, eq=False)
+class StoredSheet:
+    """A sheet at the end of a run, as its file has it.
+
+    Attributes:
+        name: unique in the run.
+        blank: the flat sheet.
+        position: formed nodes, (node_count, 3) [m].
+        director: their unit directors, (node_count, 3).
+        values: of the elements by name, in the units of files.
+        thickness: of the undeformed fabric [m].
+        symmetry: planes at which it is cut.
+        tools: places, among those of the result, of the tools that it may touch.
+        fabric: name of its fabric.
+    """
+
+    name: str
+    blank: Blank
+    position: np.ndarray
+    director: np.ndarray
+    values: dict[str, ElementValue]
+    thickness: float
+    symmetry: Symmetry
+    tools: tuple[int, ...]
+    fabric: str
+
+    @cached_property
+    def fields(self) -> dict[str, np.ndarray]:
+        """The fields of the run by name, in SI units."""
+        out = {}
+        for field in FIELDS:
+            if value := self.values.get(field.file_name):
+                out[field.name] = np.deg2rad(value.values) if field.unit == "rad" else value.values
+        return out
+
+    @cached_property
+    def formed(self) -> FormedSheet:
+        """The sheet with its measures."""
+        return FormedSheet(self.blank, self.position, self.fields, self.thickness, self.symmetry)
+
+
+@dataclass(frozen=True, eq=False)
+class StoredRun:
+    """The end of a run, as its folder has it.
+
+    Attributes:
+        folder: of the run.
+        run_id, name: of the run.
+        time: reached [s].
+        outcome: how the run ended, or "running".
+        sheets: in the order of the set-up.
+        tool_displacement: along each tool's axis, (tool_count,) [m].
+    """
+
+    folder: Path
+    run_id: str
+    name: str
+    time: float
+    outcome: str
+    sheets: tuple[StoredSheet, ...]
+    tool_displacement: np.ndarray
+
+    @cached_property
+    def setup(self) -> Setup:
+        """The set-up of the run.
+
+        Raises:
+            InputError: its file is missing or damaged.
+        """
+        from ...engine.setup import Setup
+
+        text = read_bounded(self.folder / SETUP_NAME, "set-up of the run", LARGEST_SETUP)
+        return Setup.from_json(text.decode("utf-8"))
+
+    @property
+    def tools(self) -> tuple[Tool, ...]:
+        """In the order of ``tool_displacement``."""
+        return self.setup.tools
+
+    def fabric(self, sheet: StoredSheet) -> Fabric:
+        """The fabric of one of its sheets."""
+        return self.setup.sheets[self.sheets.index(sheet)].fabric
+
+
+def write_results(path: Path, info: RunInfo, frame: Frame, outcome: str) -> None:
+    """Write the last frame of a run."""
+    import h5py
+
+    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+        file.attrs.update(
+            {"format": FORMAT, "format_version": FORMAT_VERSION, "weavesim_version": __version__,
+             "run_id": info.run_id, "name": info.name, "time": frame.time, "outcome": outcome}
+        )  # fmt: skip
+        for index, (sheet, state) in enumerate(zip(info.sheets, frame.sheets, strict=True)):
+            group = file.create_group(f"sheets/{index}")
+            group.attrs.update(
+                {"name": sheet.name, "fabric": sheet.fabric.name, "thickness": sheet.fabric.thickness,
+                 "symmetry": "".join(sheet.symmetry.planes), "tools": np.array(sheet.tools, dtype=np.int64)}
+            )  # fmt: skip
+            for name in _REFERENCE:
+                group[f"reference/{name}"] = getattr(sheet.blank, name)
+            group["nodes/position"], group["nodes/director"] = state.position, state.director
+            write_values(group.create_group("elements"), element_values(sheet, state))
+        for index, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
+            group = file.create_group(f"tools/{index}")
+            group.attrs.update({"name": name, "axis": tool.axis, "displacement": frame.tool_displacement[index],
+                                "reaction": frame.tool_reaction[index]})  # fmt: skip
+
+
+def write_values(group: Any, values: dict[str, ElementValue]) -> None:
+    """Write values as datasets of an HDF5 group, with their unit and meaning as attributes."""
+    for name, value in values.items():
+        dataset = group.create_dataset(name, data=value.values)
+        dataset.attrs.update({"unit": value.unit, "description": value.description})
+
+
+def read_results(folder: str | Path) -> StoredRun:
+    """The end of a run, from its folder.
+
+    Raises:
+        InputError: there is no such file, or it is damaged or of another version.
+    """
+    folder = Path(folder)
+    path = folder / FILE_NAME
+    if not folder.is_dir():
+        raise InputError(f"run {shown(folder)}: it is no folder; give the folder of a run, its --out")
+    if not path.exists():
+        raise InputError(
+            f"run {shown(folder)}: it has no {FILE_NAME}, which every run leaves unless it is left out (--without "
+            "results, --write without it) or is older than this file; run it again"
+        )
+    check_bounded(path, "results", LARGEST_FILE)
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != FORMAT or file.attrs.get("format_version") != FORMAT_VERSION:
+                raise InputError(
+                    f"results {shown(path)}: it is no file of this format, or of another version than "
+                    f"{FORMAT_VERSION}; run it again with this version of weavesim"
+                )
+            sheets = tuple(_read_sheet(file[f"sheets/{k}"]) for k in range(len(file["sheets"])))
+            tools = file.get("tools", {})
+            displacement = np.array([tools[str(k)].attrs["displacement"] for k in range(len(tools))], dtype=float)
+            text = {name: str(file.attrs[name]) for name in ("run_id", "name", "outcome")}
+            return StoredRun(folder, text["run_id"], text["name"], float(file.attrs["time"]), text["outcome"],
+                             sheets, displacement)  # fmt: skip
+    except (OSError, KeyError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"results {shown(path)}: damaged ({shown(error)}); run it again") from None
+
+
+def _read_sheet(group: Any) -> StoredSheet:
+    values = {
+        name: ElementValue(str(item.attrs["unit"]), str(item.attrs["description"]), item[()])
+        for name, item in group["elements"].items()
+    }
+    blank = Blank(**{name: group[f"reference/{name}"][()] for name in _REFERENCE})
+    if any(len(value.values) != blank.element_count for value in values.values()):
+        raise ValueError("the values of its elements are not as many as its elements")
+    position, director = group["nodes/position"][()], group["nodes/director"][()]
+    if position.shape != (blank.node_count, 3) or not np.isfinite(position).all():
+        raise ValueError("the positions of its nodes are not as many as its nodes, or not finite")
+    return StoredSheet(
+        name=str(group.attrs["name"]),
+        blank=blank,
+        position=position,
+        director=director,
+        values=values,
+        thickness=float(group.attrs["thickness"]),
+        symmetry=Symmetry(tuple(str(group.attrs["symmetry"]))),
+        tools=tuple(int(k) for k in group.attrs["tools"]),
+        fabric=str(group.attrs["fabric"]),
+    )
+
+
+def recorded_summary(folder: Path) -> dict[str, Any]:
+    """``summary.json`` of a run; empty if there is none."""
+    path = folder / "summary.json"
+    if not path.exists():
+        return {}
+    try:
+        return json.loads(read_bounded(path, "summary", LARGEST_SETUP))
+    except ValueError:
+        raise InputError(f"summary {shown(path)}: damaged; run it again") from None

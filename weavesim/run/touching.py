@@ -1,0 +1,56 @@
+"""Tools that start where they just touch a sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..engine.model import Model
+from ..engine.state import State
+from ..errors import InputError
+from ..process.strokes import ForceDriven
+from .watch.tool_distance import ToolDistances
+
+# A tool touches when it is nearer to the sheet than this share of its thickness.
+TOUCHING = 1.0e-6
+LARGEST_MOVE_COUNT = 200
+
+
+def start_in_touch(model: Model, state: State) -> None:
+    """Move tools that start in touch along their axes until they touch a node of a sheet; writes their displacements.
+
+    Raises:
+        InputError: a tool that meets no sheet on its way.
+    """
+    tools = model.setup.tools
+    own = [k for k, tool in enumerate(tools) if isinstance(tool.motion, ForceDriven) and tool.motion.in_touch]
+    if not own:
+        return
+    distances, displacement = ToolDistances(model), state.tool_displacement.numpy()
+    for k in own:
+        displacement[k] = _touching(model, distances, k)
+    state.tool_displacement.assign(displacement)
+
+
+def _touching(model: Model, distances: ToolDistances, tool: int) -> float:
+    """Displacement at which a tool touches a node of the flat sheets [m]."""
+    sheets = [sheet for sheet in model.sheets if sheet.places.tools.start <= tool < sheet.places.tools.stop]
+    nodes = np.concatenate([sheet.blank.node_position for sheet in sheets])
+    half = np.concatenate([np.full(sheet.blank.node_count, 0.5 * sheet.fabric.thickness) for sheet in sheets])
+    motion = model.setup.tools[tool].motion
+    forces = np.array(motion.curve()[1])
+    way = float(np.sign(forces[int(np.argmax(np.abs(forces)))])) or 1.0
+    at, tolerance = 0.0, TOUCHING * 2.0 * float(half.min())
+    gap = float((distances(tool, at, nodes)[0] - half).min())
+    longest = 2.0 * (abs(gap) + float(np.ptp(nodes, axis=0).max()))
+    for _ in range(LARGEST_MOVE_COUNT):
+        if abs(gap) <= tolerance:
+            return at
+        # a distance changes by at most the travel: the tool cannot go through the sheet
+        at += way * gap
+        if abs(at) > longest:
+            break
+        gap = float((distances(tool, at, nodes)[0] - half).min())
+    raise InputError(
+        f"{model.setup.tools[tool].name}: it starts in_touch, but along its axis it meets no sheet within "
+        f"{1e3 * longest:.4g} mm; place it over a sheet, turn its axis or the sign of its force, or leave in_touch out"
+    )

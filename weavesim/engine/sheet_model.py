@@ -28,7 +28,7 @@ from ..kernels.stepping.node_data import node_laws_struct, node_struct
 from ..kernels.stepping.node_forces import USUAL_CORNER_COUNT
 from ..process.device import build_support_arrays
 from ..sheet.geometry import ElementGeometry
-from ..sheet.samples import sample_motion, sample_places
+from ..sheet.samples import FEWEST_PER_SIDE, sample_motion, sample_places, samples_per_side
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
@@ -39,10 +39,9 @@ from .traits import node_traits, sheet_traits
 # Contact stiffness is this share of mass / step^2: two tools on one node then reduce the stable step by a few per cent.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
-# Between nodes tools are met at the square of this number of places in an element.
-SAMPLES_PER_SIDE = 2
-# Stiffness of all of these together over that of the nodes.
-SAMPLE_SHARE = 0.25
+# Stiffness of all samples of contact between nodes over that of the nodes: where tools are blunt these carry the sheet,
+# and where one is sharp a sample does.
+BLUNT_SAMPLE_SHARE, SHARP_SAMPLE_SHARE = 0.25, 1.0
 # The distance to a tool is evaluated again once less than this share of half the thickness is left.
 SPARE_DISTANCE = 0.5
 # Steps between two updates of the stable step.
@@ -115,6 +114,7 @@ class SheetModel:
             (CORNER_ROW_COUNT), of the nodes' motion, and of their friction springs (three components per tool).
         sample_places: of the samples of an element between its nodes, (samples of an element, 2) from -1 to 1; none
             where only nodes meet tools.
+        sample_share: stiffness of all samples over that of the nodes.
         sample_count: samples of all elements, with padding.
         sample_layout: layout of the friction springs of the samples.
         added_mass_ratio: mass added by scaling over the mass of the blank.
@@ -140,7 +140,9 @@ class SheetModel:
         self.sheet_traits = sheet_traits(fabric, self.geometry, world.dynamics)
         self.node_traits = node_traits(sheet, world)
 
-        self.sample_places = sample_places(SAMPLES_PER_SIDE if self.node_traits.sampled else 0)
+        side_count = self._samples_per_side(world)
+        self.sample_places = sample_places(side_count)
+        self.sample_share = SHARP_SAMPLE_SHARE if side_count > FEWEST_PER_SIDE else BLUNT_SAMPLE_SHARE
         self.sample_count = len(self.sample_places) * self.element_count
         self.sample_layout = RowLayout(3 * max(self.tool_count, 1), self.sample_count, self.lane_count)
 
@@ -168,6 +170,13 @@ class SheetModel:
             sheet.supports, self.node_count, self.real, self.lane_count, self.device
         )
 
+    def _samples_per_side(self, world: World) -> int:
+        """Samples along a side of an element: more for slender tools and small radii."""
+        if not self.node_traits.sampled:
+            return 0
+        radius = min(min(tool.fillet_radius, 0.5 * tool.smallest_width) for tool in world.tools)
+        return samples_per_side(self.geometry.largest_size, radius + 0.5 * self.fabric.thickness)
+
     def _scaled_mass(self, target_step: float | None) -> tuple[np.ndarray, Frequencies]:
         """Areal density of every element [kg/m^2], raised where a stable ``target_step`` needs it, and frequencies."""
         density = np.full(self.blank.element_count, self.fabric.areal_density)
@@ -191,8 +200,8 @@ class SheetModel:
         bounds.contact_frequency = springs
         if self.sample_count:
             sway, turning = sample_motion(self.blank.node_position[self.blank.quads], self.sample_places)
-            bounds.sample_frequency = SAMPLE_SHARE * springs * sway
-            bounds.sample_turning = SAMPLE_SHARE * springs * turning
+            bounds.sample_frequency = self.sample_share * springs * sway
+            bounds.sample_turning = self.sample_share * springs * turning
             bounds.contact_frequency = springs + bounds.sample_frequency
         bounds.bending = self.fabric.largest_bending_stiffness
         bounds.warp, bounds.weft = cell.yarn_stiffness_per_width
@@ -321,7 +330,7 @@ class SheetModel:
     @property
     def sample_mass(self) -> np.ndarray:
         """Share of each element's mass that is on the contact spring of one of its samples, (element_count,) [kg]."""
-        return SAMPLE_SHARE / max(len(self.sample_places), 1) * self.areal_density * self.geometry.area
+        return self.sample_share / max(len(self.sample_places), 1) * self.areal_density * self.geometry.area
 
     @property
     def sample_stiffness(self) -> np.ndarray:

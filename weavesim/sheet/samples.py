@@ -15,6 +15,23 @@ def sample_places(side_count: int) -> np.ndarray:
     return np.stack(np.meshgrid(middles, middles, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
+# Samples along a side of an element: at least, and at most, which is enough for a tool of 0.3 elements' radius.
+FEWEST_PER_SIDE, MOST_PER_SIDE = 2, 5
+
+
+def samples_per_side(size: float, radius: float) -> int:
+    """How many samples a side of an element needs, so that tools reach no deeper between them than 0.13 of ``radius``.
+
+    No point of n by n parts of a square is further from a middle than size/(sqrt(2) n), which is to be half the radius.
+
+    Args:
+        size: of the element [m].
+        radius: at which the sheet's middle goes round the sharpest tool [m].
+    """
+    wanted = np.ceil(np.sqrt(2.0) * size / radius - 1e-9)
+    return int(np.clip(wanted, FEWEST_PER_SIDE, MOST_PER_SIDE))
+
+
 def corner_shares(places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Shares of the corners at places (n, 2) of an element, and their derivatives along both directions, (n, 4)."""
     u, v = np.asarray(places, dtype=np.float64).T

@@ -231,6 +231,18 @@ class ToolDriveRow(Rows):
     stroke_time = "s", "time on the curve of a stroke, which waits at its largest force"
 
 
+class GripRow(Rows):
+    """What the spring of a gripped node keeps from step to step, always in double precision."""
+
+    slip = "m", "slip through the gripper so far"
+    force = "N", "force of the spring"
+    along = "N", "its component along the motion of the anchor"
+    travel = "m", "displacement of the anchor"
+    tight = "m", "shortening by the pretension"
+    work = "J", "work of the anchor and of the pretension so far"
+    loss = "J", "energy lost in slip and at the release so far"
+
+
 class ToolWatchRow(Rows):
     """What is watched of each tool at every step."""
 
@@ -241,6 +253,47 @@ class ToolWatchRow(Rows):
     wanted_impulse = "N s", "driving force over time"
     carried_impulse = "N s", "what the sheets carried of it over time"
     most_wanted = "N", "largest driving force so far"
+
+
+class PlyRow(Rows):
+    """What a node keeps of its contact with another ply. Records of ``PLY_RECORD_LENGTH`` come first."""
+
+    force = "N", "contact force on the node", 3
+    xi = "1", "first coordinate of its foot on the facet, from -1 to 1"
+    drag = "N", "friction within that force", 3
+    eta = "1", "second coordinate of its foot"
+    spring = "m", "tangential spring", 3
+    push = "N", "force of the normal spring"
+    damped_share = "1", "share of the dashpot in the force along the normal"
+    distance = "m", "distance of the mid-surfaces at which they touch, with the facet's sagitta"
+    entry = "m", "penetration at which the contact began, as far as it has not been given back: it makes no force"
+    depth = "m", "penetration, with the entry; NO_DEPTH without a foot"
+    stray = "m", "where the node has no foot: how far it may move before it can have one; 0 with a foot"
+    travel = "m", "way along the other ply since the lists of candidates were made"
+    slip = "m", "way that it has slid under pressure so far"
+    largest_entry = "m", "largest entry so far"
+    low = "law's argument", "smallest argument of the friction law so far, under pressure"
+    high = "law's argument", "largest one"
+
+
+PLY_RECORD_LENGTH = int(PlyRow.spring)
+
+
+class PlyWorkRow(Rows):
+    """Works of one pass of an interface at its nodes, as ``NodeWorkRow``: up to the instant of the positions."""
+
+    friction_work = "J", "work done against friction, lost or held in the friction springs"
+    damping_loss = "J", "energy lost in dashpots, and of springs that are released at a free edge"
+    thickness_work = "J", "work of the change of the distance at which the plies touch"
+
+
+class PassEntry(Rows):
+    """What the search of one pass finds at every update of the stable step; one array of float64."""
+
+    reach = "m", "how far both plies together may move until the next update"
+    rebuild = "1", "1 if lists of candidates are made anew"
+    stray_count = "1", "nodes that have found a foot at this update"
+    late = "1", "1 if a node has ever left the facets on which it was listed: a contact may have been missed"
 
 
 class LoadRow(Rows):

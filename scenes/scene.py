@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from weavesim.engine.setup import Setup
     from weavesim.output import ResultFolder
     from weavesim.output.results import Wanted
+    from weavesim.run.checkpoint.job import Job
     from weavesim.run.simulation import Simulation
 
 
@@ -87,38 +88,78 @@ class Scene:
             for folder in folders.values():
                 stack.callback(folder.release)
                 folder.claim()
-            following = list(folders.values())
+            jobs = {
+                case: self._job(parameters, case, setup, order) for order, (case, setup) in enumerate(setups.items())
+            }
+            following = list(setups)
             for case, setup in setups.items():
-                clear = partial(_clear, following)
-                summaries[case] = self._run_case(parameters, case, setup, folders[case], wanted[case], clear)
+                clear = partial(_begin, [(folders[case], jobs[case]) for case in following], parameters)
+                summaries[case] = self._run_case(
+                    parameters, case, setup, folders[case], wanted[case], job=jobs[case], before=clear
+                )
                 following = []
                 summaries["outcome"] = summaries[case].get("outcome")
                 if summaries["outcome"] != "finished" or interrupted.is_set():
                     break
         return summaries[""] if self.cases is None else summaries
 
+    def _job(self, parameters: RunOptions, case: str, setup: Setup, order: int) -> Job:
+        from weavesim.run.checkpoint.job import Job
+        from weavesim.run.frame import new_run_id
+
+        return Job(
+            setup, new_run_id(), parameters.model_dump(mode="json"), {"scene": self.name, "case": case},
+            parameters.writers, order,
+        )  # fmt: skip
+
+    def resume(self, job: Job, options: Mapping[str, Any], out: Path) -> dict[str, Any]:
+        """Go on with one run of this scene, from its last checkpoint to its end.
+
+        Args:
+            job: of the run.
+            options: of the scene, by name; the files that they name are there.
+            out: folder of the results of the run.
+
+        Returns:
+            The summary.
+
+        Raises:
+            InputError: the run cannot be resumed.
+            RunError: it had to stop; results up to its last good frame are written first.
+        """
+        from weavesim.output import ResultFolder
+        from weavesim.output.results import Wanted
+
+        parameters = self.parameters(**{**options, "out": out, "write": None, "without": None})
+        case = job.origin["case"]
+        wanted = self.wanted(parameters, job.setup) if self.wanted else Wanted()
+        given = dict(job.options) | ({"case": case} if case else {})
+        folder = ResultFolder(out, writers=job.writers, options=given, resumes=True, **vars(wanted))
+        return self._run_case(parameters, case, job.setup, folder, wanted, job=job, resumes=True)
+
     def _run_case(
-        self,
-        parameters: RunOptions,
-        case: str,
-        setup: Setup,
-        folder: ResultFolder,
-        wanted: Wanted,
-        before: Callable[[], None],
+        self, parameters: RunOptions, case: str, setup: Setup, folder: ResultFolder, wanted: Wanted, **how: Any
     ) -> dict[str, Any]:
         from weavesim.app.run_into_folder import run_into_folder
 
         def measure(simulation: Simulation) -> Mapping[str, Any]:
             return self.findings(parameters, simulation, wanted) if self.findings else {}
 
-        options = parameters.model_dump(mode="json") | ({"case": case} if case else {})
-        return run_into_folder(setup, folder, options=options, measure=measure, before=before)
+        options = dict(how["job"].options) | ({"case": case} if case else {})
+        interval = parameters.checkpoint_interval
+        return run_into_folder(setup, folder, options=options, measure=measure, checkpoint_interval=interval, **how)
 
 
-def _clear(folders: list[ResultFolder]) -> None:
-    """Remove old results of all cases before the first one runs: new ones must not stand beside them."""
-    for folder in folders:
+def _begin(cases: list[tuple[ResultFolder, Job]], parameters: RunOptions) -> None:
+    """Before the first case: remove old results of all, which must not stand beside new ones, and keep their jobs, so
+    that a command that is killed in one case is resumed with the others.
+    """
+    from weavesim.run.checkpoint.checkpoints import Checkpoints
+
+    for folder, _ in cases:
         folder.clear()
+    for folder, job in cases if parameters.checkpoint_interval else ():
+        Checkpoints(folder.path).begin(job)
 
 
 class SceneFile(NamedTuple):

@@ -58,6 +58,16 @@ if TYPE_CHECKING:
     from .output.folder import ResultFolder
     from .output.writer import Writer
     from .process.dynamics import Dynamics
+    from .process.friction import (
+        Coulomb,
+        Friction,
+        PressureFriction,
+        StribeckFriction,
+        ViscousFilm,
+        YarnAngleFriction,
+    )
+    from .process.grippers import Gripper
+    from .process.interfaces import Interface
     from .process.loads import NodalLoads
     from .process.pressure import Pressure
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
@@ -127,6 +137,16 @@ _names_in = {
     "output.folder": ("ResultFolder",),
     "output.writer": ("Writer",),
     "process.dynamics": ("Dynamics",),
+    "process.friction": (
+        "Coulomb",
+        "Friction",
+        "PressureFriction",
+        "StribeckFriction",
+        "ViscousFilm",
+        "YarnAngleFriction",
+    ),
+    "process.grippers": ("Gripper",),
+    "process.interfaces": ("Interface",),
     "process.loads": ("NodalLoads",),
     "process.pressure": ("Pressure",),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),

@@ -36,7 +36,7 @@ def step_bounds_struct(real: type):
         weft: real
         shear: real
         bending: real  # largest bending stiffness of any curvature [N m]
-        contact_frequency: real  # squared, of the contact springs [1/s^2]
+        contact_frequency: real  # squared, of the springs of contact and grippers [1/s^2]
         sample_frequency: real  # of that, of the springs between nodes [1/s^2]
         sample_turning: real  # what the latter do to directors, times the squared radius of their inertia [m^2/s^2]
         steps_ahead: wp.int32  # steps until the next update

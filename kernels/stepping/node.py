@@ -94,6 +94,8 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         block = first_block + wp.tid()
         present = present_block(block, nodes, laws, around.clock, motion, works)
         force, couple, angle, thickness = gather_corners(block, nodes, corners)
+        if wp.static(traits.touched):
+            force = force + rows3(around.ply_force, 0, block)
         mean_angle, lost = follow_angle(present, nodes, laws, angle)
         present.mean_angle = mean_angle
         if wp.static(traits.follows_thickness):

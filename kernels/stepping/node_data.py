@@ -19,6 +19,7 @@ class NodeTraits:
         supported: nodes are held by supports.
         shape_kinds: of the parts of all tools, see kernels/contact/tool_shapes.py; empty without tools.
         rotated: whether any part is rotated.
+        touched: whether other plies may touch it.
         sampled: whether tools are met between nodes too.
     """
 
@@ -27,6 +28,7 @@ class NodeTraits:
     supported: bool = False
     shape_kinds: tuple[str, ...] = ()
     rotated: bool = False
+    touched: bool = False
     sampled: bool = False
 
 
@@ -76,6 +78,7 @@ def surroundings_struct(real: type, lane_count: int):
         clock: wp.array(dtype=wp.float64)  # see ClockEntry
         tools: tool_set_struct(real)
         supports: support_struct(real, lane_count)
+        ply_force: wp.array2d(dtype=lane_types(real, lane_count).lanes)  # of other plies on the nodes [N]
 
     return Surroundings
 

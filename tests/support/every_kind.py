@@ -14,7 +14,19 @@ from weavesim import Drive, Dynamics, Fabric, NodalLoads, Setup, Sheet, SmoothSt
 from weavesim.checks import Kinded
 from weavesim.fabric import ShearFriction, YarnBending, glass_polypropylene
 from weavesim.fabric.bending import BendingCurve
-from weavesim.process import Fixed, ForceDriven, Pressure, Stroke
+from weavesim.process import (
+    Coulomb,
+    Fixed,
+    ForceDriven,
+    Gripper,
+    Interface,
+    Pressure,
+    PressureFriction,
+    StribeckFriction,
+    Stroke,
+    ViscousFilm,
+    YarnAngleFriction,
+)
 from weavesim.sheet.blank import Blank
 from weavesim.tools import (
     Capsule,
@@ -113,7 +125,14 @@ def pulled(solver: Solver) -> Setup:
         Pressure.ramped("top", 2e3, 1e-3),
         Pressure("bottom", (1e3, -5e2), (0.0, 1e-3), elements=np.array([1, 4, 7])),
     )
-    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads, pressures=pressures)
+    pulling = Stroke((0.0, 1e-3), (0.0, 2e-3))
+    grippers = (
+        Gripper(
+            "slipping", np.flatnonzero(y > 0.02 - 1e-9)[2:5], (0.0, 1.0, 0.5), 2e4, largest_force=3.0, motion=pulling
+        ),
+        Gripper("tight", np.array([30]), (0.0, 0.0, 1.0), 1e3, pretension=1.0, ramp_time=1e-3, release_time=2e-3),
+    )
+    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads, pressures=pressures, grippers=grippers)
     return Setup(name="pulled", sheets=(sheet,), duration=1.0, symmetry=("y",), solver=solver)
 
 
@@ -134,6 +153,26 @@ def two_worlds(solver: Solver) -> Setup:
     )
 
 
+def stacked(solver: Solver) -> Setup:
+    """Small plies of different meshes, pressed together and sliding, with a friction law of every kind between them."""
+    fabric = glass_polypropylene()
+    laws = (
+        Coulomb(0.3), PressureFriction((0.0, 1e4), (0.5, 0.2)), YarnAngleFriction((0.0, 90.0), (0.1, 0.4)),
+        StribeckFriction((0.0, 1e-3, 1.0), (0.3, 0.1, 0.2), 200.0), ViscousFilm(500.0, 1e-4, 0.1),
+    )  # fmt: skip
+    sheets = []
+    for k in range(len(laws) + 1):
+        blank = Blank.rectangle(
+            (-0.02, -0.02), (0.02, 0.02), (0.01, 0.008)[k % 2], yarn_angle=15.0 * k, height=0.999 * k * fabric.thickness
+        )
+        velocity = np.tile((0.3 * (-1.0) ** k, 0.1 * k, -0.2 * k), (blank.node_count, 1))
+        sheets.append(Sheet(blank, fabric, name=f"ply {k}", initial_velocity=velocity))
+    interfaces = tuple(Interface(f"ply {k}", f"ply {k + 1}", law) for k, law in enumerate(laws))
+    return Setup(
+        name="stacked", sheets=tuple(sheets), interfaces=interfaces, duration=1.0, solver=solver, accept_unusual=True
+    )
+
+
 def every_kind() -> dict[str, Setup]:
     """By name; fails if a registered kind is in none of them."""
     fabric, blank = glass_polypropylene(), saddle()
@@ -146,6 +185,8 @@ def every_kind() -> dict[str, Setup]:
     cases["supports and loads"] = pulled(ONE_LANE)
     cases["worlds"] = two_worlds(ONE_LANE)
     cases["worlds in lanes"] = two_worlds(IN_LANES)
+    cases["plies"] = stacked(ONE_LANE)
+    cases["plies in lanes"] = stacked(IN_LANES)
     found = {kind for setup in cases.values() for kind in _kinds_in(setup)}
     kinds = {kind for family in Kinded.__subclasses__() for kind in family.kinds().values()}
     own = {kind.__name__ for kind in kinds if kind.__module__.startswith("weavesim.")}

@@ -119,7 +119,7 @@ def made_stack(frame_count: int = 4):
     tools = upper[0].tools + lower[0].tools
     places = tuple(range(len(tools)))
     sheets = tuple(
-        dataclasses.replace(info.sheet, name=name, tools=own)
+        dataclasses.replace(info.sheet, name=name, tools=own, world=name)
         for info, name, own in ((upper[0], "upper", places[:3]), (lower[0], "lower", places[3:]))
     )
     info = dataclasses.replace(upper[0], name="stack", sheets=sheets, tools=tools)

@@ -68,7 +68,7 @@ class Sheet:
 
     def _corners(self) -> np.ndarray:
         """Forces, director gradients and angles, (3, corner, component, element)."""
-        rows = self.simulation.stepper.corner_rows().astype(np.float64)
+        rows = self.simulation.model.sheet.corner_rows(self.simulation.state.sheet.corner_force).astype(np.float64)
         # the angle is in all corners
         force, couple, angle = (rows[:, row.span] for row in (CornerRow.force, CornerRow.couple, CornerRow.angle))
         return np.stack([force, couple, np.broadcast_to(angle, force.shape)])

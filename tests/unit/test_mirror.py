@@ -12,6 +12,7 @@ from weavesim.scenes.scene import known_scenes
 LEAST_LENGTH = 60
 BETWEEN_NODES = "verification/contact/test_between_nodes.py"
 SHELL = "verification/element/test_energies.py"
+PLIES = "verification/contact/test_plies.py"
 # Modules whose test has another name, with the file that tests them.
 TESTED_ELSEWHERE = {
     # A part of a kernel has no result of its own: forces against energies, patches and modes find its mistakes.
@@ -29,6 +30,9 @@ TESTED_ELSEWHERE = {
     "kernels/laws/yarn_bending.py": SHELL,
     "kernels/shell/laws.py": SHELL,
     "kernels/shell/membrane.py": SHELL,
+    "kernels/loads/grippers.py": "verification/process/test_grippers.py",
+    "weavesim/engine/loading/grips.py": "verification/process/test_grippers.py",
+    "weavesim/engine/loading/load_launches.py": "verification/process/test_pressure.py",
     "kernels/loads/pressure.py": "verification/process/test_pressure.py",
     "kernels/shell/shear.py": SHELL,
     "kernels/shell/thickness.py": "verification/shell/test_thickness.py",
@@ -47,6 +51,16 @@ TESTED_ELSEWHERE = {
     "kernels/cell/law.py": "verification/cell/test_unit_cells.py",
     "kernels/cell/yarn.py": "unit/kernels/cell/test_plain_weave.py",
     "kernels/cell/response.py": "verification/cell/test_unit_cells.py",
+    "kernels/plies/facet.py": PLIES,
+    "kernels/contact/friction.py": PLIES,
+    "kernels/plies/argument.py": PLIES,
+    "kernels/plies/data.py": PLIES,
+    "kernels/plies/forces.py": PLIES,
+    "kernels/plies/node_pass.py": PLIES,
+    "kernels/plies/reaction.py": PLIES,
+    "kernels/plies/search.py": PLIES,
+    "kernels/plies/stand.py": PLIES,
+    "kernels/plies/normals.py": PLIES,
     "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",
     "kernels/contact/penalty.py": "verification/contact/test_contact.py",
     "kernels/contact/tool_shapes.py": "unit/tools/test_shapes.py",
@@ -64,6 +78,7 @@ TESTED_ELSEWHERE = {
     "weavesim/meshes/formats/deck_lines.py": "unit/meshes/formats/test_abaqus.py",
     "weavesim/meshes/formats/grid.py": "unit/meshes/formats/test_abaqus.py",
     "weavesim/engine/surface/contact.py": BETWEEN_NODES,
+    "weavesim/engine/surface/samples.py": BETWEEN_NODES,
     "weavesim/run/tool_gaps.py": BETWEEN_NODES,
     "weavesim/engine/launches.py": "unit/engine/test_stepper.py",
     "weavesim/engine/replay.py": "unit/engine/test_stepper.py",

@@ -105,6 +105,18 @@ def devices() -> None:
     print(f"Compiled kernels: {wp.config.kernel_cache_dir}")
 
 
+@application.command("resume")
+def resume_command(
+    out: Annotated[Path, typer.Argument(help="folder of the results, or one with such folders", metavar="OUT")],
+    threads: Annotated[int | None, typer.Option(min=1, help="CPU threads instead of those it began with")] = None,
+    device: Annotated[str | None, typer.Option(help="device instead of the one it began with")] = None,
+) -> None:
+    """Go on with a run that was interrupted or killed, from its last checkpoint."""
+    from .resume_command import resume_folder
+
+    _run_to_its_end(out.name, out, lambda: resume_folder(out, threads=threads, device=device))
+
+
 @application.command("cache")
 def cache_command(
     clear: Annotated[
@@ -232,25 +244,26 @@ def scene_command(
         given = {name: value for name, value in values.items() if value != options[name].default}
         with _typed(options, parameters):
             checked = parameters(**given)
-        from ..engine.compilation import side_by_side
-
-        with (
-            _typed(options, parameters),
-            interruptible() as interrupted,
-            side_by_side(partial(announce_compilation, scene)),
-            announced(),
-        ):
-            result = run(checked)
-            number = interrupted.signal
-            for line in closing_lines(result, checked.out, number):
-                say(line)
-        if code := exit_code(result, number):
-            raise typer.Exit(code)
+        with _typed(options, parameters):
+            _run_to_its_end(scene, checked.out, lambda: run(checked))
 
     # Typer reads a command's options from its signature.
     command.__signature__ = inspect.Signature(list(options.values()))  # type: ignore[attr-defined]
     command.__annotations__ = {name: option.annotation for name, option in options.items()}
     scene_application.command(help=text)(command)
+
+
+def _run_to_its_end(name: str, out: Path, run: Callable[[], dict[str, Any]]) -> None:
+    """Run, say where the results are, and exit with a code."""
+    from ..engine.compilation import side_by_side
+
+    with interruptible() as interrupted, side_by_side(partial(announce_compilation, name)), announced():
+        result = run()
+        number = interrupted.signal
+        for line in closing_lines(result, out, number):
+            say(line)
+    if code := exit_code(result, number):
+        raise typer.Exit(code)
 
 
 @contextmanager

@@ -86,8 +86,17 @@ def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> I
         yield f"{start}Results are in {out}."
     if any(one.get("verdict") == VERDICTS[Level.DO_NOT_USE] for one in every):
         yield "Do not use the result: see its warnings."
+    if _can_go_on(result, out):
+        yield f"Go on with it: weavesim resume {out}"
     for report in _reports(result, out):
         yield f"Open {report} in a browser."
+
+
+def _can_go_on(result: Mapping[str, Any], out: Path) -> bool:
+    """Whether a run has left checkpoints."""
+    from ..run.checkpoint.checkpoints import has_job
+
+    return any(has_job(folder) for folder in [out, *(out / case for case in _cases(result))])
 
 
 def _reports(result: Mapping[str, Any], out: Path) -> Iterator[Path]:

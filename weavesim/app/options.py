@@ -8,11 +8,12 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from ..checks import Parameters, Positive, as_typed
+from ..checks import NotNegative, Parameters, Positive, as_typed
 from ..device import LARGEST_THREAD_COUNT, Precision
 from ..engine.setup import Solver
 from ..output.writer import chosen_writers, known_writers
 from ..ranges import Quantity, check_usual
+from ..run.checkpoint.pace import INTERVAL
 from ..run.estimate import BYTES_PER_ELEMENT
 
 # Beyond it the user is asked.
@@ -64,6 +65,10 @@ class RunOptions(Parameters):
     )
     without: str | None = Field(default=None, description="results to leave out, comma-separated")
     overwrite: bool = Field(default=False, description="replace the results of an earlier run in that folder")
+    checkpoint_interval: Annotated[NotNegative, Quantity("wall time")] = Field(
+        default=INTERVAL,
+        description="wall time between two checkpoints, from which weavesim resume goes on [s]; 0 writes none",
+    )
 
     accept_unusual: bool = Field(
         default=False, description="take unusual values as meant, such as a thickness that looks like millimetres"

@@ -16,6 +16,7 @@ from typing import IO, TYPE_CHECKING, cast
 from .. import __version__
 from ..errors import InputError
 from ..input_files import shown
+from ..output.folder import LOG_NAME
 from ..run.frame import Frame, Outcome, RunInfo
 from .fabric_table import summary_of
 from .terminal import SteadyStream
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress, TaskID
 
-LOG_NAME = "run.log"
 # Without a terminal, lines are spread evenly over a run.
 LINE_COUNT = 10
 
@@ -65,6 +65,7 @@ class ProgressBar:
         self._name = "weavesim"
         self._duration = 0.0
         self._start = 0.0
+        self._begin = 0.0
         self._line_index = -1
 
     def listen(self) -> None:
@@ -72,6 +73,10 @@ class ProgressBar:
         if self._handler is None:
             self._handler = _Warnings(self._print)
             logging.getLogger("weavesim").addHandler(self._handler)
+
+    def goes_on(self, time: float) -> None:
+        """The run is resumed at ``time`` [s]: what it shows again of before takes no time."""
+        self._begin = time
 
     def start(self, info: RunInfo) -> None:
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
@@ -82,7 +87,9 @@ class ProgressBar:
         self._start = time.perf_counter()
         for warning in info.warnings:
             self._print(f"warning: {warning}")
-        if info.expected:
+        if info.parts:
+            self._print(info.parts[-1])
+        elif info.expected:
             self._print(str(info.expected))
         if self._console.is_terminal:
             self._progress = Progress(
@@ -100,11 +107,13 @@ class ProgressBar:
             self._print(f"{info.element_count} elements, {info.node_count} nodes")
 
     def frame(self, frame: Frame) -> None:
-        if frame.index == 0:
+        if frame.index == 0 or frame.time <= self._begin:
             # The first steps wait for kernels to compile, which must not count in the estimate of the time left.
             self._start = time.perf_counter()
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, completed=frame.time, state=self._state(frame))
+            return
+        if frame.time < self._begin:
             return
         share = frame.time / self._duration
         line_index = int(LINE_COUNT * share + 1e-6)
@@ -132,9 +141,9 @@ class ProgressBar:
 
     def _state(self, frame: Frame) -> str:
         parts = [f"stroke {frame.stroke * 1e3:.1f} mm"]
-        if 0.0 < frame.time < self._duration:
-            elapsed = time.perf_counter() - self._start
-            parts.append(f"{clock_text(elapsed * (self._duration / frame.time - 1.0))} left")
+        if self._begin < frame.time < self._duration:
+            rate = (time.perf_counter() - self._start) / (frame.time - self._begin)
+            parts.append(f"{clock_text(rate * (self._duration - frame.time))} left")
         ratio = kinetic_ratio(frame.energies)
         if ratio is not None:
             parts.append(f"kinetic/internal {ratio:.2%}")
@@ -173,6 +182,7 @@ class RunLog:
 
     def __init__(self, folder: Path, *, stays: bool = False) -> None:
         self._stays = stays
+        self._since: float | None = None
         self.path = Path(folder) / LOG_NAME
         self._logger = logging.getLogger("weavesim")
         self._level_before = self._logger.level
@@ -187,6 +197,10 @@ class RunLog:
     def failed(self) -> bool:
         """Whether the log could not be written to its end."""
         return self._file is not None and self._file.failed
+
+    def goes_on(self, time: float) -> None:
+        """The run is resumed at ``time`` [s]: its log is continued, and tells only of new frames."""
+        self._since = time
 
     def start(self, info: RunInfo) -> None:
         self._begin_file(f"run {info.run_id}")
@@ -219,6 +233,8 @@ class RunLog:
         self._start = time.perf_counter()
 
     def frame(self, frame: Frame) -> None:
+        if self._since is not None and frame.time <= self._since:
+            return
         forces = ", ".join(
             f"{name} {1e3 * travel:.2f} mm ({x:.4g}, {y:.4g}, {z:.4g}) N"
             for name, travel, (x, y, z) in zip(
@@ -253,7 +269,8 @@ class RunLog:
 
     def _begin_file(self, first: str) -> None:
         try:
-            self._file = _PatientFileHandler(self.path, mode="w", encoding="utf-8")
+            mode = "w" if self._since is None else "a"
+            self._file = _PatientFileHandler(self.path, mode=mode, encoding="utf-8")
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror}. Choose another folder.") from error
         self._file.setFormatter(_OneLine("%(asctime)s %(levelname)-7s %(message)s"))

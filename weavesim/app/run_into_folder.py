@@ -8,11 +8,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
+from ..run.checkpoint.pace import INTERVAL
 from .progress import ProgressBar, RunLog
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup
     from ..output import ResultFolder
+    from ..run.checkpoint.job import Job
     from ..run.simulation import Simulation
 
     Measure = Callable[[Simulation], Mapping[str, Any]]
@@ -27,8 +29,14 @@ def run_into_folder(
     options: Mapping[str, Any],
     measure: Measure | None = None,
     before: Callable[[], object] | None = None,
+    job: Job | None = None,
+    checkpoint_interval: float = INTERVAL,
+    resumes: bool = False,
 ) -> dict[str, Any]:
     """Run a set-up and write its results to ``folder``, however the run ends.
+
+    While it runs it keeps checkpoints in the folder, from which ``weavesim resume`` goes on. They are removed when it
+    has finished and everything is written.
 
     Args:
         setup: of the run.
@@ -36,6 +44,9 @@ def run_into_folder(
         options: given by the user, by name, for the report.
         measure: returns the scene's own summary entries after the run.
         before: called when nothing is left to be refused, just before the run.
+        job: tells whoever resumes the run where it came from; by default a set-up with its options.
+        checkpoint_interval: wall time between two checkpoints [s]; 0 writes none.
+        resumes: go on from the last checkpoint of ``job`` in the folder, or from the start where there is none yet.
 
     Returns:
         The summary as written.
@@ -44,32 +55,50 @@ def run_into_folder(
         InputError: bad input, before anything is written.
         RunError: the run had to stop; results up to the last good frame are written first.
     """
+    from ..output.files import plain
+    from ..run.checkpoint.checkpoints import Checkpoints
+    from ..run.checkpoint.job import Job
     from ..run.estimate import check_room
+    from ..run.frame import Outcome
     from ..run.interruption import interruption
     from ..run.simulation import Simulation
     from ..run.start import sheet_infos
 
+    checkpoints = Checkpoints(folder.path, checkpoint_interval)
     log, bar = RunLog(folder.path, stays=True), ProgressBar(stays=True)
     summary: dict[str, Any] = {}
     bar.listen()
     try:
         folder.check(tuple(sheet_infos(setup)))
         folder.claim()
-        simulation = Simulation(setup)
+        # a run that is resumed shares its id
+        simulation = Simulation(setup, run_id=job.run_id if job is not None else None)
         info = simulation.prepare().info
         if info.expected is not None:
             check_room(info.expected, setup, folder.path)
         _rehearse(simulation, measure)
+        if resumes:
+            log.goes_on(-1.0)
+            if checkpoints.find() is not None:
+                simulation.resume(checkpoints)
+                log.goes_on(simulation.state.time)
+                bar.goes_on(simulation.state.time)
         if before is not None:
             before()
+        if job is None:
+            job = Job(setup, info.run_id, plain(options), writers=folder.writer_names)
+        checkpoints.job = job
         with interruption() as interrupted, interrupted.held():
             try:
                 # the folder removes old results, before the log begins and after warnings are shown
-                simulation.run([bar, folder, log])
+                simulation.run([bar, folder, log], checkpoints=checkpoints if checkpoint_interval else None)
             finally:
                 if simulation.history:
                     folder.add(log.path)
                     summary = folder.write(_numbers(simulation, folder, log, measure), setup=options)
+                    if simulation.outcome is Outcome.FINISHED and not summary["missing"]:
+                        folder.sync()
+                        checkpoints.remove()
     finally:
         bar.close()
         log.close()

@@ -30,6 +30,7 @@ from ..kernels.contact.mesh_distance import (
 )
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
+from ..kernels.loads.grippers import grip_kernel
 from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
@@ -44,6 +45,7 @@ from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
+from .plies.ply_kernels import ply_kernels
 from .setup import Setup
 from .traits import node_traits, sheet_traits
 
@@ -63,8 +65,10 @@ class KernelSet:
         tools: whether there are any.
         driven: whether supports move.
         pressed: whether there is pressure on a sheet.
+        gripped: whether there are grippers.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
+        plies: whether sheets touch each other.
     """
 
     unit_cell: UnitCell
@@ -76,8 +80,10 @@ class KernelSet:
     tools: bool = True
     driven: bool = True
     pressed: bool = False
+    gripped: bool = False
     threaded: bool = True
     meshes: bool = False
+    plies: bool = False
 
     @classmethod
     def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
@@ -101,7 +107,9 @@ class KernelSet:
             tools=any(one.tools for one in sets),
             driven=any(one.driven for one in sets),
             pressed=any(one.pressed for one in sets),
+            gripped=any(one.gripped for one in sets),
             meshes=True,
+            plies=any(one.plies for one in sets),
         )
 
     @classmethod
@@ -123,7 +131,9 @@ class KernelSet:
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
             pressed=any(sheet.pressures for sheet in setup.sheets),
+            gripped=bool(setup.grippers),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
+            plies=nodes.touched,
         )
 
     def kernels(self) -> list[wp.Kernel]:
@@ -148,6 +158,7 @@ class KernelSet:
             ),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
+            *(ply_kernels(real, lane_count) if self.plies else []),
             *(
                 [tool_motion_kernel(real)]
                 if is_cpu or not self.tools
@@ -155,6 +166,7 @@ class KernelSet:
             ),
             *([support_motion_kernel(real)] if self.driven else []),
             *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
+            *([grip_kernel(real)] if self.gripped else []),
             partial_maximum_kernel(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),

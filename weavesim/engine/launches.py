@@ -11,7 +11,6 @@ import warp as wp
 from ..device import block_size
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
-from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
@@ -27,8 +26,9 @@ from ..kernels.stepping.step import (
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import SUM_GROUP, ToolBooks, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
-from .loading.pressures import device_pressures
+from .loading.load_launches import LoadLaunches
 from .model import Model
+from .plies.ply_launches import PlyLaunches
 from .sheet_model import SheetModel
 from .state import SheetState, State
 from .surface.contact import SurfaceContact
@@ -96,22 +96,16 @@ class Launches:
         self._surface = {
             index: SurfaceContact(sheet, state.sheets[index], self._reaction(sheet)[:, sheet.block_count :])
             for index, sheet in enumerate(model.sheets)
-            if sheet.sample_count
+            if sheet.samples.count
         }
+        self.plies = PlyLaunches(model, state)
         self._sums = self._reaction_sums()
         # sums are in double precision
         self._tool_motion = tool_motion_kernel(wp.float64 if len(self._sums) > 1 else real)
         self._tool_books = ToolBooks()
         self._tool_books.work, self._tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)
-        self._pressing = element_pressure_kernel(real, model.lane_count)
-        self._pressures = {
-            index: device_pressures(
-                sheet.pressures, sheet.blank, sheet.element_count, real, sheet.lane_count, sheet.device
-            )
-            for index, sheet in enumerate(model.sheets)
-            if sheet.pressures
-        }
+        self.loads = LoadLaunches(model, state)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._fold_works = fold_works_kernel(real, model.lane_count)
@@ -160,6 +154,7 @@ class Launches:
         supports.held, supports.direction = sheet.held, sheet.drive_direction
         supports.increment, supports.holding = sheet.places.drives.of(state.drive_increment), own.holding
         around.supports = supports
+        around.ply_force = lanes_view(own.contact_force, sheet.lane_count)
         return around
 
     def _of_sheet(self, index: int) -> _SheetArguments:
@@ -210,18 +205,6 @@ class Launches:
         if index in self._surface:
             arguments = self._arguments[index]
             self._surface[index].launch(first, count, self._node_laws[index], arguments.around, arguments.corner_force)
-
-    def apply_pressures(self, index: int, first: int = 0, count: int | None = None) -> None:
-        """Add the pressures on sheet ``index`` to its corner forces, in ``count`` blocks of elements from ``first``."""
-        if index in self._pressures:
-            sheet, own = self.model.sheets[index], self.state.sheets[index]
-            wp.launch(
-                self._pressing,
-                dim=sheet.element_count // sheet.lane_count if count is None else count,
-                inputs=[first, sheet.elements, self._pressures[index], own.motion, self.state.clock],
-                outputs=[self._arguments[index].corner_force, own.pressure_work],
-                device=sheet.device,
-            )
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""
@@ -354,9 +337,7 @@ class Launches:
         common += [self._partial_sums_of(values) for values in self._sums[:-1]]
         if self.model.drives.count:
             common.append(self._support_motion)
-        if self._pressures:
-            common.append(self._pressing)
-        return list(dict.fromkeys([*own, *common]))
+        return list(dict.fromkeys([*own, *common, *self.loads.kernels, *self.plies.kernels]))
 
 
 class IntervalEnd:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import Any
 
 import warp as wp
@@ -10,14 +11,20 @@ import warp as wp
 from ..device import initialise, load_kernel, resolve_device
 from ..errors import InputError
 from ..process.device import build_device_drives
+from ..process.interfaces import Interface
 from ..sheet.sheet import Sheet
 from ..tools.device import build_device_tools
 from ..tools.sampling import SampledDistance, mesh_parts, sample_meshes
 from .compilation import MeshKernelSet, compile_missing, mesh_kernels
 from .layout import Span, padded
+from .plies.pass_model import PassModel, mean_density, pass_places
 from .setup import Setup, World
 from .sheet_model import SPARE_NODE_COUNT, Numerics, Places, SheetModel
 from .traits import node_traits
+
+# Largest row sum of the contact stiffness of one interface over the mass, over k_a/rho: nodes of one ply on the facets
+# of another, and the reverse. Equal meshes have 2; up to 3.4 was measured for unequal and rotated ones.
+LARGEST_PLY_ROW = 4.0
 
 
 class Model:
@@ -30,6 +37,7 @@ class Model:
         sheets: constants of every sheet, in the order of ``setup.sheets``.
         tools: of all worlds.
         drives: of all supports.
+        passes: of all interfaces between sheets.
         reaction_count: blocks of nodes of the largest world, and of elements where these meet tools too.
         reference_step: stable step with straight yarns [s], the basis of the first step.
 
@@ -57,6 +65,36 @@ class Model:
             setup.tools, self.real, str(self.device), self.samples, self._contact_stiffness()
         )
         self.reference_step = min(sheet.reference_step for sheet in self.sheets)
+        self.passes = self._passes()
+
+    def _passes(self) -> tuple[PassModel, ...]:
+        """Of all interfaces, whose plies need room in the stable step."""
+        interfaces = self.setup.interfaces
+        if not interfaces:
+            return ()
+        names = [sheet.name for sheet in self.sheets]
+        faces: dict[str, list[float]] = {name: [0.0, 0.0] for name in names}
+        for interface in interfaces:
+            lower, upper = (self.sheets[names.index(name)] for name in (interface.lower, interface.upper))
+            densities = mean_density(lower), mean_density(upper)
+            stiffness = interface.stiffness_share * densities[0] * densities[1] / sum(densities)
+            for name, face, density in ((interface.lower, 1, densities[0]), (interface.upper, 0, densities[1])):
+                bound = LARGEST_PLY_ROW * stiffness / (density * self.reference_step**2)
+                faces[name][face] = max(faces[name][face], bound)
+        for sheet in self.sheets:
+            if any(faces[sheet.name]):
+                sheet.bound_plies(*faces[sheet.name])
+        return tuple(
+            PassModel(
+                place,
+                interfaces[place.interface],
+                self.sheets[place.slave],
+                self.sheets[place.master],
+                _damping_ratio(interfaces[place.interface], self.sheets[place.slave]),
+                self.reference_step,
+            )
+            for place in pass_places(interfaces, self.sheets)
+        )
 
     def _contact_stiffness(self) -> list[float]:
         """Of every tool with all nodes of all sheets that it may touch [N/m]."""
@@ -77,7 +115,7 @@ class Model:
             raise InputError(f"this run has {len(self.sheets)} sheets: use one of model.sheets")
         return self.sheets[0]
 
-    @property
+    @cached_property
     def identity(self) -> dict[str, object]:
         """Properties that a saved state must share with this run to continue it."""
         elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
@@ -103,6 +141,11 @@ class Model:
         for sheet in self.sheets:
             for struct in (sheet.laws, sheet.cell):
                 yield from _arrays_in(struct)
+
+
+def _damping_ratio(interface: Interface, sheet: SheetModel) -> float:
+    own = interface.damping_ratio
+    return sheet.dynamics.contact_damping_ratio if own is None else own
 
 
 def _placed(setup: Setup, reaction_count: Callable[[Sheet, World], int]) -> Iterator[tuple[Sheet, World, Places]]:

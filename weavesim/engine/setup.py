@@ -12,9 +12,11 @@ from pydantic import field_validator, model_validator
 
 from ..checks import NotNegative, Parameters, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision, resolve_precision
-from ..errors import InputError
+from ..errors import InputError, did_you_mean
 from ..names import FileName, Label
 from ..process.dynamics import Dynamics
+from ..process.grippers import Gripper
+from ..process.interfaces import Interface
 from ..process.supports import Support
 from ..ranges import Quantity, check_usual
 from ..sheet.sheet import Sheet
@@ -27,7 +29,7 @@ STEP_SAFETY = 0.9
 # Elements per kernel thread: on a GPU, and on a CPU.
 LANE_COUNTS = (1, 16)
 # Fields of a world that a set-up with one world accepts directly.
-_WORLD_FIELDS = ("sheets", "tools", "symmetry", "dynamics")
+_WORLD_FIELDS = ("sheets", "tools", "symmetry", "dynamics", "interfaces")
 
 
 class Solver(Parameters):
@@ -109,6 +111,7 @@ class World(Parameters):
         tools: rigid, in the order of all outputs.
         symmetry: planes at which the sheets are cut; their nodes on these planes are held accordingly.
         dynamics: gravity, damping and contact.
+        interfaces: which sheets touch; others pass through each other.
         name: of the world.
     """
 
@@ -118,6 +121,7 @@ class World(Parameters):
     tools: tuple[Tool, ...] = ()
     symmetry: Symmetry = Symmetry()
     dynamics: Dynamics = Dynamics()
+    interfaces: tuple[Interface, ...] = ()
     name: Label = "world"
 
     @field_validator("symmetry", mode="before")
@@ -132,7 +136,24 @@ class World(Parameters):
         _check_names("tools", [tool.name for tool in self.tools])
         for sheet in self.sheets:
             sheet.check_symmetry(self.symmetry)
+        self._check_interfaces()
         return self
+
+    def _check_interfaces(self) -> None:
+        names = [sheet.name for sheet in self.sheets]
+        _check_names("interfaces", [" / ".join(sorted((each.lower, each.upper))) for each in self.interfaces])
+        for interface in self.interfaces:
+            for name in (interface.lower, interface.upper):
+                if name not in names:
+                    raise ValueError(
+                        f"interface {interface.name}: there is no sheet {name!r} in world {self.name}; its sheets are "
+                        f"{', '.join(names)}{did_you_mean(name, names)}"
+                    )
+        if self.interfaces and self.dynamics.contact_thickness != "initial":
+            raise ValueError(
+                f"contact_thickness = {self.dynamics.contact_thickness!r}: interfaces between plies are at the initial "
+                'thickness; write "initial"'
+            )
 
     def disproportions(self) -> Iterator[str]:
         for sheet in self.sheets:
@@ -201,6 +222,7 @@ class Setup(Parameters):
         _check_names("worlds", [world.name for world in self.worlds])
         _check_names("sheets", [sheet.name for sheet in self.sheets])
         _check_names("supports", [support.name for support in self.supports])
+        _check_names("grippers", [gripper.name for gripper in self.grippers])
         return self
 
     @model_validator(mode="after")
@@ -229,6 +251,16 @@ class Setup(Parameters):
     def tools(self) -> tuple[Tool, ...]:
         """Of all worlds, in order."""
         return tuple(tool for world in self.worlds for tool in world.tools)
+
+    @property
+    def grippers(self) -> tuple[Gripper, ...]:
+        """Of all sheets, in order."""
+        return tuple(gripper for sheet in self.sheets for gripper in sheet.grippers)
+
+    @property
+    def interfaces(self) -> tuple[Interface, ...]:
+        """Of all worlds, in order."""
+        return tuple(interface for world in self.worlds for interface in world.interfaces)
 
     @property
     def supports(self) -> tuple[Support, ...]:

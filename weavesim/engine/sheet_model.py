@@ -17,6 +17,7 @@ from ..kernels.rows import (
     MOTION_RECORD_LENGTH,
     MOTION_VECTORS,
     ROWS_PER_CORNER,
+    CornerRow,
     LoadRow,
     MotionRow,
     NodeWorkRow,
@@ -27,21 +28,19 @@ from ..kernels.shell.laws import sheet_struct
 from ..kernels.stepping.node_data import node_laws_struct, node_struct
 from ..kernels.stepping.node_forces import USUAL_CORNER_COUNT
 from ..process.device import build_support_arrays
+from ..process.grippers import Gripper
 from ..sheet.geometry import ElementGeometry
-from ..sheet.samples import FEWEST_PER_SIDE, sample_motion, sample_places, samples_per_side
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
 from .layout import BLOCK, RowLayout, Span, lanes_view, padded
 from .setup import STEP_SAFETY, World
+from .surface.samples import Samples
 from .traits import node_traits, sheet_traits
 
 # Contact stiffness is this share of mass / step^2: two tools on one node then reduce the stable step by a few per cent.
 CONTACT_SHARE = 0.05
 TANGENTIAL_RATIO = 0.5
-# Stiffness of all samples of contact between nodes over that of the nodes: where tools are blunt these carry the sheet,
-# and where one is sharp a sample does.
-BLUNT_SAMPLE_SHARE, SHARP_SAMPLE_SHARE = 0.25, 1.0
 # The distance to a tool is evaluated again once less than this share of half the thickness is left.
 SPARE_DISTANCE = 0.5
 # Steps between two updates of the stable step.
@@ -112,11 +111,7 @@ class SheetModel:
         element_nodes: (4, padded elements) corner nodes.
         corners, motion_layout, friction_layout: layouts of the values that elements write at their corners
             (CORNER_ROW_COUNT), of the nodes' motion, and of their friction springs (three components per tool).
-        sample_places: of the samples of an element between its nodes, (samples of an element, 2) from -1 to 1; none
-            where only nodes meet tools.
-        sample_share: stiffness of all samples over that of the nodes.
-        sample_count: samples of all elements, with padding.
-        sample_layout: layout of the friction springs of the samples.
+        samples: constants of the contact between nodes.
         added_mass_ratio: mass added by scaling over the mass of the blank.
     """
 
@@ -124,7 +119,8 @@ class SheetModel:
         blank, fabric = sheet.oriented_blank, sheet.fabric
         self.name, self.blank, self.fabric = sheet.name, blank, fabric
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
-        self.pressures = sheet.pressures
+        self.symmetry = world.symmetry
+        self.pressures, self.grippers = sheet.pressures, sheet.grippers
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count
@@ -140,12 +136,6 @@ class SheetModel:
         self.sheet_traits = sheet_traits(fabric, self.geometry, world.dynamics)
         self.node_traits = node_traits(sheet, world)
 
-        side_count = self._samples_per_side(world)
-        self.sample_places = sample_places(side_count)
-        self.sample_share = SHARP_SAMPLE_SHARE if side_count > FEWEST_PER_SIDE else BLUNT_SAMPLE_SHARE
-        self.sample_count = len(self.sample_places) * self.element_count
-        self.sample_layout = RowLayout(3 * max(self.tool_count, 1), self.sample_count, self.lane_count)
-
         self.areal_density, frequencies = self._scaled_mass(numerics.target_step)
         self.reference_step = STEP_SAFETY * 2.0 / math.sqrt((frequencies.straight + frequencies.constant).max())
         corner_mass = 0.25 * self.areal_density * self.geometry.area
@@ -154,6 +144,10 @@ class SheetModel:
         # squared, of one tool's spring [1/s^2]
         self._contact_frequency = CONTACT_SHARE / self.reference_step**2
         self.contact_stiffness = self._contact_frequency * self.node_mass
+        self.samples = Samples.of(
+            world.tools if self.node_traits.sampled else (), fabric.thickness, self.geometry,
+            blank.node_position[blank.quads], 4.0 * corner_mass, self._contact_frequency, self.corners,
+        )  # fmt: skip
 
         # padding elements keep an infinite areal density: they never limit the step
         inertia = np.stack([1.0 / self.areal_density, 1.0 / frequencies.rotary_radius_squared])
@@ -169,13 +163,6 @@ class SheetModel:
         self.held, self.drive_direction = build_support_arrays(
             sheet.supports, self.node_count, self.real, self.lane_count, self.device
         )
-
-    def _samples_per_side(self, world: World) -> int:
-        """Samples along a side of an element: more for slender tools and small radii."""
-        if not self.node_traits.sampled:
-            return 0
-        radius = min(min(tool.fillet_radius, 0.5 * tool.smallest_width) for tool in world.tools)
-        return samples_per_side(self.geometry.largest_size, radius + 0.5 * self.fabric.thickness)
 
     def _scaled_mass(self, target_step: float | None) -> tuple[np.ndarray, Frequencies]:
         """Areal density of every element [kg/m^2], raised where a stable ``target_step`` needs it, and frequencies."""
@@ -195,19 +182,35 @@ class SheetModel:
 
     def _step_bounds(self):
         bounds, cell = step_bounds_struct(self.real)(), self.fabric.unit_cell
-        # two tools; all samples together are as stiff as the nodes
-        springs = 2.0 * self._contact_frequency if self.tool_count else 0.0
-        bounds.contact_frequency = springs
-        if self.sample_count:
-            sway, turning = sample_motion(self.blank.node_position[self.blank.quads], self.sample_places)
-            bounds.sample_frequency = self.sample_share * springs * sway
-            bounds.sample_turning = self.sample_share * springs * turning
-            bounds.contact_frequency = springs + bounds.sample_frequency
+        springs = 2.0 * self._contact_frequency if self.tool_count else 0.0  # of two tools
+        bounds.sample_frequency, bounds.sample_turning = 2.0 * self.samples.frequency, 2.0 * self.samples.turning
+        bounds.contact_frequency = springs + bounds.sample_frequency + self._grip_frequency
         bounds.bending = self.fabric.largest_bending_stiffness
         bounds.warp, bounds.weft = cell.yarn_stiffness_per_width
         bounds.shear = cell.shear_stiffness
         bounds.steps_ahead = REFRESH_INTERVAL
         return bounds
+
+    @property
+    def _grip_frequency(self) -> float:
+        """Largest squared frequency of the springs of grippers [1/s^2]."""
+        found = (each.stiffness * self.shares(each) / self.node_mass[each.nodes] for each in self.grippers)
+        return max((float(squared.max()) for squared in found), default=0.0)
+
+    def shares(self, gripper: Gripper) -> np.ndarray:
+        """Share of each node of a gripper in its stiffness and forces, as of the area around it, (k,)."""
+        area = self._to_nodes(0.25 * self.geometry.area)[gripper.nodes]
+        return area / area.sum()
+
+    def bound_plies(self, below: float, above: float) -> None:
+        """Make room in the stable step for contact with other plies.
+
+        Args:
+            below, above: squared frequency that an interface on either face adds at most [1/s^2]; 0 without one.
+        """
+        of_tools = self._contact_frequency if self.tool_count else 0.0
+        of_springs = max(below, of_tools) + max(above, of_tools) + self._grip_frequency
+        self.step_bounds.contact_frequency = of_springs
 
     @property
     def follows_thickness(self) -> bool:
@@ -327,16 +330,6 @@ class SheetModel:
         nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
         return nodes
 
-    @property
-    def sample_mass(self) -> np.ndarray:
-        """Share of each element's mass that is on the contact spring of one of its samples, (element_count,) [kg]."""
-        return self.sample_share / max(len(self.sample_places), 1) * self.areal_density * self.geometry.area
-
-    @property
-    def sample_stiffness(self) -> np.ndarray:
-        """Of the contact spring of a sample of each element, (element_count,) [N/m]."""
-        return self._contact_frequency * self.sample_mass
-
     def node_laws(self):
         """Constants of the time integration and contact, as a new struct."""
         laws = node_laws_struct(self.real)()
@@ -373,6 +366,21 @@ class SheetModel:
         if mean_angle is not None:
             values[MotionRow.mean_angle, : len(mean_angle)] = mean_angle
         motion.assign(self.motion_layout.flat(values))
+
+    def corner_rows(self, corner_force: wp.array) -> np.ndarray:
+        """What the elements wrote at their corners, (corner, row of CornerRow, element); waits for the device.
+
+        Forces are those at the positions of the last evaluation or step: ``Stepper.look_ahead`` has those of now.
+        """
+        return self.corners.read(corner_force)[:, : self.blank.element_count].reshape(4, ROWS_PER_CORNER, -1)
+
+    def nodal_forces(self, corner_force: wp.array) -> np.ndarray:
+        """Forces of the elements on the nodes, (node_count, 3) [N]; see ``corner_rows``."""
+        corners = self.corner_rows(corner_force)[:, CornerRow.force.span].astype(np.float64)
+        result = np.zeros((self.blank.node_count, 3))
+        for corner in range(4):
+            np.add.at(result, self.blank.quads[:, corner], corners[corner].T)
+        return result
 
     def initial_motion(self) -> np.ndarray:
         """MOTION_VECTORS at the start, (vectors, padded nodes, 3)."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -18,6 +18,7 @@ from ..kernels.rows import (
     CellReportRow,
     ClockEntry,
     ExtremeRow,
+    GripRow,
     MotionRow,
     MovedRow,
     NodeWorkRow,
@@ -29,6 +30,7 @@ from ..kernels.rows import (
     ToolWorkRow,
 )
 from .layout import BLOCK
+from .plies.pass_state import PassState
 
 if TYPE_CHECKING:
     from .model import Model
@@ -61,10 +63,12 @@ class SheetState:
     sample_work: wp.array  # (rows, samples), NodeWorkRow, of the last steps [J]
     sample_work_sum: wp.array  # (rows, sample blocks) float64, of all steps before [J]
     sample_thickness: wp.array  # (rows, elements), ThicknessRow; (rows, 0) for contact with the initial thickness [m]
-    sample_friction: wp.array  # flat, ``SheetModel.sample_layout`` [m]
+    sample_friction: wp.array  # flat, ``Samples.layout`` [m]
     sample_depth: wp.array  # (tools, samples), as depth
     sample_gap: wp.array  # (tools, sample blocks), as gap
     sample_reaction: wp.array  # (tools, sample blocks) vec3, force of each block of samples on each tool [N]
+    contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
+    grip: wp.array  # (rows, gripped nodes) float64, GripRow
     pressure_work: wp.array  # (element blocks,) float64, of the pressures so far [J]; empty without any
 
     def works(self) -> np.ndarray:
@@ -83,13 +87,13 @@ class SheetState:
         self.node_work.zero_()
 
     @classmethod
-    def initial(cls, model: SheetModel) -> Self:
-        """The sheet at time zero."""
+    def initial(cls, model: SheetModel, touched: bool = False) -> Self:
+        """The sheet at time zero; ``touched`` if it has interfaces with others."""
         real, device, tool_rows = model.real, model.device, max(model.tool_count, 1)
         slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
         thickness = np.zeros((ThicknessRow.row_count(), model.node_count if model.follows_thickness else 0))
         thickness[ThicknessRow.half] = 0.5 * model.fabric.thickness
-        samples, sample_blocks = model.sample_count, model.sample_count // model.lane_count
+        samples, sample_blocks = model.samples.count, model.samples.count // model.lane_count
         followed = model.element_count if samples and model.follows_thickness else 0
         sample_thickness = np.zeros((ThicknessRow.row_count(), followed))
         sample_thickness[ThicknessRow.half] = 0.5 * model.fabric.thickness
@@ -122,6 +126,8 @@ class SheetState:
             sample_depth=zeros(tool_rows, samples),
             sample_gap=zeros(tool_rows, sample_blocks),
             sample_reaction=zeros(tool_rows, sample_blocks, dtype=model.types.vec3),
+            contact_force=zeros(3, model.node_count if touched else BLOCK),
+            grip=zeros(GripRow.row_count(), sum(len(each.nodes) for each in model.grippers), dtype=wp.float64),
             pressure_work=zeros(model.element_count // model.lane_count if model.pressures else 0, dtype=wp.float64),
         )
 
@@ -141,6 +147,7 @@ class State:
         drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
             (drive_count,) [m].
         clock: rows ClockEntry, float64 [s].
+        passes: of the contact between plies, in the order of ``Model.passes``.
         step_count: steps done.
     """
 
@@ -155,6 +162,7 @@ class State:
     drive_displacement: wp.array
     drive_increment: wp.array
     clock: wp.array
+    passes: tuple[PassState, ...] = ()
     step_count: int = 0
 
     @classmethod
@@ -168,7 +176,8 @@ class State:
             return wp.array(np.asarray(values, dtype=np.float64), dtype=wp.float64, device=device)
 
         return cls(
-            sheets=tuple(SheetState.initial(sheet) for sheet in model.sheets),
+            sheets=tuple(SheetState.initial(sheet, sheet.node_traits.touched) for sheet in model.sheets),
+            passes=tuple(PassState.initial(each) for each in model.passes),
             tool_displacement=doubles(model.tools.initial_displacement),
             tool_velocity=doubles(model.tools.initial_velocity),
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
@@ -208,14 +217,16 @@ class State:
             value = getattr(self, field.name)
             if isinstance(value, wp.array):
                 yield field.name, value
-        for index, sheet in enumerate(self.sheets):
-            for field in fields(sheet):
-                yield f"sheets/{index}/{field.name}", getattr(sheet, field.name)
+        for name, parts in (("sheets", self.sheets), ("passes", self.passes)):
+            for index, part in enumerate(parts):
+                for field in fields(part):
+                    yield f"{name}/{index}/{field.name}", getattr(part, field.name)
 
     def clone(self) -> State:
         """A copy with arrays of its own."""
         sheets = tuple(SheetState(**_copies(sheet)) for sheet in self.sheets)
-        return State(**(_copies(self) | {"sheets": sheets}))
+        passes = tuple(PassState(**_copies(each)) for each in self.passes)
+        return State(**(_copies(self) | {"sheets": sheets, "passes": passes}))
 
     def copy_from(self, other: State) -> None:
         """Take what the next step reads of a state of the same run; may be recorded."""
@@ -233,7 +244,7 @@ class State:
         """
         path = Path(path)
         about = {"version": FILE_VERSION, "step_count": self.step_count, **model.identity}
-        content = {name: array.numpy() for name, array in self.arrays()}
+        content: dict[str, Any] = self.content()
         temporary = path.with_name(f".{path.name}.partial")
         try:
             with temporary.open("wb") as file:
@@ -264,17 +275,33 @@ class State:
                     "take the set-up and the solver settings of that run"
                 )
         state = cls.initial(model)
-        state.step_count = step_count
-        for name, array in state.arrays():
-            here = array.numpy()
-            if name not in content or (content[name].shape, content[name].dtype) != (here.shape, here.dtype):
-                raise InputError(f"state {path}: {name} is missing or of another shape or type; the file is damaged")
-            if array.size:
-                array.assign(content[name])
+        try:
+            state.take(content, step_count)
+        except ValueError as error:
+            raise InputError(f"state {path}: {error}; the file is damaged") from None
         return state
 
+    def content(self) -> dict[str, np.ndarray]:
+        """Every array by name, on the host; waits for the device."""
+        return {name: array.numpy() for name, array in self.arrays()}
 
-def _copies(values: State | SheetState) -> dict[str, Any]:
+    def take(self, content: Mapping[str, np.ndarray], step_count: int) -> None:
+        """Become what ``content`` returned of a state of the same run.
+
+        Raises:
+            ValueError: an array that is missing, or of another shape or type; nothing is changed.
+        """
+        for name, array in self.arrays():
+            here = array.numpy()
+            if name not in content or (content[name].shape, content[name].dtype) != (here.shape, here.dtype):
+                raise ValueError(f"{name} is missing or of another shape or type")
+        self.step_count = step_count
+        for name, array in self.arrays():
+            if array.size:
+                array.assign(content[name])
+
+
+def _copies(values: State | SheetState | PassState) -> dict[str, Any]:
     """Fields by name, arrays as copies."""
     own = {field.name: getattr(values, field.name) for field in fields(values)}
     return {name: wp.clone(value) if isinstance(value, wp.array) else value for name, value in own.items()}

@@ -16,7 +16,7 @@ import numpy as np
 import warp as wp
 
 from ..device import load_kernel
-from ..kernels.rows import ROWS_PER_CORNER, ClockEntry, CornerRow
+from ..kernels.rows import ClockEntry
 from ..kernels.stepping.step import STEP_GROWTH
 from .compilation import KernelSet, compile_missing
 from .launches import IntervalEnd, Launches
@@ -124,14 +124,19 @@ class Stepper:
         """One step on ``thread``; ``parts`` are those of every sheet for every thread."""
         launches, wait = self._launches, partial(self._replay.wait, len(parts[0]))
         own = [of_sheet[thread] for of_sheet in parts]
-        if self.model.drives.count:
-            if thread == 0:
-                launches.move_supports()
+        if self.model.drives.count and thread == 0:
+            launches.move_supports()
+        launches.plies.find_normals(len(parts[0]), thread)
+        if self.model.drives.count or launches.plies:
+            wait()
+        if launches.plies:
+            launches.plies.meet(len(parts[0]), thread)
             wait()
         for index, part in enumerate(own):
             for elements, nodes in part.tiles:
                 launches.element_forces(index, *elements)
-                launches.apply_pressures(index, *elements)
+                launches.plies.push(index, *elements)
+                launches.loads.apply(index, *elements)
                 launches.meet_between_nodes(index, *elements)
                 if nodes[1]:
                     launches.move_nodes(index, *nodes)
@@ -152,10 +157,15 @@ class Stepper:
             own = chunks(sheet.element_count // sheet.lane_count, thread_count)[thread]
             self._launches.element_extremes(index, *own)
             self._launches.fold_works(index, thread, thread_count)
+        self._launches.plies.watch_speeds(thread_count, thread)
         self._replay.wait(thread_count)
         if thread == 0:
             self._launches.set_step(self.step_safety, self.largest_step)
-        self._replay.wait(thread_count)
+        if self._launches.plies:
+            for _ in self._launches.plies.search(thread_count, thread):
+                self._replay.wait(thread_count)
+        else:
+            self._replay.wait(thread_count)
 
     def _block(self, parts: Sequence[Sequence[Part]], thread: int) -> None:
         for _ in range(REFRESH_INTERVAL):
@@ -167,12 +177,17 @@ class Stepper:
         launches, beside, join = self._launches, self._replay.beside, self._replay.join
         indices = range(len(self.model.sheets))
         for step_index in range(REFRESH_INTERVAL):
+            if launches.plies:
+                join()  # the clock, which the tools advance
+                launches.plies.find_normals()
+                launches.plies.meet()
             for index in indices:
                 launches.element_forces(index)
+                self._push_facets(launches, index)
             join()
             launches.move_supports()
             for index in indices:
-                launches.apply_pressures(index)
+                launches.loads.apply(index)
                 launches.meet_between_nodes(index)
                 launches.move_nodes(index)
             with beside():
@@ -187,8 +202,16 @@ class Stepper:
                 launches.element_extremes(index, 0, sheet.element_count // sheet.lane_count)
                 launches.fold_works(index)
             launches.element_frequencies(index, 0, launches.frequency_block_count(index))
+        launches.plies.watch_speeds()
         launches.set_step(self.step_safety, self.largest_step)
+        for _ in launches.plies.search():
+            pass
         join()
+
+    def _push_facets(self, launches: Launches, index: int) -> None:
+        """Reactions of other plies on all elements of a sheet."""
+        sheet = self.model.sheets[index]
+        launches.plies.push(index, 0, sheet.element_count // sheet.lane_count)
 
     def _interval(self) -> None:
         """All blocks up to the target, done by a GPU without the host."""
@@ -260,13 +283,13 @@ class Stepper:
         return self._choice.most_used
 
     def evaluate(self) -> None:
-        """Compute the element forces of the current state, with those of pressures."""
+        """Compute the forces of elements, pressures and grippers in the current state."""
         for index, own in enumerate(self.state.sheets):
             self._launches.element_forces(index)
-            booked = wp.clone(own.pressure_work)
-            self._launches.apply_pressures(index)
-            if booked.size:  # the next step books it
-                wp.copy(own.pressure_work, booked)
+            booked = [(array, wp.clone(array)) for array in (own.pressure_work, own.grip) if array.size]
+            self._launches.loads.apply(index)
+            for array, before in booked:  # the next step books it
+                wp.copy(array, before)
 
     def refresh_step(self) -> None:
         """Compute the stable step from the current state."""
@@ -294,9 +317,12 @@ class Stepper:
         ahead.state.copy_from(self.state)
         indices = range(len(self.model.sheets))
         if phase_count > 0:
+            ahead.plies.find_normals()
+            ahead.plies.meet()
             for index in indices:
                 ahead.element_forces(index)
-                ahead.apply_pressures(index)
+                self._push_facets(ahead, index)
+                ahead.loads.apply(index)
         if phase_count > 1:
             ahead.move_supports()
             for index in indices:
@@ -312,28 +338,6 @@ class Stepper:
             if launches is not None:
                 launches.set_damping(rate)
         self._forget_recordings()
-
-    def corner_rows(self, index: int = 0, state: State | None = None) -> np.ndarray:
-        """Values that the elements of a sheet wrote in the last evaluation, (corner, row of CornerRow, element).
-
-        Args:
-            index: of the sheet.
-            state: ``look_ahead()`` for the forces at the current positions; by default the current state, whose
-                forces are those of the last ``evaluate`` or step.
-        """
-        sheet = self.model.sheets[index]
-        corner_force = (state or self.state).sheets[index].corner_force
-        rows = sheet.corners.read(corner_force)[:, : sheet.blank.element_count]
-        return rows.reshape(4, ROWS_PER_CORNER, -1)
-
-    def nodal_forces(self, index: int = 0, state: State | None = None) -> np.ndarray:
-        """Forces of the elements on the nodes of a sheet, (node_count, 3) [N]; arguments as ``corner_rows``."""
-        blank = self.model.sheets[index].blank
-        corners = self.corner_rows(index, state)[:, CornerRow.force.span].astype(np.float64)
-        result = np.zeros((blank.node_count, 3))
-        for corner in range(4):
-            np.add.at(result, blank.quads[:, corner], corners[corner].T)
-        return result
 
     def advance(self, block_count: int = 1) -> None:
         """Do ``block_count`` blocks of ``REFRESH_INTERVAL`` steps."""

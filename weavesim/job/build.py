@@ -14,7 +14,7 @@ from ..sheet.symmetry import Symmetry
 from ..tools.shapes import Shape
 from ..tools.tool import Tool
 from .placing import Box, axis_of, motion_of, reach, start_shift
-from .plies import blank_of, box_of, fabric_of
+from .plies import blank_of, fabric_of, outline_of
 from .read import JobFile
 from .surfaces import Surfaces
 
@@ -35,6 +35,7 @@ class Builder:
 
     Attributes:
         fabrics: of the plies.
+        outlines: of the plies, in their places.
         shapes: of the tools, where they are drawn.
         facing: "up" or "down" of each tool, towards the sheet; None where nobody says it.
         heights: of the middles of the plies [m].
@@ -49,7 +50,8 @@ class Builder:
         surfaces = Surfaces(file, self.thickness)
         self.shapes: tuple[Shape, ...] = tuple(surfaces.shape(k) for k in range(len(job.tool)))
         self.facing = tuple(surfaces.facing(k) for k in range(len(job.tool)))
-        boxes = [box_of(file, k) for k in range(len(job.ply))]
+        self.outlines = tuple(outline_of(file, k) for k in range(len(job.ply)))
+        boxes = [outline.box for outline in self.outlines]
         self.box = Box(np.min([b.lower for b in boxes], axis=0), np.max([b.upper for b in boxes], axis=0))
         self.heights = self._heights()
         self.shifts = tuple(self._shift(k) for k in range(len(job.tool)))
@@ -134,7 +136,7 @@ class Builder:
         return self.heights[-1] + 0.5 * self.fabrics[-1].thickness
 
     def _blank(self, k: int) -> Blank:
-        return blank_of(self.file, k, self.heights[k])
+        return blank_of(self.file, k, self.outlines[k], self.heights[k])
 
     def _tool(self, k: int, share: float) -> Tool:
         tool = self.file.job.tool[k]

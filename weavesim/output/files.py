@@ -93,7 +93,19 @@ def file_endings(info: RunInfo) -> tuple[str, ...]:
     """Suffix of file names for each sheet: nothing for a single one, else its name."""
     if len(info.sheets) == 1:
         return ("",)
-    return tuple(f"_{name}" for name in unique_names(re.sub(r"[^\w.-]+", "_", sheet.name) for sheet in info.sheets))
+    return tuple(f"_{name}" for name in unique_names(in_file_name(sheet.name) for sheet in info.sheets))
+
+
+def world_endings(info: RunInfo) -> tuple[str, ...]:
+    """Suffix of file names for each world: nothing for a single one, else its name."""
+    if len(info.worlds) == 1:
+        return ("",)
+    return tuple(f"_{name}" for name in unique_names(in_file_name(sheets[0].world) for sheets in info.worlds))
+
+
+def in_file_name(name: str) -> str:
+    """A name as a part of a file name."""
+    return re.sub(r"[^\w.-]+", "_", name)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -12,6 +13,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..names import file_name
+from ..run.checkpoint.container import sync_folder
 from ..run.frame import Frame, Outcome, RunInfo, SheetInfo
 from .claim.lock import FolderLock
 from .claim.record import SETUP_NAME, RunRecord, frame_hash
@@ -21,6 +23,9 @@ from .files import check_writable, noting, plain, write_text
 from .history import History
 from .results import Results, Wanted, run_summary, sheet_results
 from .writer import Failures, Writer, chosen_writers
+
+# Of the log that the command line writes.
+LOG_NAME = "run.log"
 
 
 class ResultFolder:
@@ -42,6 +47,7 @@ class ResultFolder:
         writers: names of the writers to use; None uses all known ones.
         overwrite: remove the results of an earlier run from the folder; files that are no results stay.
         options: given by the user, by name, for the record of the run.
+        resumes: the run goes on from its checkpoints in the folder; its earlier results are replaced, its log stays.
 
     Raises:
         InputError: the folder cannot be written to, has results already, is in use by another run; a writer is
@@ -61,6 +67,7 @@ class ResultFolder:
         writers: Sequence[str] | None = None,
         overwrite: bool = False,
         options: Mapping[str, Any] | None = None,
+        resumes: bool = False,
     ) -> None:
         if not str(path).strip():
             raise InputError("output folder: its name is empty; '.' is the current folder")
@@ -69,14 +76,15 @@ class ResultFolder:
         self.warnings = Failures()
         self._wanted = Wanted(points, measured_angles, measured_outline, curves, last_curve, draw_in)
         self._kinds = chosen_writers(writers)
-        self._overwrite, self._options = overwrite, dict(options or {})
+        self._overwrite, self._options = overwrite or resumes, dict(options or {})
+        self._resumes, self._cleared = resumes, False
         self._writers: list[Writer] = []
         self._outcome: Outcome | None = None
         self._record: RunRecord | None = None
         check_writable(self.path)
         check_names(self.path)
         self._lock = FolderLock(self.path)
-        if not overwrite:
+        if not self._overwrite:
             check_free(self.path)
         for kind in self._kinds:
             kind.load()
@@ -90,13 +98,20 @@ class ResultFolder:
             InputError: another run writes to it, or it has results that must not be overwritten.
         """
         self._lock.acquire()
-        if not self._overwrite:
+        if not self._overwrite and not self._cleared:
             check_free(self.path)
 
     def clear(self) -> None:
         """Remove old results from a folder that is claimed; ``start`` does it too."""
         self.claim()
-        remove_results(self.path)
+        kept = (LOG_NAME,) if self._resumes else ()
+        remove_results(self.path, kept=kept, resumes=self._resumes or self._cleared)
+        self._cleared = True
+
+    @property
+    def writer_names(self) -> tuple[str, ...]:
+        """Of the writers that it uses."""
+        return tuple(kind.name for kind in self._kinds)
 
     def release(self) -> None:
         """Give the folder back; ``write`` does it at the end of a run."""
@@ -220,6 +235,14 @@ class ResultFolder:
             self._try("run.json", ending)
             self.release()
         return plain(results.whole_summary)
+
+    def sync(self) -> None:
+        """Have all results on the disk when this returns: nothing but them is needed any more."""
+        for name in ["run.json", *(self._record.names if self._record else ())]:
+            with suppress(OSError), open(self.path / name, "rb") as file:
+                os.fsync(file.fileno())
+        with suppress(OSError):
+            sync_folder(self.path)
 
     def _verify(self) -> None:
         """Note the files that are not there although nobody has said so."""

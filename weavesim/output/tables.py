@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,20 @@ def write_shear_angles(path: str | Path, sheet: FormedSheet) -> None:
         for i, ((x, y), angle) in enumerate(zip(np.asarray(sheet.points), sheet.point_angles_deg, strict=True))
     ]
     write_table(path, ["point", "material_x_mm", "material_y_mm", "shear_angle_deg"], rows)
+
+
+def write_sheets(path: str | Path, findings: Mapping[str, Mapping[str, Any]]) -> None:
+    """Write the numbers of several sheets side by side, one line each; what a sheet has not is left empty.
+
+    Args:
+        path: of the file.
+        findings: numbers by key, by the name of the sheet.
+    """
+    names = [key for own in findings.values() for key, value in own.items() if isinstance(value, int | float)]
+    header = list(dict.fromkeys(names))
+    write_table(
+        path, ["sheet", *header], ([name, *(own.get(key, "") for key in header)] for name, own in findings.items())
+    )
 
 
 def write_draw_in(path: str | Path, sheet: FormedSheet) -> None:

@@ -1,20 +1,31 @@
-"""What happens to the sheet: strokes, supports, loads, pressure, gravity and damping."""
+"""What happens to the sheet: strokes, supports, loads, pressure, grippers, gravity and damping."""
 
 from .dynamics import Dynamics
+from .friction import Coulomb, Friction, PressureFriction, StribeckFriction, ViscousFilm, YarnAngleFriction
+from .grippers import Gripper
+from .interfaces import Interface
 from .loads import NodalLoads
 from .pressure import Pressure
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
 
 __all__ = [
+    "Coulomb",
     "Drive",
     "Dynamics",
     "Fixed",
     "ForceDriven",
+    "Friction",
+    "Gripper",
+    "Interface",
     "Motion",
     "NodalLoads",
     "Pressure",
+    "PressureFriction",
     "SmoothStroke",
+    "StribeckFriction",
     "Stroke",
     "Support",
+    "ViscousFilm",
+    "YarnAngleFriction",
 ]

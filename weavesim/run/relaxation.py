@@ -164,7 +164,7 @@ class _Relaxation:
             loads = applied_loads(sheet, state.time)
             applied += size(loads[LoadRow.force], loads[LoadRow.couple], extent)
             # reactions of supports
-            forces = stepper.nodal_forces(index, ahead) + loads[LoadRow.force]
+            forces = sheet.nodal_forces(ahead.sheets[index].corner_force) + loads[LoadRow.force]
             borne += float(np.linalg.norm(np.where(free, 0.0, forces), axis=1).sum())
         borne += float(np.linalg.norm(state.tool_force.numpy(), axis=1).sum()) if len(self.driven) else 0.0
         self.residual = unbalanced / max(applied, borne, 1.0e-300)

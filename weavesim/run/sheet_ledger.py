@@ -8,6 +8,7 @@ import numpy as np
 import warp as wp
 
 from ..engine.layout import lanes_view
+from ..engine.loading.grips import GripperState
 from ..engine.model import Model
 from ..engine.sheet_model import TANGENTIAL_RATIO
 from ..engine.state import SheetState, State
@@ -90,7 +91,7 @@ class SheetLedger:
         # packed once: a launch from Python costs more than the work of a small sheet
         self._element_ledger: wp.Launch | None = None
         elements, nodes = sheet.blank.element_count, sheet.blank.node_count
-        self._contact_gaps = ToolGaps(model, index, state, nodes + len(sheet.sample_places) * elements)
+        self._contact_gaps = ToolGaps(model, index, state, nodes + len(sheet.samples.places) * elements)
         self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements)
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
         velocity, spin = _rates(start)
@@ -174,7 +175,7 @@ class SheetLedger:
         if started:
             booked = 0.5 * (booked + ahead.works())
         works.update(zip(sheet.node_work_rows, booked.tolist(), strict=True))
-        if started and sheet.sample_count:
+        if started and sheet.samples.count:
             # the next step books them up to the positions that it starts from
             between = zip(NodeWorkRow.names(), ahead.sample_works().tolist(), strict=True)
             works = {name: works[name] + value for name, value in between}
@@ -185,6 +186,9 @@ class SheetLedger:
         entries["load_work"] = works["load_work"]
         # booked up to the positions of the evaluation, so the next step has it up to these
         entries["pressure_work"] = float(ahead.pressure_work.numpy().sum())
+        grippers = GripperState.of(sheet, ahead.grip)
+        entries["gripper_spring"], entries["gripper_work"] = grippers.stored, grippers.work
+        entries["gripper_loss"] = grippers.loss
         displacement = position - sheet.blank.node_position
         entries["gravity_work"] = float(sheet.node_mass @ (displacement @ np.array(sheet.dynamics.gravity)))
         entries["initial_kinetic"] = self.initial_kinetic
@@ -193,16 +197,16 @@ class SheetLedger:
     def _contact_entries(self, position: np.ndarray, director: np.ndarray, ahead: SheetState) -> dict[str, float]:
         """Energies of the springs of contact and friction, at nodes and at the samples between them."""
         sheet, node_count, element_count = self._model, len(position), self._model.blank.element_count
-        sample_count = len(sheet.sample_places)
-        points = [position, *(self._surface(position, director, place) for place in sheet.sample_places)]
+        sample_count = len(sheet.samples.places)
+        points = [position, *(self._surface(position, director, place) for place in sheet.samples.places)]
         half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
             half_thickness = np.concatenate([own[:node_count], np.tile(between[:element_count], sample_count)])
-        stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.sample_stiffness, sample_count)])
+        stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
         penetration = np.maximum(half_thickness - self._contact_gaps(np.concatenate(points)), 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
-        of_samples = sheet.sample_layout.read(ahead.sample_friction)[: 3 * sheet.tool_count]
+        of_samples = sheet.samples.layout.read(ahead.sample_friction)[: 3 * sheet.tool_count]
         of_samples = of_samples.reshape(len(friction), sample_count, sheet.element_count)
         of_samples = of_samples[..., :element_count].reshape(len(friction), sample_count * element_count)
         friction = np.concatenate([friction, of_samples], axis=1, dtype=np.float64)

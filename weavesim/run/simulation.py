@@ -6,6 +6,7 @@ import logging
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import Any
 
 from ..device import exclusive
@@ -14,6 +15,8 @@ from ..engine.setup import Setup
 from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..errors import RunError
+from .checkpoint.checkpoints import Checkpoints
+from .checkpoint.job import Job
 from .diagnosis import find_failure
 from .frame import Frame, Observer, Outcome, RunInfo
 from .guards import Doubt, Level, verdict_of
@@ -38,6 +41,7 @@ class Simulation:
 
     Args:
         setup: of the run.
+        run_id: of a run that is resumed; a new one by default.
 
     Attributes:
         setup: as given.
@@ -45,11 +49,12 @@ class Simulation:
         outcome: how the run ended; None before its end.
         interrupted_by: name of the signal that ended it; None if none did.
         failure: why the state became non-finite; None if it did not.
-        stepping_time, wall_time: of the run [s].
+        stepping_time, wall_time: of the run, all its parts together [s].
     """
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: Setup, *, run_id: str | None = None) -> None:
         self.setup = setup
+        self._run_id = run_id
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
         self.interrupted_by: str | None = None
@@ -59,6 +64,9 @@ class Simulation:
         self._prepared: Prepared | None = None
         self._frame: Frame | None = None
         self._watch: Watch | None = None
+        self._checkpoints: Checkpoints | None = None
+        self._resumes = False
+        self._started = self._time_before = 0.0
 
     @property
     def name(self) -> str:
@@ -75,7 +83,7 @@ class Simulation:
         """
         if self._prepared is None:
             with exclusive():
-                self._prepared = prepare(self.setup)
+                self._prepared = prepare(self.setup, self._run_id)
         return self._prepared
 
     @property
@@ -128,7 +136,47 @@ class Simulation:
 
     # --- the run -----------------------------------------------------------------------------------------------------
 
-    def run(self, observers: Sequence[Observer] = ()) -> Outcome:
+    def resume(self, checkpoints: Checkpoints) -> None:
+        """Go back to the checkpoint that ``checkpoints.find`` found: ``run`` then goes on from there.
+
+        Observers receive the frames before it again, so that what they make is that of a run that never stopped.
+
+        Raises:
+            InputError: the checkpoint is of another version, precision or set-up.
+        """
+        if self.history:
+            raise RunError("this simulation has been run: make a new one to resume a run")
+        assert checkpoints.found is not None
+        prepared = self.prepare()
+        with exclusive():
+            different = checkpoints.recall(self)
+        values, warnings = checkpoints.found.content.values, list(prepared.info.warnings)
+        part = (
+            f"resumed at step {values['step_count']}, {values['time']:.6g} s, from a checkpoint of {values['written']}"
+        )
+        if different:
+            warnings.append(
+                f"{part}, but {', '.join(different)} changed since: the last digits of the result may be others than "
+                "those of a run that was not interrupted"
+            )
+            logger.warning("%s", warnings[-1])
+        parts = (*values["parts"], part)
+        info = replace(prepared.info, warnings=warnings, notes=(*prepared.info.notes, *parts), parts=parts)
+        self._prepared = replace(prepared, info=info)
+        self._checkpoints, self._resumes = checkpoints, True
+
+    def checkpoint(self) -> bool:
+        """Write a checkpoint now, between two steps, if the run keeps some; returns whether it did.
+
+        A run writes them by itself from time to time, when a signal ends it, and at its end.
+        """
+        if self._checkpoints is None:
+            return False
+        if self._started:
+            self.wall_time = self._time_before + time.perf_counter() - self._started
+        return self._checkpoints.save(self)
+
+    def run(self, observers: Sequence[Observer] = (), *, checkpoints: Checkpoints | None = None) -> Outcome:
         """Run until the end, until rest, until a signal, or until the state is no longer finite.
 
         Ctrl-C, SIGTERM and SIGHUP stop a run within about a tenth of a second on a CPU (or a block of steps, if that
@@ -136,6 +184,10 @@ class Simulation:
 
         Every observer receives all frames, and ``finish`` however the run ends. Doubts about the result are added to
         ``warnings``.
+
+        Args:
+            observers: of the run.
+            checkpoints: where to write some; those of ``resume`` by default.
 
         Raises:
             InputError: see ``prepare``.
@@ -145,14 +197,21 @@ class Simulation:
         if self.history:
             raise RunError("this simulation has been run: make a new one, since runs start from the undeformed blank")
         self.prepare()
-        started = time.perf_counter()
+        self._started, self._time_before = time.perf_counter(), self.wall_time
+        self._checkpoints = self._checkpoints or checkpoints
         with exclusive(), interruption() as interrupted, interrupted.held(), ExitStack() as at_end:
             self.outcome = Outcome.INTERRUPTED
             for observer in observers:
                 observer.start(self.info)
                 at_end.callback(self._finish, observer)
-            self._publish(self.frame, observers)
-            self.outcome = self._run_frames(observers, interrupted, started)
+            if self._resumes and self._checkpoints is not None:
+                for frame in self._checkpoints.frames():
+                    self._publish(frame, observers)
+            else:
+                if self._checkpoints is not None:
+                    self._checkpoints.begin(self._checkpoints.job or Job(self.setup, self.info.run_id))
+                self._take(self.frame, observers)
+            self.outcome = self._run_frames(observers, interrupted)
             try:
                 self._report_doubts()
             except Exception as error:  # the results are still worth having
@@ -160,19 +219,22 @@ class Simulation:
                 logger.warning("%s", self.warnings[-1], exc_info=error)
             if self.failure:
                 logger.info("%s", self.failure)
-        self.wall_time = time.perf_counter() - started
+        self.wall_time = self._time_before + time.perf_counter() - self._started
         if self.failure:
             raise RunError(self.failure)
         return self.outcome
 
-    def _run_frames(self, observers: Sequence[Observer], interrupted: Interruption, started: float) -> Outcome:
+    def _run_frames(self, observers: Sequence[Observer], interrupted: Interruption) -> Outcome:
         setup, watch = self.setup, self.watch
-        while True:
+        while not self._ends():
             index = self.frame.index + 1
             target = setup.duration * index / setup.frame_count
             running = self._advance_to(min(target, watch.next_time), interrupted)
             if self.failure:
                 return Outcome.NOT_FINITE
+            if not running:
+                # before the frame of the interruption, which a run that goes on from here does not have
+                self.checkpoint()
             # a signal during a frame leaves no steps between it and the next one
             frame = self.frame
             if running or self.state.step_count > frame.step_count:
@@ -182,14 +244,21 @@ class Simulation:
             if frame.time < target and running:
                 continue
             if frame is not self.frame:
-                self._publish(frame, observers)
-            self.wall_time = time.perf_counter() - started
-            if frame.time >= setup.duration or (setup.rest and setup.rest.reached(frame.time, frame.energies)):
-                watch.look(frame, last=True)
-                return Outcome.FINISHED
-            if not running:
+                take = self._take if frame.time >= target else self._publish
+                take(frame, observers)
+            self.wall_time = self._time_before + time.perf_counter() - self._started
+            if not running and not self._ends():
                 self.interrupted_by = interrupted.signal.name if interrupted.signal else None
                 return Outcome.INTERRUPTED
+        # before the last look, which a run that goes on from here takes again
+        self.checkpoint()
+        watch.look(self.frame, last=True)
+        return Outcome.FINISHED
+
+    def _ends(self) -> bool:
+        """Whether the last frame is the last of the run."""
+        setup, frame = self.setup, self.frame
+        return frame.time >= setup.duration or bool(setup.rest and setup.rest.reached(frame.time, frame.energies))
 
     def _finish(self, observer: Observer) -> None:
         observer.finish(self.outcome or Outcome.INTERRUPTED)
@@ -202,6 +271,12 @@ class Simulation:
             self._publish(frame, ())
         return self.frame
 
+    def _take(self, frame: Frame, observers: Sequence[Observer]) -> None:
+        """Publish a frame that every run of this set-up has."""
+        if self._checkpoints is not None:
+            self._checkpoints.add(frame)
+        self._publish(frame, observers)
+
     def _publish(self, frame: Frame, observers: Sequence[Observer]) -> None:
         self._frame = frame
         self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
@@ -209,12 +284,19 @@ class Simulation:
             observer.frame(frame)
 
     def _advance_to(self, target: float, interrupted: Interruption) -> bool:
-        """Step until ``target`` [s]; False if interrupted by a signal."""
-        started = time.perf_counter()
-        self.stepper.advance_to(target, interrupted.is_set)
-        self.failure = find_failure(self.model, self.state, self.frame)
-        self.stepping_time += time.perf_counter() - started
-        return not interrupted.is_set()
+        """Step until ``target`` [s], and write checkpoints that are due; False if interrupted by a signal."""
+
+        def due() -> bool:
+            return self._checkpoints is not None and self._checkpoints.due(self.state.step_count)
+
+        while True:
+            started = time.perf_counter()
+            self.stepper.advance_to(target, lambda: interrupted.is_set() or due())
+            self.failure = find_failure(self.model, self.state, self.frame)
+            self.stepping_time += time.perf_counter() - started
+            if self.failure or interrupted.is_set() or not due():
+                return not interrupted.is_set()
+            self.checkpoint()
 
     # --- assessment --------------------------------------------------------------------------------------------------
 

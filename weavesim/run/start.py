@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..fabric.cell import UnitCell
 from ..tools.sampling import mesh_parts
 from .estimate import check_bounds, estimate
-from .frame import Frame, RunInfo, SheetFrame, SheetInfo
+from .frame import Frame, RunInfo, SheetFrame, SheetInfo, new_run_id
 from .guards import Guards, Level, Start
 from .ledger import Ledger
 from .touching import start_in_touch
@@ -49,8 +49,8 @@ class Prepared:
     guards: Guards
 
 
-def prepare(setup: Setup) -> Prepared:
-    """Make a run ready.
+def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
+    """Make a run ready, with a new run id unless one is given.
 
     Raises:
         InputError: bad input that can only be detected on the device: an unstable step, a tool that overlaps the
@@ -98,6 +98,7 @@ def prepare(setup: Setup) -> Prepared:
         sheets=tuple(sheet_infos(setup)),
         tools=setup.tools,
         supports=setup.supports,
+        grippers=setup.grippers,
         duration=setup.duration,
         frame_count=setup.frame_count,
         device=str(model.device),
@@ -106,6 +107,7 @@ def prepare(setup: Setup) -> Prepared:
         internal_energies=ledger.internal,
         warnings=[doubt.message for doubt in doubts if doubt.level > Level.NOTE],
         notes=(*mesh_notes(model), *(doubt.message for doubt in doubts if doubt.level == Level.NOTE)),
+        run_id=run_id or new_run_id(),
     )
     return Prepared(model, state, stepper, ledger, info, frame, guards)
 

@@ -102,9 +102,10 @@ def test_the_state_moves():
     own = {
         f"sheets/{k}/{name}"
         for k in range(3)
-        for name in ("slip", "holding", "friction", "gap", "depth", "thickness", "pressure_work")
+        for name in ("slip", "holding", "friction", "gap", "depth", "thickness", "pressure_work", "grip")
     }
-    assert still <= own | {"reaction", "tool_force"} | {f"sheets/{k}/node_work" for k in range(3)}
+    unmoved = {f"sheets/{k}/{name}" for k in range(3) for name in ("node_work", "contact_force")}
+    assert still <= own | {"reaction", "tool_force"} | unmoved
     assert not still & {
         "sheets/0/slip",
         "sheets/2/holding",

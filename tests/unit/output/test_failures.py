@@ -14,6 +14,7 @@ from weavesim.output import ResultFolder, Writer, known_writers
 from weavesim.output import results as results_module
 from weavesim.output import writer as writer_module
 from weavesim.output.curves import Curves
+from weavesim.run.checkpoint.checkpoints import FOLDER_NAME, has_job
 from weavesim.run.frame import Outcome
 from weavesim.scenes import picture_frame
 
@@ -191,4 +192,6 @@ def test_cases_of_two_runs_do_not_mix(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         scene.run(options(tmp_path, overwrite=True))
     assert summary_of(tmp_path / "one")["run_id"] != first["one"]["run_id"]
-    assert [path.name for path in (tmp_path / "two").iterdir()] == [".weavesim.lock"]
+    # but the job of this command, which can be resumed
+    assert {path.name for path in (tmp_path / "two").iterdir()} == {".weavesim.lock", FOLDER_NAME}
+    assert has_job(tmp_path / "one") and has_job(tmp_path / "two")

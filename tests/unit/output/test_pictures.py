@@ -1,5 +1,7 @@
 """Pictures show what the run holds: read back from the drawn artists."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
@@ -144,6 +146,34 @@ def test_sections_follow_the_sheet_and_move_the_tools(coarse_run):
     punch = next(artist for artist in short.collections if artist.get_label() == "punch")
     lowest = min(path.vertices[:, 1].min() for path in punch.get_paths())
     assert lowest == pytest.approx(-60.0 + 0.6, abs=0.5)
+
+
+def test_sections_of_several_sheets_are_drawn_in_their_colours(coarse_run):
+    info, frames = coarse_run
+    lower = formed(info, frames[-1])
+    upper = dataclasses.replace(lower, position=lower.position + (0.0, 0.0, 0.002))
+    figure = pictures.sections([("ply_1", lower), ("ply_2", upper)], placed_tools(info, frames[-1]))
+    for chart in figure.axes:
+        own = {patch.get_label(): patch for patch in chart.patches if "ply" in str(patch.get_label())}
+        assert list(own) == ["ply 1", "ply 2"]
+        assert own["ply 1"].get_facecolor() != own["ply 2"].get_facecolor()
+        heights = [patch.get_xy()[:, 1].max() for patch in own.values()]
+        assert np.diff(heights) == pytest.approx(2.0)
+
+
+def test_a_stack_is_drawn_apart_and_as_it_lies(coarse_run):
+    info, frames = coarse_run
+    lower = formed(info, frames[-1])
+    upper = dataclasses.replace(lower, position=lower.position + (0.0, 0.0, 0.002))
+    figure = pictures.stack_picture([("ply_1", lower), ("ply_2", upper)])
+    apart, together = figure.axes[:2]
+    count = 4 * lower.blank.element_count
+    assert len(together.collections[0].get_paths()) == 2 * count < len(apart.collections[0].get_paths())
+    assert [text.get_text() for text in together.get_legend().get_texts()] == ["ply 2", "ply 1"]
+    gap = 0.25 * 470.0 * np.cos(np.radians(30.0))  # seen from 30 degrees above
+    assert np.ptp(apart.get_ylim()) > np.ptp(together.get_ylim()) + 0.8 * gap
+    shades = np.unique(np.round(together.collections[0].get_facecolors(), 6), axis=0)
+    assert len(shades) > 10  # two colours, each lit
 
 
 def test_a_run_at_rest_can_be_drawn(tmp_path, coarse_run):

@@ -1,5 +1,7 @@
 """What the writers leave of a run of several sheets; of one sheet see test_folder."""
 
+import csv
+import dataclasses
 import json
 
 import numpy as np
@@ -29,7 +31,7 @@ def test_every_sheet_has_its_files(finished):
     path, _ = finished
     per_sheet = {f"{name}_{sheet}.csv" for name in ("draw_in", "shear_angle") for sheet in ("upper", "lower")}
     assert {file.name for file in path.iterdir()} == per_sheet | {
-        "stack.usdc", "paraview", "pictures", "history.csv", "report.html", "summary.json",
+        "stack.usdc", "paraview", "pictures", "history.csv", "sheets.csv", "report.html", "summary.json",
         "run.json", "results.h5", ".weavesim.lock",
     }  # fmt: skip
     drawn = {f"{name}_{sheet}.png" for name in ("formed_sheet", "point_angles", "draw_in", "sections")
@@ -55,6 +57,38 @@ def test_the_report_names_the_sheets(finished):
     for part in ("Sheet upper", "Sheet lower", "Fabric of upper", "quarter of the blank, whole blank", "punch 2"):
         assert part in text
     assert text.count("data:image/png;base64") == 10
+
+
+def test_sheets_stand_side_by_side_in_a_table(finished):
+    path, summary = finished
+    with open(path / "sheets.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["sheet"] for row in rows] == ["upper", "lower"]
+    for row, entry in zip(rows, summary["sheets"], strict=True):
+        for key in ("max_shear_angle_deg", "draw_in_long_axis_mm", "draw_in_short_axis_mm", "max_stretch"):
+            assert float(row[key]) == pytest.approx(entry[key], rel=1e-8)
+
+
+def test_the_history_has_what_there_is_of_each_sheet(finished, stack):
+    with open(finished[0] / "history.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row, frame in zip(rows, stack[1], strict=True):
+        for sheet in frame.sheets:
+            angle = np.degrees(np.abs(sheet.fields["shear_angle"]).max())
+            assert float(row[f"{sheet.name}_max_shear_angle_deg"]) == pytest.approx(angle)
+
+
+def test_sheets_of_one_world_are_drawn_together(tmp_path, stack):
+    info, frames = stack
+    sheets = tuple(dataclasses.replace(sheet, world="world", tools=info.sheets[0].tools) for sheet in info.sheets)
+    folder = ResultFolder(tmp_path, writers=["pictures"])
+    folder.start(dataclasses.replace(info, sheets=sheets))
+    for frame in frames:
+        folder.frame(frame)
+    folder.finish(Outcome.FINISHED)
+    folder.write({})
+    drawn = {file.name for file in (tmp_path / "pictures").iterdir()}
+    assert {"stack.png", "sections.png", "formed_sheet_upper.png"} <= drawn and "sections_upper.png" not in drawn
 
 
 def test_the_history_names_tools_of_both_worlds(finished):

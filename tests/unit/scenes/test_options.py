@@ -12,7 +12,7 @@ from weavesim.scenes.scene import known_scenes
 
 SCENES = {name: found.load() for name, found in known_scenes().items()}
 # Where and what a run writes, and what it accepts, change no number; another device has to be there.
-LEFT_OUT = {"out", "write", "without", "overwrite", "accept_unusual", "device"}
+LEFT_OUT = {"out", "write", "without", "overwrite", "checkpoint_interval", "accept_unusual", "device"}
 # Changes only what a run records; tests/validation/ have its effect.
 RECORDED = {("picture-frame", "load_factor")}
 # Coarse, so that a set-up is made at once.

@@ -6,9 +6,10 @@ import trimesh
 
 from tests.support.runs import one_sheet_run
 from tests.support.sheet import plain_fabric
-from weavesim.engine.sheet_model import BLUNT_SAMPLE_SHARE, CONTACT_SHARE
+from weavesim.engine.sheet_model import CONTACT_SHARE
 from weavesim.engine.state import State
 from weavesim.engine.stepper import Stepper
+from weavesim.engine.surface.samples import BLUNT_SHARE
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
@@ -84,10 +85,10 @@ def test_forces_between_nodes_are_those_of_the_springs_energy(cloth, precision, 
 
     def energy(x: np.ndarray, d: np.ndarray) -> float:
         total = 0.0
-        for place in sheet.sample_places:
+        for place in sheet.samples.places:
             points = surface_points(x[quads], d[quads], np.tile(place, (len(quads), 1)))[0]
             depth = 0.5 * cloth.thickness - (np.linalg.norm(points - centre, axis=1) - RADIUS)
-            total += 0.5 * float((sheet.sample_stiffness * np.maximum(depth, 0.0) ** 2).sum())
+            total += 0.5 * float((sheet.samples.stiffness * np.maximum(depth, 0.0) ** 2).sum())
         return total
 
     rng, step = np.random.default_rng(1), 1e-8
@@ -136,7 +137,7 @@ def test_nodes_and_samples_share_a_weight(cloth, size, manual):
     )  # fmt: skip
     relax(simulation, tolerance=1e-5)
     depth = 0.5 * cloth.thickness - simulation.frame.position[:, 2]
-    expected = 9.81 * simulation.model.reference_step**2 / (CONTACT_SHARE * (1.0 + BLUNT_SAMPLE_SHARE))
+    expected = 9.81 * simulation.model.reference_step**2 / (CONTACT_SHARE * (1.0 + BLUNT_SHARE))
     assert depth == pytest.approx(expected, rel=1e-4)
     energies = simulation.frame.energies
     assert energies["contact"] == pytest.approx(0.5 * energies["gravity_work"], rel=1e-3)

@@ -52,10 +52,10 @@ def device_samples(sheet: SheetModel) -> Any:
     """Constants of the samples of a sheet, as a new struct."""
     lane_count, block_count = sheet.lane_count, sheet.element_count // sheet.lane_count
     mass = np.zeros(sheet.element_count)
-    mass[: sheet.blank.element_count] = sheet.sample_mass
+    mass[: sheet.blank.element_count] = sheet.samples.mass
     samples = samples_struct(sheet.real, lane_count)()
     samples.corner_node, samples.node_stride = sheet.elements.corner_node, sheet.elements.node_stride
-    samples.place = wp.array(sheet.sample_places, dtype=wp.vec2d, device=sheet.device)
+    samples.place = wp.array(sheet.samples.places, dtype=wp.vec2d, device=sheet.device)
     samples.block_count, samples.lever = block_count, sheet.geometry.largest_size
     samples.mass = lanes_view(wp.array(mass, dtype=sheet.real, device=sheet.device), lane_count)
     corners = (sheet.element_nodes // lane_count).reshape(4, block_count, lane_count).swapaxes(0, 1)
@@ -70,7 +70,7 @@ def _sampled(sheet: SheetModel, own: SheetState, reaction: wp.array) -> Any:
     """What the samples of a sheet write."""
     lane_count = sheet.lane_count
     touch = touch_struct(sheet.real, lane_count)()
-    touch.friction = sheet.sample_layout.view(own.sample_friction)
+    touch.friction = sheet.samples.layout.view(own.sample_friction)
     touch.gap, touch.reaction = own.sample_gap, own.sample_reaction
     touch.depth, touch.thickness = (lanes_view(a, lane_count) for a in (own.sample_depth, own.sample_thickness))
     sampled = sampled_struct(sheet.real, lane_count)()

@@ -51,6 +51,7 @@ class RunRecord:
             "folder": os.getcwd(),
             "options": dict(options),
             "input_files": dict(_input_files(options)),
+            "resumed": list(info.parts),
             "setup_hash": info.setup.content_hash if info.setup else None,
             "device": info.device,
             "precision": info.precision,
@@ -71,6 +72,11 @@ class RunRecord:
             if name not in self._names and name != RECORD_NAME:
                 self._names[name] = None
                 self.write()
+
+    @property
+    def names(self) -> list[str]:
+        """Of all recorded files, relative to the folder."""
+        return list(self._names)
 
     def missing(self) -> list[str]:
         """Names of recorded files that are not there, or empty."""

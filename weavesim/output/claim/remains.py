@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from ...errors import InputError
+from ...run.checkpoint.checkpoints import FOLDER_NAME, has_job, remove_checkpoints
 from .record import RECORD_NAME
 
 # Removed first: it alone would say that a run has finished.
@@ -14,6 +16,7 @@ SUMMARY_NAME = "summary.json"
 # What versions without a record left, and what a reader would take for a result.
 PATTERNS = (
     SUMMARY_NAME, RECORD_NAME, "setup.json", "results.h5", "history.csv", "report.html", "run.log", "draw_in*.csv",
+    "sheets.csv",
     "shear_angle*.csv", "paraview/frame_[0-9][0-9][0-9][0-9]*.vt[um]", "paraview/final_state*.vt[um]",
     "paraview/series.pvd",
     "pictures/formed_sheet*.png", "pictures/energies.png",
@@ -21,7 +24,7 @@ PATTERNS = (
 # Of a version without a record: also these.
 FURTHER_PATTERNS = ("pictures/*.png", "*.usdc", "bias_extension.csv", "cantilever.csv", "picture_frame.csv")
 TEMPORARY = ".*.partial.*"
-FOLDERS = ("pictures", "paraview")
+FOLDERS = ("pictures", "paraview", FOLDER_NAME)
 
 
 def check_names(folder: Path) -> None:
@@ -46,6 +49,11 @@ def check_free(folder: Path) -> None:
         InputError: it does.
     """
     found = next((path for pattern in PATTERNS for path in sorted(folder.glob(pattern))), None)
+    if has_job(folder):
+        raise InputError(
+            f"output folder {folder}: it has a run that was not finished; go on with it (weavesim resume {folder}), "
+            "give another folder (--out), or replace it (--overwrite)"
+        )
     if found is not None:
         raise InputError(
             f"output folder {folder}: it has results already ({found.relative_to(folder)} and perhaps more); give "
@@ -53,8 +61,13 @@ def check_free(folder: Path) -> None:
         )
 
 
-def remove_results(folder: Path) -> None:
+def remove_results(folder: Path, *, kept: Sequence[str] = (), resumes: bool = False) -> None:
     """Remove the results of earlier runs, and nothing else: the files in their record, or known names without one.
+
+    Args:
+        folder: of the results.
+        kept: names of files that stay.
+        resumes: whether the checkpoints of the run stay.
 
     Raises:
         InputError: a file that cannot be removed.
@@ -62,8 +75,11 @@ def remove_results(folder: Path) -> None:
     check_names(folder)
     try:
         _remove(folder / SUMMARY_NAME)
+        if not resumes:
+            remove_checkpoints(folder)
         for name in _recorded(folder):
-            _remove(folder / name)
+            if name not in kept:
+                _remove(folder / name)
         for sub in (folder, *(folder / name for name in FOLDERS)):
             if sub.is_dir() and not (sub.is_symlink() and sub != folder):
                 for path in sub.glob(TEMPORARY):

@@ -5,6 +5,7 @@ from .charts import chart_of, drive_forces, energies, tool_forces
 from .draw_in import draw_in_picture
 from .sections import sections
 from .sheet import formed_sheet
+from .stack import stack_picture
 from .style import PART_NAMES, add_legend, colour_map, new_axes, new_figure, words, write_picture
 
 __all__ = [
@@ -20,6 +21,7 @@ __all__ = [
     "new_figure",
     "point_angles",
     "sections",
+    "stack_picture",
     "tool_forces",
     "words",
     "write_picture",

@@ -9,7 +9,9 @@ import numpy as np
 
 from ...measures.border import symmetry_line, whole_outline
 from ...measures.findings import FormedSheet
-from .style import INK, LINE_COLOURS, add_legend, new_axes, new_figure, words
+from ...sheet.symmetry import AXES
+from ..colours import DISTINCT_COLOURS
+from .style import FAINT, GREY, INK, LINE_COLOURS, add_legend, new_axes, new_figure, words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,44 +19,65 @@ if TYPE_CHECKING:
     from ...tools.tool import Tool
 
 
-def sections(sheet: FormedSheet, tools: Sequence[tuple[str, Tool, float]]) -> Figure:
-    """The formed sheet, with its thickness, and the tools, cut along both symmetry lines.
+# Tools beside sheets that have colours of their own.
+GREYS = (GREY, INK, FAINT)
+
+
+def sections(
+    sheet: FormedSheet | Sequence[tuple[str, FormedSheet]], tools: Sequence[tuple[str, Tool, float]]
+) -> Figure:
+    """Formed sheets, with their thickness, and the tools, cut along both symmetry lines.
 
     Args:
-        sheet: must cross both lines.
+        sheet: the only one, or name and formed sheet of several; they must cross both lines.
         tools: name, tool and displacement [m] of each.
     """
     from matplotlib.collections import LineCollection
 
-    blank, position, symmetry = sheet.blank, sheet.position, sheet.symmetry
+    sheets = [("sheet", sheet)] if isinstance(sheet, FormedSheet) else list(sheet)
+    colours = [INK] if len(sheets) == 1 else [DISTINCT_COLOURS[k % len(DISTINCT_COLOURS)] for k in range(len(sheets))]
     figure = new_figure(12.0, 5.6)
     for row, along in enumerate("xy"):
         title = f"Section along {along} ({'y' if along == 'x' else 'x'} = 0)"
         chart = new_axes(figure, 2, 1, row + 1, aspect="equal", title=title, xlabel=f"{along} [mm]", ylabel="z [mm]")
-        line = symmetry_line(blank, along)
-        plane = 1.0e3 * line.of(position)[:, [row, 2]]
-        tangent = np.gradient(plane, axis=0)
-        across = 0.5e3 * sheet.thickness * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
-        across /= np.linalg.norm(tangent, axis=1, keepdims=True)
-        reach = np.abs(1.0e3 * whole_outline(blank, blank.material_coordinates, symmetry)[:, row]).max()
         for k, (name, tool, displacement) in enumerate(tools):
             cut = plane_cut(*tool.display_triangles(), 1 - row)
             if len(cut):
                 shift = float(displacement) * np.asarray(tool.axis, dtype=float)
-                colour = LINE_COLOURS[k % len(LINE_COLOURS)]
+                colour = GREYS[k % len(GREYS)] if len(sheets) > 1 else LINE_COLOURS[k % len(LINE_COLOURS)]
                 pieces = 1.0e3 * (cut + shift)[:, :, [row, 2]]
                 label = words(name)
                 chart.add_collection(LineCollection(list(pieces), colors=colour, linewidths=1.3, label=label))
-        for factor in (1.0, -1.0) if along in symmetry.planes else (1.0,):
-            side = np.concatenate([plane + across, (plane - across)[::-1]]) * (factor, 1.0)
-            own = "sheet" if factor > 0.0 else None
-            chart.fill(*side.T, facecolor=INK, edgecolor=INK, linewidth=0.4, label=own, zorder=3)
-        depth = np.ptp(plane[:, 1])
+        planes = []
+        for (name, formed), colour in zip(sheets, colours, strict=True):
+            plane, across = _strip(formed, along)
+            planes.append(plane)
+            for factor in (1.0, -1.0) if along in formed.symmetry.planes else (1.0,):
+                side = np.concatenate([plane + across, (plane - across)[::-1]]) * (factor, 1.0)
+                own = words(name) if factor > 0.0 else None
+                chart.fill(*side.T, facecolor=colour, edgecolor=colour, linewidth=0.4, label=own, zorder=3)
+        height = np.concatenate(planes)[:, 1]
+        reach = max(_reach(formed, row) for _, formed in sheets)
+        depth = np.ptp(height)
         chart.set(xlim=(-1.04 * reach, 1.04 * reach))
-        chart.set(ylim=(plane[:, 1].min() - 0.12 * depth - 6.0, plane[:, 1].max() + 0.12 * depth + 12.0))
+        chart.set(ylim=(height.min() - 0.12 * depth - 6.0, height.max() + 0.12 * depth + 12.0))
         if row == 0:
             add_legend(chart, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure
+
+
+def _strip(sheet: FormedSheet, along: str) -> tuple[np.ndarray, np.ndarray]:
+    """Points of the cut sheet, (k, 2) [mm], and from each half the thickness across it."""
+    plane = 1.0e3 * symmetry_line(sheet.blank, along).of(sheet.position)[:, [AXES[along], 2]]
+    tangent = np.gradient(plane, axis=0)
+    across = 0.5e3 * sheet.thickness * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    return plane, across / np.linalg.norm(tangent, axis=1, keepdims=True)
+
+
+def _reach(sheet: FormedSheet, axis: int) -> float:
+    """Furthest point of the flat outline along an axis [mm]."""
+    outline = whole_outline(sheet.blank, sheet.blank.material_coordinates, sheet.symmetry)
+    return float(np.abs(1.0e3 * outline[:, axis]).max())
 
 
 def plane_cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:

@@ -26,9 +26,6 @@ _LARGEST_YARN_COUNT = 50
 
 def formed_sheet(sheet: FormedSheet) -> Figure:
     """The whole part, oblique and in plan, coloured by the angle of each element, with lines along the yarns."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
     blank, position, symmetry, angle = sheet.blank, sheet.position, sheet.symmetry, sheet.shear_angle_deg
     spacing, lines = yarn_lines(blank, symmetry)
     corners = symmetry.mirrored(position[blank.quads])
@@ -45,9 +42,21 @@ def formed_sheet(sheet: FormedSheet) -> Figure:
         (grid[0, 1], "From above", (-90.0, 90.0), np.ones(3)),
     )
     axes = [
-        _draw_view(new_axes(figure, place, title=title), direction, corners * flip, segments * flip, angles)
+        draw_view(
+            new_axes(figure, place, title=title), direction, corners * flip, segments * flip, angle_colours(angles)
+        )
         for place, title, direction, flip in views
     ]
+    lines_text = f"lines follow the yarns, one each {1.0e3 * spacing:g} mm" if spacing else "strokes follow the yarns"
+    add_angle_bar(figure, axes, float(angle.max()), lines_text)
+    return figure
+
+
+def add_angle_bar(figure: Figure, axes: list[Axes], largest: float, further: str = "") -> None:
+    """The scale of shear angles below ``axes``, with the ``largest`` [degrees] marked, and ``further`` text."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
     bar = figure.colorbar(
         ScalarMappable(Normalize(0.0, LARGEST_SHOWN_ANGLE), colour_map()),
         ax=axes,
@@ -55,15 +64,13 @@ def formed_sheet(sheet: FormedSheet) -> Figure:
         shrink=0.5,
         aspect=45,
         pad=0.02,
-        extend="max" if angle.max() > LARGEST_SHOWN_ANGLE else "neither",
+        extend="max" if largest > LARGEST_SHOWN_ANGLE else "neither",
     )
     bar.outline.set_visible(False)
-    lines_text = f"lines follow the yarns, one each {1.0e3 * spacing:g} mm" if spacing else "strokes follow the yarns"
-    text = f"Shear angle of each element [degrees], largest {angle.max():.1f}°   ·   {lines_text}"
-    bar.set_label(text, color=INK, fontsize=9.5)
-    bar.ax.axvline(min(angle.max(), LARGEST_SHOWN_ANGLE), color="white", linewidth=2.5)
-    bar.ax.axvline(min(angle.max(), LARGEST_SHOWN_ANGLE), color=INK, linewidth=1.2)
-    return figure
+    text = f"Shear angle of each element [degrees], largest {largest:.1f}°"
+    bar.set_label("   ·   ".join(filter(None, (text, further))), color=INK, fontsize=9.5)
+    bar.ax.axvline(min(largest, LARGEST_SHOWN_ANGLE), color="white", linewidth=2.5)
+    bar.ax.axvline(min(largest, LARGEST_SHOWN_ANGLE), color=INK, linewidth=1.2)
 
 
 def yarn_lines(blank: Blank, symmetry: Symmetry) -> tuple[float, MaterialLine]:
@@ -107,23 +114,39 @@ def yarn_lines(blank: Blank, symmetry: Symmetry) -> tuple[float, MaterialLine]:
     return spacing, MaterialLine(np.concatenate(start), np.concatenate(end), np.concatenate(share))
 
 
-def _draw_view(
+def angle_colours(angles: np.ndarray) -> np.ndarray:
+    """Colours of shear angles [degrees], (k, 3)."""
+    return np.asarray(colour_map()(np.clip(angles / LARGEST_SHOWN_ANGLE, 0.0, 1.0))[:, :3])
+
+
+def draw_view(
     axes: Axes,
     direction: tuple[float, float],
     corners: np.ndarray,
     segments: np.ndarray,
-    angles: np.ndarray,
+    colours_of_faces: np.ndarray,
+    in_front: np.ndarray | float = 0.0,
 ) -> Axes:
-    """Painter's algorithm: elements and yarn segments in one collection, far ones first."""
+    """Painter's algorithm: elements and yarn segments in one collection, far ones first.
+
+    Args:
+        axes: to draw in.
+        direction: azimuth and elevation of the eye [degrees].
+        corners: of the elements, (k, 4, 3) [m].
+        segments: of yarns, (n, 2, 3) [m].
+        colours_of_faces: of the elements, encoded sRGB, (k, 3).
+        in_front: how much nearer to the eye elements are than they seem, in their own size, (k,): sheets that lie on
+            each other are nearer than the elements are wide, and would hide each other in part.
+    """
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 
     to_eye, right, screen = _projection(direction)
-    faces = _shaded(corners, angles, to_eye, right)
+    faces = _shaded(corners, colours_of_faces, to_eye, right)
     size = float(np.sqrt(np.median(np.linalg.norm(np.cross(
         corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1)) / 2.0))  # fmt: skip
     strokes = segments[:, [0, 1, 1, 0]]
-    depth = np.concatenate([corners.mean(axis=1) @ to_eye, strokes.mean(axis=1) @ to_eye + size])
+    depth = np.concatenate([corners.mean(axis=1) @ to_eye + size * in_front, strokes.mean(axis=1) @ to_eye + size])
     polygons = np.concatenate([corners, strokes]) @ screen
     edges = np.concatenate([faces, np.tile(to_rgba("white", 0.55), (len(strokes), 1))])
     colours = np.concatenate([faces, np.zeros((len(strokes), 4))])
@@ -158,8 +181,8 @@ def _projection(direction: tuple[float, float]) -> tuple[np.ndarray, np.ndarray,
     return to_eye, right, np.stack([right, np.cross(to_eye, right)], axis=1) * 1.0e3
 
 
-def _shaded(corners: np.ndarray, angles: np.ndarray, to_eye: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Colours of elements by angle [degrees], lit from beside the viewer, (element_count, 4)."""
+def _shaded(corners: np.ndarray, colours: np.ndarray, to_eye: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Elements of ``colours`` (element_count, 3) lit from beside the viewer, (element_count, 4)."""
     light = to_eye + 0.55 * right + np.array([0.0, 0.0, 0.35])
     light /= np.linalg.norm(light)
 
@@ -168,5 +191,5 @@ def _shaded(corners: np.ndarray, angles: np.ndarray, to_eye: np.ndarray, right: 
     facing = np.sign(normal @ to_eye)[:, None] * normal
     shade = 0.74 + 0.26 * np.clip(facing @ light, 0.0, 1.0)
     faces = np.ones((len(corners), 4))
-    faces[:, :3] = colour_map()(np.clip(angles / LARGEST_SHOWN_ANGLE, 0.0, 1.0))[:, :3] * shade[:, None]
+    faces[:, :3] = colours * shade[:, None]
     return faces

@@ -7,8 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ...measures.findings import FormedSheet
 from .. import pictures
-from ..results import Results
+from ..files import world_endings
+from ..results import Results, SheetResult
 from ..writer import Writer
 
 
@@ -70,6 +72,24 @@ def _formed_sheets(results: Results) -> Iterator[Picture]:
     for sheet in results.sheets:
         caption = _caption(results, sheet.info.name, text)
         yield Picture(sheet.file("formed_sheet.png"), caption, partial(pictures.formed_sheet, sheet.formed))
+    for ending, sheets in _stacks(results):
+        text = (
+            "Sheets of one world: moved apart, in the colours of their shear angles, and as they lie, each in its own."
+        )
+        yield Picture(f"stack{ending}.png", text, partial(pictures.stack_picture, _named(sheets)))
+
+
+def _stacks(results: Results) -> Iterator[tuple[str, list[SheetResult]]]:
+    """Sheets of each world with several, from the bottom to the top, and the ending of their files."""
+    level = dict(zip((sheet.name for sheet in results.info.sheets), results.info.levels, strict=True))
+    for ending, infos in zip(world_endings(results.info), results.info.worlds, strict=True):
+        if len(infos) > 1:
+            own = [sheet for sheet in results.sheets if sheet.info.world == infos[0].world]
+            yield ending, sorted(own, key=lambda sheet: level[sheet.info.name])
+
+
+def _named(sheets: list[SheetResult]) -> list[tuple[str, FormedSheet]]:
+    return [(sheet.info.name, sheet.formed) for sheet in sheets]
 
 
 def _point_angles(results: Results) -> Iterator[Picture]:
@@ -83,6 +103,13 @@ def _point_angles(results: Results) -> Iterator[Picture]:
 
 
 def _sections(results: Results) -> Iterator[Picture]:
+    stacked = []
+    for ending, sheets in _stacks(results):
+        stacked += [sheet.info.name for sheet in sheets]
+        if all(sheet.formed.meets_both_lines for sheet in sheets):
+            text = "Sections of the sheets of one world along the symmetry lines, drawn in their thickness."
+            draw = partial(pictures.sections, _named(sheets), sheets[0].tools)
+            yield Picture(f"sections{ending}.png", text, draw)
     for sheet in results.sheets:
         if not sheet.formed.meets_both_lines:
             continue
@@ -90,6 +117,8 @@ def _sections(results: Results) -> Iterator[Picture]:
             text = "Draw-in: the outline before and after, and the plan movement of the border against its flat normal."
             draw = partial(pictures.draw_in_picture, sheet.formed, results.wanted.measured_outline)
             yield Picture(sheet.file("draw_in.png"), _caption(results, sheet.info.name, text), draw)
+        if sheet.info.name in stacked:
+            continue
         text = "Sections along the symmetry lines, sheet drawn in its thickness."
         draw = partial(pictures.sections, sheet.formed, sheet.tools)
         yield Picture(sheet.file("sections.png"), _caption(results, sheet.info.name, text), draw)

@@ -8,12 +8,14 @@ from ...run.frame import Frame, RunInfo
 from ..curves import Curves
 from ..pace import Pace
 from ..results import Results
-from ..tables import write_draw_in, write_shear_angles, write_table
+from ..tables import write_draw_in, write_shear_angles, write_sheets, write_table
 from ..writer import Writer
 
 
 class TablesWriter(Writer):
-    """``history.csv``: scalars of every frame; ``draw_in.csv``, ``shear_angle.csv``; the curves of the scene."""
+    """``history.csv``: scalars of every frame; ``draw_in.csv``, ``shear_angle.csv``; ``sheets.csv`` of several sheets;
+    the curves of the scene.
+    """
 
     name = "tables"
     title = "tables"
@@ -38,6 +40,9 @@ class TablesWriter(Writer):
         for sheet in results.sheets if results.wanted.points is not None else ():
             name = sheet.file("shear_angle.csv")
             self.attempt(name, partial(write_shear_angles, self.folder / name, sheet.formed))
+        if len(results.sheets) > 1:
+            rows = {sheet.info.name: sheet.findings(lambda key, error: None) for sheet in results.sheets}
+            self.attempt("sheets.csv", partial(write_sheets, self.folder / "sheets.csv", rows))
         for curves in results.wanted.all_curves:
             self._write_curves(curves)
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -126,6 +126,17 @@ class BetweenNodes(Guard):
             if found.element is not None:
                 out = _protrusion(self._distances, pair[1], displacement, position, sheet, found)
                 self._deepest[pair] = Seen(found.distance, out, _place(sheet, found), frame.time)
+
+    def memory(self) -> Mapping[str, Any]:
+        """The deepest of each tool in each sheet."""
+        return {"deepest": [[*pair, *seen] for pair, seen in self._deepest.items()]}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take them back."""
+        self._deepest = {
+            (sheet, tool): Seen(distance, protrusion, (place[0], place[1]), time)
+            for sheet, tool, distance, protrusion, place, time in memory["deepest"]
+        }
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """The deepest of each tool in each sheet."""

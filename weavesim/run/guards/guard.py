@@ -7,7 +7,7 @@ while they run, and at their end.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 from importlib import import_module
@@ -145,6 +145,19 @@ class Guard:
         """Doubts about the run so far; may be called more than once."""
         return ()
 
+    def memory(self) -> Mapping[str, Any]:
+        """What ``watch`` remembers, for a checkpoint: plain values, lists, dictionaries with text for keys, arrays."""
+        return {}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take back what ``memory`` returned, when a run goes on after ``before``; tuples come back as lists."""
+
+    @property
+    def forgets(self) -> bool:
+        """Whether it watches a run, but has no ``memory``: then it begins anew when a run goes on."""
+        kind = type(self)
+        return kind.watch is not Guard.watch and kind.memory is Guard.memory
+
     def doubt(self, level: Level, text: str, advice: str = "", **where: Any) -> Doubt:
         """A doubt of this guard; ``where`` are the other attributes of ``Doubt``."""
         return Doubt(self.name, level, text, advice, **where)
@@ -192,6 +205,24 @@ class Guards:
         """All doubts about the run so far, the worst first."""
         found = [*self.first, *self._ask(lambda guard: guard.after(run)), *self._failed.values()]
         return sorted(dict.fromkeys(found), key=lambda doubt: -doubt.level)
+
+    def memory(self) -> dict[str, Any]:
+        """What all guards remember, for a checkpoint."""
+        failed = {name: {**asdict(doubt), "level": int(doubt.level)} for name, doubt in self._failed.items()}
+        return {"failed": failed, "guards": {guard.name: dict(guard.memory()) for guard in self._guards}}
+
+    def recall(self, memory: Mapping[str, Any], time: float) -> None:
+        """Give all guards what they remembered at ``time`` [s]; those without a memory are a doubt from then on."""
+        for name, values in memory["failed"].items():
+            place = None if values["place"] is None else tuple(values["place"])
+            self._failed[name] = Doubt(**{**values, "level": Level(values["level"]), "place": place})
+        for guard in self._guards:
+            if guard.name in memory["guards"] and not guard.forgets:
+                guard.recall(memory["guards"][guard.name])
+            elif guard.forgets:
+                text = f"the guard {guard.name} knows nothing of the run before {time:.4g} s, where it was resumed"
+                advice = f"{guard.watches or 'what it watches'} was watched from then on only"
+                self._failed.setdefault(guard.name, Doubt(guard.name, Level.WARNING, text, advice))
 
     def _ask(self, question: Callable[[Guard], Iterable[Doubt]]) -> list[Doubt]:
         """Answers of all guards, each once; a guard that fails is a doubt, and costs nobody a result."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from ..frame import Outcome
 from .guard import Doubt, Guard, Level
@@ -61,6 +61,14 @@ class BouncingHolder(Guard):
                 self._told.add(k)
                 name = ledger.tool_names[k]
                 logger.warning("at %.4g s %s carries %.0f %% of its force", frame.time, name, 1e2 * share)
+
+    def memory(self) -> Mapping[str, Any]:
+        """The last look at the tools, and those that were told."""
+        return {"last": self._last, "told": sorted(self._told)}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take them back."""
+        self._last, self._told = memory["last"], set(memory["told"])
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Tools that carried less than half of their force for long, or far more, or that landed late."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...measures.crossings import Crossings, CrossingsBetween
 from ...measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
 from ..frame import SheetFrame, SheetInfo
+
+# What is tallied of a sheet.
+TALLIES = ("crossings", "folded", "inverted", "beyond")
 
 
 class Tally(NamedTuple):
@@ -67,6 +70,15 @@ class Condition:
         node = int(beyond.argmax())
         self.beyond = _worse(self.beyond, float(beyond[node]), time, self._nodes[node], 0.0)
 
+    def memory(self) -> dict[str, Any]:
+        """All that was seen so far, for a checkpoint."""
+        return {name: list(getattr(self, name)) for name in TALLIES}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Have seen what ``memory`` tells."""
+        for name in TALLIES:
+            setattr(self, name, _recalled(memory[name]))
+
     def _counted(self, last: Tally, count: int, elements: np.ndarray, time: float) -> Tally:
         place = self._centres[elements[0]] if len(elements) else None
         return _worse(last, float(count), time, place, len(elements) / len(self._centres))
@@ -108,6 +120,22 @@ class StackCondition:
             names = first.name, second.name
             self.crossings[names] = _worse(self.crossings[names], float(len(meeting)), time, place, share)
             self.total[names] += len(meeting)
+
+    def memory(self) -> dict[str, Any]:
+        """All that was seen so far, for a checkpoint."""
+        crossings = [list(tally) for tally in self.crossings.values()]
+        return {"crossings": crossings, "total": list(self.total.values()), "look_count": self.look_count}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Have seen what ``memory`` tells."""
+        self.crossings = dict(zip(self.crossings, map(_recalled, memory["crossings"]), strict=True))
+        self.total = dict(zip(self.total, memory["total"], strict=True))
+        self.look_count = memory["look_count"]
+
+
+def _recalled(values: Sequence[Any]) -> Tally:
+    last, most, time, place, share = values
+    return Tally(last, most, time, None if place is None else (place[0], place[1]), share)
 
 
 def _worse(last: Tally, value: float, time: float, place: np.ndarray | None, share: float) -> Tally:

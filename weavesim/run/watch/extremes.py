@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from ...engine.model import Model
 from ...engine.sheet_model import SheetModel
 from ...engine.state import SheetState, State
 from ...kernels.rows import ExtremeRow, ToolWatchRow
+
+# What is followed of a sheet.
+EXTREMES = ("min_stretch", "max_stretch", "angle", "depth")
 
 
 class Extreme(NamedTuple):
@@ -71,6 +75,18 @@ class SheetExtremes:
                 self.depth = Extreme(float(depth[tool, node]), time, (float(x), float(y)), of_run)
             self.touched |= depth.max(axis=1) > 0.0
 
+    def memory(self) -> dict[str, Any]:
+        """All that was read so far, for a checkpoint."""
+        own = {name: list(getattr(self, name)) for name in EXTREMES}
+        return own | {"rows": self.rows, "touched": self.touched}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Have read what ``memory`` tells."""
+        for name in EXTREMES:
+            value, time, place, tool = memory[name]
+            setattr(self, name, Extreme(value, time, None if place is None else tuple(place), tool))
+        self.rows, self.touched = memory["rows"], memory["touched"]
+
     def _further(self, last: Extreme, rest: float, sign: float, beyond: np.ndarray, time: float) -> Extreme:
         """The extreme, rest + sign * beyond, of the element that went furthest, if it went further than the last."""
         element = int(np.argmax(beyond))
@@ -107,3 +123,13 @@ class Extremes:
         for extremes, own in zip(self.sheets, state.sheets, strict=True):
             extremes.read(own, time)
         self.tools = dict(zip(ToolWatchRow.names(), state.tool_watch.numpy().copy(), strict=True))
+
+    def memory(self) -> dict[str, Any]:
+        """All that was read so far, for a checkpoint."""
+        return {"sheets": [sheet.memory() for sheet in self.sheets], "tools": dict(self.tools)}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Have read what ``memory`` tells."""
+        for sheet, own in zip(self.sheets, memory["sheets"], strict=True):
+            sheet.recall(own)
+        self.tools = dict(memory["tools"])

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from ..frame import Frame
 from ..sheet_ledger import NO_PENETRATION, Penetration
@@ -70,3 +72,26 @@ class Watch:
         self.penetration = self.penetration.deeper(self._ledger.penetration(frame))
         self.extremes.read(self._state, frame.time)
         self._guards.watch(frame, self._ledger)
+
+    def memory(self) -> dict[str, Any]:
+        """All that was seen so far, for a checkpoint: plain values, lists, and arrays."""
+        return {
+            "history": self.history,
+            "penetration": [self.penetration.at_nodes, self.penetration.at_element_centres],
+            "extremes": self.extremes.memory(),
+            "conditions": [condition.memory() for condition in self.conditions],
+            "stacks": [stack.memory() for stack in self.stacks],
+            "last_step": self._last_step,
+            "next": self._next,
+        }
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Have seen what ``memory`` tells, and nothing else."""
+        self.history[:] = [dict(entry) for entry in memory["history"]]
+        self.penetration = Penetration(*memory["penetration"])
+        self.extremes.recall(memory["extremes"])
+        for condition, own in zip(self.conditions, memory["conditions"], strict=True):
+            condition.recall(own)
+        for stack, own in zip(self.stacks, memory["stacks"], strict=True):
+            stack.recall(own)
+        self._last_step, self._next = memory["last_step"], memory["next"]

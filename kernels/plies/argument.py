@@ -1,0 +1,82 @@
+"""Arguments of friction laws between plies: pressure, angle between the warps, Hersey number."""
+
+from functools import cache
+
+import warp as wp
+
+from ..contact.friction import HERSEY, LEAST_PRESSURE, NO_ARGUMENT, YARN_ANGLE, friction_law_struct
+from ..lanes import dot, fill, lane_types, larger, magnitude, scale, smaller, square_root, where_positive
+from ..operators import div, mul  # noqa: F401
+from ..rows import MotionRow, PlyRow
+from .data import record_struct, slaves_struct
+from .facet import facets_struct, patch_functions
+
+# Series of the arc cosine: acos(x) = sqrt(1 - x) (a0 + a1 x + ...), Abramowitz and Stegun 4.4.46, error 2e-8.
+_ARC_COSINE = (
+    1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046, 0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911,
+)  # fmt: skip
+
+
+@cache
+def yarn_angle_function(real: type, lane_count: int):
+    """wp.func -> angle between the warps of both plies, from 0 to a right angle [rad]."""
+    types = lane_types(real, lane_count)
+    lanes, indices = types.lanes, types.indices
+    Slaves, Facets = slaves_struct(real, lane_count), facets_struct(real)
+    vectors, _, _ = patch_functions(real, lane_count)
+
+    @wp.func
+    def gradient(facets: Facets, facet: indices, diagonal: int):
+        result = lanes()
+        for i in range(lane_count):
+            result[i] = facets.warp_gradient[diagonal, facet[i]]
+        return result
+
+    @wp.func
+    def warp_along(facets: Facets, facet: indices):
+        x = vectors(facets, facet, MotionRow.position)
+        # the diagonals are -2 (along1 + along2) and 2 (along1 - along2)
+        first = gradient(facets, facet, 0)
+        second = gradient(facets, facet, 1)
+        return scale(second - first, x.along1) - scale(first + second, x.along2)
+
+    @wp.func
+    def yarn_angle(slaves: Slaves, facets: Facets, block: int, facet: indices):
+        own = warp_along(slaves.facets, slaves.home[block])
+        other = warp_along(facets, facet)
+        one = fill(own[0], 1.0)
+        cosine = magnitude(dot(own, other)) / square_root(dot(own, own) * dot(other, other))
+        cosine = smaller(cosine, one)
+        series = lanes()
+        for k in range(wp.static(len(_ARC_COSINE))):
+            series = series * cosine + lanes(real(wp.static(_ARC_COSINE[len(_ARC_COSINE) - 1 - k])))
+        return series * square_root(one - cosine)
+
+    return yarn_angle
+
+
+@cache
+def friction_argument_function(real: type, lane_count: int):
+    """wp.func (law, pressure, speed, angle) -> argument of the law's table; its extremes so far are written."""
+    types = lane_types(real, lane_count)
+    lanes = types.lanes
+    FrictionLaw, Record = friction_law_struct(real), record_struct(real, lane_count)
+
+    @wp.func
+    def friction_argument(
+        law: FrictionLaw, pressure: lanes, speed: lanes, angle: lanes, record: Record, block: wp.int32
+    ):
+        argument = pressure
+        if law.argument_kind == YARN_ANGLE:
+            argument = angle
+        if law.argument_kind == HERSEY:
+            argument = law.viscosity * speed / larger(pressure, lanes(real(LEAST_PRESSURE)))
+        if law.argument_kind != NO_ARGUMENT:
+            low = record.rows[PlyRow.low, block]
+            high = record.rows[PlyRow.high, block]
+            told = pressure - lanes(real(LEAST_PRESSURE))
+            record.rows[PlyRow.low, block] = where_positive(told, smaller(low, argument), low)
+            record.rows[PlyRow.high, block] = where_positive(told, larger(high, argument), high)
+        return argument
+
+    return friction_argument

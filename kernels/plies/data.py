@@ -1,0 +1,77 @@
+"""Data of one pass of an interface: the nodes of one ply on the facets of another."""
+
+from functools import cache
+
+import warp as wp
+
+from ..contact.friction import friction_law_struct
+from ..lanes import lane_types
+from .facet import facets_struct
+
+# Penetration of a node that has no foot [m].
+NO_DEPTH = wp.constant(-1000.0)
+
+
+@cache
+def slaves_struct(real: type, lane_count: int):
+    """Constants of the nodes of one pass; arrays are [block of lanes]."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Slaves:
+        stiffness: wp.array(dtype=types.lanes)  # normal spring [N/m]; 0 for padding
+        home: wp.array(dtype=types.indices)  # an element beside each node, for the direction of its warp
+        facets: facets_struct(real)  # of the nodes' own sheet
+        is_first: wp.int32  # 1 in the first pass of a sheet, which begins the sum of its contact forces
+
+    return Slaves
+
+
+@cache
+def contact_law_struct(real: type):
+    """Constants of one pass."""
+
+    @wp.struct
+    class ContactLaw:
+        side: real  # 1: the nodes lie above the facets, along their directors; -1: below
+        thickness: real  # sum of the half thicknesses [m]
+        area_stiffness: real  # of both passes together, per area [Pa/m]
+        damping_time: real  # normal dashpot over normal spring [s]
+        tangential_ratio: real  # friction spring over normal spring
+        friction: friction_law_struct(real)
+
+    return ContactLaw
+
+
+@cache
+def record_struct(real: type, lane_count: int):
+    """What one pass keeps of its nodes; all of it is written. Arrays are [block] or [row, block]."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class Record:
+        facet: wp.array(dtype=types.indices)  # on which each node has its foot
+        standing: wp.array(dtype=types.indices)  # the same where it is pressed, else -1
+        rows: wp.array2d(dtype=types.lanes)  # see PlyRow
+        works: wp.array2d(dtype=types.lanes)  # see PlyWorkRow
+        total: wp.array2d(dtype=types.lanes)  # contact force on the node of all passes [N]
+        way: wp.array(dtype=real)  # how far a block may move before any of its nodes can touch [m]; 0: watch it
+        last_step: wp.array(dtype=real)  # mean step over which the forces of the last step acted [s]
+
+    return Record
+
+
+@cache
+def listed_struct():
+    """Nodes that may stand on each facet until the lists are made again, ascending."""
+
+    @wp.struct
+    class Listed:
+        node: wp.array2d(dtype=wp.int32)  # [slot, facet]
+        count: wp.array(dtype=wp.int32)  # of each facet; TOO_MANY where the slots do not suffice
+
+    return Listed
+
+
+# Count of a facet, or of a block of them, whose slots do not suffice: all nodes are looked through instead.
+TOO_MANY = wp.constant(-1)

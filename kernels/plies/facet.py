@@ -1,0 +1,268 @@
+"""The surface of a sheet within one element, and the foot of a point on it (docs/theory.md, section 11).
+
+The facet is the bilinear quadrilateral of its four nodes, with their normals interpolated alike. Positions and normals
+are shared along edges, so that feet cover the sheet once: there are no cases for edges and corners.
+"""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from ..lanes import dot, fill, lane_types, larger, scale, smaller
+from ..operators import div, mul  # noqa: F401
+from ..records import gather4, vector_of
+from ..rows import MotionRow
+
+# What lies beyond an edge of a facet in place of a neighbour.
+FREE_EDGE = wp.constant(-1)
+SYMMETRY_EDGE = wp.constant(-2)
+# Feet are sought up to this coordinate; beyond it the extrapolated facet says nothing.
+FARTHEST = wp.constant(2.0)
+
+
+@cache
+def facets_struct(real: type):
+    """Facets of one sheet; corners in the order of its elements, edges after their first corner."""
+
+    @wp.struct
+    class Facets:
+        corner: wp.array2d(dtype=wp.int32)  # [facet, corner]: first entry of the node in the motion
+        normal_corner: wp.array2d(dtype=wp.int32)  # the same in the normals
+        neighbour: wp.array2d(dtype=wp.int32)  # [facet, edge]: the facet beyond, FREE_EDGE or SYMMETRY_EDGE
+        warp_gradient: wp.array2d(dtype=real)  # [diagonal, facet]: gradients along the warp, GradientRow bp1 and bq1
+        motion: wp.array(dtype=real)  # rows: see MotionRow
+        stride: wp.int32  # entries between two rows
+        normals: wp.array(dtype=real)  # unit normals of the nodes: see normals.py
+        normal_stride: wp.int32
+
+    return Facets
+
+
+@cache
+def patch_struct(real: type, lane_count: int):
+    """Vectors at four corners as mean + xi along1 + eta along2 + xi eta twist, one facet per lane."""
+    lanes3 = lane_types(real, lane_count).lanes3
+
+    @wp.struct
+    class Patch:
+        mean: lanes3
+        along1: lanes3
+        along2: lanes3
+        twist: lanes3
+
+    return Patch
+
+
+@cache
+def patch_functions(real: type, lane_count: int):
+    """wp.funcs that gather patches: a row of the motion as it is, positions from a point, and normals."""
+    types, Patch, Facets = lane_types(real, lane_count), patch_struct(real, lane_count), facets_struct(real)
+    indices, lanes3 = types.indices, types.lanes3
+
+    @wp.func
+    def patch_of(v0: lanes3, v1: lanes3, v2: lanes3, v3: lanes3):
+        quarter = real(0.25)
+        patch = Patch()
+        even = v0 + v2
+        odd = v1 + v3
+        falling = v1 - v3
+        rising = v2 - v0
+        patch.mean = quarter * (even + odd)
+        patch.twist = quarter * (even - odd)
+        patch.along1 = quarter * (rising + falling)
+        patch.along2 = quarter * (rising - falling)
+        return patch
+
+    @wp.func
+    def corner_entries(facets: Facets, facet: indices, corner: int):
+        result = indices()
+        for i in range(lane_count):
+            result[i] = facets.corner[facet[i], corner]
+        return result
+
+    @wp.func
+    def vector_at(facets: Facets, entry: indices, row: int):
+        return vector_of(gather4(facets.motion, entry, row * facets.stride, facets.stride))
+
+    @wp.func
+    def vectors(facets: Facets, facet: indices, row: int):
+        return patch_of(
+            vector_at(facets, corner_entries(facets, facet, 0), row),
+            vector_at(facets, corner_entries(facets, facet, 1), row),
+            vector_at(facets, corner_entries(facets, facet, 2), row),
+            vector_at(facets, corner_entries(facets, facet, 3), row),
+        )
+
+    @wp.func
+    def from_point(facets: Facets, entry: indices, position: lanes3, remainder: lanes3):
+        # differences first: in single precision the noise of a sum of weighted positions is a pressure of its own
+        return (vector_at(facets, entry, MotionRow.position) - position) + (
+            vector_at(facets, entry, MotionRow.remainder) - remainder
+        )
+
+    @wp.func
+    def positions(facets: Facets, facet: indices, position: lanes3, remainder: lanes3):
+        return patch_of(
+            from_point(facets, corner_entries(facets, facet, 0), position, remainder),
+            from_point(facets, corner_entries(facets, facet, 1), position, remainder),
+            from_point(facets, corner_entries(facets, facet, 2), position, remainder),
+            from_point(facets, corner_entries(facets, facet, 3), position, remainder),
+        )
+
+    @wp.func
+    def normal_at(facets: Facets, facet: indices, corner: int):
+        entry = indices()
+        for i in range(lane_count):
+            entry[i] = facets.normal_corner[facet[i], corner]
+        return vector_of(gather4(facets.normals, entry, 0, facets.normal_stride))
+
+    @wp.func
+    def normals(facets: Facets, facet: indices):
+        return patch_of(
+            normal_at(facets, facet, 0), normal_at(facets, facet, 1), normal_at(facets, facet, 2),
+            normal_at(facets, facet, 3),
+        )  # fmt: skip
+
+    return vectors, positions, normals
+
+
+@wp.func
+def patch_at(patch: Any, xi: Any, eta: Any):
+    return patch.mean + scale(xi, patch.along1 + scale(eta, patch.twist)) + scale(eta, patch.along2)
+
+
+@wp.func
+def patch_along1(patch: Any, eta: Any):
+    """Derivative by xi."""
+    return patch.along1 + scale(eta, patch.twist)
+
+
+@wp.func
+def patch_along2(patch: Any, xi: Any):
+    """Derivative by eta."""
+    return patch.along2 + scale(xi, patch.twist)
+
+
+@wp.func
+def corner_weight(corner: int, xi: Any, eta: Any):
+    """Share of one corner in a point of the facet."""
+    one = fill(xi, 1.0)
+    first = one - xi
+    if corner == 1 or corner == 2:
+        first = one + xi
+    second = one - eta
+    if corner > 1:
+        second = one + eta
+    return first.dtype(0.25) * wp.cw_mul(first, second)
+
+
+@wp.func
+def sagitta(x: Any, d: Any, xi: Any, eta: Any):
+    """Height of the surface that the normals describe over the bilinear facet, along them."""
+    one = fill(xi, 1.0)
+    bow1 = (one - xi * xi) * dot(patch_along1(x, eta), patch_along1(d, eta))
+    bow2 = (one - eta * eta) * dot(patch_along2(x, xi), patch_along2(d, xi))
+    return one.dtype(0.5) * (bow1 + bow2)
+
+
+@wp.func
+def triple(a: Any, b: Any, c: Any):
+    """a . (b x c)."""
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+
+
+@wp.func
+def bounded(value: Any, size: Any):
+    """``value`` within +-size; a NaN becomes ``size``."""
+    return larger(smaller(value, size), -size)
+
+
+@wp.func
+def find_foot(x: Any, d: Any, xi: Any, eta: Any, iterations: int):
+    """Coordinates (xi, eta) and height g with x(xi, eta) + g d(xi, eta) = 0, by Newton's method.
+
+    ``x`` is the facet as seen from the point whose foot is sought, and ``d`` the normals, of any length in between.
+    """
+    farthest = fill(xi, FARTHEST)
+    n = patch_at(d, xi, eta)
+    g = -dot(patch_at(x, xi, eta), n) / larger(dot(n, n), fill(xi, 1.0e-6))
+    for _ in range(iterations):
+        n = patch_at(d, xi, eta)
+        rest = patch_at(x, xi, eta) + scale(g, n)
+        c1 = patch_along1(x, eta) + scale(g, patch_along1(d, eta))
+        c2 = patch_along2(x, xi) + scale(g, patch_along2(d, xi))
+        volume = triple(c1, c2, n)
+        inverse = fill(volume, 1.0) / volume
+        xi = bounded(xi - inverse * triple(rest, c2, n), farthest)
+        eta = bounded(eta - inverse * triple(c1, rest, n), farthest)
+        g = g - inverse * triple(c1, c2, rest)
+    return xi, eta, g
+
+
+@cache
+def walk_function(real: type, lane_count: int):
+    """wp.func -> (facets beyond the edges that feet have passed, with feet at their centres, number of moved ones)."""
+    types, Facets = lane_types(real, lane_count), facets_struct(real)
+    indices, lanes = types.indices, types.lanes
+
+    @wp.func
+    def edge_passed(along: real, low: int, high: int):
+        # a margin against going to and fro
+        return wp.where(along > real(1.0001), high, wp.where(along < real(-1.0001), low, -1))
+
+    @wp.func
+    def walk(facets: Facets, old_facet: indices, old_xi: lanes, old_eta: lanes):
+        facet = old_facet
+        xi = old_xi
+        eta = old_eta
+        moved = wp.int32(0)
+        for i in range(lane_count):
+            first = edge_passed(xi[i], 3, 1)
+            second = edge_passed(eta[i], 0, 2)
+            if first >= 0 or second >= 0:
+                # the edge that is passed farther; the other one where there is nothing beyond it
+                if wp.abs(eta[i]) > wp.abs(xi[i]):
+                    other = first
+                    first = second
+                    second = other
+                beyond = FREE_EDGE
+                if first >= 0:
+                    beyond = facets.neighbour[facet[i], first]
+                if beyond < 0 and second >= 0:
+                    beyond = facets.neighbour[facet[i], second]
+                if beyond >= 0:
+                    facet[i] = beyond
+                    xi[i] = real(0.0)
+                    eta[i] = real(0.0)
+                    moved = moved + 1
+        return facet, xi, eta, moved
+
+    return walk
+
+
+@cache
+def inside_function(real: type, lane_count: int):
+    """wp.func -> 1 in the lanes whose feet lie on their facets, or just beyond an edge that has a neighbour; else 0."""
+    types, Facets = lane_types(real, lane_count), facets_struct(real)
+    indices, lanes = types.indices, types.lanes
+
+    @wp.func
+    def beside(facets: Facets, facet: int, along: real, low: int, high: int):
+        result = real(1.0)
+        size = wp.abs(along)
+        # nodes of equal plies stand on each other's edges, to rounding
+        if size > real(1.001):
+            edge = wp.where(along > real(0.0), high, low)
+            if size > real(1.2) or facets.neighbour[facet, edge] == FREE_EDGE:
+                result = real(0.0)
+        return result
+
+    @wp.func
+    def inside(facets: Facets, facet: indices, xi: lanes, eta: lanes):
+        result = fill(xi, 1.0)
+        for i in range(lane_count):
+            result[i] = beside(facets, facet[i], xi[i], 3, 1) * beside(facets, facet[i], eta[i], 0, 2)
+        return result
+
+    return inside

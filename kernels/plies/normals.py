@@ -1,0 +1,69 @@
+"""Unit normals of a sheet at its nodes, from the positions of the nodes around (docs/theory.md, section 11).
+
+The contact of plies uses them, and not the directors: directors tilt by transverse shear, and a gap that follows them
+without pushing back on them is unstable under pressure (docs/decisions/0035).
+"""
+
+from functools import cache
+
+import warp as wp
+
+from ..lanes import cross, dot, fill, lane_types, larger, scale, square_root, step_options
+from ..operators import div, mul  # noqa: F401
+from ..records import gather4, record3, store_record4, vector_of
+from ..rows import MOTION_RECORD_LENGTH, MotionRow
+
+# Numbers per node in the array of normals: a piece of a record.
+NORMAL_ROW_COUNT = 4
+
+
+@cache
+def normal_table_struct(real: type, lane_count: int):
+    """Neighbours of the nodes of a sheet."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class NormalTable:
+        following: wp.array2d(dtype=types.indices)  # [slot, block]: entry of the next corner of an element around
+        preceding: wp.array2d(dtype=types.indices)  # of the corner before; the node's own where there is no element
+        kept: wp.array2d(dtype=types.lanes)  # [component, block]: 0 where a symmetry plane holds the normal, else 1
+        stride: wp.int32  # entries between two rows of the motion
+
+    return NormalTable
+
+
+@cache
+def surface_normals_kernel(real: type, lane_count: int):
+    """Kernel over blocks of nodes: weighted by areas, the mean normal of the elements around each."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3, indices = types.lanes, types.lanes3, types.indices
+    NormalTable = normal_table_struct(real, lane_count)
+
+    @wp.func
+    def away(motion: wp.array(dtype=real), entry: indices, stride: int, position: lanes3):
+        return vector_of(gather4(motion, entry, MotionRow.position * stride, stride)) - position
+
+    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
+    def surface_normals(
+        # In
+        first_block: wp.int32,
+        table: NormalTable,
+        motion: wp.array(dtype=real),
+        rows: wp.array2d(dtype=lanes),  # the same motion, by rows
+        # Out
+        normals: wp.array2d(dtype=lanes),
+    ):
+        block = first_block + wp.tid()
+        position = record3(rows, MOTION_RECORD_LENGTH, MotionRow.position, block)
+        total = lanes3()
+        for slot in range(table.following.shape[0]):
+            ahead = away(motion, table.following[slot, block], table.stride, position)
+            behind = away(motion, table.preceding[slot, block], table.stride, position)
+            total = total + cross(ahead, behind)
+        for c in range(3):
+            total[c] = wp.cw_mul(table.kept[c, block], total[c])
+        # padding has none
+        length = larger(square_root(dot(total, total)), lanes(real(1.0e-30)))
+        store_record4(normals, NORMAL_ROW_COUNT, 0, block, scale(fill(length, 1.0) / length, total), lanes())
+
+    return surface_normals

@@ -1,0 +1,165 @@
+"""Where the nodes of one ply stand on the facets of another, and how they move there (docs/theory.md, section 11)."""
+
+from functools import cache
+from typing import Any
+
+import warp as wp
+
+from ..lanes import cross, dot, fill, lane_types, magnitude, scale, square_root, where_positive
+from ..operators import div, mul  # noqa: F401
+from ..rows import MotionRow
+from .data import NO_DEPTH, contact_law_struct
+from .facet import (
+    facets_struct,
+    find_foot,
+    inside_function,
+    patch_along1,
+    patch_along2,
+    patch_at,
+    patch_functions,
+    patch_struct,
+    sagitta,
+)
+
+# A foot that has gone farther than this from its facet is lost, and sought again among all facets.
+LOST = wp.constant(1.9)
+# Least cosine between facet and normal, and least length of the mean normal, where a foot is unique.
+LEAST_FACING = wp.constant(0.3)
+LEAST_NORMAL = wp.constant(0.7)
+
+
+@cache
+def ply_place_struct(real: type, lane_count: int):
+    """One block of nodes of the pass at the beginning of a step."""
+    types = lane_types(real, lane_count)
+
+    @wp.struct
+    class PlyPlace:
+        block: wp.int32
+        mean_step: real  # over which the forces act [s]
+        last_step: real  # over which those of the last step acted [s]
+        position: types.lanes3  # [m]
+        remainder: types.lanes3  # [m]
+        velocity: types.lanes3  # half a step ago [m/s]
+
+    return PlyPlace
+
+
+@cache
+def below_struct(real: type, lane_count: int):
+    """The facets under a block of nodes: positions from each node, normals, velocities."""
+    Patch = patch_struct(real, lane_count)
+
+    @wp.struct
+    class Below:
+        x: Patch
+        d: Patch
+        v: Patch
+
+    return Below
+
+
+@cache
+def stand_struct(real: type, lane_count: int):
+    """Where a block of nodes stands on the facets under it, and how it moves there."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+
+    @wp.struct
+    class Stand:
+        xi: lanes
+        eta: lanes
+        normal: lanes3  # unit normal of the other ply, interpolated from its nodes
+        depth: lanes  # penetration [m]; NO_DEPTH without a foot
+        distance: lanes  # of the mid-surfaces, at which they touch [m]
+        velocity: lanes3  # of the nodes relative to their feet [m/s]; 0 without a foot
+        spin: lanes  # rate at which the facet turns about its normal [1/s]
+        has_foot: lanes  # 1 or 0
+        lost: lanes  # 1 where the foot is lost, else 0
+
+    return Stand
+
+
+@cache
+def below_function(real: type, lane_count: int):
+    """wp.func (facets, facet, place) -> Below."""
+    indices = lane_types(real, lane_count).indices
+    Facets, Place, Below = facets_struct(real), ply_place_struct(real, lane_count), below_struct(real, lane_count)
+    vectors, positions, normals = patch_functions(real, lane_count)
+
+    @wp.func
+    def look_below(facets: Facets, facet: indices, place: Place):
+        below = Below()
+        below.x = positions(facets, facet, place.position, place.remainder)
+        below.d = normals(facets, facet)
+        below.v = vectors(facets, facet, MotionRow.velocity)
+        return below
+
+    return look_below
+
+
+@wp.func
+def touch_distance(law: Any, below: Any, xi: Any, eta: Any):
+    """Distance of the mid-surfaces at which the plies touch: the thickness, and the sagitta of the facet."""
+    n = patch_at(below.d, xi, eta)
+    return fill(xi, law.thickness) + law.side * (sagitta(below.x, below.d, xi, eta) / square_root(dot(n, n)))
+
+
+@wp.func
+def speed_over(place: Any, below: Any, xi: Any, eta: Any):
+    """Velocity of the nodes relative to their feet."""
+    return place.velocity - patch_at(below.v, xi, eta)
+
+
+@cache
+def stand_function(real: type, lane_count: int):
+    """wp.func (law, facets, facet, place, below, xi, eta, iterations) -> Stand, sought from the foot (xi, eta)."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3, indices = types.lanes, types.lanes3, types.indices
+    Facets, Law = facets_struct(real), contact_law_struct(real)
+    Place, Below, Stand = (
+        ply_place_struct(real, lane_count),
+        below_struct(real, lane_count),
+        stand_struct(real, lane_count),
+    )
+    inside = inside_function(real, lane_count)
+
+    @wp.func
+    def turn_of(below: Below, stand: Stand, g: lanes, length: lanes):
+        """``stand`` with the spin of its facets; feet that are not unique are taken away."""
+        x1 = patch_along1(below.x, stand.eta)
+        x2 = patch_along2(below.x, stand.xi)
+        offset = cross(x1 + scale(g, patch_along1(below.d, stand.eta)), x2 + scale(g, patch_along2(below.d, stand.xi)))
+        facing = dot(offset, stand.normal) - real(LEAST_FACING) * square_root(dot(offset, offset))
+        stand.has_foot = where_positive(facing, stand.has_foot, lanes())
+        stand.has_foot = where_positive(length - lanes(real(LEAST_NORMAL)), stand.has_foot, lanes())
+        area = dot(cross(x1, x2), stand.normal)
+        turning = dot(patch_along1(below.v, stand.eta), x2) - dot(patch_along2(below.v, stand.xi), x1)
+        stand.spin = where_positive(stand.has_foot, real(0.5) * turning / area, lanes())
+        return stand
+
+    @wp.func
+    def stand_on(
+        law: Law, facets: Facets, facet: indices, place: Place, below: Below, xi: lanes, eta: lanes, iterations: int
+    ):
+        stand = Stand()
+        new_xi, new_eta, g = find_foot(below.x, below.d, xi, eta, iterations)
+        stand.xi = new_xi
+        stand.eta = new_eta
+        n = patch_at(below.d, new_xi, new_eta)
+        length = square_root(dot(n, n))
+        stand.normal = scale(fill(length, 1.0) / length, n)
+        stand.distance = touch_distance(law, below, new_xi, new_eta)
+        stand.has_foot = inside(facets, facet, new_xi, new_eta)
+        farther = where_positive(magnitude(new_xi) - magnitude(new_eta), magnitude(new_xi), magnitude(new_eta))
+        stand.lost = where_positive(farther - lanes(real(LOST)), fill(xi, 1.0), lanes())
+        stand = turn_of(below, stand, g, length)
+        depth = stand.distance - law.side * (g * length)
+        stand.depth = where_positive(stand.has_foot, depth, lanes(real(NO_DEPTH)))
+        velocity = speed_over(place, below, new_xi, new_eta)
+        stand.velocity = lanes3()
+        for c in range(3):
+            stand.velocity[c] = where_positive(stand.has_foot, velocity[c], lanes())
+        return stand
+
+    return stand_on

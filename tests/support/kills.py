@@ -1,0 +1,270 @@
+"""Runs that are killed at random moments and resumed until they end, in forked processes of one interpreter.
+
+``python -m tests.support.kills FOLDER COUNT SEED`` prints a line of JSON for every run: how it was killed, and what is
+different from a run that was never interrupted.
+"""
+
+from __future__ import annotations
+
+import builtins
+import contextlib
+import hashlib
+import io
+import json
+import os
+import random
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tests.support.every_kind import IN_LANES, two_worlds
+from weavesim.app.run_into_folder import run_into_folder
+from weavesim.engine.setup import Setup
+from weavesim.output import ResultFolder
+from weavesim.output.writers.film import FilmWriter
+from weavesim.run.checkpoint import checkpoints as checkpoints_module
+from weavesim.run.checkpoint.checkpoints import Checkpoints, has_job, read_job
+from weavesim.run.checkpoint.container import read_container
+from weavesim.run.checkpoint.job import Job
+from weavesim.run.simulation import Simulation
+
+WRITERS = ("film", "paraview", "summary", "tables")
+RUN_ID = "20260101T000000Z-00000000"
+# What differs between two runs of one set-up, and what tells that one was resumed.
+VOLATILE = {
+    "threads", "wall_time_s", "stepping_time_s", "output_time_s", "element_steps_per_second", "notes", "warnings",
+}  # fmt: skip
+LONGEST_LIFE = 60.0
+
+
+def tiny_setup(threads: int = 1) -> Setup:
+    """Three sheets in two worlds, with every kind of state; a few hundred steps."""
+    setup = two_worlds(IN_LANES)
+    solver = setup.solver.model_copy(update={"threads": threads})
+    return setup.model_copy(
+        update={"solver": solver, "duration": 1.0e-3, "frame_count": 4, "name": "tiny", "accept_unusual": True}
+    )
+
+
+class Death(NamedTuple):
+    """How a process dies.
+
+    Attributes:
+        operation: before or within which operation on files, counted from 0; None for none.
+        after: wall time [s]; None for never.
+        share: of what that operation was to write, which is written.
+    """
+
+    operation: int | None = None
+    after: float | None = None
+    share: float = 0.0
+
+
+class _Operations:
+    """Counts what a process does to files, and kills it at one of these."""
+
+    def __init__(self, death: Death) -> None:
+        self._death, self.count = death, 0
+
+    def one(self, within: Callable[[float], object] | None = None) -> None:
+        """Another operation; ``within`` does a share of it."""
+        self.count += 1
+        if self.count - 1 == self._death.operation:
+            if within is not None:
+                within(self._death.share)
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    def install(self) -> None:
+        """Watch this process from now on."""
+        plain_open, fsync = io.open, os.fsync
+
+        def opened(file: Any, mode: str = "r", *arguments: Any, **given: Any) -> Any:
+            if not set(mode) & set("wax+"):
+                return plain_open(file, mode, *arguments, **given)
+            self.one()
+            return _Torn(plain_open(file, mode, *arguments, **given), self)
+
+        def synced(descriptor: int) -> None:
+            self.one()
+            fsync(descriptor)
+
+        def audited(event: str, arguments: tuple) -> None:
+            if event in ("os.rename", "os.remove", "os.mkdir", "os.rmdir", "shutil.copyfile"):
+                self.one()
+
+        builtins.open = io.open = opened  # type: ignore[assignment]
+        os.fsync = synced
+        sys.addaudithook(audited)
+
+
+class _Torn:
+    """A file of which a write may be the last thing that its process does."""
+
+    def __init__(self, file: Any, operations: _Operations) -> None:
+        self._file, self._operations = file, operations
+
+    def write(self, data: Any) -> int:
+        def within(share: float) -> None:
+            self._file.write(data[: int(share * len(data))])
+            self._file.flush()
+
+        self._operations.one(within)
+        return self._file.write(data)
+
+    def writelines(self, parts: Any) -> None:
+        for part in parts:
+            self.write(part)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
+
+    def __enter__(self) -> _Torn:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._file.close()
+
+
+NEVER = Death()
+
+
+def forked(work: Callable[[], object], death: Death = NEVER) -> tuple[bool, str, float]:
+    """Do ``work`` in a process of its own: whether it came to its end, what it returned or raised, and how long [s]."""
+    started = time.monotonic()
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(reading)
+        quiet = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(quiet, 1)
+        os.dup2(quiet, 2)
+        try:
+            text = json.dumps({"result": work()})
+        except BaseException as error:
+            text = json.dumps({"error": f"{type(error).__name__}: {error}"})
+        os.write(writing, text.encode())
+        os._exit(0)
+    os.close(writing)
+    end = started + (LONGEST_LIFE if death.after is None else death.after)
+    while os.waitpid(child, os.WNOHANG)[0] == 0:
+        if time.monotonic() >= end:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            break
+        time.sleep(0.001)
+    with os.fdopen(reading, "rb") as file:
+        text = file.read().decode()
+    seconds = time.monotonic() - started
+    if not text:
+        return False, "killed", seconds
+    answer = json.loads(text)
+    return "result" in answer, answer.get("error", json.dumps(answer.get("result"))), seconds
+
+
+def run_or_resume(folder: Path, threads: int, death: Death) -> dict[str, Any]:
+    """Begin a run in a folder, or go on with it if it has begun: what ``weavesim resume`` does, without its start."""
+    checkpoints_module.LARGEST_SHARE = 1.0e9
+    ended: dict[str, Any] = {}
+    remove = Checkpoints.remove
+
+    def digested(self: Checkpoints) -> None:
+        last = read_container(self._files()[0])
+        ended["state"] = _digest(b"".join(array.tobytes() for name, array in last.arrays.items() if "state/" in name))
+        remove(self)
+
+    Checkpoints.remove = digested  # type: ignore[method-assign]
+    setup = tiny_setup(threads)
+    resumes = has_job(folder)
+    operations = _Operations(death)
+    operations.install()
+    if resumes:
+        kept = read_job(folder)[0]
+        job = Job(setup, kept.run_id, kept.options, kept.origin, kept.writers)
+    else:
+        job = Job(setup, RUN_ID, {}, {}, WRITERS)
+    results = ResultFolder(folder, writers=job.writers, overwrite=True, resumes=resumes)
+    summary = run_into_folder(
+        setup, results, options={}, job=job, checkpoint_interval=0.01, resumes=resumes
+    )  # fmt: skip
+    return {**ended, "missing": summary["missing"], "operations": operations.count}
+
+
+def outcome(folder: Path, ended: dict[str, Any]) -> dict[str, str]:
+    """Digests of everything that a run leaves."""
+    found = {"state": ended["state"], "missing": str(ended["missing"])}
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and path.name not in ("summary.json", "run.json", "run.log", "setup.json"):
+            found[path.relative_to(folder).as_posix()] = _digest(path.read_bytes())
+    numbers = json.loads((folder / "summary.json").read_text())
+    found |= {f"summary: {name}": json.dumps(value) for name, value in numbers.items() if name not in VOLATILE}
+    return found
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def deaths(rng: random.Random, operation_count: int, seconds: float) -> Iterator[Death]:
+    """One to three deaths, half of them at an operation on files, half at any moment."""
+    for _ in range(rng.choice((1, 1, 1, 2, 3))):
+        if rng.random() < 0.5:
+            yield Death(operation=rng.randrange(operation_count), share=rng.random())
+        else:
+            yield Death(after=rng.uniform(0.0, seconds))
+
+
+def kill_and_resume(folder: Path, rng: random.Random, reference: dict[str, str], size: tuple[int, float]) -> dict:
+    """One run: how often it was killed, how, and how its end differs from the reference."""
+    shutil.rmtree(folder, ignore_errors=True)
+    planned, tried = list(deaths(rng, *size)), []
+    for death in planned:
+        threads = rng.choice((1, 2))
+        done, said, _ = forked(partial(run_or_resume, folder, threads, death), death)
+        tried.append({"threads": threads, **death._asdict(), "ended": said if done or said != "killed" else "killed",
+                      "resumable": has_job(folder)})  # fmt: skip
+        if done or said != "killed":
+            break
+    else:
+        done, said, _ = forked(partial(run_or_resume, folder, 1, NEVER))
+    if not done:
+        return {"deaths": tried, "error": said}
+    ended = outcome(folder, json.loads(said))
+    names = sorted({*ended, *reference})
+    return {"deaths": tried, "different": [name for name in names if ended.get(name) != reference.get(name)]}
+
+
+def warmed_up() -> None:
+    """Load all that a run needs, but start no thread, before the first fork."""
+    FilmWriter.load()
+    for threads in (1, 2):
+        Simulation(tiny_setup(threads)).prepare()
+
+
+def main(folder: str, count: str, seed: str) -> int:
+    base, rng = Path(folder), random.Random(int(seed))
+    base.mkdir(parents=True, exist_ok=True)
+    with contextlib.redirect_stdout(sys.stderr):
+        warmed_up()
+    shutil.rmtree(base / "reference", ignore_errors=True)
+    done, said, seconds = forked(partial(run_or_resume, base / "reference", 1, NEVER))
+    if not done:
+        print(json.dumps({"error": said}), flush=True)
+        return 1
+    ended = json.loads(said)
+    reference = outcome(base / "reference", ended)
+    print(json.dumps({"reference": len(reference), "operations": ended["operations"], "seconds": seconds}), flush=True)
+    failed = 0
+    for _ in range(int(count)):
+        found = kill_and_resume(base / "killed", rng, reference, (ended["operations"], seconds))
+        failed += bool(found.get("error") or found.get("different"))
+        print(json.dumps(found), flush=True)
+    return int(failed > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,120 @@
+"""Constants, feet and lists of the contact between plies, against independent searches."""
+
+import numpy as np
+import pytest
+
+from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
+from weavesim import Simulation
+from weavesim.engine.plies.connectivity import edge_neighbours, free_edge_distance, home_elements, rings
+from weavesim.engine.plies.feet import find_feet
+from weavesim.kernels.plies.facet import FREE_EDGE, SYMMETRY_EDGE
+from weavesim.process import Coulomb
+from weavesim.sheet.blank import Blank
+from weavesim.sheet.symmetry import Symmetry
+
+BLANK = Blank.rectangle((0.0, 0.0), (0.04, 0.03), 0.01, distortion=0.2)
+
+
+def test_neighbours_lie_beyond_the_edges_that_they_share():
+    neighbours = edge_neighbours(BLANK, Symmetry(("x",)))
+    quads = BLANK.quads
+    for element in range(BLANK.element_count):
+        for edge in range(4):
+            nodes = {quads[element, edge], quads[element, (edge + 1) % 4]}
+            sharing = [k for k in range(BLANK.element_count) if k != element and nodes <= set(quads[k])]
+            if sharing:
+                assert neighbours[element, edge] == sharing[0]
+            else:
+                on_plane = np.all(np.abs(BLANK.node_position[list(nodes), 0]) < 1e-9)
+                assert neighbours[element, edge] == int(SYMMETRY_EDGE if on_plane else FREE_EDGE)
+
+
+def test_rings_hold_all_that_share_a_node():
+    quads = BLANK.quads
+    for element, ring in enumerate(rings(quads)):
+        expected = [k for k in range(len(quads)) if k != element and set(quads[k]) & set(quads[element])]
+        assert list(ring[ring >= 0]) == [element, *expected]
+
+
+def test_every_node_has_an_element_and_a_distance_from_the_edge():
+    home = home_elements(BLANK)
+    assert all(node in BLANK.quads[element] for node, element in enumerate(home))
+    distance = free_edge_distance(BLANK, Symmetry())
+    assert np.all(distance[BLANK.boundary_loop()] == 0.0) and distance.max() > 0.009
+    assert free_edge_distance(BLANK, Symmetry(("x",))).max() > distance.max()
+
+
+def test_feet_on_a_sphere_stand_at_the_right_height():
+    """Known answer A: corners and normals on a sphere, the gap within 0.5 um (10 um with corners moved by 0.25 h)."""
+    radius, height = 0.05, 5e-4
+    for distortion, allowed in ((0.0, 5e-7), (0.25, 1e-5)):
+        flat = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005, distortion=distortion)
+        position = flat.node_position.copy()
+        position[:, 2] = np.sqrt(radius**2 - position[:, 0] ** 2 - position[:, 1] ** 2) - radius
+        centre = np.array([0.0, 0.0, -radius])
+        normal = (position - centre) / radius
+        points = np.random.default_rng(1).uniform(-0.012, 0.012, (200, 3))
+        points[:, 2] = np.sqrt((radius + height) ** 2 - points[:, 0] ** 2 - points[:, 1] ** 2) - radius
+        feet = find_feet(points, position, normal, flat.quads)
+        assert feet.on_facet.all()
+        assert np.abs(feet.height - height).max() < allowed
+
+
+def test_points_beside_a_sheet_do_not_stand_on_it():
+    feet = find_feet(
+        np.array([[0.02, 0.015, 0.001], [-0.02, 0.01, 0.0], [0.02, 0.01, 0.2]]),
+        BLANK.node_position, BLANK.initial_director, BLANK.quads,
+    )  # fmt: skip
+    assert feet.on_facet.tolist() == [True, False, False]
+    assert feet.height[0] == pytest.approx(0.001) and feet.way[2] > 0.15
+
+
+def listed_without_search(model, own) -> dict[int, list[int]]:
+    """Nodes that are pressed on each facet."""
+    standing = own.standing.numpy()[: model.slave.blank.node_count]
+    return {int(facet): np.flatnonzero(standing == facet).tolist() for facet in np.unique(standing[standing >= 0])}
+
+
+@pytest.mark.parametrize("slot_count", [None, 2])
+def test_no_pressed_node_is_missing_from_the_lists_while_plies_slide(slot_count, monkeypatch):
+    """Also with too few slots, where all nodes are looked through: the same bits."""
+    if slot_count:
+        monkeypatch.setattr("weavesim.engine.plies.pass_model.SPARE_SLOTS", 0.5)
+    sheets = [
+        ply("lower", square(0.03, 0.006), pressure=2e4),
+        ply("upper", square(0.02, 0.005, THICKNESS, 20.0), (4.0, 1.0, 0.0), pressure=-2e4),
+    ]
+    run = Simulation(stack_setup(sheets, Coulomb(0.0), duration=4e-3, solver={"precision": "float32"}))
+    for _ in range(8):
+        run.stepper.advance(8)
+        for model, own in zip(run.model.passes, run.state.passes, strict=True):
+            assert own.entry.numpy()[3] == 0.0  # never late
+            listed, count = own.listed.numpy(), own.listed_count.numpy()
+            for facet, nodes in listed_without_search(model, own).items():
+                assert count[facet] < 0 or set(nodes) <= set(listed[: count[facet], facet])
+            if slot_count:
+                assert count.min() < 0
+    moved = run.state.passes[0].read_rows(run.model.passes[0])
+    assert moved["travel"].max() >= 0.0
+    _ENDS[slot_count] = [sheet.motion.numpy().tobytes() for sheet in run.state.sheets]
+    assert len({tuple(end) for end in _ENDS.values()}) == 1
+
+
+_ENDS: dict = {}
+
+
+def test_plies_that_come_from_far_away_meet():
+    """Nodes without a foot find one in time, and blocks that slept wake up: a drop from 30 mm does not go through."""
+    sheets = [
+        ply("lower", square(0.03, 0.01), free=np.zeros((49, 6), dtype=bool)),
+        ply("upper", square(0.02, 0.01, 0.03), (0.0, 0.0, -10.0)),
+    ]
+    run = Simulation(stack_setup(sheets, Coulomb(0.0), duration=4.5e-3, dynamics={"contact_damping_ratio": 0.3}))
+    own = run.state.passes[0].read_rows(run.model.passes[0])
+    assert (own["stray"] > 0.0).all()
+    run.run()
+    own = run.state.passes[0].read_rows(run.model.passes[0])
+    assert run.state.passes[0].entry.numpy()[3] == 0.0
+    assert run.frame.sheets[1].position[:, 2].min() > 0.5 * THICKNESS
+    assert run.frame.sheets[1].position[:, 2].max() < 0.02 and own["largest_entry"].max() < 0.05 * THICKNESS
+    assert run.history[-1]["kinetic"] < run.history[0]["kinetic"]

@@ -1,0 +1,224 @@
+"""Contact between plies: known answers of stacks that press, slide and collide (docs/theory.md, section 11)."""
+
+import numpy as np
+import pytest
+
+from tests.support.stacked_plies import (
+    FABRIC,
+    THICKNESS,
+    momentum,
+    nodes,
+    pass_rows,
+    ply,
+    run_stack,
+    square,
+    stack_setup,
+)
+from weavesim import Simulation, Tool
+from weavesim.process import Coulomb, Stroke, ViscousFilm
+from weavesim.process.strokes import Fixed
+from weavesim.tools import Plane, rotation_matrix
+
+REDUCED = 0.5 * FABRIC.areal_density
+
+
+def test_two_free_plies_collide():
+    """Linear momentum is kept to round-off, and the ledger closes; the plies separate with what they came with."""
+    sheets = [
+        ply("lower", square(0.03, 0.01), (0.0, 0.0, 1.0)),
+        ply("upper", square(0.03, 0.01, THICKNESS + 2e-4, angle=34.0), (0.3, 0.0, -1.0)),
+    ]
+    run = run_stack(sheets, Coulomb(0.3), duration=4e-4, dynamics={"contact_damping_ratio": 0.0})
+    linear, angular = momentum(run)
+    impulse = run.model.sheets[0].node_mass.sum()  # times 1 m/s
+    start = run.model.sheets[1].node_mass.sum() * np.array([0.3, 0.0, -1.0]) + impulse * np.array([0.0, 0.0, 1.0])
+    np.testing.assert_allclose(linear, start, atol=1e-12 * impulse)
+    assert np.isfinite(angular).all()
+    assert nodes(run.model.sheets[1], run.state.sheets[1])[1][:, 2].mean() > 0.3
+    last = run.history[-1]
+    assert last["ply_friction_loss"] > 0.0
+    assert max(abs(entry["balance_error"]) for entry in run.history[-2:]) < 0.01 * last["supplied"]
+
+
+@pytest.mark.parametrize(("size", "angle"), [(0.01, 0.0), (0.01 / 1.7, 30.0)])
+def test_without_friction_both_momenta_are_kept(size, angle):
+    sheets = [
+        ply("lower", square(0.03, 0.01), (0.0, 0.0, 1.0)),
+        ply("upper", square(0.02, size, THICKNESS + 1e-4, angle, (0.004, 0.002)), (0.3, 0.1, -1.0)),
+    ]
+    setup = stack_setup(sheets, Coulomb(0.0), duration=3e-4, dynamics={"contact_damping_ratio": 0.2})
+    run = Simulation(setup)
+    before = momentum(run)
+    spin = _spin_momentum(run)
+    run.run()
+    scale = run.model.sheets[0].node_mass.sum()
+    linear, angular = momentum(run)
+    np.testing.assert_allclose(linear, before[0], atol=1e-12 * scale)
+    # contact makes no couples on directors, whose own momentum is booked by the shell
+    np.testing.assert_allclose(angular + _spin_momentum(run) - spin, before[1], atol=2e-4 * scale * 0.03)
+
+
+def _spin_momentum(run) -> np.ndarray:
+    from weavesim.kernels.rows import MotionRow
+
+    total = np.zeros(3)
+    for model, own in zip(run.model.sheets, run.state.sheets, strict=True):
+        motion = model.read_motion(own.motion)[:, : model.blank.node_count].astype(np.float64)
+        total += model.node_inertia @ motion[MotionRow.spin.vector]
+    return total
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_friction_stops_a_ply(precision):
+    """Rest after V rho_r/(mu p), slip half of V times that, and all its energy as heat, each within 1 %."""
+    speed, pressure, coefficient = 1.0, 1000.0, 0.3
+    sheets = [
+        ply("lower", square(0.05, 0.01), (-0.5 * speed, 0.0, 0.0), pressure),
+        ply("upper", square(0.05, 0.01, THICKNESS), (0.5 * speed, 0.0, 0.0), -pressure),
+    ]
+    rest = speed * REDUCED / (coefficient * pressure)
+    run = run_stack(
+        sheets, Coulomb(coefficient), duration=1.2 * rest, dynamics={"contact_damping_ratio": 0.3},
+        solver={"precision": precision}, frame_count=24,
+    )  # fmt: skip
+    rows = pass_rows(run, 0)
+    inner = rows["slip"] > 1e-4
+    assert rows["slip"][inner].mean() == pytest.approx(0.5 * speed * rest, rel=0.01)
+    last = run.history[-1]
+    assert last["ply_friction_loss"] == pytest.approx(0.5 * REDUCED * speed**2 * 0.01, rel=0.01)
+    moving = np.array([entry["kinetic"] for entry in run.history])
+    time = np.array([entry["time"] for entry in run.history])
+    # the kinetic energy of a constant deceleration is a parabola: its root falls linearly to zero at rest
+    half = time < 0.8 * rest
+    slope, start = np.polyfit(time[half], np.sqrt(moving[half]), 1)
+    assert -start / slope == pytest.approx(rest, rel=0.01)
+    assert abs(last["balance_error"]) < 1e-3 * last["supplied"]
+
+
+def test_a_viscous_film_slows_a_ply_exponentially():
+    """rho_r dv/dt = -eta v/h."""
+    viscosity, film, speed, pressure = 20.0, 1e-4, 1.0, 200.0
+    rate = viscosity / film / REDUCED
+    sheets = [
+        ply("lower", square(0.05, 0.01), (-0.5 * speed, 0.0, 0.0), pressure),
+        ply("upper", square(0.05, 0.01, THICKNESS), (0.5 * speed, 0.0, 0.0), -pressure),
+    ]
+    run = run_stack(sheets, ViscousFilm(viscosity, film), duration=1.0 / rate, solver={"time_step": 5e-8})
+    share = run.model.passes[0].viscous_share
+    middle = [nodes(model, own)[1][:, 0] for model, own in zip(run.model.sheets, run.state.sheets, strict=True)]
+    relative = np.median(middle[1]) - np.median(middle[0])
+    assert relative == pytest.approx(speed * np.exp(-share * rate * run.state.time), rel=0.02)
+
+
+def plates(height: float, stack: float) -> tuple[Tool, ...]:
+    """A plate under the stack, and one that comes down by ``stack`` [m] from ``height``."""
+    turned = rotation_matrix((1.0, 0.0, 0.0), np.pi)
+    down = Stroke((0.0, 1e-3, 1.0), (0.0, stack, stack))
+    return (
+        Tool("table", Plane(origin=(0.0, 0.0, -0.5 * THICKNESS)), Fixed(), friction=0.0),
+        Tool("press", Plane(origin=(0.0, 0.0, height), rotation=turned), down, axis=(0.0, 0.0, -1.0), friction=0.0),
+    )
+
+
+@pytest.mark.parametrize("meshes", [(0.01, 0.0), (0.01, 45.0), (0.006, 30.0)], ids=["equal", "turned", "finer"])
+def test_every_interface_of_a_stack_carries_the_pressure(meshes):
+    """Three plies between plates: every interface carries the force, and the height gives way as the penalties say."""
+    size, angle = meshes
+    half = 0.03 if angle == 0.0 else 0.02
+    sheets = [
+        ply("1", square(0.03, 0.01)),
+        ply("2", square(half, size, THICKNESS, angle)),
+        ply("3", square(0.03, 0.01, 2 * THICKNESS)),
+    ]
+    press = 4e-5
+    run = run_stack(
+        sheets, Coulomb(0.0), duration=8e-3, dynamics={"contact_damping_ratio": 0.5, "damping": 4000.0},
+        tools=plates(2.5 * THICKNESS, press),
+    )  # fmt: skip
+    force = -run.frame.tool_reaction[:, 2]
+    assert force[0] == pytest.approx(-force[1], rel=0.01) and force[0] > 10.0
+    for interface in (0, 1):
+        carried = sum(
+            each.place.side * pass_rows(run, k)["force"][2].sum()
+            for k, each in enumerate(run.model.passes)
+            if each.place.interface == interface
+        )
+        assert carried == pytest.approx(force[0], rel=0.01)
+    last = run.history[-1]
+    assert abs(last["balance_error"]) < 0.01 * last["supplied"]
+    if angle == 0.0:
+        area = 0.06**2
+        pressure = force[0] / area
+        steps = [sheet.reference_step for sheet in run.model.sheets]
+        tools = 2.0 * pressure * steps[0] ** 2 / (0.05 * FABRIC.areal_density)
+        interfaces = 2.0 * pressure / run.model.passes[0].area_stiffness
+        assert tools + interfaces == pytest.approx(press, rel=0.02)
+
+
+@pytest.mark.parametrize(("share", "slides"), [(0.8, False), (1.25, True)])
+def test_a_ply_on_an_incline(share, slides):
+    """Below the friction angle it stays, above it accelerates by g (sin - mu cos)."""
+    coefficient, gravity, height = 0.4, 9.81, 0.0
+    slope = np.arctan(share * coefficient)
+    held = ply("lower", square(0.04, 0.01), free=np.zeros((81, 6), dtype=bool))
+    upper = ply("upper", square(0.02, 0.01, THICKNESS + height))
+    run = run_stack(
+        [held, upper], Coulomb(coefficient), duration=0.02,
+        dynamics={
+            "gravity": (gravity * np.sin(slope), 0.0, -gravity * np.cos(slope)), "contact_damping_ratio": 0.5,
+        },
+        frame_count=4,
+    )  # fmt: skip
+    position, velocity = nodes(run.model.sheets[1], run.state.sheets[1])
+    moved = (position - run.model.sheets[1].blank.node_position)[:, 0].mean()
+    if slides:
+        acceleration = gravity * (np.sin(slope) - coefficient * np.cos(slope))
+        assert velocity[:, 0].mean() == pytest.approx(acceleration * run.state.time, rel=0.01)
+    else:
+        assert abs(moved) < 1e-7 and abs(velocity[:, 0].mean()) < 1e-4
+
+
+def test_the_middle_ply_is_pulled_out_with_the_friction_of_both_faces():
+    from weavesim import Drive, Support
+
+    pressure, coefficient = 500.0, 0.25
+    bottom = square(0.03, 0.01)
+    middle = square(0.05, 0.01, THICKNESS)
+    top = square(0.03, 0.01, 2 * THICKNESS)
+    edge = np.flatnonzero(middle.node_position[:, 0] > 0.05 - 1e-9)
+    pull = Support(
+        "pull", edge, (Drive(Stroke((0.0, 2e-3, 1.0), (0.0, 2.5e-4, 0.2)), (1.0, 0.0, 0.0)),), displacements="x"
+    )
+    fixed = np.ones((len(bottom.node_position), 6), dtype=bool)
+    fixed[:, :2] = False
+    sheets = [
+        ply("bottom", bottom, pressure=pressure, free=fixed),
+        ply("middle", middle, supports=(pull,)),
+        ply("top", top, pressure=-pressure, free=fixed),
+    ]
+    run = run_stack(
+        sheets, Coulomb(coefficient), duration=0.012, dynamics={"contact_damping_ratio": 0.5}, frame_count=8
+    )
+    # the ply vibrates as it is pulled: the work of friction over the way is its mean force
+    early, last = run.history[4], run.history[-1]
+    way = 0.2 * (last["time"] - early["time"])
+    drag = (last["ply_friction_loss"] - early["ply_friction_loss"]) / way
+    assert drag == pytest.approx(2.0 * coefficient * pressure * 0.06**2, rel=0.01)
+    assert abs(last["balance_error"]) < 0.01 * last["supplied"]
+
+
+@pytest.mark.parametrize("lane_count", [1, 16])
+def test_the_same_bits_for_any_number_of_threads(lane_count):
+    def end(threads: int) -> list[bytes]:
+        sheets = [
+            ply("lower", square(0.05, 0.006), pressure=1e4),
+            ply("upper", square(0.04, 0.005, THICKNESS, 20.0), (1.0, 0.0, 0.0), pressure=-1e4),
+        ]
+        run = run_stack(
+            sheets, Coulomb(0.2), duration=1.5e-4,
+            solver={"threads": threads, "precision": "float32", "lane_count": lane_count},
+        )  # fmt: skip
+        assert pass_rows(run, 0)["push"].max() > 0.0
+        return [array.numpy().tobytes() for _, array in run.state.arrays() if array.size]
+
+    assert end(1) == end(3)

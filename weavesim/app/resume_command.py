@@ -1,0 +1,69 @@
+"""``weavesim resume``: go on with runs that were interrupted or killed."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from ..engine.setup import Setup
+    from ..run.checkpoint.container import Content
+    from ..run.checkpoint.job import Job
+
+
+def resume_folder(out: Path, *, threads: int | None = None, device: str | None = None) -> dict[str, Any]:
+    """Go on with the run in a folder of results, or with all runs in the folders below it, one after the other.
+
+    Args:
+        out: folder of the results.
+        threads, device: instead of those that the run began with.
+
+    Returns:
+        The summary; of several runs, the summaries by the name of their folder, and the outcome of the last one.
+
+    Raises:
+        InputError: there is nothing to resume, or it cannot be resumed here.
+        RunError: a run had to stop; results up to its last good frame are written first.
+    """
+    from ..run.checkpoint.checkpoints import has_job, read_job
+
+    if has_job(out) or not out.is_dir():
+        return _resumed(out, *read_job(out), threads, device)
+    jobs = {folder: read_job(folder) for folder in sorted(out.iterdir()) if has_job(folder)}
+    if not jobs:
+        read_job(out)  # says that there is none
+    summaries: dict[str, Any] = {}
+    for folder, (job, content) in sorted(jobs.items(), key=lambda item: item[1][0].order):
+        summaries[folder.name] = _resumed(folder, job, content, threads, device)
+        summaries["outcome"] = summaries[folder.name].get("outcome")
+        if summaries["outcome"] != "finished":
+            break
+    return summaries
+
+
+def _resumed(out: Path, job: Job, content: Content, threads: int | None, device: str | None) -> dict[str, Any]:
+    from ..output import ResultFolder
+    from ..run.checkpoint.job import unpacked_options
+    from .run_into_folder import run_into_folder
+
+    job = replace(job, setup=_elsewhere(job.setup, threads, device))
+    if name := job.origin.get("scene"):
+        scenes = import_module("weavesim.scenes.scene").known_scenes()
+        if name not in scenes:
+            raise InputError(f"folder {out}: its run is of the scene {name!r}, which this weavesim does not have")
+        with tempfile.TemporaryDirectory(prefix="weavesim-") as inputs:
+            return scenes[name].load().resume(job, unpacked_options(job, content, Path(inputs)), out)
+    folder = ResultFolder(out, writers=job.writers or None, options=job.options, resumes=True)
+    return run_into_folder(job.setup, folder, options=job.options, job=job, resumes=True)
+
+
+def _elsewhere(setup: Setup, threads: int | None, device: str | None) -> Setup:
+    given: Mapping[str, Any] = {"threads": threads, "device": device}
+    changes = {name: value for name, value in given.items() if value is not None}
+    return setup.model_copy(update={"solver": setup.solver.model_copy(update=changes)}) if changes else setup

@@ -1,0 +1,97 @@
+"""Feet of points on the facets of a sheet, found on the host: for the start of a run, and for checks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# Facets around each point that are tried, by their middles.
+CANDIDATE_COUNT = 9
+ITERATIONS = 12
+
+
+@dataclass(frozen=True)
+class Feet:
+    """Where points stand on facets.
+
+    Attributes:
+        facet: (n,) int32.
+        xi, eta: coordinates on it, (n,); beyond +-1 for points that stand beside the sheet.
+        height: along the unit normal interpolated from the directors, less the sagitta of the facet, (n,) [m].
+        way: distance from the middle of the nearest facet less 1.2 times its radius, (n,) [m]; positive far away.
+    """
+
+    facet: np.ndarray
+    xi: np.ndarray
+    eta: np.ndarray
+    height: np.ndarray
+    way: np.ndarray
+
+    @property
+    def on_facet(self) -> np.ndarray:
+        """Which points stand on the sheet, (n,) bool."""
+        return (np.maximum(np.abs(self.xi), np.abs(self.eta)) <= 1.0 + 1.0e-6) & (self.way <= 0.0)
+
+
+def find_feet(points: np.ndarray, position: np.ndarray, director: np.ndarray, quads: np.ndarray) -> Feet:
+    """Feet of ``points`` (n, 3) [m] on the facets of a sheet.
+
+    Args:
+        points: whose feet are sought.
+        position, director: of the sheet's nodes, (node_count, 3) [m] and unit vectors.
+        quads: its elements, (element_count, 4).
+    """
+    from scipy.spatial import KDTree
+
+    corners = position[quads]
+    middle = corners.mean(axis=1)
+    radius = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+    distance, near = KDTree(middle).query(points, k=min(CANDIDATE_COUNT, len(quads)))
+    distance, near = distance.reshape(len(points), -1), near.reshape(len(points), -1)
+    best = np.full(len(points), np.inf)
+    facet = near[:, 0].astype(np.int32)
+    found = np.zeros((3, len(points)))
+    found[0] = 2.0  # beside the sheet, where no facet has a foot
+    for k in range(near.shape[1]):
+        solved = _solve(points, corners[near[:, k]], director[quads[near[:, k]]])
+        outside = np.where(solved[3] < 1.0e-6, np.maximum(np.abs(solved[0]), np.abs(solved[1])), np.inf)
+        # on an edge, the facet whose middle is nearer stays
+        better = outside < best - 1.0e-9
+        best[better], facet[better] = outside[better], near[better, k]
+        found[:, better] = solved[:3, better]
+    way = (distance - 1.2 * radius[near]).min(axis=1)
+    return Feet(facet, found[0], found[1], found[2], way)
+
+
+def _solve(points: np.ndarray, corner: np.ndarray, director: np.ndarray) -> np.ndarray:
+    """xi, eta, height and error over the size of the facet, for one facet each, (4, n), by Newton's method."""
+    xi, eta, g = (np.zeros(len(points)) for _ in range(3))
+    g = np.einsum("ni,ni->n", points - corner.mean(axis=1), director.mean(axis=1))
+    for _ in range(ITERATIONS):
+        weight, by_xi, by_eta = weights(xi, eta)
+        n = np.einsum("nc,nci->ni", weight, director)
+        rest = np.einsum("nc,nci->ni", weight, corner) + g[:, None] * n - points
+        column1 = np.einsum("nc,nci->ni", by_xi, corner + g[:, None, None] * director)
+        column2 = np.einsum("nc,nci->ni", by_eta, corner + g[:, None, None] * director)
+        matrix = np.stack([column1, column2, n], axis=-1)
+        singular = np.abs(np.linalg.det(matrix)) < 1.0e-30
+        matrix[singular], rest[singular] = np.eye(3), 0.0
+        change = np.linalg.solve(matrix, rest[..., None])[..., 0]
+        xi, eta = np.clip(xi - change[:, 0], -2.0, 2.0), np.clip(eta - change[:, 1], -2.0, 2.0)
+        g = g - change[:, 2]
+    weight, by_xi, by_eta = weights(xi, eta)
+    length = np.linalg.norm(np.einsum("nc,nci->ni", weight, director), axis=1)
+    bow1 = np.einsum("nc,nci,nd,ndi->n", by_xi, corner, by_xi, director)
+    bow2 = np.einsum("nc,nci,nd,ndi->n", by_eta, corner, by_eta, director)
+    sagitta = 0.5 * ((1.0 - xi**2) * bow1 + (1.0 - eta**2) * bow2) / length
+    rest = np.einsum("nc,nci->ni", weight, corner) + g[:, None] * np.einsum("nc,nci->ni", weight, director) - points
+    size = np.linalg.norm(corner[:, 2] - corner[:, 0], axis=1)
+    return np.stack([xi, eta, g * length - sagitta, np.linalg.norm(rest, axis=1) / size])
+
+
+def weights(xi: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Shares of the corners in a point of a facet, and their derivatives by xi and eta, each (n, 4)."""
+    one, other = np.array([-1.0, 1.0, 1.0, -1.0]), np.array([-1.0, -1.0, 1.0, 1.0])
+    first, second = 1.0 + xi[:, None] * one, 1.0 + eta[:, None] * other
+    return 0.25 * first * second, 0.25 * one * second, 0.25 * other * first

@@ -1,0 +1,156 @@
+"""Launches of one pass of an interface, with all arguments, on one state."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import warp as wp
+
+from ...kernels.plies.data import listed_struct, record_struct
+from ...kernels.plies.node_pass import meet_plies_kernel
+from ...kernels.plies.reaction import push_facets_kernel, reaction_struct
+from ...kernels.plies.search import (
+    adopt_lists_kernel,
+    begin_travel_kernel,
+    collect_strays_kernel,
+    list_nodes_kernel,
+    plan_search_kernel,
+    seek_feet_kernel,
+    watch_struct,
+)
+from ...kernels.stepping.step import fold_works_kernel
+from ..layout import lanes_view
+from ..state import State
+from .pass_model import PassModel
+
+
+class PassLaunches:
+    """Every launch of one pass on one state.
+
+    Args:
+        model: constants of the pass.
+        state: of the run.
+        index: of the pass.
+        squared_speeds: largest squared speed of every block of every sheet, written by ``watch_speed``.
+        normals: of every sheet, written by ``surface_normals``.
+    """
+
+    def __init__(
+        self, model: PassModel, state: State, index: int, squared_speeds: list[wp.array], normals: list[wp.array]
+    ) -> None:
+        self.model, self._own = model, state.passes[index]
+        self._clock, self._speeds = state.clock, squared_speeds
+        self._real, self._lanes = model.real, model.lane_count
+        slave, master = state.sheets[model.place.slave], state.sheets[model.place.master]
+        self._motion = model.slave.motion_layout.view(slave.motion)
+        self._corners = model.master.corners.view(master.corner_force)
+        self._slaves = model.slaves(slave.motion, normals[model.place.slave])
+        self._facets = model.facets(master.motion, normals[model.place.master])
+        self._law, self._search = model.law(), model.search()
+        self._record, self._reaction = self._make_record(slave.contact_force), self._make_reaction()
+        self._listed, self._made = self._lists(self._own.listed, self._own.listed_count), self._scratch_lists()
+        self._watch = self._make_watch()
+        self.node_block_count = model.slave.block_count
+        self.facet_block_count = model.master.element_count // self._lanes
+
+    def _make_record(self, total: wp.array) -> Any:
+        record, own, indices = record_struct(self._real, self._lanes)(), self._own, self.model.types.indices
+        record.facet, record.standing = _integer_lanes(own.facet, indices), _integer_lanes(own.standing, indices)
+        record.rows = self.model.rows.view(own.rows)
+        record.works, record.total = lanes_view(own.works, self._lanes), lanes_view(total, self._lanes)
+        record.way, record.last_step = own.way, own.last_step
+        return record
+
+    def _make_reaction(self) -> Any:
+        reaction, own, rows = reaction_struct(self._real, self._lanes)(), self._own, self.model.rows
+        reaction.listed = _integer_lanes(own.listed, self.model.types.indices)
+        reaction.count, reaction.standing, reaction.rows = own.block_count, own.standing, own.rows
+        reaction.row_count = rows.row_count if self._lanes > 1 else 1
+        reaction.stride = rows.stride
+        return reaction
+
+    @staticmethod
+    def _lists(nodes: wp.array, count: wp.array) -> Any:
+        listed = listed_struct()()
+        listed.node, listed.count = nodes, count
+        return listed
+
+    def _scratch_lists(self) -> Any:
+        return self._lists(wp.zeros_like(self._own.listed), wp.zeros_like(self._own.listed_count))
+
+    def _make_watch(self) -> Any:
+        watch, slave, device = watch_struct(self._real)(), self.model.slave, self.model.device
+        watch.entry = self._own.entry
+        watch.travel = wp.zeros(slave.block_count, dtype=self._real, device=device)
+        watch.late = wp.zeros(slave.block_count, dtype=wp.int32, device=device)
+        watch.found = wp.zeros(slave.node_count, dtype=wp.int32, device=device)
+        watch.foot = wp.zeros(slave.node_count, dtype=self.model.types.vec3, device=device)
+        watch.stray = wp.zeros(slave.node_count, dtype=wp.int32, device=device)
+        return watch
+
+    def _launch(self, kernel: wp.Kernel, dim: int, inputs: list, outputs: list | None = None) -> None:
+        if dim:
+            wp.launch(kernel, dim=dim, inputs=inputs, outputs=outputs or [], device=self.model.device)
+
+    # --- a step ------------------------------------------------------------------------------------------------------
+
+    def meet(self, first: int, count: int) -> None:
+        """Contact forces on ``count`` blocks of nodes from ``first``, before anything moves."""
+        self._launch(
+            meet_plies_kernel(self._real, self._lanes), count,
+            [first, self._slaves, self._facets, self._law, self._clock, self._motion], [self._record],
+        )  # fmt: skip
+
+    def push(self, first: int, count: int) -> None:
+        """Their reactions on ``count`` blocks of facets from ``first``, after the forces of these elements."""
+        self._launch(push_facets_kernel(self._real, self._lanes), count, [first, self._reaction], [self._corners])
+
+    # --- an update of the stable step, in this order, with a barrier between ------------------------------------------
+
+    def plan(self) -> None:
+        """How far both plies may move until the next update."""
+        speeds = [self._speeds[self.model.place.slave], self._speeds[self.model.place.master]]
+        self._launch(plan_search_kernel(self._real), 1, [self._search, self._clock, *speeds], [self._watch])
+
+    def seek(self, first: int, count: int) -> None:
+        """Feet, and blocks to be watched; the works of the last steps are added to their sums."""
+        self._launch(
+            seek_feet_kernel(self._real, self._lanes), count,
+            [first, self._facets, self._search, self._motion], [self._record, self._watch],
+        )  # fmt: skip
+        self._launch(
+            fold_works_kernel(self._real, self._lanes), count, [first], [self._record.works, self._own.works_sum]
+        )
+
+    def collect(self) -> None:
+        """Nodes that have just found a foot, and whether the lists are made anew."""
+        self._launch(collect_strays_kernel(self._real), 1, [self._search, self._watch])
+
+    def list_nodes(self, first: int, count: int) -> None:
+        """New lists of ``count`` blocks of facets from ``first``."""
+        self._launch(
+            list_nodes_kernel(self._real), count * self._lanes,
+            [first * self._lanes, self._facets, self._search, self._watch, self._own.facet, self._listed],
+            [self._made],
+        )  # fmt: skip
+
+    def adopt(self, facets: tuple[int, int], nodes: tuple[int, int]) -> None:
+        """Take the new lists of blocks of facets, and begin the ways of blocks of nodes anew."""
+        self._launch(
+            adopt_lists_kernel(self._real, self._lanes), facets[1],
+            [facets[0], self._search, self._watch, self._made], [self._listed, self._own.block_count],
+        )  # fmt: skip
+        self._launch(
+            begin_travel_kernel(self._real, self._lanes), nodes[1], [nodes[0], self._search, self._watch, self._record]
+        )
+
+
+def _integer_lanes(array: wp.array, indices: type) -> wp.array:
+    """An array of int32 with padded last axis as lanes, on the same memory."""
+    lane_count = indices._length_
+    view: Any = wp.array(
+        ptr=array.ptr, dtype=indices, shape=(*array.shape[:-1], array.shape[-1] // lane_count), device=array.device,
+        capacity=array.capacity,
+    )  # fmt: skip
+    view._owner = array
+    return view

@@ -1,0 +1,258 @@
+"""Constants of one pass of an interface: the nodes of one sheet on the facets of another."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import warp as wp
+
+from ...kernels.contact.friction import HERSEY, NO_ARGUMENT, PRESSURE, YARN_ANGLE, friction_law_struct
+from ...kernels.plies.data import contact_law_struct, slaves_struct
+from ...kernels.plies.facet import FREE_EDGE, facets_struct
+from ...kernels.plies.search import search_struct
+from ...kernels.rows import PLY_RECORD_LENGTH, GradientRow, PlyRow
+from ...process.friction import Friction, PressureFriction, StribeckFriction, ViscousFilm, YarnAngleFriction
+from ...process.interfaces import Interface
+from ..layout import RowLayout
+from ..sheet_model import REFRESH_INTERVAL, TANGENTIAL_RATIO, SheetModel
+from .connectivity import edge_neighbours, free_edge_distance, home_elements, rings
+from .feet import Feet, find_feet
+from .normals import normal_layout
+
+# Rate of a film, or of the slope of a Stribeck curve, over what the step can carry.
+LARGEST_VISCOUS_SHARE = 0.1
+# Nodes within this share of an element's size of a facet are listed with it.
+SKIN_SHARE = 0.3
+# Slots of a list of candidates, over the mean number of nodes within its box.
+SPARE_SLOTS = 3.0
+_ARGUMENT_KINDS: dict[type[Friction], int] = {
+    PressureFriction: int(PRESSURE),
+    YarnAngleFriction: int(YARN_ANGLE),
+    StribeckFriction: int(HERSEY),
+}
+
+
+@dataclass(frozen=True)
+class PassPlace:
+    """Which sheets of a run a pass joins.
+
+    Attributes:
+        interface: index among the interfaces of the run.
+        slave, master: indices of the sheets whose nodes stand on the facets of the other.
+        side: 1 if the nodes lie above the facets, -1 if below.
+        is_first: whether it is the first pass of the slave sheet.
+        share: of the interface's stiffness.
+    """
+
+    interface: int
+    slave: int
+    master: int
+    side: int
+    is_first: bool
+    share: float
+
+
+class PassModel:
+    """Constants of one pass.
+
+    Args:
+        place: which sheets it joins.
+        interface: of which it is a pass.
+        slave, master: their constants.
+        damping_ratio: normal dashpot as a share of critical.
+        reference_step: of the run [s].
+
+    Attributes:
+        rows: layout of PlyRow.
+        stiffness: normal spring of every node, (node_count,) [N/m].
+        area_stiffness: of both passes together, per area [Pa/m].
+        thickness: distance of the mid-surfaces at which the plies touch [m].
+        slot_count: slots of the list of candidates of a facet.
+    """
+
+    def __init__(
+        self,
+        place: PassPlace,
+        interface: Interface,
+        slave: SheetModel,
+        master: SheetModel,
+        damping_ratio: float,
+        reference_step: float,
+    ) -> None:
+        self.place, self.interface, self.slave, self.master = place, interface, slave, master
+        self.device, self.real, self.types, self.lane_count = slave.device, slave.real, slave.types, slave.lane_count
+        self.damping_ratio, self.reference_step = damping_ratio, reference_step
+        self.rows = RowLayout(PlyRow.row_count(), slave.node_count, self.lane_count, PLY_RECORD_LENGTH)
+        self.thickness = 0.5 * (slave.fabric.thickness + master.fabric.thickness)
+        densities = [mean_density(sheet) for sheet in (slave, master)]
+        self.reduced_density = densities[0] * densities[1] / sum(densities)
+        self.area_stiffness = interface.stiffness_share * self.reduced_density / reference_step**2
+        area = mean_facet_area(master)
+        smaller = np.minimum(nodal_areas(slave), area)
+        self.stiffness = self._edge_shares(place.share) * self.area_stiffness * smaller
+        self.skin = SKIN_SHARE * math.sqrt(area)
+        box = (math.sqrt(area) + 2.0 * self.skin) ** 2
+        self.slot_count = math.ceil(SPARE_SLOTS * (box / mean_facet_area(slave) + 1.0))
+
+    def _edge_shares(self, share: float) -> np.ndarray:
+        """Share of every node: at least a half near a free edge, where both passes are needed."""
+        slave, size = self.slave, math.sqrt(mean_facet_area(self.slave))
+        band = max(size, 2.0 * self.thickness)
+        distance = free_edge_distance(slave.blank, slave.symmetry)
+        near = np.clip((band + size - distance) / size, 0.0, 1.0)
+        return share + (max(share, 0.5) - share) * near
+
+    # --- device constants --------------------------------------------------------------------------------------------
+
+    def facets(self, motion: wp.array, normals: wp.array):
+        """Facets under the nodes, as a new struct, on the motion and the normals of one state of their sheet."""
+        return self._facets(self._master_arrays, self.master, motion, normals)
+
+    def slaves(self, motion: wp.array, normals: wp.array):
+        """Nodes of the pass, as a new struct, on the motion and the normals of one state of their sheet."""
+        slaves = slaves_struct(self.real, self.lane_count)()
+        slaves.stiffness, slaves.home = self._slave_arrays
+        slaves.facets = self._facets(self._own_arrays, self.slave, motion, normals)
+        slaves.is_first = int(self.place.is_first)
+        return slaves
+
+    def _facets(self, arrays: tuple[wp.array, ...], sheet: SheetModel, motion: wp.array, normals: wp.array):
+        facets = facets_struct(self.real)()
+        facets.corner, facets.normal_corner, facets.neighbour, facets.warp_gradient = arrays
+        facets.motion, facets.stride = motion, sheet.motion_layout.stride
+        facets.normals, facets.normal_stride = normals, normal_layout(sheet).stride
+        return facets
+
+    @cached_property
+    def _master_arrays(self) -> tuple[wp.array, ...]:
+        return self._facet_arrays(self.master)
+
+    @cached_property
+    def _own_arrays(self) -> tuple[wp.array, ...]:
+        return self._facet_arrays(self.slave)
+
+    @cached_property
+    def _slave_arrays(self) -> tuple[wp.array, ...]:
+        count, lane_count = self.slave.node_count, self.lane_count
+        stiffness, home = np.zeros(count), np.zeros(count, dtype=np.int32)
+        stiffness[: len(self.stiffness)] = self.stiffness
+        home[: len(self.stiffness)] = home_elements(self.slave.blank)
+        return (
+            wp.array(stiffness.reshape(-1, lane_count), dtype=self.types.lanes, device=self.device),
+            wp.array(home.reshape(-1, lane_count), dtype=self.types.indices, device=self.device),
+        )
+
+    def _facet_arrays(self, sheet: SheetModel) -> tuple[wp.array, ...]:
+        """Corners, those among the normals, neighbours and gradients along the warp of the facets of a sheet."""
+        count = sheet.blank.element_count
+        neighbours = np.full((sheet.element_count, 4), int(FREE_EDGE), dtype=np.int32)
+        neighbours[:count] = edge_neighbours(sheet.blank, sheet.symmetry)
+        gradient = np.zeros((2, sheet.element_count))
+        gradient[:, :count] = sheet.geometry.gradient[[GradientRow.bp1, GradientRow.bq1]]
+        return (
+            self._integers(sheet.motion_layout.entry(0, sheet.element_nodes).T),
+            self._integers(normal_layout(sheet).entry(0, sheet.element_nodes).T),
+            self._integers(neighbours),
+            wp.array(gradient, dtype=self.real, device=self.device),
+        )
+
+    def law(self):
+        """Contact law, as a new struct."""
+        law = contact_law_struct(self.real)()
+        law.side, law.thickness = float(self.place.side), self.thickness
+        law.area_stiffness, law.tangential_ratio = self.area_stiffness, TANGENTIAL_RATIO
+        # c = 2 zeta sqrt(k m) of the relative motion, whose squared frequency is that share of 1/step^2
+        law.damping_time = 2.0 * self.damping_ratio * self.reference_step / math.sqrt(self.interface.stiffness_share)
+        law.friction = self._friction()
+        return law
+
+    def _friction(self):
+        friction, law = self.interface.friction, friction_law_struct(self.real)()
+        argument, coefficient = friction.table()
+        law.argument_kind = _ARGUMENT_KINDS.get(type(friction), int(NO_ARGUMENT))
+        law.argument = wp.array(argument, dtype=self.real, device=self.device)
+        law.coefficient = wp.array(coefficient, dtype=self.real, device=self.device)
+        law.film, law.viscosity = 0.0, 0.0
+        slowest = self.reference_step / (LARGEST_VISCOUS_SHARE * self.reduced_density)
+        if isinstance(friction, ViscousFilm):
+            law.film = friction.viscosity / (friction.thickness + friction.viscosity * slowest)
+        if isinstance(friction, StribeckFriction):
+            slope = max(0.0, float(np.max(np.diff(coefficient) / np.diff(argument))))
+            law.viscosity = friction.viscosity / (1.0 + friction.viscosity * slope * slowest)
+        return law
+
+    @property
+    def viscous_share(self) -> float:
+        """Share of the viscosity that the time step can carry: 1, or less where it is reduced."""
+        law, friction = self._friction(), self.interface.friction
+        if isinstance(friction, ViscousFilm):
+            return law.film * friction.thickness / friction.viscosity
+        return law.viscosity / friction.viscosity if isinstance(friction, StribeckFriction) else 1.0
+
+    def search(self):
+        """Constants of the search, as a new struct."""
+        search = search_struct(self.real)()
+        search.skin, search.thickness, search.steps = self.skin, self.thickness, REFRESH_INTERVAL
+        search.facet_count = self.master.blank.element_count
+        search.ring = self._ring
+        return search
+
+    @cached_property
+    def _ring(self) -> wp.array:
+        return self._integers(rings(self.master.blank.quads))
+
+    @cached_property
+    def feet(self) -> Feet:
+        """Feet of the nodes at the start."""
+        master = self.master.blank
+        return find_feet(self.slave.blank.node_position, master.node_position, master.initial_director, master.quads)
+
+    def _integers(self, values: np.ndarray) -> wp.array:
+        return wp.array(np.ascontiguousarray(values), dtype=wp.int32, device=self.device)
+
+
+def nodal_areas(sheet: SheetModel) -> np.ndarray:
+    """Area of the flat sheet around every node, (node_count,) [m^2]."""
+    area = np.zeros(sheet.blank.node_count)
+    np.add.at(area, sheet.blank.quads.ravel(), np.repeat(0.25 * sheet.geometry.area, 4))
+    return area
+
+
+def mean_facet_area(sheet: SheetModel) -> float:
+    """Area around a node within the flat sheet, on the mean, which is that of its elements [m^2]."""
+    return float(np.mean(sheet.geometry.area))
+
+
+def mean_density(sheet: SheetModel) -> float:
+    """Areal density with the added mass, of the whole sheet [kg/m^2]."""
+    return float(sheet.node_mass.sum() / sheet.geometry.area.sum())
+
+
+def pass_shares(interface: Interface, lower: SheetModel, upper: SheetModel) -> tuple[float, float]:
+    """Shares of the stiffness of the passes of the upper nodes on the lower facets, and of the reverse.
+
+    The finer sheet carries more: unequal meshes would otherwise press unevenly on its nodes.
+    """
+    fine, coarse = mean_facet_area(upper), mean_facet_area(lower)
+    share = coarse**2 / (fine**2 + coarse**2)
+    if interface.passes == "one":
+        share = 1.0 if fine <= coarse else 0.0
+    return share, 1.0 - share
+
+
+def pass_places(interfaces: tuple[Interface, ...], sheets: tuple[SheetModel, ...]) -> list[PassPlace]:
+    """Every pass of every interface of a run, in order."""
+    names = [sheet.name for sheet in sheets]
+    places: list[PassPlace] = []
+    begun: set[int] = set()
+    for index, interface in enumerate(interfaces):
+        lower, upper = names.index(interface.lower), names.index(interface.upper)
+        shares = pass_shares(interface, sheets[lower], sheets[upper])
+        for slave, master, side, share in ((upper, lower, 1, shares[0]), (lower, upper, -1, shares[1])):
+            if share > 0.0:
+                places.append(PassPlace(index, slave, master, side, slave not in begun, share))
+                begun.add(slave)
+    return places

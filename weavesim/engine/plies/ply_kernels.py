@@ -1,0 +1,34 @@
+"""The kernels of the contact between plies."""
+
+from __future__ import annotations
+
+import warp as wp
+
+from ...kernels.plies.node_pass import meet_plies_kernel
+from ...kernels.plies.normals import surface_normals_kernel
+from ...kernels.plies.reaction import push_facets_kernel
+from ...kernels.plies.search import (
+    adopt_lists_kernel,
+    begin_travel_kernel,
+    collect_strays_kernel,
+    list_nodes_kernel,
+    plan_search_kernel,
+    seek_feet_kernel,
+    watch_speed_kernel,
+)
+
+
+def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
+    """Kernels of the contact of plies, roughly in order of decreasing compile time."""
+    return [
+        meet_plies_kernel(real, lane_count),
+        seek_feet_kernel(real, lane_count),
+        push_facets_kernel(real, lane_count),
+        list_nodes_kernel(real),
+        adopt_lists_kernel(real, lane_count),
+        surface_normals_kernel(real, lane_count),
+        watch_speed_kernel(real, lane_count),
+        begin_travel_kernel(real, lane_count),
+        collect_strays_kernel(real),
+        plan_search_kernel(real),
+    ]

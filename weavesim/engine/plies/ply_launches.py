@@ -1,0 +1,100 @@
+"""Contact of all plies of a run in a step, and its search at every update of the stable step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import warp as wp
+
+from ...kernels.plies.search import watch_speed_kernel
+from ..model import Model
+from ..state import State
+from ..tiles import chunks
+from .normals import NormalLaunch
+from .pass_launches import PassLaunches
+from .ply_kernels import ply_kernels
+
+
+class PlyLaunches:
+    """Launches of all passes of a run on one state; without interfaces there are none.
+
+    Args:
+        model: constants.
+        state: what the launches read and write.
+    """
+
+    def __init__(self, model: Model, state: State) -> None:
+        self._model, self._state = model, state
+        touched = {place for each in model.passes for place in (each.place.slave, each.place.master)}
+        self._touched = sorted(touched)
+        speeds = [
+            wp.zeros(sheet.block_count if index in touched else 0, dtype=sheet.real, device=sheet.device)
+            for index, sheet in enumerate(model.sheets)
+        ]
+        self._speeds = speeds
+        self._normals = {
+            index: NormalLaunch(model.sheets[index], state.sheets[index].motion) for index in self._touched
+        }
+        normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
+        self._passes = [PassLaunches(each, state, index, speeds, normals) for index, each in enumerate(model.passes)]
+
+    def __bool__(self) -> bool:
+        return bool(self._passes)
+
+    def find_normals(self, thread_count: int = 1, thread: int = 0) -> None:
+        """Normals at this thread's share of the nodes, before ``meet``; all threads must be done with them."""
+        for index, normals in self._normals.items():
+            normals.launch(*chunks(self._model.sheets[index].block_count, thread_count)[thread])
+
+    def meet(self, thread_count: int = 1, thread: int = 0) -> None:
+        """Contact forces on this thread's share of the nodes of every pass, before anything moves."""
+        for each in self._passes:
+            # a sheet's passes add to the same sums: its nodes are divided alike in all of them
+            each.meet(*chunks(each.node_block_count, thread_count)[thread])
+
+    def push(self, sheet: int, first: int, count: int) -> None:
+        """Reactions on ``count`` blocks of elements of a sheet from ``first``, after their own forces."""
+        for each in self._passes:
+            if each.model.place.master == sheet:
+                each.push(first, count)
+
+    def watch_speeds(self, thread_count: int = 1, thread: int = 0) -> None:
+        """Largest speeds of this thread's share of the nodes."""
+        for index in self._touched:
+            sheet, own = self._model.sheets[index], self._state.sheets[index]
+            first, count = chunks(sheet.block_count, thread_count)[thread]
+            wp.launch(
+                watch_speed_kernel(sheet.real, sheet.lane_count),
+                dim=count,
+                inputs=[first, sheet.motion_layout.view(own.motion)],
+                outputs=[self._speeds[index]],
+                device=sheet.device,
+            )
+
+    def search(self, thread_count: int = 1, thread: int = 0) -> Iterator[None]:
+        """Search for the next steps, after the speeds and the step are known; at each pause all threads must meet."""
+        if thread == 0:
+            for each in self._passes:
+                each.plan()
+        yield
+        for each in self._passes:
+            each.seek(*chunks(each.node_block_count, thread_count)[thread])
+        yield
+        if thread == 0:
+            for each in self._passes:
+                each.collect()
+        yield
+        for each in self._passes:
+            each.list_nodes(*chunks(each.facet_block_count, thread_count)[thread])
+        yield
+        for each in self._passes:
+            facets, nodes = chunks(each.facet_block_count, thread_count), chunks(each.node_block_count, thread_count)
+            each.adopt(facets[thread], nodes[thread])
+        yield
+
+    @property
+    def kernels(self) -> list[wp.Kernel]:
+        """All kernels launched here."""
+        if not self._passes:
+            return []
+        return ply_kernels(self._model.real, self._model.lane_count)

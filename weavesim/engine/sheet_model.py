@@ -85,8 +85,7 @@ class Places:
     Attributes:
         tools: of its world, among all tools.
         drives: of its supports, among all drives.
-        first_reaction: its first block of nodes, among those of its world; those of elements follow.
-        last_reaction: the first block after them.
+        first_reaction, last_reaction: its blocks of nodes, then of elements, among those of its world.
     """
 
     tools: Span

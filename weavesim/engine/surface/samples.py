@@ -70,4 +70,5 @@ class Samples:
             sway, turning = sample_motion(corners, places)
         own = share / max(len(places), 1) * mass
         largest = share * contact_frequency
-        return cls(places, len(places) * padded_count, own, contact_frequency * own, largest * sway, largest * turning)
+        layout = RowLayout(3 * max(len(tools), 1), len(places) * corner_layout.length, corner_layout.lane_count)
+        return cls(places, layout.length, layout, own, contact_frequency * own, largest * sway, largest * turning)

@@ -95,7 +95,6 @@ TESTED_ELSEWHERE = {
     "weavesim/app/session.py": "unit/app/test_command_line.py",
     "weavesim/job/overrides.py": "unit/job/test_read.py",
     "weavesim/job/placing.py": "unit/job/test_build.py",
-    "weavesim/job/plies.py": "unit/job/test_build.py",
     "weavesim/job/schema.py": "unit/job/test_read.py",
     "weavesim/job/surfaces.py": "unit/job/test_build.py",
     "weavesim/job/tables.py": "unit/job/test_read.py",

@@ -79,7 +79,7 @@ TESTED_ELSEWHERE = {
     "weavesim/meshes/formats/grid.py": "unit/meshes/formats/test_abaqus.py",
     "weavesim/engine/surface/contact.py": BETWEEN_NODES,
     "weavesim/engine/surface/samples.py": BETWEEN_NODES,
-    "weavesim/run/tool_gaps.py": BETWEEN_NODES,
+    "weavesim/run/watch/tool_gaps.py": BETWEEN_NODES,
     "weavesim/engine/launches.py": "unit/engine/test_stepper.py",
     "weavesim/engine/replay.py": "unit/engine/test_stepper.py",
     "weavesim/engine/sheet_model.py": "unit/engine/test_model.py",

@@ -25,7 +25,7 @@ from ..kernels.shell.energy import element_ledger_kernel
 from ..sheet.samples import surface_points
 from .fields import complete
 from .frame import SheetFrame
-from .tool_gaps import ToolGaps
+from .watch.tool_gaps import ToolGaps
 
 # Elastic energies of the sheet; the internal energy is their sum plus those of its unit cell.
 SHEET_INTERNAL = ("compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import warp as wp
 
-from ..engine.model import Model
-from ..engine.state import State
-from ..kernels.contact.tool_distance import sample_distance_kernel
-from ..kernels.contact.tool_shapes import further_kinds
+from ...engine.model import Model
+from ...engine.state import State
+from ...kernels.contact.tool_distance import sample_distance_kernel
+from ...kernels.contact.tool_shapes import further_kinds
 
 
 class ToolGaps:

@@ -112,7 +112,6 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
             force, friction, friction_power, dashpots, dashpot_power = meet_tools(
                 present, laws, around.tools, force, touch, works
             )
-
         acceleration, free, velocity = translate(present, laws, force, applied_force, motion)
         travel = present.step * velocity
         if wp.static(traits.supported):
@@ -121,7 +120,6 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         spin_sum, spin_loss = turn(present, laws, couple, motion)
         if wp.static(traits.sampled):
             note_motion(block, travel, present.step * (spin_sum - present.spin), touch)
-
         middle = real(0.5) * (present.velocity + velocity)
         moving = wp.cw_mul(free, middle)
         worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, around.supports)

@@ -215,6 +215,18 @@ class ToolDriveRow(Rows):
     stroke_time = "s", "time on the curve of a stroke, which waits at its largest force"
 
 
+class GripRow(Rows):
+    """What the spring of a gripped node keeps from step to step, always in double precision."""
+
+    slip = "m", "slip through the gripper so far"
+    force = "N", "force of the spring"
+    along = "N", "its component along the motion of the anchor"
+    travel = "m", "displacement of the anchor"
+    tight = "m", "shortening by the pretension"
+    work = "J", "work of the anchor and of the pretension so far"
+    loss = "J", "energy lost in slip and at the release so far"
+
+
 class ToolWatchRow(Rows):
     """What is watched of each tool at every step."""
 

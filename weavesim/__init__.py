@@ -66,6 +66,7 @@ if TYPE_CHECKING:
         ViscousFilm,
         YarnAngleFriction,
     )
+    from .process.grippers import Gripper
     from .process.interfaces import Interface
     from .process.loads import NodalLoads
     from .process.pressure import Pressure
@@ -144,6 +145,7 @@ _names_in = {
         "ViscousFilm",
         "YarnAngleFriction",
     ),
+    "process.grippers": ("Gripper",),
     "process.interfaces": ("Interface",),
     "process.loads": ("NodalLoads",),
     "process.pressure": ("Pressure",),

@@ -36,7 +36,7 @@ def step_bounds_struct(real: type):
         weft: real
         shear: real
         bending: real  # largest bending stiffness of any curvature [N m]
-        contact_frequency: real  # squared, of the contact springs [1/s^2]
+        contact_frequency: real  # squared, of the springs of contact and grippers [1/s^2]
         steps_ahead: wp.int32  # steps until the next update
 
     return StepBounds

@@ -10,6 +10,7 @@ Exit codes:
 - 2: bad input, nothing has been run;
 - 3: finished, but the verdict is "do not use";
 - 4: finished, but some results could not be written or computed;
+- 5: finished, but beyond a limit (``weavesim verdict``, ``--strict``);
 - 128 plus the number of the signal: interrupted, results so far are written: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP.
 """
 
@@ -38,6 +39,7 @@ from .fabric_command import fabric_application
 from .jobs import add_commands
 from .session import announce_compilation, announced, interruptible
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
+from .verdict_command import verdict_command
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup
@@ -53,6 +55,7 @@ application = typer.Typer(
 
 application.add_typer(fabric_application, name="fabric")
 application.command("export")(export_command)
+application.command("verdict")(verdict_command)
 add_commands(application)
 
 

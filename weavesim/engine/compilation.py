@@ -30,6 +30,7 @@ from ..kernels.contact.mesh_distance import (
 )
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
+from ..kernels.loads.grippers import grip_kernel
 from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
@@ -63,6 +64,7 @@ class KernelSet:
         tools: whether there are any.
         driven: whether supports move.
         pressed: whether there is pressure on a sheet.
+        gripped: whether there are grippers.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
         plies: whether sheets touch each other.
@@ -77,6 +79,7 @@ class KernelSet:
     tools: bool = True
     driven: bool = True
     pressed: bool = False
+    gripped: bool = False
     threaded: bool = True
     meshes: bool = False
     plies: bool = False
@@ -103,6 +106,7 @@ class KernelSet:
             tools=any(one.tools for one in sets),
             driven=any(one.driven for one in sets),
             pressed=any(one.pressed for one in sets),
+            gripped=any(one.gripped for one in sets),
             meshes=True,
             plies=any(one.plies for one in sets),
         )
@@ -126,6 +130,7 @@ class KernelSet:
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
             pressed=any(sheet.pressures for sheet in setup.sheets),
+            gripped=bool(setup.grippers),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
             plies=nodes.touched,
         )
@@ -159,6 +164,7 @@ class KernelSet:
             ),
             *([support_motion_kernel(real)] if self.driven else []),
             *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
+            *([grip_kernel(real)] if self.gripped else []),
             partial_maximum_kernel(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),

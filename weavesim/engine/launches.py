@@ -11,7 +11,6 @@ import warp as wp
 from ..device import block_size
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
-from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
@@ -27,7 +26,7 @@ from ..kernels.stepping.step import (
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import SUM_GROUP, ToolBooks, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
-from .loading.pressures import device_pressures
+from .loading.load_launches import LoadLaunches
 from .model import Model
 from .plies.ply_launches import PlyLaunches
 from .sheet_model import SheetModel
@@ -99,14 +98,7 @@ class Launches:
         self._tool_books = ToolBooks()
         self._tool_books.work, self._tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)
-        self._pressing = element_pressure_kernel(real, model.lane_count)
-        self._pressures = {
-            index: device_pressures(
-                sheet.pressures, sheet.blank, sheet.element_count, real, sheet.lane_count, sheet.device
-            )
-            for index, sheet in enumerate(model.sheets)
-            if sheet.pressures
-        }
+        self.loads = LoadLaunches(model, state)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._fold_works = fold_works_kernel(real, model.lane_count)
@@ -195,18 +187,6 @@ class Launches:
             device=sheet.device,
             block_dim=block_size(self._kernels[index].forces, sheet.device),
         )
-
-    def apply_pressures(self, index: int, first: int = 0, count: int | None = None) -> None:
-        """Add the pressures on sheet ``index`` to its corner forces, in ``count`` blocks of elements from ``first``."""
-        if index in self._pressures:
-            sheet, own = self.model.sheets[index], self.state.sheets[index]
-            wp.launch(
-                self._pressing,
-                dim=sheet.element_count // sheet.lane_count if count is None else count,
-                inputs=[first, sheet.elements, self._pressures[index], own.motion, self.state.clock],
-                outputs=[self._arguments[index].corner_force, own.pressure_work],
-                device=sheet.device,
-            )
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""
@@ -338,9 +318,7 @@ class Launches:
         common += [self._partial_sums_of(values) for values in self._sums[:-1]]
         if self.model.drives.count:
             common.append(self._support_motion)
-        if self._pressures:
-            common.append(self._pressing)
-        return list(dict.fromkeys([*own, *common, *self.plies.kernels]))
+        return list(dict.fromkeys([*own, *common, *self.loads.kernels, *self.plies.kernels]))
 
 
 class IntervalEnd:

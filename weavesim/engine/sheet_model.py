@@ -28,6 +28,7 @@ from ..kernels.shell.laws import sheet_struct
 from ..kernels.stepping.node_data import node_laws_struct, node_struct
 from ..kernels.stepping.node_forces import USUAL_CORNER_COUNT
 from ..process.device import build_support_arrays
+from ..process.grippers import Gripper
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
@@ -115,7 +116,7 @@ class SheetModel:
         self.name, self.blank, self.fabric = sheet.name, blank, fabric
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
         self.symmetry = world.symmetry
-        self.pressures = sheet.pressures
+        self.pressures, self.grippers = sheet.pressures, sheet.grippers
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count
@@ -174,11 +175,23 @@ class SheetModel:
     def _step_bounds(self):
         bounds, cell = step_bounds_struct(self.real)(), self.fabric.unit_cell
         bounds.contact_frequency = 2.0 * self._contact_frequency if self.tool_count else 0.0
+        bounds.contact_frequency += self._grip_frequency
         bounds.bending = self.fabric.largest_bending_stiffness
         bounds.warp, bounds.weft = cell.yarn_stiffness_per_width
         bounds.shear = cell.shear_stiffness
         bounds.steps_ahead = REFRESH_INTERVAL
         return bounds
+
+    @property
+    def _grip_frequency(self) -> float:
+        """Largest squared frequency of the springs of grippers [1/s^2]."""
+        found = (each.stiffness * self.shares(each) / self.node_mass[each.nodes] for each in self.grippers)
+        return max((float(squared.max()) for squared in found), default=0.0)
+
+    def shares(self, gripper: Gripper) -> np.ndarray:
+        """Share of each node of a gripper in its stiffness and forces, as of the area around it, (k,)."""
+        area = self._to_nodes(0.25 * self.geometry.area)[gripper.nodes]
+        return area / area.sum()
 
     def bound_plies(self, below: float, above: float) -> None:
         """Make room in the stable step for contact with other plies.
@@ -187,7 +200,8 @@ class SheetModel:
             below, above: squared frequency that an interface on either face adds at most [1/s^2]; 0 without one.
         """
         of_tools = self._contact_frequency if self.tool_count else 0.0
-        self.step_bounds.contact_frequency = max(below, of_tools) + max(above, of_tools)
+        of_springs = max(below, of_tools) + max(above, of_tools) + self._grip_frequency
+        self.step_bounds.contact_frequency = of_springs
 
     @property
     def follows_thickness(self) -> bool:

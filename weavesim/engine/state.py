@@ -18,6 +18,7 @@ from ..kernels.rows import (
     CellReportRow,
     ClockEntry,
     ExtremeRow,
+    GripRow,
     MotionRow,
     SlipRow,
     ThicknessRow,
@@ -54,6 +55,7 @@ class SheetState:
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
     contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
+    grip: wp.array  # (rows, gripped nodes) float64, GripRow
     pressure_work: wp.array  # (element blocks,) float64, of the pressures so far [J]; empty without any
 
     def works(self) -> np.ndarray:
@@ -95,6 +97,7 @@ class SheetState:
             gap=zeros(tool_rows, model.block_count),
             holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
             contact_force=zeros(3, model.node_count if touched else BLOCK),
+            grip=zeros(GripRow.row_count(), sum(len(each.nodes) for each in model.grippers), dtype=wp.float64),
             pressure_work=zeros(model.element_count // model.lane_count if model.pressures else 0, dtype=wp.float64),
         )
 
@@ -211,7 +214,7 @@ class State:
         """
         path = Path(path)
         about = {"version": FILE_VERSION, "step_count": self.step_count, **model.identity}
-        content = self.content()
+        content: dict[str, Any] = self.content()
         temporary = path.with_name(f".{path.name}.partial")
         try:
             with temporary.open("wb") as file:

@@ -136,7 +136,7 @@ class Stepper:
             for elements, nodes in part.tiles:
                 launches.element_forces(index, *elements)
                 launches.plies.push(index, *elements)
-                launches.apply_pressures(index, *elements)
+                launches.loads.apply(index, *elements)
                 if nodes[1]:
                     launches.move_nodes(index, *nodes)
         wait()
@@ -186,7 +186,7 @@ class Stepper:
             join()
             launches.move_supports()
             for index in indices:
-                launches.apply_pressures(index)
+                launches.loads.apply(index)
                 launches.move_nodes(index)
             with beside():
                 launches.move_tools()
@@ -281,13 +281,13 @@ class Stepper:
         return self._choice.most_used
 
     def evaluate(self) -> None:
-        """Compute the element forces of the current state, with those of pressures."""
+        """Compute the forces of elements, pressures and grippers in the current state."""
         for index, own in enumerate(self.state.sheets):
             self._launches.element_forces(index)
-            booked = wp.clone(own.pressure_work)
-            self._launches.apply_pressures(index)
-            if booked.size:  # the next step books it
-                wp.copy(own.pressure_work, booked)
+            booked = [(array, wp.clone(array)) for array in (own.pressure_work, own.grip) if array.size]
+            self._launches.loads.apply(index)
+            for array, before in booked:  # the next step books it
+                wp.copy(array, before)
 
     def refresh_step(self) -> None:
         """Compute the stable step from the current state."""
@@ -320,7 +320,7 @@ class Stepper:
             for index in indices:
                 ahead.element_forces(index)
                 self._push_facets(ahead, index)
-                ahead.apply_pressures(index)
+                ahead.loads.apply(index)
         if phase_count > 1:
             ahead.move_supports()
             for index in indices:

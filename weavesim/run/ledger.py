@@ -6,6 +6,7 @@ from functools import reduce
 
 import numpy as np
 
+from ..engine.loading.grips import GripperState
 from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..kernels.rows import ToolWatchRow, ToolWorkRow
@@ -14,11 +15,12 @@ from .frame import Frame, SheetFrame, unique_names
 from .interface_ledger import InterfaceLedger
 from .sheet_ledger import NO_PENETRATION, Penetration, SheetLedger, centred
 
-STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
+STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring", "gripper_spring")
 LOST = (
     "friction_loss",
     "damping_loss",
     "tool_damping_loss",
+    "gripper_loss",
     "snap_loss",
     "shear_friction_loss",
     "bending_friction_loss",
@@ -28,8 +30,8 @@ PLY_STORED = ("ply_contact", "ply_friction_spring")
 PLY_LOST = ("ply_friction_loss", "ply_damping_loss")
 PLY_SUPPLIED = ("ply_thickness_work",)
 SUPPLIED = (
-    "tool_work", "driving_force_work", "support_work", "load_work", "pressure_work", "thickness_work", "gravity_work",
-    "initial_kinetic",
+    "tool_work", "driving_force_work", "support_work", "load_work", "pressure_work", "gripper_work", "thickness_work",
+    "gravity_work", "initial_kinetic",
 )  # fmt: skip
 # Derived from the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")
@@ -72,6 +74,11 @@ class Ledger:
         tool_displacement = state.tool_displacement.numpy().copy()
         drive_displacement = state.drive_displacement.numpy().copy()
         support_force, drive_force = self._support_outputs(ahead)
+        # the next step has evaluated them at these positions
+        grippers = [
+            GripperState.of(model, own.grip)
+            for model, own in zip(self._stepper.model.sheets, ahead.sheets, strict=True)
+        ]
         leading = tool_displacement[self._setup.leading_tool :] if len(tool_displacement) else drive_displacement
         return Frame(
             index=index,
@@ -83,6 +90,8 @@ class Ledger:
             tool_reaction=state.tool_force.numpy().copy(),
             energies=self._balance(sheets, ahead),
             support_force=support_force,
+            gripper_force=np.concatenate([each.force for each in grippers]),
+            gripper_slip=np.concatenate([each.slip for each in grippers]),
             drive_displacement=drive_displacement,
             drive_force=drive_force,
             tool_wanted=np.array([tool.motion.force_at(state.time) for tool in self._setup.tools]),

@@ -8,6 +8,7 @@ import numpy as np
 import warp as wp
 
 from ..engine.layout import lanes_view
+from ..engine.loading.grips import GripperState
 from ..engine.model import Model
 from ..engine.sheet_model import TANGENTIAL_RATIO
 from ..engine.state import SheetState, State
@@ -171,6 +172,9 @@ class SheetLedger:
         entries["load_work"] = works["load_work"]
         # booked up to the positions of the evaluation, so the next step has it up to these
         entries["pressure_work"] = float(ahead.pressure_work.numpy().sum())
+        grippers = GripperState.of(sheet, ahead.grip)
+        entries["gripper_spring"], entries["gripper_work"] = grippers.stored, grippers.work
+        entries["gripper_loss"] = grippers.loss
         displacement = position - sheet.blank.node_position
         entries["gravity_work"] = float(sheet.node_mass @ (displacement @ np.array(sheet.dynamics.gravity)))
         entries["initial_kinetic"] = self.initial_kinetic

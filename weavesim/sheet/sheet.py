@@ -13,6 +13,7 @@ from ..arrays import BoolArray, FloatArray
 from ..checks import Finite, Parameters
 from ..fabric.fabric import Fabric
 from ..names import Label
+from ..process.grippers import Gripper, check_grippers
 from ..process.loads import NodalLoads
 from ..process.pressure import Pressure
 from ..process.supports import Support, prescribe_start
@@ -41,6 +42,7 @@ class Sheet(Parameters):
             they hold have their velocity from the start. Their names are unique in a run.
         loads: forces and couples prescribed at nodes.
         pressures: on its faces; those on the same face add up.
+        grippers: springs that pull at its nodes.
     """
 
     positional = ("blank", "fabric", "name")
@@ -54,6 +56,7 @@ class Sheet(Parameters):
     supports: tuple[Support, ...] = ()
     loads: NodalLoads | None = None
     pressures: tuple[Pressure, ...] = ()
+    grippers: tuple[Gripper, ...] = ()
 
     @model_validator(mode="after")
     def _fits_the_blank(self) -> Self:
@@ -69,6 +72,7 @@ class Sheet(Parameters):
             self.loads.arrays(count)
         for pressure in self.pressures:
             pressure.check_elements(self.blank.element_count)
+        check_grippers(self.grippers, count)
         owner = np.full(count, -1)
         for index, support in enumerate(self.supports):
             self._check_support(support, owner)

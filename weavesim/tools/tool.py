@@ -112,11 +112,13 @@ class Tool(Parameters):
         """Signed distance of ``points`` (n, 3) [m], in double precision, and the outward normals (n, 3)."""
         import warp as wp
 
+        from ..device import initialise
         from ..kernels.contact.tool_distance import sample_distance_kernel
         from ..kernels.contact.tool_shapes import further_kinds
         from .device import build_device_tools
         from .sampling import sample_meshes
 
+        initialise()
         points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
         tools = build_device_tools([self], wp.float64, device, sample_meshes([self], device))
         distance = wp.zeros(len(points), dtype=wp.float64, device=device)

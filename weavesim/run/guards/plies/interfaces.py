@@ -74,8 +74,8 @@ class Interfaces(Guard):
             x, y = model.slave.blank.node_position[np.flatnonzero(on)[worst], :2]
             raise InputError(
                 f"interface {model.interface.name}: the sheets start {1e3 * overlap[worst]:.3g} mm inside each other "
-                f"at ({x:.4g}, {y:.4g}) m; their mid-surfaces touch at {1e3 * thickness:.4g} mm: raise the upper one, or "
-                "give accept_unusual=True to let them start without force"
+                f"at ({x:.4g}, {y:.4g}) m; their mid-surfaces touch at {1e3 * thickness:.4g} mm: raise the upper one, "
+                "or give accept_unusual=True to let them start without force"
             )
 
     def watch(self, frame: Frame, ledger: Ledger) -> None:

@@ -63,7 +63,6 @@ TESTED_ELSEWHERE = {
     "kernels/plies/normals.py": PLIES,
     "weavesim/run/interface_ledger.py": PLIES,
     "weavesim/run/guards/plies/interfaces.py": "unit/process/test_friction.py",
-    "weavesim/run/diagnosis.py": "unit/run/test_simulation.py",
     "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",
     "kernels/contact/penalty.py": "verification/contact/test_contact.py",
     "kernels/contact/tool_shapes.py": "unit/tools/test_shapes.py",

@@ -46,7 +46,9 @@ def judged(
         ),
         stacks=list(stacks),
         conditions=[SimpleNamespace(**({name: Tally() for name in TALLIES} | (tallies or {})))],
-        run=SimpleNamespace(outcome=Outcome.FINISHED, info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
+        run=SimpleNamespace(
+            outcome=Outcome.FINISHED, failed=None, info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())
+        ),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +13,24 @@ from ..sheet.blank import Blank
 from .frame import Frame, SheetFrame
 
 
-def find_failure(model: Model, state: State, last: Frame) -> str | None:
-    """Message for the user if the state is no longer finite; None if it is.
+class Failure(NamedTuple):
+    """A state that is no longer finite.
+
+    Attributes:
+        text: for the user, with element and likely cause.
+        time: at which it was seen [s].
+        sheet: name of the suspect; None if there is none.
+        place: of the first suspect, (x, y) on the flat blank [m].
+    """
+
+    text: str
+    time: float
+    sheet: str | None = None
+    place: tuple[float, float] | None = None
+
+
+def find_failure(model: Model, state: State, last: Frame) -> Failure | None:
+    """What is wrong if the state is no longer finite; None if it is finite.
 
     Args:
         model, state: of the run.
@@ -24,17 +41,22 @@ def find_failure(model: Model, state: State, last: Frame) -> str | None:
     for sheet, own, frame in zip(model.sheets, state.sheets, last.sheets, strict=True):
         good = np.isfinite(sheet.read_motion(own.motion)[:, : sheet.blank.node_count]).all(axis=(0, 2))
         if not good.all() or (not finite_step and len(model.sheets) == 1):
-            suspects.append(_suspect(sheet.blank, frame, ~good, sheet.name if len(model.sheets) > 1 else None))
+            suspects.append((sheet.name, *_suspect(sheet.blank, frame, ~good, sheet.name, len(model.sheets))))
     if not suspects and finite_step:
         return None
-    where = suspects[0] if suspects else "its stable step is not positive; no sheet has lost a node yet"
-    return (
+    nobody = None, "its stable step is not positive; no sheet has lost a node yet", None
+    sheet_name, where, place = suspects[0] if suspects else nobody
+    text = (
         f"the state became non-finite after {state.step_count} steps, {state.time:.4g} s; the last "
         f"good frame is {last.index} at {last.time:.4g} s. {where}"
     )
+    return Failure(text, state.time, sheet_name, place)
 
 
-def _suspect(blank: Blank, last: SheetFrame, bad_node: np.ndarray, sheet: str | None) -> str:
+def _suspect(
+    blank: Blank, last: SheetFrame, bad_node: np.ndarray, sheet: str, sheet_count: int
+) -> tuple[str, tuple[float, float]]:
+    """The first suspect in words, and its place."""
     bad_element = bad_node[blank.quads].any(axis=1)
     strain = np.maximum(np.abs(last.fields["warp_stretch"] - 1.0), np.abs(last.fields["weft_stretch"] - 1.0))
     suspect = int(np.argmax(np.where(bad_element, strain, -1.0))) if bad_element.any() else int(np.argmax(strain))
@@ -46,9 +68,10 @@ def _suspect(blank: Blank, last: SheetFrame, bad_node: np.ndarray, sheet: str | 
         cause = "its yarns are stretched or compressed far beyond the fabric: a tool moves too far or too fast"
     else:
         cause = "it failed within one frame: a tool that moves too fast, or two tools that meet through the sheet"
-    of_sheet = f" of sheet {sheet}" if sheet else ""
-    return (
+    of_sheet = f" of sheet {sheet}" if sheet_count > 1 else ""
+    text = (
         f"Element {suspect}{of_sheet}, at ({x:.4g}, {y:.4g}) m on the flat "
         f"blank, is the first suspect: shear angle {angle:.1f} degrees, stretches "
         f"{last.fields['warp_stretch'][suspect]:.3f} and {last.fields['weft_stretch'][suspect]:.3f}; {cause}"
     )
+    return text, (float(x), float(y))

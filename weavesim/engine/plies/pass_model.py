@@ -153,8 +153,8 @@ class PassModel:
         gradient = np.zeros((2, sheet.element_count))
         gradient[:, :count] = sheet.geometry.gradient[[GradientRow.bp1, GradientRow.bq1]]
         return (
-            self._integers(sheet.motion_layout.entry(0, sheet.element_nodes).T),
-            self._integers(normal_layout(sheet).entry(0, sheet.element_nodes).T),
+            self._integers(sheet.motion_layout.entry(0, sheet.element_nodes).T.ravel()),
+            self._integers(normal_layout(sheet).entry(0, sheet.element_nodes).T.ravel()),
             self._integers(neighbours),
             wp.array(gradient, dtype=self.real, device=self.device),
         )
@@ -208,7 +208,8 @@ class PassModel:
     def feet(self) -> Feet:
         """Feet of the nodes at the start."""
         master = self.master.blank
-        return find_feet(self.slave.blank.node_position, master.node_position, master.initial_director, master.quads)
+        points = self.slave.blank.node_position
+        return find_feet(points, master.node_position, master.initial_director, master.quads, self.thickness)
 
     def _integers(self, values: np.ndarray) -> wp.array:
         return wp.array(np.ascontiguousarray(values), dtype=wp.int32, device=self.device)

@@ -19,6 +19,25 @@ LARGEST_BEYOND = 0.05
 USELESS_BEYOND = 1.0
 
 
+class NotFinite(Guard):
+    """A state that is no longer finite: the run stops, and what it wrote ends at its last good frame."""
+
+    name = "not_finite"
+    watches = "whether the state is finite, after every turn of steps"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """What became non-finite first, if anything did."""
+        if (failed := run.run.failed) is not None:
+            yield self.doubt(
+                Level.DO_NOT_USE,
+                failed.text,
+                "the results end at the last good frame; the cause lies before it",
+                sheet=failed.sheet,
+                place=failed.place,
+                time=failed.time,
+            )
+
+
 class _Counted(Guard):
     """What ``Condition`` counts."""
 

@@ -5,8 +5,8 @@ import pytest
 
 from tests.support.jobs import TRAY, write_tray
 from weavesim import InputError
+from weavesim.job.blanks.outlines import read_drawing
 from weavesim.job.build import setup_of
-from weavesim.job.outlines import read_drawing
 from weavesim.job.read import read_job
 
 ezdxf = pytest.importorskip("ezdxf")

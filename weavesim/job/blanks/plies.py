@@ -8,22 +8,40 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
-from ..fabric.fabric import Fabric
-from ..fabric.file import fabric_of_table, load_fabric, resolve_fabric
-from ..meshes import read_mesh
-from ..meshes.mesh_file import TRIANGLE
-from ..sheet.blank import Blank
-from ..sheet.fitted_mesh import fitted_mesh
-from ..sheet.slits import cut_open
+from ...errors import InputError
+from ...fabric.fabric import Fabric
+from ...fabric.file import fabric_of_table, load_fabric, resolve_fabric
+from ...meshes import read_mesh
+from ...meshes.mesh_file import TRIANGLE
+from ...sheet.blank import Blank
+from ...sheet.fitted_mesh import fitted_mesh
+from ...sheet.lay_up_code import angles_of
+from ...sheet.slits import cut_open
+from ..placing import Box
+from ..read import JobFile
+from ..schema import OUTLINES, PlyTable
+from ..units import length_unit
 from .outlines import Loops, border_of, read_drawing
-from .placing import Box
-from .read import JobFile
-from .schema import OUTLINES, PlyTable
-from .units import length_unit
 
 # Corners of a polygon that stands for a disc.
 DISC_CORNERS = 360
+
+
+def plies_of(file: JobFile) -> tuple[tuple[int, PlyTable], ...]:
+    """Every ply with the place of its table, from below to above; those of a lay-up each on their own."""
+    found: list[tuple[int, PlyTable]] = []
+    for index, ply in enumerate(file.job.ply):
+        if ply.layup is None:
+            found.append((index, ply))
+            continue
+        for number, angle in enumerate(angles_of(ply.layup), start=1):
+            values = {name: getattr(ply, name) for name in ply.model_fields_set if name != "layup"}
+            found.append((index, PlyTable(**{**values, "name": f"{ply.name}_{number}", "angle": angle})))
+    names = [ply.name for _, ply in found]
+    for place, (index, ply) in enumerate(found):
+        if ply.name in names[:place]:
+            file.refuse(["ply", index, "name"], f"name = {ply.name!r}: another ply has it; give each its own")
+    return tuple(found)
 
 
 def fabric_of(file: JobFile, index: int) -> Fabric:
@@ -62,13 +80,12 @@ class PlyOutline(NamedTuple):
         return Box(self.loops.outline.min(axis=0), self.loops.outline.max(axis=0))
 
 
-def outline_of(file: JobFile, index: int) -> PlyOutline:
+def outline_of(file: JobFile, index: int, ply: PlyTable) -> PlyOutline:
     """The outline of a ply, turned and in its place.
 
     Raises:
         InputError: a file that cannot be read.
     """
-    ply = file.job.ply[index]
     if ply.outline is not None:
         path = file.file(ply.outline, ["ply", index, "outline"])
         try:
@@ -126,19 +143,19 @@ def placed(points: np.ndarray, ply: PlyTable) -> np.ndarray:
     return points + np.array(ply.centre)
 
 
-def blank_of(file: JobFile, index: int, outline: PlyOutline, height: float) -> Blank:
+def blank_of(file: JobFile, index: int, ply: PlyTable, outline: PlyOutline, height: float) -> Blank:
     """The mesh of a ply.
 
     Args:
         file: the job.
-        index: of the ply.
+        index: of its table.
+        ply: the ply.
         outline: its outline.
         height: of its middle [m]; a curved mesh is raised by it.
 
     Raises:
         InputError: an outline that cannot be meshed.
     """
-    ply = file.job.ply[index]
     try:
         return _blank(ply, outline, height)
     except InputError as error:

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
-from ..input_files import MEBIBYTE, check_bounded, shown
-from ..meshes.mesh_file import MeshFile
-from ..sheet.outline import Outline
+from ...errors import InputError
+from ...input_files import MEBIBYTE, check_bounded, shown
+from ...meshes.mesh_file import MeshFile
+from ...sheet.outline import Outline
 
 LARGEST_DRAWING = 64 * MEBIBYTE
 # Curves are drawn by lines this near to them [m].

@@ -110,6 +110,6 @@ class Tool(Parameters):
         self, points: np.ndarray, displacement: float = 0.0, device: str = "cpu"
     ) -> tuple[np.ndarray, np.ndarray]:
         """Signed distance of ``points`` (n, 3) [m], in double precision, and the outward normals (n, 3)."""
-        from .distance import ToolDistance
+        from .surfaces.distance import ToolDistance
 
         return ToolDistance(self, device)(points, displacement)

@@ -15,7 +15,7 @@ from ...measures.findings import FormedSheet
 from ...measures.kinematic.net import Net, Surface, lay_net
 from ...sheet.blank import Blank
 from ...sheet.topology import flat_areas
-from ...tools.distance import ToolDistance
+from ...tools.surfaces.distance import ToolDistance
 from ...tools.tool import Tool
 from ..files import write_summary
 from ..series import write_quads

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...measures.defects.judgement import Distance, Judgement, Limits
-from ...tools.distance import ToolDistance
+from ...tools.surfaces.distance import ToolDistance
 from ..files import write_summary
 from ..tables import write_table
 from .file import StoredRun, StoredSheet

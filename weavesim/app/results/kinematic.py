@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from ..errors import InputError
-from .terminal import say
+from ...errors import InputError
+from ..terminal import say
 
 
 def kinematic_command(
@@ -21,7 +21,7 @@ def kinematic_command(
     out: Annotated[Path | None, typer.Option(help="folder for the files [default: OUT, or beside the job]")] = None,
 ) -> None:
     """Lay a net of inextensible yarns onto a tool, in seconds, and compare it with a run (docs/outputs.md)."""
-    from ..output.files import check_writable
+    from ...output.files import check_writable
 
     folder = out or (source if source.is_dir() else source.parent)
     check_writable(folder)
@@ -37,8 +37,8 @@ _Answer = tuple[list[Path], list[str]]
 def _of_run(
     source: Path, folder: Path, tool: str | None, seed: tuple[float, float] | None, side: float | None
 ) -> _Answer:
-    from ..output.comparison.kinematic import beside_run, write_kinematic
-    from ..output.stored.file import read_results
+    from ...output.comparison.kinematic import beside_run, write_kinematic
+    from ...output.stored.file import read_results
 
     run = read_results(source)
     files: list[Path] = []
@@ -64,9 +64,9 @@ def _of_run(
 def _of_job(
     source: Path, folder: Path, tool: str | None, seed: tuple[float, float] | None, side: float | None
 ) -> _Answer:
-    from ..job.build import setup_of
-    from ..job.read import read_job
-    from ..output.comparison.kinematic import of_flat_blank, write_kinematic
+    from ...job.build import setup_of
+    from ...job.read import read_job
+    from ...output.comparison.kinematic import of_flat_blank, write_kinematic
 
     file = read_job(source)
     if file.job.scene is not None:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .shapes import shape_kinds
+from ..shapes import shape_kinds
 
 if TYPE_CHECKING:
-    from .tool import Tool
+    from ..tool import Tool
 
 
 class ToolDistance:
@@ -23,11 +23,11 @@ class ToolDistance:
     def __init__(self, tool: Tool, device: str = "cpu") -> None:
         import warp as wp
 
-        from ..device import initialise
-        from ..kernels.contact.tool_distance import sample_distance_kernel
-        from ..kernels.contact.tool_shapes import further_kinds
-        from .device import build_device_tools
-        from .sampling import sample_meshes
+        from ...device import initialise
+        from ...kernels.contact.tool_distance import sample_distance_kernel
+        from ...kernels.contact.tool_shapes import further_kinds
+        from ..device import build_device_tools
+        from ..sampling import sample_meshes
 
         initialise()
         self._device = device

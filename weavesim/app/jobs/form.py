@@ -34,7 +34,7 @@ def form_command(
     from ...engine.compilation import side_by_side
     from ...job.read import read_job
     from ...output.writer import chosen_writers
-    from ..verdict_command import read_limits, strict_code
+    from ..results.verdict import read_limits, strict_code
 
     file = read_job(job, set_ or (), files_from or ())
     folder = out or job.parent / "out"

@@ -135,6 +135,22 @@ class ThicknessRow(Rows):
     growth = "m", "last change of half the thickness"
 
 
+class SampleRow(Rows):
+    """What a sample of an element keeps of the last step, to book works at the instants of the positions."""
+
+    friction = "N s", "friction of all tools times the mean step", 3
+    dashpots = "N s", "their dashpots times the mean step", 3
+    friction_power = "J", "work of the moving tools against friction"
+    dashpot_power = "J", "the same of the dashpots"
+
+
+class MovedRow(Rows):
+    """How far the nodes of a block moved in the last step, for the samples of the elements between them."""
+
+    travel = "m", "furthest travel of a node"
+    turn = "rad", "largest turn of a director"
+
+
 class SheetEnergy(Rows):
     """Energies of each element; in their array these rows come after those of the unit cell."""
 

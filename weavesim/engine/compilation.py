@@ -42,6 +42,7 @@ from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
 from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
+from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
 from .plies.ply_kernels import ply_kernels
@@ -149,6 +150,7 @@ class KernelSet:
             *(element_force_kernel(real, lane_count, law, sheet) for sheet in self.sheets),
             *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
             *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
+            *(surface_contact_kernel(real, lane_count, node) for node in self.nodes if node.sampled),
             *(element_ledger_kernel(real, law, sheet) for sheet in self.sheets),
             *(
                 element_extremes_kernel(real, lane_count, flat)

@@ -35,6 +35,7 @@ from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
 from .layout import BLOCK, RowLayout, Span, lanes_view, padded
 from .setup import STEP_SAFETY, World
+from .surface.samples import Samples
 from .traits import node_traits, sheet_traits
 
 # Contact stiffness is this share of mass / step^2: two tools on one node then reduce the stable step by a few per cent.
@@ -84,12 +85,13 @@ class Places:
     Attributes:
         tools: of its world, among all tools.
         drives: of its supports, among all drives.
-        first_reaction: its first block of nodes, among those of its world.
+        first_reaction, last_reaction: its blocks of nodes, then of elements, among those of its world.
     """
 
     tools: Span
     drives: Span
     first_reaction: int
+    last_reaction: int
 
 
 class SheetModel:
@@ -108,6 +110,7 @@ class SheetModel:
         element_nodes: (4, padded elements) corner nodes.
         corners, motion_layout, friction_layout: layouts of the values that elements write at their corners
             (CORNER_ROW_COUNT), of the nodes' motion, and of their friction springs (three components per tool).
+        samples: constants of the contact between nodes.
         added_mass_ratio: mass added by scaling over the mass of the blank.
     """
 
@@ -140,6 +143,10 @@ class SheetModel:
         # squared, of one tool's spring [1/s^2]
         self._contact_frequency = CONTACT_SHARE / self.reference_step**2
         self.contact_stiffness = self._contact_frequency * self.node_mass
+        self.samples = Samples.of(
+            world.tools if self.node_traits.sampled else (), fabric.thickness, self.geometry,
+            blank.node_position[blank.quads], 4.0 * corner_mass, self._contact_frequency, self.corners,
+        )  # fmt: skip
 
         # padding elements keep an infinite areal density: they never limit the step
         inertia = np.stack([1.0 / self.areal_density, 1.0 / frequencies.rotary_radius_squared])
@@ -174,8 +181,9 @@ class SheetModel:
 
     def _step_bounds(self):
         bounds, cell = step_bounds_struct(self.real)(), self.fabric.unit_cell
-        bounds.contact_frequency = 2.0 * self._contact_frequency if self.tool_count else 0.0
-        bounds.contact_frequency += self._grip_frequency
+        springs = 2.0 * self._contact_frequency if self.tool_count else 0.0  # of two tools
+        bounds.sample_frequency, bounds.sample_turning = 2.0 * self.samples.frequency, 2.0 * self.samples.turning
+        bounds.contact_frequency = springs + bounds.sample_frequency + self._grip_frequency
         bounds.bending = self.fabric.largest_bending_stiffness
         bounds.warp, bounds.weft = cell.yarn_stiffness_per_width
         bounds.shear = cell.shear_stiffness

@@ -137,6 +137,7 @@ class Stepper:
                 launches.element_forces(index, *elements)
                 launches.plies.push(index, *elements)
                 launches.loads.apply(index, *elements)
+                launches.meet_between_nodes(index, *elements)
                 if nodes[1]:
                     launches.move_nodes(index, *nodes)
         wait()
@@ -155,7 +156,7 @@ class Stepper:
             sheet = self.model.sheets[index]
             own = chunks(sheet.element_count // sheet.lane_count, thread_count)[thread]
             self._launches.element_extremes(index, *own)
-            self._launches.fold_works(index, *chunks(sheet.block_count, thread_count)[thread])
+            self._launches.fold_works(index, thread, thread_count)
         self._launches.plies.watch_speeds(thread_count, thread)
         self._replay.wait(thread_count)
         if thread == 0:
@@ -187,6 +188,7 @@ class Stepper:
             launches.move_supports()
             for index in indices:
                 launches.loads.apply(index)
+                launches.meet_between_nodes(index)
                 launches.move_nodes(index)
             with beside():
                 launches.move_tools()
@@ -198,7 +200,7 @@ class Stepper:
         for index, sheet in enumerate(self.model.sheets):
             with beside():
                 launches.element_extremes(index, 0, sheet.element_count // sheet.lane_count)
-                launches.fold_works(index, 0, sheet.block_count)
+                launches.fold_works(index)
             launches.element_frequencies(index, 0, launches.frequency_block_count(index))
         launches.plies.watch_speeds()
         launches.set_step(self.step_safety, self.largest_step)
@@ -324,6 +326,7 @@ class Stepper:
         if phase_count > 1:
             ahead.move_supports()
             for index in indices:
+                ahead.meet_between_nodes(index)
                 ahead.move_nodes(index)
         if phase_count > 2:
             ahead.move_tools()

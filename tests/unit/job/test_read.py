@@ -187,3 +187,21 @@ def test_every_key_has_a_description():
 
     for table in (Job, PlyTable, ToolTable, ProcessTable, SolverTable, OutputTable):
         assert all(field.description for field in table.model_fields.values())
+
+
+def test_the_tables_of_the_reference_come_from_the_models():
+    from scripts.doc_tables import text_of, text_with_tables
+
+    assert text_with_tables("job.md") == text_of("job.md"), "run python scripts/doc_tables.py"
+
+
+def test_the_example_of_the_reference_is_a_job(tmp_path):
+    import re
+
+    from scripts.doc_tables import text_of
+
+    (example,) = re.findall(r"```toml\n(.*?)```", text_of("job.md"), flags=re.DOTALL)
+    setup = setup_of(read_job(write_tray(tmp_path, example)))
+    assert [tool.name for tool in setup.tools] == ["die", "punch", "ring"]
+    assert setup.tools[1].motion.largest_force == 5000.0
+    assert [gripper.name for gripper in setup.grippers] == ["corner_1", "corner_2"]

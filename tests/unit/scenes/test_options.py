@@ -24,6 +24,7 @@ COARSE = {
     "bias-extension": {"mesh_size": 0.0125}, "cantilever": {"mesh_size": 0.0125},
     "biaxial": {"mesh_size": 0.025}, "uniaxial": {"mesh_size": 0.0125}, "compaction": {"mesh_size": 0.025},
     "sled": {"mesh_size": 0.03}, "pure-bending": {"mesh_size": 0.001}, "cusick-drape": {"mesh_size": 0.007},
+    "stack": {"mesh_size": 0.02},
 }  # fmt: skip
 # Other values of options whose range or meaning does not allow just any.
 OTHERS: dict[str, Any] = {
@@ -44,9 +45,16 @@ OTHERS: dict[str, Any] = {
     "gripper_count": lambda value: 1,
     "measured_columns": lambda value: "neither, nor",
     "frame_side": lambda value: 0.3,
+    "lay_up": lambda value: "[0/45]s",
+    "ply_thickness": lambda value: 5.0e-4,
+    "ply_friction": lambda value: 0.3,
+    "friction": lambda value: 0.15,
+    "punch_speed": lambda value: 0.9 * (value or 0.25),
+    "stroke": lambda value: 0.9 * (value or 0.05),
 }
 # What has to be given too, for an option to have its effect.
-TOGETHER: dict[str, dict[str, Any]] = {
+TOGETHER: dict[str | tuple[str, str], dict[str, Any]] = {
+    ("stack", "blank_holder_force"): {"tools": "double-dome", "lay_up": "0/90"},
     "shear_modulus": {"shear_law": "linear"},
     "unit_scale": {"punch": "ball"},
     "tools_are_cut": {"punch": "ball"},
@@ -128,7 +136,7 @@ def test_every_option_has_an_effect_or_is_refused(name, option, files):
     base = COARSE[name]
     together = {
         key: files / f"{other}.stl" if "ball" in other else files / other if other.endswith(".csv") else other
-        for key, other in TOGETHER.get(option, {}).items()
+        for key, other in TOGETHER.get((name, option), TOGETHER.get(option, {})).items()
     }
     if together:
         with pytest.raises(InputError, match=f"{option} = .*: has no effect without"):

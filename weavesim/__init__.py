@@ -74,6 +74,7 @@ if TYPE_CHECKING:
     from .process.supports import Drive, Support
     from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
     from .run.relaxation import relax
+    from .run.scaling.mass import choose_mass_scaling
     from .run.simulation import Simulation
     from .sheet.blank import Blank
     from .sheet.sheet import Sheet
@@ -153,6 +154,7 @@ _names_in = {
     "process.supports": ("Drive", "Support"),
     "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),
     "run.relaxation": ("relax",),
+    "run.scaling.mass": ("choose_mass_scaling",),
     "run.simulation": ("Simulation",),
     "sheet.blank": ("Blank",),
     "sheet.sheet": ("Sheet",),

@@ -1,4 +1,4 @@
-"""The surface of a sheet within one element, and the foot of a point on it (docs/theory.md, section 11).
+"""The surface of a sheet within one element, and the foot of a point on it (docs/plies.md).
 
 The facet is the bilinear quadrilateral of its four nodes, with their normals interpolated alike. Positions and normals
 are shared along edges, so that feet cover the sheet once: there are no cases for edges and corners.

@@ -1,4 +1,4 @@
-"""What is sought at every update of the stable step for one pass of an interface (docs/theory.md, section 11).
+"""What is sought at every update of the stable step for one pass of an interface (docs/plies.md).
 
 A node walks from facet to facet by itself. Sought are the nodes that may stand on each facet until the next update,
 blocks of nodes that are too far away to touch, and feet of nodes that have none. Every list is made by its owner, in

@@ -61,6 +61,8 @@ TESTED_ELSEWHERE = {
     "kernels/plies/search.py": PLIES,
     "kernels/plies/stand.py": PLIES,
     "kernels/plies/normals.py": PLIES,
+    "weavesim/run/interface_ledger.py": PLIES,
+    "weavesim/run/guards/plies/interfaces.py": "unit/process/test_friction.py",
     "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",
     "kernels/contact/penalty.py": "verification/contact/test_contact.py",
     "kernels/contact/tool_shapes.py": "unit/tools/test_shapes.py",

@@ -34,12 +34,13 @@ from ..device import Precision
 from ..errors import InputError, RunError
 from ..run.interruption import leaving_at_once
 from .ending import ExitCode, closing_lines, exit_code
-from .export_command import export_command
 from .fabric_command import fabric_application
 from .jobs import add_commands
+from .results.export import export_command
+from .results.kinematic import kinematic_command
+from .results.verdict import verdict_command
 from .session import announce_compilation, announced, interruptible
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
-from .verdict_command import verdict_command
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup
@@ -56,6 +57,7 @@ application = typer.Typer(
 application.add_typer(fabric_application, name="fabric")
 application.command("export")(export_command)
 application.command("verdict")(verdict_command)
+application.command("kinematic")(kinematic_command)
 add_commands(application)
 
 

@@ -78,23 +78,23 @@ class JobFile:
         Raises:
             InputError: it is not there, or leads out of these folders.
         """
-        keys = [str(key) for key in keys]
+        place = [str(key) for key in keys]
         problem = ""
         for folder in self.folders:
             try:
-                path = within_folder(folder, reference, keys[-1])
+                path = within_folder(folder, reference, place[-1])
             except InputError as error:
                 problem = problem or str(error)
                 continue
             if path.exists():
                 return path
-            problem = f"{keys[-1]} = {reference!r}: there is no such file in the folder of the job"
+            problem = f"{place[-1]} = {reference!r}: there is no such file in the folder of the job"
         for folder in self.folders[1:]:
             path = Path(reference)
             if path.is_absolute() and path.resolve().is_relative_to(folder.resolve()) and path.exists():
                 return path
         named = "" if len(self.folders) > 1 else ", or name its folder with --files-from"
-        self.refuse(keys, f"{problem}{named}")
+        self.refuse(place, f"{problem}{named}")
 
 
 def read_job(path: str | Path, settings: Iterable[str] = (), files_from: Iterable[str | Path] = ()) -> JobFile:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..engine.model import Model
 from ..engine.state import State
+from ..kernels.rows import PassEntry
 from ..sheet.blank import Blank
 from .frame import Frame, SheetFrame
 
@@ -43,7 +44,7 @@ def find_failure(model: Model, state: State, last: Frame) -> Failure | None:
         if not good.all() or (not finite_step and len(model.sheets) == 1):
             suspects.append((sheet.name, *_suspect(sheet.blank, frame, ~good, sheet.name, len(model.sheets))))
     if not suspects and finite_step:
-        return None
+        return _late_contact(model, state)
     nobody = None, "its stable step is not positive; no sheet has lost a node yet", None
     sheet_name, where, place = suspects[0] if suspects else nobody
     text = (
@@ -51,6 +52,18 @@ def find_failure(model: Model, state: State, last: Frame) -> Failure | None:
         f"good frame is {last.index} at {last.time:.4g} s. {where}"
     )
     return Failure(text, state.time, sheet_name, place)
+
+
+def _late_contact(model: Model, state: State) -> Failure | None:
+    for each, own in zip(model.passes, state.passes, strict=True):
+        if own.entry.numpy()[PassEntry.late] > 0.0:
+            text = (
+                f"interface {each.interface.name}: before {state.time:.4g} s a node went past the facets on which it "
+                "was looked for, so that a contact may have been missed: plies slide faster than the search allows; "
+                "move the tools more slowly"
+            )
+            return Failure(text, state.time, each.slave.name, None)
+    return None
 
 
 def _suspect(

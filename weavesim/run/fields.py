@@ -89,6 +89,10 @@ def _failed(fabric: Fabric, fields: Values, report: Values) -> np.ndarray:
     return (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
 
 
+def _of_plies(fabric: Fabric, fields: Values, report: Values) -> None:
+    """The ledger of the interfaces adds these."""
+
+
 FIELDS: list[Field] = [
     *(Field(row.name, row.unit, row.description, film=_IN_FILM.get(row.name)) for row in ElementField),
     Field("thickness", "m", "current thickness", _thickness, film=as_it_is),
@@ -106,6 +110,11 @@ FIELDS: list[Field] = [
         lambda fabric, fields, report: report["iterations"],
     ),
     Field("unit_cell_failed", "1", f"1 where that residual is not below {UNIT_CELL_FAILURE:g}, else 0", _failed),
+    *(
+        Field(f"ply_{name}_{face}", unit, f"{words} of the ply {face}, if the set-up has an interface", _of_plies)
+        for face in ("below", "above")
+        for name, unit, words in (("pressure", "Pa", "pressure"), ("slip", "m", "way slid so far, on that"))
+    ),
 ]  # fmt: skip
 
 

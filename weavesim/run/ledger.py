@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
@@ -61,7 +63,7 @@ class Ledger:
         self._stepper, self._setup = stepper, stepper.model.setup
         self.sheets = [SheetLedger(stepper.model, k, stepper.state) for k in range(len(stepper.model.sheets))]
         self.internal = tuple(dict.fromkeys(name for sheet in self.sheets for name in sheet.internal))
-        self.interfaces = InterfaceLedger(stepper.model)
+        self.interfaces = InterfaceLedger(stepper.model, stepper.state)
         tools = self._setup.tools
         self.tool_names = unique_names(tool.name for tool in tools)
         self._driven = np.array([tool.motion.by_force for tool in tools], dtype=bool)
@@ -70,7 +72,10 @@ class Ledger:
     def frame(self, index: int) -> Frame:
         """A frame of the current state; waits for the device."""
         state, ahead = self._stepper.state, self._stepper.look_ahead()
-        sheets = tuple(sheet.frame(ahead) for sheet in self.sheets)
+        sheets = tuple(
+            replace(frame, fields=frame.fields | self.interfaces.fields(k, ahead))
+            for k, frame in enumerate(sheet.frame(ahead) for sheet in self.sheets)
+        )
         tool_displacement = state.tool_displacement.numpy().copy()
         drive_displacement = state.drive_displacement.numpy().copy()
         support_force, drive_force = self._support_outputs(ahead)
@@ -134,6 +139,12 @@ class Ledger:
     def watched(self) -> dict[str, np.ndarray]:
         """What every step has booked of the tools so far, by names of ``ToolWatchRow``, (tool_count,) each."""
         return dict(zip(ToolWatchRow.names(), self._stepper.state.tool_watch.numpy().copy(), strict=True))
+
+    def interface_report(self) -> list[dict[str, Any]]:
+        """Numbers of every interface between plies for the summary; waits for the device."""
+        if not self.interfaces.passes:
+            return []
+        return self.interfaces.report(self._stepper.state, self._stepper.look_ahead())
 
     def penetration(self, frame: Frame) -> Penetration:
         """Deepest penetration of a frame just taken."""

@@ -136,19 +136,19 @@ def _doubled(node: np.ndarray, quads: np.ndarray, cuts: list[np.ndarray]) -> tup
             if int(k) in around:
                 around[int(k)].append(int(row))
     original = quads.copy()
-    for k in on_cut:
-        rest, groups = list(around[k]), []
+    for spot in on_cut:
+        rest, groups = list(around[spot]), []
         while rest:
             group = [rest.pop()]
             for row in group:
-                own = _spokes(original[row], k) - {other for pair in cut if k in pair for other in pair}
-                joined = [other for other in rest if own & _spokes(original[other], k)]
+                own = _spokes(original[row], spot) - {other for pair in cut if spot in pair for other in pair}
+                joined = [other for other in rest if own & _spokes(original[other], spot)]
                 group += joined
                 rest = [other for other in rest if other not in joined]
             groups.append(sorted(group))
         for group in sorted(groups)[1:]:
-            quads[group] = np.where(original[group] == k, count, quads[group])
-            nodes.append(node[k : k + 1])
+            quads[group] = np.where(original[group] == spot, count, quads[group])
+            nodes.append(node[spot : spot + 1])
             count += 1
     return np.concatenate(nodes), quads
 

@@ -1,4 +1,4 @@
-"""Contact between plies: known answers of stacks that press, slide and collide (docs/theory.md, section 11)."""
+"""Contact between plies: known answers of stacks that press, slide and collide (docs/plies.md)."""
 
 import numpy as np
 import pytest

@@ -51,3 +51,20 @@ def scaled_colours(values: np.ndarray, largest: float) -> np.ndarray:
     known = np.isfinite(values)
     colours[known] = colour_map()(np.clip(values[known] / max(largest, 1.0e-300), 0.0, 1.0))
     return colours
+
+
+def signed_colours(values: np.ndarray, largest: float) -> np.ndarray:
+    """Blue to red from -``largest`` to ``largest``; grey where there is none, (element_count, 4)."""
+    from matplotlib import colormaps
+
+    colours = np.tile(np.array(GREY), (len(values), 1))
+    known = np.isfinite(values)
+    share = 0.5 + 0.5 * np.clip(values[known] / max(largest, 1.0e-300), -1.0, 1.0)
+    colours[known] = colormaps["coolwarm"](share)
+    return colours
+
+
+def view(direction: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vector to the eye, and the projection to the screen, (3, 2) [mm/m]."""
+    to_eye, _, screen = _projection(direction)
+    return to_eye, screen

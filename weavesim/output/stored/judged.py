@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...measures.defects.judgement import Distance, Judgement, Limits
+from ...tools.surfaces.distance import ToolDistance
 from ..files import write_summary
 from ..tables import write_table
 from .file import StoredRun, StoredSheet
@@ -100,10 +101,10 @@ def tool_distance(run: StoredRun, sheet: StoredSheet) -> Distance | None:
     """Distance to the nearest tool of a sheet at the end of its run; None without tools."""
     if not sheet.tools:
         return None
-    tools = [(run.tools[place], float(run.tool_displacement[place])) for place in sheet.tools]
+    tools = [(ToolDistance(run.tools[place]), float(run.tool_displacement[place])) for place in sheet.tools]
 
     def distance(points: np.ndarray) -> np.ndarray:
-        return np.min([tool.distance(points, displacement)[0] for tool, displacement in tools], axis=0)
+        return np.min([tool(points, displacement)[0] for tool, displacement in tools], axis=0)
 
     return distance
 

@@ -9,7 +9,7 @@ from tests.support.sheet import plain_fabric
 from weavesim.app import command_line
 from weavesim.app.ending import ExitCode
 from weavesim.app.options import RunOptions
-from weavesim.app.verdict_command import read_limits, strict_code
+from weavesim.app.results.verdict import read_limits, strict_code
 from weavesim.errors import InputError
 from weavesim.measures.defects.judgement import Limits
 from weavesim.output import ResultFolder

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .ending import ExitCode, case_folders
-from .terminal import say
+from ..ending import ExitCode, case_folders
+from ..terminal import say
 
 if TYPE_CHECKING:
-    from ..measures.defects.judgement import Limits
+    from ...measures.defects.judgement import Limits
 
 
 def verdict_command(
@@ -34,8 +34,8 @@ def read_limits(path: Path | None) -> Limits:
     Raises:
         InputError: a file that cannot be read, or bad limits.
     """
-    from ..documents import read_document
-    from ..measures.defects.judgement import Limits
+    from ...documents import read_document
+    from ...measures.defects.judgement import Limits
 
     return Limits() if path is None else Limits(**read_document(path, "file of limits").values)
 
@@ -49,9 +49,9 @@ def judge_folder(run: Path, limits: Limits, out: Path | None = None) -> tuple[bo
     Raises:
         InputError: no run, or its results cannot be read.
     """
-    from ..output.files import check_writable
-    from ..output.stored.file import read_results
-    from ..output.stored.judged import judge_run, write_judged
+    from ...output.files import check_writable
+    from ...output.stored.file import read_results
+    from ...output.stored.judged import judge_run, write_judged
 
     judged = judge_run(read_results(run), limits)
     folder = run if out is None else out

@@ -36,6 +36,7 @@ from ..run.interruption import leaving_at_once
 from .ending import ExitCode, closing_lines, exit_code
 from .fabric_command import fabric_application
 from .jobs import add_commands
+from .results.compare import compare_command
 from .results.export import export_command
 from .results.kinematic import kinematic_command
 from .results.verdict import verdict_command
@@ -58,6 +59,7 @@ application.add_typer(fabric_application, name="fabric")
 application.command("export")(export_command)
 application.command("verdict")(verdict_command)
 application.command("kinematic")(kinematic_command)
+application.command("compare")(compare_command)
 add_commands(application)
 
 

@@ -24,7 +24,7 @@ def net_picture(drape: KinematicDrape) -> Figure:
     if drape.sheet is None:
         figure = new_figure(7.0, 5.4)
         _draw_net(new_axes(figure, 1, 1, 1, title=f"Kinematic drape on {drape.tool}"), drape)
-        _bar(figure, figure.axes, "Shear angle [degrees]", colour_map(), 0.0, LARGEST_SHOWN_ANGLE)
+        add_bar(figure, figure.axes, "Shear angle [degrees]", colour_map(), 0.0, LARGEST_SHOWN_ANGLE)
         return figure
     figure = new_figure(16.0, 5.4)
     formed, net, difference = (
@@ -36,9 +36,9 @@ def net_picture(drape: KinematicDrape) -> Figure:
     values = drape.difference_deg
     assert values is not None
     draw_elements(difference, drape.sheet, signed_colours(values, _SHOWN_DIFFERENCE), OBLIQUE)
-    _bar(figure, [formed, net], "Shear angle [degrees]", colour_map(), 0.0, LARGEST_SHOWN_ANGLE)
+    add_bar(figure, [formed, net], "Shear angle [degrees]", colour_map(), 0.0, LARGEST_SHOWN_ANGLE)
     text = "Difference [degrees]; grey where the net does not reach"
-    _bar(figure, [difference], text, "coolwarm", -_SHOWN_DIFFERENCE, _SHOWN_DIFFERENCE)
+    add_bar(figure, [difference], text, "coolwarm", -_SHOWN_DIFFERENCE, _SHOWN_DIFFERENCE)
     return figure
 
 
@@ -59,7 +59,8 @@ def _draw_net(axes: Axes, drape: KinematicDrape) -> None:
     axes.set_axis_off()
 
 
-def _bar(figure: Figure, axes: list[Axes], text: str, colours: Any, low: float, high: float) -> None:
+def add_bar(figure: Figure, axes: list[Axes], text: str, colours: Any, low: float, high: float) -> None:
+    """Add a bar of colours from ``low`` to ``high`` below some axes."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 

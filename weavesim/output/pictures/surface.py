@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...measures.findings import FormedSheet
-from .sheet import _projection
+from .sheet import projection
 from .style import colour_map
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def draw_elements(axes: Axes, sheet: FormedSheet, colours: np.ndarray, direction
 
     corners = sheet.symmetry.mirrored(sheet.position[sheet.blank.quads])
     colours = np.tile(colours, (len(sheet.symmetry.mirror_factors), 1)).copy()
-    to_eye, right, screen = _projection(direction)
+    to_eye, right, screen = projection(direction)
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1.0e-300)
     colours[:, :3] *= (0.78 + 0.22 * np.abs(normal @ (to_eye + 0.5 * right) / 1.12).clip(0.0, 1.0))[:, None]
@@ -66,5 +66,5 @@ def signed_colours(values: np.ndarray, largest: float) -> np.ndarray:
 
 def view(direction: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Unit vector to the eye, and the projection to the screen, (3, 2) [mm/m]."""
-    to_eye, _, screen = _projection(direction)
+    to_eye, _, screen = projection(direction)
     return to_eye, screen

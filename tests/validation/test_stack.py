@@ -1,10 +1,12 @@
 """Stacks of plies as a user forms them: nothing passes through anything, plies without friction form as if alone."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 
+from tests.support.paths import ROOT
 from weavesim.run.simulation import Simulation
 from weavesim.run.watch.crossing_record import CrossingRecord
 from weavesim.scenes.stack import SCENE, StackParameters, slips, stack
@@ -63,3 +65,10 @@ def test_the_dome_forms_three_plies_with_friction_and_leaves_all_results(tmp_pat
         "stack.usdc", "paraview/series.pvd", "paraview/final_state.vtm", "pictures/stack.png", "pictures/sections.png",
         "pictures/formed_sheet_ply_3.png", "sheets.csv", "draw_in_ply_1.csv", "shear_angle_ply_2.csv", "report.html",
     }  # fmt: skip
+
+
+def test_the_example_of_the_page_runs(capsys):
+    page = (ROOT / "docs" / "stacks.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    exec(compile(code, "stacks.md", "exec"), {})
+    assert capsys.readouterr().out.startswith("0/45/90 {'ply_1 and ply_2': {'at_end': 0, ")

@@ -110,11 +110,10 @@ FIELDS: list[Field] = [
         lambda fabric, fields, report: report["iterations"],
     ),
     Field("unit_cell_failed", "1", f"1 where that residual is not below {UNIT_CELL_FAILURE:g}, else 0", _failed),
-    *(
-        Field(f"ply_{name}_{face}", unit, f"{words} of the ply {face}, if the set-up has an interface", _of_plies)
-        for face in ("below", "above")
-        for name, unit, words in (("pressure", "Pa", "pressure"), ("slip", "m", "way slid so far, on that"))
-    ),
+    Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_plies),
+    Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_plies),
+    Field("ply_slip_below", "m", "way slid so far on the ply below", _of_plies),
+    Field("ply_slip_above", "m", "way slid so far under the ply above", _of_plies),
 ]  # fmt: skip
 
 

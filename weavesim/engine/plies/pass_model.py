@@ -90,12 +90,13 @@ class PassModel:
         densities = [mean_density(sheet) for sheet in (slave, master)]
         self.reduced_density = densities[0] * densities[1] / sum(densities)
         self.area_stiffness = interface.stiffness_share * self.reduced_density / reference_step**2
-        area = mean_facet_area(master)
-        smaller = np.minimum(nodal_areas(slave), area)
+        area, own_area = mean_facet_area(master), mean_facet_area(slave)
+        # one ratio for all nodes: those on a symmetry plane have half an area, as half of a whole node has
+        smaller = min(1.0, area / own_area) * nodal_areas(slave)
         self.stiffness = self._edge_shares(place.share) * self.area_stiffness * smaller
         self.skin = SKIN_SHARE * math.sqrt(area)
         box = (math.sqrt(area) + 2.0 * self.skin) ** 2
-        self.slot_count = math.ceil(SPARE_SLOTS * (box / mean_facet_area(slave) + 1.0))
+        self.slot_count = math.ceil(SPARE_SLOTS * (box / own_area + 1.0))
 
     def _edge_shares(self, share: float) -> np.ndarray:
         """Share of every node: at least a half near a free edge, where both passes are needed."""

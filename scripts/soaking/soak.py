@@ -22,7 +22,7 @@ import typer
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from scripts.soaking import damage, endurance, kills  # noqa: E402
+from scripts.soaking import cells, damage, endurance, extremes, kills  # noqa: E402
 
 
 class Part(NamedTuple):
@@ -36,6 +36,8 @@ class Part(NamedTuple):
 PARTS = {
     "kills": Part(kills.kills, 1000, "runs killed at random moments and resumed"),
     "damage": Part(damage.damage, 10_000, "damaged files for every reader"),
+    "cells": Part(cells.cells, 10_000_000, "random states of unit cells"),
+    "extremes": Part(extremes.extremes, 1000, "extreme but legal runs, at most"),
     "runs": Part(endurance.runs, 100, "runs in one process"),
     "steps": Part(endurance.steps, 1_000_000, "steps of one run"),
 }

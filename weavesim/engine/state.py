@@ -217,8 +217,12 @@ class State:
             value = getattr(self, field.name)
             if isinstance(value, wp.array):
                 yield field.name, value
-        for name, parts in (("sheets", self.sheets), ("passes", self.passes)):
-            for index, part in enumerate(parts):
+        parts: dict[str, tuple[SheetState, ...] | tuple[PassState, ...]] = {
+            "sheets": self.sheets,
+            "passes": self.passes,
+        }
+        for name, group in parts.items():
+            for index, part in enumerate(group):
                 for field in fields(part):
                     yield f"{name}/{index}/{field.name}", getattr(part, field.name)
 

@@ -43,7 +43,7 @@ from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maxi
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
-from .plies.ply_kernels import ply_kernels
+from .plies.ply_kernels import own_contact_kernels, ply_kernels
 from .setup import Setup
 from .traits import node_traits, sheet_traits
 
@@ -65,7 +65,8 @@ class KernelSet:
         pressed: whether there is pressure on a sheet.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
-        plies: whether sheets touch each other.
+        plies: whether sheets touch each other, or themselves.
+        own_contact: whether they touch themselves.
     """
 
     unit_cell: UnitCell
@@ -80,6 +81,7 @@ class KernelSet:
     threaded: bool = True
     meshes: bool = False
     plies: bool = False
+    own_contact: bool = False
 
     @classmethod
     def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
@@ -105,6 +107,7 @@ class KernelSet:
             pressed=any(one.pressed for one in sets),
             meshes=True,
             plies=any(one.plies for one in sets),
+            own_contact=any(one.own_contact for one in sets),
         )
 
     @classmethod
@@ -128,6 +131,7 @@ class KernelSet:
             pressed=any(sheet.pressures for sheet in setup.sheets),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
             plies=nodes.touched,
+            own_contact=any(sheet.self_contact is not None for sheet in setup.sheets),
         )
 
     def kernels(self) -> list[wp.Kernel]:
@@ -152,6 +156,7 @@ class KernelSet:
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
             *(ply_kernels(real, lane_count) if self.plies else []),
+            *(own_contact_kernels(real, lane_count) if self.own_contact else []),
             *(
                 [tool_motion_kernel(real)]
                 if is_cpu or not self.tools

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 5
+FILE_VERSION = 6
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,7 @@ class SheetState:
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
     contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
+    awake: wp.array  # (1,) int32: 0 while nothing is near enough to touch, so that normals are not needed
     pressure_work: wp.array  # (element blocks,) float64, of the pressures so far [J]; empty without any
 
     def works(self) -> np.ndarray:
@@ -95,6 +96,7 @@ class SheetState:
             gap=zeros(tool_rows, model.block_count),
             holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
             contact_force=zeros(3, model.node_count if touched else BLOCK),
+            awake=wp.ones(1, dtype=wp.int32, device=device),
             pressure_work=zeros(model.element_count // model.lane_count if model.pressures else 0, dtype=wp.float64),
         )
 

@@ -5,6 +5,7 @@ from .friction import Coulomb, Friction, PressureFriction, StribeckFriction, Vis
 from .interfaces import Interface
 from .loads import NodalLoads
 from .pressure import Pressure
+from .self_contact import SelfContact
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
 
@@ -20,6 +21,7 @@ __all__ = [
     "NodalLoads",
     "Pressure",
     "PressureFriction",
+    "SelfContact",
     "SmoothStroke",
     "StribeckFriction",
     "Stroke",

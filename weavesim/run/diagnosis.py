@@ -8,12 +8,16 @@ import numpy as np
 
 from ..engine.model import Model
 from ..engine.state import State
+from ..kernels.rows import PassEntry
 from ..sheet.blank import Blank
 from .frame import Frame, SheetFrame
 
+# Of the thickness: deeper in itself, a sheet might leave on the wrong side.
+LARGEST_SELF_PENETRATION = 0.3
+
 
 def find_failure(model: Model, state: State, last: Frame) -> str | None:
-    """Message for the user if the state is no longer finite; None if it is.
+    """Message for the user if the state is no longer finite, or a sheet is pressed through itself; None if all is well.
 
     Args:
         model, state: of the run.
@@ -26,7 +30,7 @@ def find_failure(model: Model, state: State, last: Frame) -> str | None:
         if not good.all() or (not finite_step and len(model.sheets) == 1):
             suspects.append(_suspect(sheet.blank, frame, ~good, sheet.name if len(model.sheets) > 1 else None))
     if not suspects and finite_step:
-        return None
+        return _pressed_through(model, state)
     where = suspects[0] if suspects else "its stable step is not positive; no sheet has lost a node yet"
     return (
         f"the state became non-finite after {state.step_count} steps, {state.time:.4g} s; the last "
@@ -52,3 +56,20 @@ def _suspect(blank: Blank, last: SheetFrame, bad_node: np.ndarray, sheet: str | 
         f"blank, is the first suspect: shear angle {angle:.1f} degrees, stretches "
         f"{last.fields['warp_stretch'][suspect]:.3f} and {last.fields['weft_stretch'][suspect]:.3f}; {cause}"
     )
+
+
+def _pressed_through(model: Model, state: State) -> str | None:
+    """Message if a sheet is so deep in itself that it might leave on the wrong side."""
+    for each, own in zip(model.passes, state.passes, strict=True):
+        depth, limit = float(own.entry.numpy()[PassEntry.deepest]), LARGEST_SELF_PENETRATION * each.thickness
+        if each.is_own and depth > limit:
+            rows = own.read_rows(each)
+            x, y = each.slave.blank.material_coordinates[int((rows["depth"] - rows["entry"]).argmax())]
+            return (
+                f"sheet {each.slave.name} is pressed {1e3 * depth:.3g} mm into itself after {state.step_count} steps, "
+                f"{state.time:.4g} s, near ({x:.4g}, {y:.4g}) m on the flat blank; {1e3 * limit:.3g} mm, "
+                f"{LARGEST_SELF_PENETRATION:.0%} of the thickness, are allowed, beyond which it might leave on the wrong "
+                f"side: the pressure there is about {depth * each.area_stiffness:.3g} Pa; raise stiffness_share of its "
+                "self_contact, up to 0.2, press less, or move the tools more slowly"
+            )
+    return None

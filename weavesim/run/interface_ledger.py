@@ -25,7 +25,7 @@ class InterfaceLedger:
     """
 
     def __init__(self, model: Model) -> None:
-        self.passes, self._interfaces = model.passes, model.setup.interfaces
+        self.passes, self._contacts = model.passes, model.contacts
 
     def entries(self, state: State, ahead: State) -> dict[str, float]:
         """Entries of the ledger, summed over the interfaces [J], given the state after the next step."""
@@ -36,8 +36,8 @@ class InterfaceLedger:
         return totals
 
     def by_interface(self, state: State, ahead: State) -> list[dict[str, float]]:
-        """The same of every interface."""
-        result = [dict.fromkeys(ENTRIES, 0.0) for _ in self._interfaces]
+        """The same of every interface, then of every sheet that touches itself."""
+        result = [dict.fromkeys(ENTRIES, 0.0) for _ in self._contacts]
         started = state.step_count > 0
         for model, own in zip(self.passes, ahead.passes, strict=True):
             for name, value in _entries(model, own, started).items():

@@ -15,6 +15,7 @@ from ..fabric.fabric import Fabric
 from ..names import Label
 from ..process.loads import NodalLoads
 from ..process.pressure import Pressure
+from ..process.self_contact import SelfContact
 from ..process.supports import Support, prescribe_start
 from ..ranges import Quantity
 from .blank import Blank
@@ -24,6 +25,8 @@ from .symmetry import AXES, Symmetry
 USUAL_BLANK_SIZE = (2.0e-3, 8.0)
 # Thickness over the blank's longest side.
 LARGEST_USUAL_THICKNESS = 0.25
+# Area of an element on the flat blank over its own, for self-contact; the largest is the inverse.
+SMALLEST_FLAT_AREA = 0.5
 
 
 class Sheet(Parameters):
@@ -41,6 +44,7 @@ class Sheet(Parameters):
             they hold have their velocity from the start. Their names are unique in a run.
         loads: forces and couples prescribed at nodes.
         pressures: on its faces; those on the same face add up.
+        self_contact: contact of the sheet with itself; without it, it passes through itself.
     """
 
     positional = ("blank", "fabric", "name")
@@ -54,6 +58,7 @@ class Sheet(Parameters):
     supports: tuple[Support, ...] = ()
     loads: NodalLoads | None = None
     pressures: tuple[Pressure, ...] = ()
+    self_contact: SelfContact | None = None
 
     @model_validator(mode="after")
     def _fits_the_blank(self) -> Self:
@@ -67,6 +72,8 @@ class Sheet(Parameters):
             )
         if self.loads is not None:
             self.loads.arrays(count)
+        if self.self_contact is not None:
+            self._check_flat_coordinates()
         for pressure in self.pressures:
             pressure.check_elements(self.blank.element_count)
         owner = np.full(count, -1)
@@ -74,6 +81,22 @@ class Sheet(Parameters):
             self._check_support(support, owner)
             owner[support.nodes] = index
         return self
+
+    def _check_flat_coordinates(self) -> None:
+        """Self-contact tells neighbours by their distance on the flat blank."""
+        flat = self.blank.material_coordinates[self.blank.quads]
+        across = (flat[:, 2] - flat[:, 0])[:, :, None] * (flat[:, 3] - flat[:, 1])[:, None, :]
+        area = 0.5 * np.abs(across[:, 0, 1] - across[:, 1, 0])
+        corner = self.blank.node_position[self.blank.quads]
+        formed = 0.5 * np.linalg.norm(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]), axis=1)
+        ratio = area / formed
+        if not ((ratio > SMALLEST_FLAT_AREA) & (ratio < 1.0 / SMALLEST_FLAT_AREA)).all():
+            element = int(np.argmax(np.abs(np.log(np.maximum(ratio, 1e-12)))))
+            raise ValueError(
+                f"self_contact: element {element} has {ratio[element]:.3g} times its area in material_coordinates, the "
+                "flat blank, on which neighbours are told from contacts; allowed are "
+                f"{SMALLEST_FLAT_AREA:g} to {1.0 / SMALLEST_FLAT_AREA:g}: give the blank flat coordinates of its own"
+            )
 
     def _check_support(self, support: Support, owner: np.ndarray) -> None:
         nodes, count = support.nodes, self.blank.node_count

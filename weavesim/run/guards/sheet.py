@@ -43,13 +43,13 @@ class _Counted(Guard):
 
 
 class SelfIntersection(_Counted):
-    """Parts of a sheet that pass through each other, which no contact prevents yet."""
+    """Parts of a sheet that pass through each other, which only self-contact prevents."""
 
     name = "self_intersection"
     watches = "parts of a sheet that pass through each other"
     what = "crossings"
     text = "pairs of triangles of the sheet pass through each other"
-    advice = "nothing keeps the sheet from itself yet: the result is wrong there; refine the mesh or stop earlier"
+    advice = "the result is wrong there: give the sheet self_contact, refine the mesh, or stop earlier"
 
 
 class SheetIntersection(Guard):

@@ -35,7 +35,9 @@ def facets_struct(real: type):
         stride: wp.int32  # entries between two rows
         normals: wp.array(dtype=real)  # unit normals of the nodes: see normals.py
         normal_stride: wp.int32
-        flat: wp.array(dtype=real)  # flat coordinates of the nodes, laid out as the normals; 1 behind those on a free edge
+        flat: wp.array(
+            dtype=real
+        )  # flat coordinates of the nodes, laid out as the normals; 1 behind those on a free edge
 
     return Facets
 
@@ -57,7 +59,7 @@ def patch_struct(real: type, lane_count: int):
 
 @cache
 def patch_functions(real: type, lane_count: int):
-    """wp.funcs that gather patches: a row of the motion as it is, positions from a point, normals; and that make one."""
+    """wp.funcs that gather patches: a row of the motion as it is, positions from a point, normals, and any."""
     types, Patch, Facets = lane_types(real, lane_count), patch_struct(real, lane_count), facets_struct(real)
     indices, lanes3 = types.indices, types.lanes3
 

@@ -153,7 +153,7 @@ def meet_plies_kernel(real: type, lane_count: int):
         stand = stand_on(law, facets, facet, place, below, xi, eta, iterations)
         stand = keep_stray(record, block, stand, record.rows[PlyRow.stray, block])
         if slaves.facing != real(0.0):
-            stand = admit(slaves, facets, facet, block, stand)
+            stand = admit(slaves, facets, facet, block, below, stand)
         forces = forces_of(slaves, facets, law, place, facet, stand, record)
         old_push = record.rows[PlyRow.push, block]
         worked = real(0.5) * (old_push + forces.push) * growth

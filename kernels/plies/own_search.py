@@ -15,7 +15,7 @@ from ..rows import MotionRow, PassEntry, PlyRow
 from .data import NO_DEPTH, record_struct
 from .facet import facets_struct, find_foot, patch_at, patch_functions, sagitta
 from .search import search_struct, watch_struct
-from .within import LEAST_COSINE, flat_patch_function
+from .within import LEAST_COSINE, LEAST_SQUARED_MEAN, flat_patch_function
 
 # Of a node: above or below the facets, facing them or with its back to them.
 SLOT_COUNT = wp.constant(4)
@@ -57,7 +57,9 @@ def sheet_points_struct(real: type):
         entry: wp.array(dtype=wp.int32)  # first in the motion
         normal_entry: wp.array(dtype=wp.int32)  # first in the normals, and in the flat coordinates
         facets: facets_struct(real)
-        touching: wp.array2d(dtype=wp.int32)  # [place, group of nodes]: groups of facets that share a node with it, or -1
+        touching: wp.array2d(
+            dtype=wp.int32
+        )  # [place, group of nodes]: groups of facets that share a node with it, or -1
         thickness: real  # at which the sheet touches itself [m]
         skin: real  # nodes this near are followed [m]
         farthest: real  # feet are taken up to this coordinate of a facet, to be walked from
@@ -207,6 +209,9 @@ def look_function(real: type):
         rest = column(facets.motion, entry + MotionRow.remainder * facets.stride, facets.stride)
         x = positions(facets, indices(facet), position, rest)
         d = normals(facets, indices(facet))
+        mean = vec3(d.mean[0, 0], d.mean[1, 0], d.mean[2, 0])
+        if wp.dot(mean, mean) < real(LEAST_SQUARED_MEAN):
+            return
         xi, eta, g = find_foot(x, d, lanes(), lanes(), ITERATIONS)
         if not wp.max(wp.abs(xi[0]), wp.abs(eta[0])) <= points.farthest:
             return

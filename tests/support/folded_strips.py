@@ -62,12 +62,11 @@ def press(height: float, stroke: float, duration: float) -> tuple[Tool, ...]:
     )
 
 
-def pressed_fold(
-    size: float, legs: int = 2, duration: float = 0.01, self_contact: SelfContact | None = SelfContact(), **given
-) -> Setup:
+def pressed_fold(size: float, legs: int = 2, duration: float = 0.01, **given) -> Setup:
     """Legs of 20 thicknesses, 4 thicknesses apart, pressed until they touch, and 10 um more."""
     gap = 4.0 * THICKNESS
-    sheet = Sheet(fold_blank(size, 20.0 * THICKNESS, gap, legs), FABRIC, name="strip", self_contact=self_contact)
+    blank = fold_blank(size, 20.0 * THICKNESS, gap, legs)
+    sheet = Sheet(blank, FABRIC, name="strip", self_contact=SelfContact())
     solver = Solver(**{"precision": "float64", "threads": 1, **given.pop("solver", {})})
     return Setup(**{
         "name": "fold", "sheets": (sheet,),

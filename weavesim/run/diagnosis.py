@@ -68,8 +68,8 @@ def _pressed_through(model: Model, state: State) -> str | None:
             return (
                 f"sheet {each.slave.name} is pressed {1e3 * depth:.3g} mm into itself after {state.step_count} steps, "
                 f"{state.time:.4g} s, near ({x:.4g}, {y:.4g}) m on the flat blank; {1e3 * limit:.3g} mm, "
-                f"{LARGEST_SELF_PENETRATION:.0%} of the thickness, are allowed, beyond which it might leave on the wrong "
-                f"side: the pressure there is about {depth * each.area_stiffness:.3g} Pa; raise stiffness_share of its "
+                f"{LARGEST_SELF_PENETRATION:.0%} of the thickness, are allowed, beyond which it might leave on the "
+                f"wrong side: the pressure there is about {depth * each.area_stiffness:.3g} Pa; raise stiffness_share of its "
                 "self_contact, up to 0.2, press less, or move the tools more slowly"
             )
     return None

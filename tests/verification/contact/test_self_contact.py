@@ -28,27 +28,35 @@ def pressed(run: Simulation) -> list[int]:
     return [int((own.standing.numpy() >= 0).sum()) for own in run.state.passes]
 
 
-@pytest.mark.parametrize(("size", "legs"), [(1.0, 2), (2.0, 2), (4.0, 2), (2.0, 3)])
-def test_a_folded_strip_is_pressed_flat(size, legs):
+@pytest.mark.parametrize("size", [1.0, 2.0, 4.0])
+def test_a_folded_strip_is_pressed_flat(size):
     """Legs a thickness apart, no crossing, the ledger closes, and the contact carries what the plate presses."""
-    run, record = run_with_record(pressed_fold(size * THICKNESS, legs))
+    run, record = run_with_record(pressed_fold(size * THICKNESS))
     assert record.total == 0
     position = run.frame.sheets[0].position
-    assert np.ptp(position[:, 2]) == pytest.approx((legs - 1) * THICKNESS, rel=0.02)
+    assert np.ptp(position[:, 2]) == pytest.approx(THICKNESS, rel=0.02)
     found = entries(run)
     assert not found[:, PassEntry.late].any() and found[:, PassEntry.deepest].max() < 0.05 * THICKNESS
     force = run.frame.tool_reaction[:, 2]
     assert force[0] < -10.0 and force[0] == pytest.approx(-force[1], rel=0.05)
-    # both sides of the middle leg of three are in contact
-    active = [count > 0 for count in pressed(run)]
-    assert active == [True, legs == 3, False, False]
+    assert [count > 0 for count in pressed(run)] == [True, False, False, False]
     last = run.history[-1]
     assert abs(last["balance_error"]) < 0.01 * last["supplied"]
     forces = sum(pass_rows(run, k)["force"] for k in range(4))
     total = np.zeros((3, run.model.sheet.blank.node_count)) + forces
-    upper = position[:, 2] > (legs - 1.5) * THICKNESS
+    upper = position[:, 2] > 0.5 * THICKNESS
     carried = 2.0 * total[2, upper].sum()  # the other half acts through the facets
     assert carried == pytest.approx(force[1], rel=0.3)
+
+
+def test_the_middle_leg_of_three_touches_on_both_sides():
+    run, record = run_with_record(pressed_fold(2.0 * THICKNESS, legs=3))
+    assert record.total == 0
+    assert np.ptp(run.frame.sheets[0].position[:, 2]) == pytest.approx(2.0 * THICKNESS, rel=0.02)
+    assert [count > 20 for count in pressed(run)] == [True, True, False, False]
+    assert not entries(run)[:, PassEntry.late].any()
+    above, below = (pass_rows(run, k)["depth"] > 0.0 for k in (0, 1))
+    assert (above & below).sum() > 20
 
 
 def test_turns_of_a_roll_meet_back_to_face():
@@ -58,15 +66,14 @@ def test_turns_of_a_roll_meet_back_to_face():
     blank = bent_strip(lambda s: spiral(s, radius, gap), length, 2.0 * THICKNESS)
     outward = blank.node_position * (1.0, 0.0, 1.0)
     outward /= np.linalg.norm(outward, axis=1)[:, None]
-    speed = np.where(blank.material_coordinates[:, 0] > 0.55 * length, -3.0, 0.0)
-    sheet = Sheet(
-        blank, FABRIC, initial_velocity=speed[:, None] * outward, self_contact=SelfContact(Coulomb(0.3))
-    )
+    # all of the outer turn, and none of the inner one
+    speed = -3.0 * np.clip((blank.material_coordinates[:, 0] / length - 0.4) / 0.2, 0.0, 1.0)
+    sheet = Sheet(blank, FABRIC, initial_velocity=speed[:, None] * outward, self_contact=SelfContact(Coulomb(0.3)))
     run = Simulation(
         Setup("roll", sheets=(sheet,), duration=6e-4, solver=Solver(precision="float64"), accept_unusual=True,
               frame_count=12)
     )  # fmt: skip
-    before, record, active = momentum(run)[0], CrossingRecord(), []
+    before, active = momentum(run)[0], []
 
     class Watched(CrossingRecord):
         def frame(self, frame):
@@ -77,7 +84,7 @@ def test_turns_of_a_roll_meet_back_to_face():
     run.run([record])
     assert record.total == 0
     most = np.max(active, axis=0)
-    assert most[2] > 10 and most[3] > 10 and most[0] == most[1] == 0
+    assert most[2] >= 4 and most[3] >= 4 and most[0] == most[1] == 0
     mass = run.model.sheet.node_mass.sum()
     np.testing.assert_allclose(momentum(run)[0], before, atol=1e-11 * mass)
     last = run.history[-1]
@@ -102,14 +109,14 @@ def sheared(self_contact: SelfContact | None) -> Simulation:
     sheet = Sheet(blank, FABRIC, supports=(Support("frame", edge, drives),), self_contact=self_contact)
     run = Simulation(
         Setup("frame", sheets=(sheet,), duration=duration, frame_count=4, accept_unusual=True,
-              dynamics=Dynamics(damping=2000.0), solver=Solver(time_step=2e-7, threads=1))
+              dynamics=Dynamics(damping=2000.0), solver=Solver(precision="float64", time_step=2e-7, threads=1))
     )  # fmt: skip
     run.run()
     return run
 
 
 def test_neighbours_that_shear_brings_together_do_not_touch():
-    """Known answer E: nodes across a diagonal come nearer than the thickness; no force, and the same bits as without."""
+    """Known answer E: nodes across a diagonal come nearer than the thickness: no force, the same bits."""
     with_contact, without = sheared(SelfContact()), sheared(None)
     position = with_contact.frame.sheets[0].position
     corner = position[with_contact.model.sheet.blank.quads]
@@ -123,7 +130,7 @@ def test_neighbours_that_shear_brings_together_do_not_touch():
 def test_the_same_bits_for_any_number_of_threads():
     ends = []
     for threads in (1, 3):
-        setup = pressed_fold(4.0 * THICKNESS, duration=0.005, solver={"precision": "float32", "threads": threads})
+        setup = pressed_fold(4.0 * THICKNESS, duration=0.005, solver={"threads": threads})
         run = Simulation(setup)
         run.run()
         assert pressed(run)[0] > 10

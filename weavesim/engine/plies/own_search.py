@@ -15,7 +15,6 @@ from ...kernels.plies.own_search import (
     seek_own_facets_kernel,
     sheet_points_struct,
 )
-from ..sheet_model import SheetModel
 from .groups import compact_groups, groups_that_share, nodes_of
 from .normals import normal_layout
 from .pass_model import PassModel

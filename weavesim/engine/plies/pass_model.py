@@ -55,7 +55,7 @@ class PassPlace:
         is_first: whether it is the first pass of the slave sheet.
         share: of the interface's stiffness.
         slot: within a sheet, which pair of faces meets there: see kernels/plies/own_search.py; -1 between sheets.
-        facing: within a sheet, 1 if the nodes' normals point along those of the facets, -1 if against; 0 between sheets.
+        facing: within a sheet, 1 if the nodes' normals point along those of the facets, else -1; 0 between sheets.
     """
 
     interface: int

@@ -14,7 +14,6 @@ from .feet import Feet
 from .pass_model import NEVER, PassModel
 
 
-
 @dataclass(frozen=True)
 class PassState:
     """What the kernels write of one pass; rows as in ``kernels/rows.py``, padded as the arrays of the sheets."""

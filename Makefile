@@ -3,6 +3,7 @@
 #   make test       run the test suite on the CPU
 #   make test-fast  run it without the slow tests, under a minute once the kernels are compiled
 #   make verify     run the verification studies and rebuild docs/verification.md (about 20 minutes)
+#   make soak       kill, damage and exhaust it for hours; SOAK="--part kills --count 200" takes one part (scripts/soaking/soak.py)
 #   make lint       check style, formatting and types
 
 VENV := .venv
@@ -10,7 +11,7 @@ PYTHON_IN_VENV := $(VENV)/bin/python
 # Two workers suit two cores; more would mostly compile the same kernels once more each.
 WORKERS ?= 2
 
-.PHONY: demo test test-fast verify lint clean
+.PHONY: demo test test-fast verify soak lint clean
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py --overwrite
@@ -23,6 +24,9 @@ test-fast: $(VENV)/.installed-test
 
 verify: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) scripts/verification.py --workers $(WORKERS)
+
+soak: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) scripts/soaking/soak.py $(SOAK)
 
 lint: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m ruff check

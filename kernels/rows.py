@@ -135,6 +135,22 @@ class ThicknessRow(Rows):
     growth = "m", "last change of half the thickness"
 
 
+class SampleRow(Rows):
+    """What a sample of an element keeps of the last step, to book works at the instants of the positions."""
+
+    friction = "N s", "friction of all tools times the mean step", 3
+    dashpots = "N s", "their dashpots times the mean step", 3
+    friction_power = "J", "work of the moving tools against friction"
+    dashpot_power = "J", "the same of the dashpots"
+
+
+class MovedRow(Rows):
+    """How far the nodes of a block moved in the last step, for the samples of the elements between them."""
+
+    travel = "m", "furthest travel of a node"
+    turn = "rad", "largest turn of a director"
+
+
 class SheetEnergy(Rows):
     """Energies of each element; in their array these rows come after those of the unit cell."""
 
@@ -213,6 +229,18 @@ class ToolDriveRow(Rows):
 
     carrying = "s", "time for which sheets have carried a tool that a force moves, since it landed"
     stroke_time = "s", "time on the curve of a stroke, which waits at its largest force"
+
+
+class GripRow(Rows):
+    """What the spring of a gripped node keeps from step to step, always in double precision."""
+
+    slip = "m", "slip through the gripper so far"
+    force = "N", "force of the spring"
+    along = "N", "its component along the motion of the anchor"
+    travel = "m", "displacement of the anchor"
+    tight = "m", "shortening by the pretension"
+    work = "J", "work of the anchor and of the pretension so far"
+    loss = "J", "energy lost in slip and at the release so far"
 
 
 class ToolWatchRow(Rows):

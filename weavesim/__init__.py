@@ -66,6 +66,7 @@ if TYPE_CHECKING:
         ViscousFilm,
         YarnAngleFriction,
     )
+    from .process.grippers import Gripper
     from .process.interfaces import Interface
     from .process.loads import NodalLoads
     from .process.pressure import Pressure
@@ -74,6 +75,7 @@ if TYPE_CHECKING:
     from .process.supports import Drive, Support
     from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
     from .run.relaxation import relax
+    from .run.scaling.mass import choose_mass_scaling
     from .run.simulation import Simulation
     from .sheet.blank import Blank
     from .sheet.sheet import Sheet
@@ -145,6 +147,7 @@ _names_in = {
         "ViscousFilm",
         "YarnAngleFriction",
     ),
+    "process.grippers": ("Gripper",),
     "process.interfaces": ("Interface",),
     "process.loads": ("NodalLoads",),
     "process.pressure": ("Pressure",),
@@ -153,6 +156,7 @@ _names_in = {
     "process.supports": ("Drive", "Support"),
     "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),
     "run.relaxation": ("relax",),
+    "run.scaling.mass": ("choose_mass_scaling",),
     "run.simulation": ("Simulation",),
     "sheet.blank": ("Blank",),
     "sheet.sheet": ("Sheet",),

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
 
         model_config: ClassVar[ConfigDict]
         model_fields: ClassVar[dict[str, FieldInfo]]
+        model_fields_set: set[str]
 
         def __init__(self, *arguments: Any, **values: Any) -> None: ...
         @classmethod

@@ -113,6 +113,7 @@ QUANTITIES: dict[str, Row] = {
     "speed": Row("speed of a tool, a support or a sheet", "m/s", (0.0, 1.0e4), (1.0e-5, 30.0)),
     "acceleration": Row("gravity", "m/s^2", (0.0, 1.0e5), (0.0, 200.0)),
     "force": Row("force", "N", (0.0, 1.0e12), (0.0, 1.0e7)),
+    "spring stiffness": Row("force over travel of a spring", "N/m", (1.0e-9, 1.0e12), (1.0e-2, 1.0e8)),
     "couple": Row("moment at a node", "N m", (0.0, 1.0e9), (0.0, 1.0e4)),
     "yarn tension": Row("tension of a yarn family per width", "N/m", (0.0, 1.0e9), (1.0e-3, 1.0e6)),
     "pressure": Row("pressure on a sheet", "Pa", (0.0, 1.0e10), (1.0, 1.0e8)),

@@ -1,4 +1,4 @@
-"""Friction laws of a contact: the coefficient by a table, and a viscous film (docs/theory.md, section 11)."""
+"""Friction laws of a contact: the coefficient by a table, and a viscous film (docs/plies.md)."""
 
 from functools import cache
 

@@ -21,6 +21,7 @@ def touch_struct(real: type, lane_count: int):
         depth: wp.array2d(dtype=types.lanes)  # [tool, block]: deepest that each node has been in a tool [m]
         reaction: wp.array2d(dtype=types.vec3)  # [tool, block]: force of the sheet on the tool [N]
         thickness: wp.array2d(dtype=types.lanes)  # rows: see ThicknessRow; none for the initial thickness
+        moved: wp.array2d(dtype=real)  # [row, block], rows: see MovedRow; none without contact between nodes
 
     return Touch
 

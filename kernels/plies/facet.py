@@ -1,4 +1,4 @@
-"""The surface of a sheet within one element, and the foot of a point on it (docs/theory.md, section 11).
+"""The surface of a sheet within one element, and the foot of a point on it (docs/plies.md).
 
 The facet is the bilinear quadrilateral of its four nodes, with their normals interpolated alike. Positions and normals
 are shared along edges, so that feet cover the sheet once: there are no cases for edges and corners.
@@ -9,7 +9,18 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import dot, fill, lane_types, larger, scale, smaller
+from ..lanes import (
+    CPU_LANE_COUNT,
+    GPU_LANE_COUNT,
+    dot,
+    fill,
+    lane_maximum,
+    lane_types,
+    larger,
+    magnitude,
+    scale,
+    smaller,
+)
 from ..operators import div, mul  # noqa: F401
 from ..records import gather4, vector_of
 from ..rows import MotionRow
@@ -27,8 +38,8 @@ def facets_struct(real: type):
 
     @wp.struct
     class Facets:
-        corner: wp.array2d(dtype=wp.int32)  # [facet, corner]: first entry of the node in the motion
-        normal_corner: wp.array2d(dtype=wp.int32)  # the same in the normals
+        corner: wp.array(dtype=wp.int32)  # [4 facet + corner]: first entry of the node in the motion
+        normal_corner: wp.array(dtype=wp.int32)  # the same in the normals
         neighbour: wp.array2d(dtype=wp.int32)  # [facet, edge]: the facet beyond, FREE_EDGE or SYMMETRY_EDGE
         warp_gradient: wp.array2d(dtype=real)  # [diagonal, facet]: gradients along the warp, GradientRow bp1 and bq1
         motion: wp.array(dtype=real)  # rows: see MotionRow
@@ -57,6 +68,19 @@ def patch_struct(real: type, lane_count: int):
     return Patch
 
 
+for _types in (lane_types(wp.float32, GPU_LANE_COUNT), lane_types(wp.float32, CPU_LANE_COUNT)):
+
+    @wp.func_native(f"""
+        const int *from = table.data + corner;
+        wp::vec_t<{_types.lane_count}, wp::int32> result;
+        for (int i = 0; i < {_types.lane_count}; ++i)
+            result[i] = from[4 * facet[i]];
+        return result;
+    """)
+    def corner_entries(table: wp.array(dtype=wp.int32), facet: _types.indices, corner: wp.int32) -> _types.indices:
+        """Entries of one corner of a facet per lane, from a contiguous table of four per facet."""
+
+
 @cache
 def patch_functions(real: type, lane_count: int):
     """wp.funcs that gather patches: a row of the motion as it is, positions from a point, normals, and any."""
@@ -78,23 +102,16 @@ def patch_functions(real: type, lane_count: int):
         return patch
 
     @wp.func
-    def corner_entries(facets: Facets, facet: indices, corner: int):
-        result = indices()
-        for i in range(lane_count):
-            result[i] = facets.corner[facet[i], corner]
-        return result
-
-    @wp.func
     def vector_at(facets: Facets, entry: indices, row: int):
         return vector_of(gather4(facets.motion, entry, row * facets.stride, facets.stride))
 
     @wp.func
     def vectors(facets: Facets, facet: indices, row: int):
         return patch_of(
-            vector_at(facets, corner_entries(facets, facet, 0), row),
-            vector_at(facets, corner_entries(facets, facet, 1), row),
-            vector_at(facets, corner_entries(facets, facet, 2), row),
-            vector_at(facets, corner_entries(facets, facet, 3), row),
+            vector_at(facets, corner_entries(facets.corner, facet, 0), row),
+            vector_at(facets, corner_entries(facets.corner, facet, 1), row),
+            vector_at(facets, corner_entries(facets.corner, facet, 2), row),
+            vector_at(facets, corner_entries(facets.corner, facet, 3), row),
         )
 
     @wp.func
@@ -107,17 +124,15 @@ def patch_functions(real: type, lane_count: int):
     @wp.func
     def positions(facets: Facets, facet: indices, position: lanes3, remainder: lanes3):
         return patch_of(
-            from_point(facets, corner_entries(facets, facet, 0), position, remainder),
-            from_point(facets, corner_entries(facets, facet, 1), position, remainder),
-            from_point(facets, corner_entries(facets, facet, 2), position, remainder),
-            from_point(facets, corner_entries(facets, facet, 3), position, remainder),
+            from_point(facets, corner_entries(facets.corner, facet, 0), position, remainder),
+            from_point(facets, corner_entries(facets.corner, facet, 1), position, remainder),
+            from_point(facets, corner_entries(facets.corner, facet, 2), position, remainder),
+            from_point(facets, corner_entries(facets.corner, facet, 3), position, remainder),
         )
 
     @wp.func
     def normal_at(facets: Facets, facet: indices, corner: int):
-        entry = indices()
-        for i in range(lane_count):
-            entry[i] = facets.normal_corner[facet[i], corner]
+        entry = corner_entries(facets.normal_corner, facet, corner)
         return vector_of(gather4(facets.normals, entry, 0, facets.normal_stride))
 
     @wp.func
@@ -220,6 +235,8 @@ def walk_function(real: type, lane_count: int):
         xi = old_xi
         eta = old_eta
         moved = wp.int32(0)
+        if not lane_maximum(larger(magnitude(xi), magnitude(eta))) > real(1.0001):
+            return facet, xi, eta, moved
         for i in range(lane_count):
             first = edge_passed(xi[i], 3, 1)
             second = edge_passed(eta[i], 0, 2)
@@ -268,6 +285,8 @@ def inside_function(real: type, lane_count: int):
     @wp.func
     def inside(facets: Facets, facet: indices, xi: lanes, eta: lanes, farthest: real):
         result = fill(xi, 1.0)
+        if lane_maximum(larger(magnitude(xi), magnitude(eta))) <= real(1.001):
+            return result
         for i in range(lane_count):
             first = beside(facets, facet[i], xi[i], 3, 1, farthest)
             result[i] = first * beside(facets, facet[i], eta[i], 0, 2, farthest)

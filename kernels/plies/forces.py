@@ -1,4 +1,4 @@
-"""Forces of one block of nodes on the facets of another ply: spring, dashpot, friction (docs/theory.md, section 11)."""
+"""Forces of one block of nodes on the facets of another ply: spring, dashpot, friction (docs/plies.md)."""
 
 from functools import cache
 

@@ -1,4 +1,4 @@
-"""One pass of the contact between two plies: the nodes of one on the facets of the other (docs/theory.md, section 11).
+"""One pass of the contact between two plies: the nodes of one on the facets of the other (docs/plies.md).
 
 The pass reads where both plies are before any node moves, and writes only what belongs to its own nodes. The facets
 take their share of the forces later, from the records of the nodes (``reaction.py``).

@@ -1,4 +1,4 @@
-"""Unit normals of a sheet at its nodes, from the positions of the nodes around (docs/theory.md, section 11).
+"""Unit normals of a sheet at its nodes, from the positions of the nodes around (docs/plies.md).
 
 The contact of plies uses them, and not the directors: directors tilt by transverse shear, and a gap that follows them
 without pushing back on them is unstable under pressure (docs/decisions/0035).

@@ -167,10 +167,10 @@ def look_function(real: type):
     def is_beside(points: Points, point: vec3, facet: int, limit: real):
         """Whether a point is surely not over a facet, by its plane."""
         facets = points.facets
-        x0 = column(facets.motion, facets.corner[facet, 0], facets.stride)
-        x1 = column(facets.motion, facets.corner[facet, 1], facets.stride)
-        x2 = column(facets.motion, facets.corner[facet, 2], facets.stride)
-        x3 = column(facets.motion, facets.corner[facet, 3], facets.stride)
+        x0 = column(facets.motion, facets.corner[4 * facet], facets.stride)
+        x1 = column(facets.motion, facets.corner[4 * facet + 1], facets.stride)
+        x2 = column(facets.motion, facets.corner[4 * facet + 2], facets.stride)
+        x3 = column(facets.motion, facets.corner[4 * facet + 3], facets.stride)
         middle = real(0.25) * ((x0 + x1) + (x2 + x3))
         half1 = real(0.25) * ((x1 + x2) - (x0 + x3))
         half2 = real(0.25) * ((x2 + x3) - (x0 + x1))

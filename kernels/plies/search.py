@@ -1,4 +1,4 @@
-"""What is sought at every update of the stable step for one pass of an interface (docs/theory.md, section 11).
+"""What is sought at every update of the stable step for one pass of an interface (docs/plies.md).
 
 A node walks from facet to facet by itself. Sought are the nodes that may stand on each facet until the next update,
 blocks of nodes that are too far away to touch, and feet of nodes that have none. Every list is made by its owner, in
@@ -20,7 +20,7 @@ from .facet import facets_struct, patch_at, patch_functions
 SPEED_MARGIN = wp.constant(2.0)
 # A block is not watched while it is farther away than both plies move until this many updates later.
 LEAST_UPDATES = wp.constant(4.0)
-# A node has a foot once it is nearer to the middle of a facet than this times the facet's radius.
+# A node has a foot once it is over a facet, within this times the facet's radius, and near above or below it.
 NEAR = wp.constant(1.2)
 
 
@@ -112,28 +112,33 @@ def seek_feet_kernel(real: type, lane_count: int):
 
     @wp.func
     def corner_place(facets: Facets, facet: int, corner: int):
-        entry = facets.corner[facet, corner]
+        entry = facets.corner[4 * facet + corner]
         return vec3(
             facets.motion[entry], facets.motion[entry + facets.stride], facets.motion[entry + 2 * facets.stride]
         )
 
     @wp.func
-    def way_to_facet(facets: Facets, facet: int, point: vec3):
-        """How far a point may move before it is near a facet [m]; negative if it is."""
+    def way_to_facet(facets: Facets, facet: int, thickness: real, point: vec3):
+        """How far a point may move before it is over a facet, or near above or below it [m]; negative if it is."""
+        first = corner_place(facets, facet, 2) - corner_place(facets, facet, 0)
+        second = corner_place(facets, facet, 3) - corner_place(facets, facet, 1)
         middle = vec3()
         for corner in range(4):
             middle = middle + real(0.25) * corner_place(facets, facet, corner)
         radius = real(0.0)
         for corner in range(4):
             radius = wp.max(radius, wp.length(corner_place(facets, facet, corner) - middle))
-        return wp.length(point - middle) - real(NEAR) * radius
+        away = point - middle
+        height = wp.dot(away, wp.normalize(wp.cross(first, second)))
+        beside = wp.sqrt(wp.max(wp.dot(away, away) - height * height, real(0.0)))
+        return wp.max(beside - real(NEAR) * radius, wp.abs(height) - radius - thickness)
 
     @wp.func
-    def nearest_facet(facets: Facets, facet_count: int, point: vec3):
+    def nearest_facet(facets: Facets, search: Search, point: vec3):
         best = wp.int32(0)
-        way = way_to_facet(facets, 0, point)
-        for facet in range(1, facet_count):
-            other = way_to_facet(facets, facet, point)
+        way = way_to_facet(facets, 0, search.thickness, point)
+        for facet in range(1, search.facet_count):
+            other = way_to_facet(facets, facet, search.thickness, point)
             if other < way:
                 way = other
                 best = facet
@@ -145,7 +150,7 @@ def seek_feet_kernel(real: type, lane_count: int):
         left = record.rows[PlyRow.stray, block][lane] - reach
         if left < real(LEAST_UPDATES) * reach or left <= real(0.0):
             point = vec3(position[0, lane], position[1, lane], position[2, lane])
-            facet, way = nearest_facet(facets, search.facet_count, point)
+            facet, way = nearest_facet(facets, search, point)
             left = wp.max(way, real(0.0))
             if way <= real(0.0):
                 feet = record.facet[block]
@@ -277,10 +282,10 @@ def list_nodes_kernel(real: type):
     def is_near(facets: Facets, skin: real, facet: int, point: vec3):
         inside = True
         for c in range(3):
-            low = facets.motion[facets.corner[facet, 0] + c * facets.stride]
+            low = facets.motion[facets.corner[4 * facet] + c * facets.stride]
             high = low
             for corner in range(1, 4):
-                value = facets.motion[facets.corner[facet, corner] + c * facets.stride]
+                value = facets.motion[facets.corner[4 * facet + corner] + c * facets.stride]
                 low = wp.min(low, value)
                 high = wp.max(high, value)
             inside = inside and point[c] >= low - skin and point[c] <= high + skin

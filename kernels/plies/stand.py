@@ -1,4 +1,4 @@
-"""Where the nodes of one ply stand on the facets of another, and how they move there (docs/theory.md, section 11)."""
+"""Where the nodes of one ply stand on the facets of another, and how they move there (docs/plies.md)."""
 
 from functools import cache
 from typing import Any

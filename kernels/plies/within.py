@@ -12,7 +12,7 @@ from ..lanes import dot, fill, lane_types, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, gather4, record3, record4, vector_of
 from .data import NO_DEPTH, slaves_struct
-from .facet import facets_struct, patch_at, patch_functions
+from .facet import corner_entries, facets_struct, patch_at, patch_functions
 from .normals import NORMAL_ROW_COUNT
 from .stand import below_struct, stand_struct
 
@@ -32,9 +32,7 @@ def flat_patch_function(real: type, lane_count: int):
 
     @wp.func
     def flat_at(facets: Facets, facet: indices, corner: int):
-        entry = indices()
-        for i in range(lane_count):
-            entry[i] = facets.normal_corner[facet[i], corner]
+        entry = corner_entries(facets.normal_corner, facet, corner)
         return vector_of(gather4(facets.flat, entry, 0, facets.normal_stride))
 
     @wp.func

@@ -43,6 +43,8 @@ def sizes_struct(real: type, lane_count: int):
         largest_metric: lanes
         inverse_radius: lanes  # of the scaled rotary inertia [1/m], and its square
         inverse_squared_radius: lanes
+        contact_directors: lanes  # springs of contact between nodes: on directors [N/m], and on positions and directors
+        contact_coupling: lanes
 
     return Sizes
 
@@ -79,7 +81,7 @@ def sizes_function(real: type, lane_count: int, flat: bool):
         lean = tilt + curvature / root_gradient + inverse_squared_radius.dtype(0.25) * d_odd
         return Sizes(
             gradient, root_gradient, curvature, tilt, x_odd, d_odd, lean, m.m11 + m.m22,
-            square_root(inverse_squared_radius), inverse_squared_radius,
+            square_root(inverse_squared_radius), inverse_squared_radius, zero, zero,
         )  # fmt: skip
 
     return measure
@@ -190,6 +192,7 @@ def coupled_function(traits: SheetTraits):
         )
         coupling = larger(slope_coupling, warping_stiffness * warp_coupling) + bending_coupling
         coupling = coupling + (two * director_stiffness) * (odd_positions * odd_directors)
-        return largest_of_blocks(positions, coupling, directors + constraint)
+        coupling = coupling + size.contact_coupling
+        return largest_of_blocks(positions, coupling, directors + constraint + size.contact_directors)
 
     return couple

@@ -7,7 +7,7 @@ import warp as wp
 
 from ..cell.law import CellLaw, tangent_struct
 from ..cell.newton import emitted_late
-from ..lanes import dot, fill, lane_types, larger, magnitude, where_positive
+from ..lanes import dot, fill, lane_types, larger, magnitude, square_root, where_positive
 from ..laws.contract import device_law
 from ..operators import div, mul  # noqa: F401
 from ..rows import ClockEntry, InertiaRow, MotionRow
@@ -36,7 +36,9 @@ def step_bounds_struct(real: type):
         weft: real
         shear: real
         bending: real  # largest bending stiffness of any curvature [N m]
-        contact_frequency: real  # squared, of the contact springs [1/s^2]
+        contact_frequency: real  # squared, of the springs of contact and grippers [1/s^2]
+        sample_frequency: real  # of that, of the springs between nodes [1/s^2]
+        sample_turning: real  # what the latter do to directors, times the squared radius of their inertia [m^2/s^2]
         steps_ahead: wp.int32  # steps until the next update
 
     return StepBounds
@@ -167,6 +169,17 @@ def largest_across(t: Any, m: Any, slope: Any, raised: Any, b: Any):
     return largest_of_pencil(h, b)
 
 
+@wp.func
+def press_directors(size: Any, bounds: Any, inverse_density: Any):
+    """Contact between nodes presses on the sagitta, which directors describe: fill what that adds to ``Sizes``."""
+    quarter = fill(inverse_density, 0.25)
+    share = where_positive(inverse_density, quarter / inverse_density, fill(inverse_density, 0.0))
+    directors = bounds.sample_turning * size.inverse_squared_radius
+    size.contact_directors = share * directors
+    size.contact_coupling = share * square_root(bounds.sample_frequency * directors)
+    return size
+
+
 @cache
 def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Square of each element's highest frequency, bounded from above [1/s^2].
@@ -231,8 +244,9 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
 
         size = measure(elements, block, x, d, m, raised, b, inertia[InertiaRow.inverse_squared_radius, block])
         bending = (bounds.bending * widening(m, sine)) * size.gradient
-        largest = couple(laws, bending, slope, shape, b, size, in_plane, across)
         inverse_density = inertia[InertiaRow.inverse_areal_density, block]
+        size = press_directors(size, bounds, inverse_density)
+        largest = couple(laws, bending, slope, shape, b, size, in_plane, across)
         squared_frequency[block] = real(4.0) * inverse_density * largest + lanes(bounds.contact_frequency)
 
     return element_frequencies

@@ -11,6 +11,7 @@ from ..records import SCALAR, record3, record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, ClockEntry, MotionRow, NodeWorkRow
 from .node_advance import (
     follow_supports_function,
+    note_motion_function,
     place_function,
     support_work_function,
     translate_function,
@@ -44,7 +45,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
     translate, turn = translate_function(real, lane_count, traits.loaded), turn_function(real, lane_count)
     follow_supports = follow_supports_function(real, lane_count)
     support_work = support_work_function(real, lane_count, traits.supported)
-    place = place_function(real, lane_count, has_tools)
+    place, note_motion = place_function(real, lane_count, has_tools), note_motion_function(real, lane_count)
 
     @wp.func
     def present_block(
@@ -111,14 +112,14 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
             force, friction, friction_power, dashpots, dashpot_power = meet_tools(
                 present, laws, around.tools, force, touch, works
             )
-
         acceleration, free, velocity = translate(present, laws, force, applied_force, motion)
         travel = present.step * velocity
         if wp.static(traits.supported):
             travel, velocity = follow_supports(present, around.supports, travel, velocity)
         place(present, laws.tool_count, travel, velocity, motion, touch)
         spin_sum, spin_loss = turn(present, laws, couple, motion)
-
+        if wp.static(traits.sampled):
+            note_motion(block, travel, present.step * (spin_sum - present.spin), touch)
         middle = real(0.5) * (present.velocity + velocity)
         moving = wp.cw_mul(free, middle)
         worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, around.supports)

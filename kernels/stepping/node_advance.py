@@ -9,7 +9,7 @@ from ..contact.penalty import touch_struct
 from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, scale, store, store_rows3, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..records import store_record3, store_record4
-from ..rows import MOTION_RECORD_LENGTH, MotionRow
+from ..rows import MOTION_RECORD_LENGTH, MotionRow, MovedRow
 from .node_data import node_laws_struct, present_struct, support_struct
 
 
@@ -140,6 +140,19 @@ def place_function(real: type, lane_count: int, has_tools: bool):
         store_record4(motion, MOTION_RECORD_LENGTH, MotionRow.position, block, position, present.mean_angle)
 
     return place
+
+
+@cache
+def note_motion_function(real: type, lane_count: int):
+    """wp.func that notes how far the nodes of a block moved, for the samples between them."""
+    lanes3, Touch = lane_types(real, lane_count).lanes3, touch_struct(real, lane_count)
+
+    @wp.func
+    def note_motion(block: wp.int32, travel: lanes3, turned: lanes3, touch: Touch):
+        touch.moved[MovedRow.travel, block] = wp.sqrt(lane_maximum(dot(travel, travel)))
+        touch.moved[MovedRow.turn, block] = wp.sqrt(lane_maximum(dot(turned, turned)))
+
+    return note_motion
 
 
 @cache

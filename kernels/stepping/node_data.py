@@ -20,6 +20,7 @@ class NodeTraits:
         shape_kinds: of the parts of all tools, see kernels/contact/tool_shapes.py; empty without tools.
         rotated: whether any part is rotated.
         touched: whether other plies may touch it.
+        sampled: whether tools are met between nodes too.
     """
 
     follows_thickness: bool = False
@@ -28,6 +29,7 @@ class NodeTraits:
     shape_kinds: tuple[str, ...] = ()
     rotated: bool = False
     touched: bool = False
+    sampled: bool = False
 
 
 @cache

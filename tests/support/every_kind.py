@@ -32,6 +32,7 @@ from weavesim.process import (
     Coulomb,
     Fixed,
     ForceDriven,
+    Gripper,
     Interface,
     Pressure,
     PressureFriction,
@@ -138,7 +139,14 @@ def pulled(solver: Solver) -> Setup:
         Pressure.ramped("top", 2e3, 1e-3),
         Pressure("bottom", (1e3, -5e2), (0.0, 1e-3), elements=np.array([1, 4, 7])),
     )
-    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads, pressures=pressures)
+    pulling = Stroke((0.0, 1e-3), (0.0, 2e-3))
+    grippers = (
+        Gripper(
+            "slipping", np.flatnonzero(y > 0.02 - 1e-9)[2:5], (0.0, 1.0, 0.5), 2e4, largest_force=3.0, motion=pulling
+        ),
+        Gripper("tight", np.array([30]), (0.0, 0.0, 1.0), 1e3, pretension=1.0, ramp_time=1e-3, release_time=2e-3),
+    )
+    sheet = Sheet(blank, glass_polypropylene(), supports=supports, loads=loads, pressures=pressures, grippers=grippers)
     return Setup(name="pulled", sheets=(sheet,), duration=1.0, symmetry=("y",), solver=solver)
 
 

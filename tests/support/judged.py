@@ -26,6 +26,7 @@ def judged(
     extremes: dict[str, Extreme] | None = None,
     tallies: dict[str, Tally] | None = None,
     stacks: tuple[Any, ...] = (),
+    setup: Any = None,
     **numbers: Any,
 ) -> Any:
     """A sound run of a sheet 1 mm thick without tools, but for these numbers, extremes, tallies, stacks."""
@@ -46,7 +47,11 @@ def judged(
         ),
         stacks=list(stacks),
         conditions=[SimpleNamespace(**({name: Tally() for name in TALLIES} | (tallies or {})))],
-        run=SimpleNamespace(outcome=Outcome.FINISHED, info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=())),
+        run=SimpleNamespace(
+            outcome=Outcome.FINISHED,
+            failed=None,
+            info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=(), setup=setup),
+        ),
     )
 
 

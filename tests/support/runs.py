@@ -8,7 +8,7 @@ from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-OF_THE_SHEET = ("free", "initial_velocity", "supports", "loads", "pressures", "orientation")
+OF_THE_SHEET = ("free", "initial_velocity", "supports", "loads", "pressures", "grippers", "orientation")
 
 
 def one_sheet_setup(*, blank: Any, fabric: Any, **given: Any) -> Setup:

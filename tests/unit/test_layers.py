@@ -21,7 +21,7 @@ LARGEST_MODULE = 400
 LONG_MODULES: dict[str, str] = {}
 # About a dozen; a folder's __init__.py does not count.
 LARGEST_FOLDER = 13
-FULL_FOLDERS: dict[str, str] = {}
+FULL_FOLDERS: dict[str, str] = {"scripts": "every scene has its script here, under the name that users know"}
 CIRCLES: dict[tuple[str, ...], str] = {}
 WITHOUT_WARP = (
     "weavesim", "weavesim.fabric", "weavesim.sheet", "weavesim.process", "weavesim.tools", "weavesim.measures",

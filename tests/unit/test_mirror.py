@@ -10,6 +10,7 @@ from weavesim.scenes.scene import known_scenes
 
 # Shorter modules outside the kernels may be tested with what uses them.
 LEAST_LENGTH = 60
+BETWEEN_NODES = "verification/contact/test_between_nodes.py"
 SHELL = "verification/element/test_energies.py"
 PLIES = "verification/contact/test_plies.py"
 # Modules whose test has another name, with the file that tests them.
@@ -29,6 +30,9 @@ TESTED_ELSEWHERE = {
     "kernels/laws/yarn_bending.py": SHELL,
     "kernels/shell/laws.py": SHELL,
     "kernels/shell/membrane.py": SHELL,
+    "kernels/loads/grippers.py": "verification/process/test_grippers.py",
+    "weavesim/engine/loading/grips.py": "verification/process/test_grippers.py",
+    "weavesim/engine/loading/load_launches.py": "verification/process/test_pressure.py",
     "kernels/loads/pressure.py": "verification/process/test_pressure.py",
     "kernels/shell/shear.py": SHELL,
     "kernels/shell/thickness.py": "verification/shell/test_thickness.py",
@@ -57,6 +61,8 @@ TESTED_ELSEWHERE = {
     "kernels/plies/search.py": PLIES,
     "kernels/plies/stand.py": PLIES,
     "kernels/plies/normals.py": PLIES,
+    "weavesim/run/interface_ledger.py": PLIES,
+    "weavesim/run/guards/plies/interfaces.py": "unit/process/test_friction.py",
     "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",
     "kernels/contact/penalty.py": "verification/contact/test_contact.py",
     "kernels/contact/tool_shapes.py": "unit/tools/test_shapes.py",
@@ -64,12 +70,18 @@ TESTED_ELSEWHERE = {
     "kernels/stepping/node_advance.py": "unit/kernels/stepping/test_node.py",
     "kernels/stepping/node_data.py": "unit/kernels/stepping/test_node.py",
     "kernels/stepping/node_forces.py": "unit/kernels/stepping/test_node.py",
+    "kernels/stepping/sample_data.py": BETWEEN_NODES,
+    "kernels/stepping/surface_contact.py": BETWEEN_NODES,
+    "kernels/stepping/surface_point.py": BETWEEN_NODES,
     "kernels/stepping/tool_contact.py": "unit/kernels/stepping/test_node.py",
     "kernels/stepping/step.py": "unit/engine/test_stepper.py",
     "kernels/stepping/supports.py": "verification/time/test_supports.py",
     "kernels/stepping/tools.py": "unit/tools/test_motion.py",
     "weavesim/meshes/formats/deck_lines.py": "unit/meshes/formats/test_abaqus.py",
     "weavesim/meshes/formats/grid.py": "unit/meshes/formats/test_abaqus.py",
+    "weavesim/engine/surface/contact.py": BETWEEN_NODES,
+    "weavesim/engine/surface/samples.py": BETWEEN_NODES,
+    "weavesim/run/watch/tool_gaps.py": BETWEEN_NODES,
     "weavesim/engine/launches.py": "unit/engine/test_stepper.py",
     "weavesim/engine/replay.py": "unit/engine/test_stepper.py",
     "weavesim/engine/sheet_model.py": "unit/engine/test_model.py",
@@ -85,7 +97,6 @@ TESTED_ELSEWHERE = {
     "weavesim/app/session.py": "unit/app/test_command_line.py",
     "weavesim/job/overrides.py": "unit/job/test_read.py",
     "weavesim/job/placing.py": "unit/job/test_build.py",
-    "weavesim/job/plies.py": "unit/job/test_build.py",
     "weavesim/job/schema.py": "unit/job/test_read.py",
     "weavesim/job/surfaces.py": "unit/job/test_build.py",
     "weavesim/job/tables.py": "unit/job/test_read.py",

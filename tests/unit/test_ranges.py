@@ -41,12 +41,13 @@ from weavesim.tools import Sphere
 # ranges of any number.
 WITHOUT_QUANTITY = {
     "Compaction.thickening", "CrossedYarns.warp_crimp_share", "Drive.direction", "FloatWeave.repeat",
-    "IsotropicBending.poisson_ratio", "NodalLoads.shares", "Origin.range", "Origin.scatter", "Setup.frame_count",
-    "Setup.leading_tool", "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
+    "Gripper.direction", "IsotropicBending.poisson_ratio", "NodalLoads.shares", "Origin.range", "Origin.scatter",
+    "Setup.frame_count", "Setup.leading_tool",
+    "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
     "Tool.colour", "TriangleMesh.side", "RunOptions.threads", "RunOptions.frame_count", "HemisphereParameters.seed",
     "CusickDrapeParameters.seed", "CalibrationOptions.held_uncertainty", "CalibrationOptions.knots",
-    "CalibrationOptions.noise", "CalibrationOptions.seed", "CalibrationOptions.starts", "ToolTable.axis",
-    "SolverTable.threads",
+    "CalibrationOptions.noise", "CalibrationOptions.seed", "CalibrationOptions.starts", "SpringTable.direction",
+    "SolverTable.threads", "ToolTable.axis",
 }  # fmt: skip
 
 

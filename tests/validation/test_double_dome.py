@@ -10,6 +10,9 @@ import pytest
 from weavesim.errors import InputError, RunError
 from weavesim.measures.angles import shear_angle_at, ten_points
 from weavesim.measures.border import draw_in
+from weavesim.measures.defects.judgement import Limits
+from weavesim.output.stored.file import read_results
+from weavesim.output.stored.judged import judge_run
 from weavesim.run.simulation import Simulation
 from weavesim.scenes.double_dome import BLANK_LENGTH, BLANK_WIDTH, SCENE, DoubleDomeParameters, double_dome
 
@@ -42,6 +45,14 @@ def test_the_summary_is_whole_and_written(summary, folder):
     assert written["output_time_s"] == pytest.approx(written["wall_time_s"] - written["stepping_time_s"])
     assert len(written["shear_angle_points_deg"]) == 10
     assert written["outcome"] == "finished"
+
+
+def test_the_verdict_finds_no_wrinkle(summary, folder):
+    judged = judge_run(read_results(folder), Limits())
+    assert judged.passed
+    # what there is of waves is a tenth of the limit, and no gap is as high as the limit of bridging
+    assert judged.sheets[0].fields["wrinkle_amplitude"].max() < 0.2e-3
+    assert judged.sheets[0].fields["gap"].max() < 0.5e-3
 
 
 def test_draw_in_follows_the_taut_path(summary):

@@ -5,6 +5,9 @@ import json
 import numpy as np
 import pytest
 
+from weavesim.measures.defects.judgement import Limits
+from weavesim.output.stored.file import read_results
+from weavesim.output.stored.judged import judge_run
 from weavesim.scenes.hemisphere import CASES, SCENE, UNEVENNESS, HemisphereParameters, unevenness
 from weavesim.sheet.blank import Blank
 
@@ -40,6 +43,25 @@ def test_both_wrinkle_and_differently(summaries):
     assert high["fold_count"] >= 4
     assert low["fold_count"] > high["fold_count"]
     assert min(low["wrinkle_amplitude_mm"], high["wrinkle_amplitude_mm"]) > 5.0
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_verdict_finds_every_fold(summaries, folder, case):
+    """Each outward maximum of the rim is in a wrinkle, or within two elements of one."""
+    judged = judge_run(read_results(folder / case), Limits())
+    (sheet,) = judged.sheets
+    wrinkled = np.concatenate([region.elements for region in sheet.regions if region.kind == "wrinkle"])
+    blank, position = sheet.sheet.blank, sheet.sheet.position
+    loop = blank.boundary_loop()
+    radius = np.hypot(*position[loop, :2].T)
+    window = np.stack([np.roll(radius, k) for k in range(-3, 4)])
+    crests = loop[radius == window.max(axis=0)]
+    assert len(crests) >= summaries[case]["fold_count"] >= 4
+    near = np.linalg.norm(
+        blank.material_coordinates[crests][:, None] - blank.element_centres()[wrinkled, :2][None], axis=2
+    ).min(axis=1)
+    assert near.max() < 0.02
+    assert not judged.passed
 
 
 def test_the_softer_in_shear_shears_at_least_twice_as_much(summaries):

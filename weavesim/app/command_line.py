@@ -10,6 +10,7 @@ Exit codes:
 - 2: bad input, nothing has been run;
 - 3: finished, but the verdict is "do not use";
 - 4: finished, but some results could not be written or computed;
+- 5: finished, but beyond a limit (``weavesim verdict``, ``--strict``);
 - 128 plus the number of the signal: interrupted, results so far are written: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP.
 """
 
@@ -33,9 +34,12 @@ from ..device import Precision
 from ..errors import InputError, RunError
 from ..run.interruption import leaving_at_once
 from .ending import ExitCode, closing_lines, exit_code
-from .export_command import export_command
 from .fabric_command import fabric_application
 from .jobs import add_commands
+from .results.compare import compare_command
+from .results.export import export_command
+from .results.kinematic import kinematic_command
+from .results.verdict import verdict_command
 from .session import announce_compilation, announced, interruptible
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
@@ -53,6 +57,9 @@ application = typer.Typer(
 
 application.add_typer(fabric_application, name="fabric")
 application.command("export")(export_command)
+application.command("verdict")(verdict_command)
+application.command("kinematic")(kinematic_command)
+application.command("compare")(compare_command)
 add_commands(application)
 
 

@@ -24,6 +24,7 @@ class ExitCode(IntEnum):
     INPUT_ERROR = 2
     DO_NOT_USE = 3
     MISSING = 4
+    BEYOND_LIMITS = 5
 
 
 def interrupted_code(number: int) -> int:
@@ -101,9 +102,14 @@ def _can_go_on(result: Mapping[str, Any], out: Path) -> bool:
 
 def _reports(result: Mapping[str, Any], out: Path) -> Iterator[Path]:
     """Reports of this run, not of others below its folder."""
-    for folder in [out / case for case in _cases(result)] or [out]:
+    for folder in case_folders(result, out):
         if os.path.isfile(folder / "report.html"):
             yield folder / "report.html"
+
+
+def case_folders(result: Mapping[str, Any], out: Path) -> list[Path]:
+    """Folders of the runs of a result: that of the only one, or one for each case."""
+    return [out / case for case in _cases(result)] or [out]
 
 
 def _by(number: int | None) -> str:

@@ -42,6 +42,8 @@ class RunOptions(Parameters):
 
     needs: ClassVar[Mapping[str, Need]] = {
         "threads": Need("device = cpu", lambda options: options.device == "cpu"),
+        "limits": Need("strict", lambda options: options.strict),
+        "strict": Need("the results file (results)", lambda options: "results" in options.writers),
     }
 
     mesh_size: Annotated[Positive, Quantity("mesh size")] = Field(
@@ -70,6 +72,10 @@ class RunOptions(Parameters):
         description="wall time between two checkpoints, from which weavesim resume goes on [s]; 0 writes none",
     )
 
+    strict: bool = Field(
+        default=False, description="judge the run by limits at its end: exit code 5 beyond one (weavesim verdict)"
+    )
+    limits: Path | None = Field(default=None, description="TOML file of these limits [default: built in]")
     accept_unusual: bool = Field(
         default=False, description="take unusual values as meant, such as a thickness that looks like millimetres"
     )

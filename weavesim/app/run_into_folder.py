@@ -86,7 +86,7 @@ def run_into_folder(
         if before is not None:
             before()
         if job is None:
-            job = Job(setup, info.run_id, plain(options))
+            job = Job(setup, info.run_id, plain(options), writers=folder.writer_names)
         checkpoints.job = job
         with interruption() as interrupted, interrupted.held():
             try:

@@ -30,6 +30,7 @@ from ..kernels.contact.mesh_distance import (
 )
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
+from ..kernels.loads.grippers import grip_kernel
 from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
@@ -41,6 +42,7 @@ from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
 from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maximum_kernel, set_step_kernel
 from ..kernels.stepping.supports import support_motion_kernel
+from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
 from .plies.ply_kernels import own_contact_kernels, ply_kernels
@@ -63,6 +65,7 @@ class KernelSet:
         tools: whether there are any.
         driven: whether supports move.
         pressed: whether there is pressure on a sheet.
+        gripped: whether there are grippers.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
         plies: whether sheets touch each other, or themselves.
@@ -78,6 +81,7 @@ class KernelSet:
     tools: bool = True
     driven: bool = True
     pressed: bool = False
+    gripped: bool = False
     threaded: bool = True
     meshes: bool = False
     plies: bool = False
@@ -105,6 +109,7 @@ class KernelSet:
             tools=any(one.tools for one in sets),
             driven=any(one.driven for one in sets),
             pressed=any(one.pressed for one in sets),
+            gripped=any(one.gripped for one in sets),
             meshes=True,
             plies=any(one.plies for one in sets),
             own_contact=any(one.own_contact for one in sets),
@@ -129,6 +134,7 @@ class KernelSet:
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
             pressed=any(sheet.pressures for sheet in setup.sheets),
+            gripped=bool(setup.grippers),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
             plies=nodes.touched,
             own_contact=any(sheet.self_contact is not None for sheet in setup.sheets),
@@ -148,6 +154,7 @@ class KernelSet:
             *(element_force_kernel(real, lane_count, law, sheet) for sheet in self.sheets),
             *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
             *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
+            *(surface_contact_kernel(real, lane_count, node) for node in self.nodes if node.sampled),
             *(element_ledger_kernel(real, law, sheet) for sheet in self.sheets),
             *(
                 element_extremes_kernel(real, lane_count, flat)
@@ -164,6 +171,7 @@ class KernelSet:
             ),
             *([support_motion_kernel(real)] if self.driven else []),
             *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
+            *([grip_kernel(real)] if self.gripped else []),
             partial_maximum_kernel(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),

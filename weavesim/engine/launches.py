@@ -11,7 +11,6 @@ import warp as wp
 from ..device import block_size
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
-from ..kernels.loads.pressure import element_pressure_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
@@ -27,11 +26,13 @@ from ..kernels.stepping.step import (
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import SUM_GROUP, ToolBooks, partial_sum_kernel, tool_motion_kernel
 from .layout import lanes_view
-from .loading.pressures import device_pressures
+from .loading.load_launches import LoadLaunches
 from .model import Model
 from .plies.ply_launches import PlyLaunches
 from .sheet_model import SheetModel
 from .state import SheetState, State
+from .surface.contact import SurfaceContact
+from .tiles import chunks
 
 # A single thread reduces up to this number of entries; more of them are reduced in tiles first.
 LARGEST_SINGLE_REDUCTION = 8
@@ -92,6 +93,11 @@ class Launches:
         self._kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
         self._arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
         self._node_laws = [sheet.node_laws() for sheet in model.sheets]
+        self._surface = {
+            index: SurfaceContact(sheet, state.sheets[index], self._reaction(sheet)[:, sheet.block_count :])
+            for index, sheet in enumerate(model.sheets)
+            if sheet.samples.count
+        }
         self.plies = PlyLaunches(model, state)
         self._sums = self._reaction_sums()
         # sums are in double precision
@@ -99,14 +105,7 @@ class Launches:
         self._tool_books = ToolBooks()
         self._tool_books.work, self._tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)
-        self._pressing = element_pressure_kernel(real, model.lane_count)
-        self._pressures = {
-            index: device_pressures(
-                sheet.pressures, sheet.blank, sheet.element_count, real, sheet.lane_count, sheet.device
-            )
-            for index, sheet in enumerate(model.sheets)
-            if sheet.pressures
-        }
+        self.loads = LoadLaunches(model, state)
         self._partial_maximum = partial_maximum_kernel(real)
         self._set_step = set_step_kernel(real)
         self._fold_works = fold_works_kernel(real, model.lane_count)
@@ -159,16 +158,13 @@ class Launches:
         return around
 
     def _of_sheet(self, index: int) -> _SheetArguments:
-        sheet, own, state = self.model.sheets[index], self.state.sheets[index], self.state
+        sheet, own = self.model.sheets[index], self.state.sheets[index]
         lane_count = sheet.lane_count
         touch = touch_struct(sheet.real, lane_count)()
         touch.friction = sheet.friction_layout.view(own.friction)
         touch.gap, touch.depth = own.gap, lanes_view(own.depth, lane_count)
-        touch.thickness = lanes_view(own.thickness, lane_count)
-        rows = sheet.places.tools if sheet.tool_count else slice(0, 1)
-        touch.reaction = state.reaction[
-            rows.start : rows.stop, sheet.places.first_reaction : sheet.places.first_reaction + sheet.block_count
-        ]
+        touch.thickness, touch.moved = lanes_view(own.thickness, lane_count), own.moved
+        touch.reaction = self._reaction(sheet)[:, : sheet.block_count]
         return _SheetArguments(
             sheet=sheet.device_sheet(lane_count),
             stable_sheet=sheet.device_sheet(self._kernels[index].frequency_lane_count),
@@ -181,6 +177,11 @@ class Launches:
             corner_force=sheet.corners.view(own.corner_force),
             node_work=lanes_view(own.node_work, lane_count),
         )  # fmt: skip
+
+    def _reaction(self, sheet: SheetModel) -> wp.array:
+        """The entries of one sheet in the forces on its tools, [tool, block]."""
+        rows, places = sheet.places.tools if sheet.tool_count else slice(0, 1), sheet.places
+        return self.state.reaction[rows.start : rows.stop, places.first_reaction : places.last_reaction]
 
     # --- the launches of a step --------------------------------------------------------------------------------------
 
@@ -196,17 +197,14 @@ class Launches:
             block_dim=block_size(self._kernels[index].forces, sheet.device),
         )
 
-    def apply_pressures(self, index: int, first: int = 0, count: int | None = None) -> None:
-        """Add the pressures on sheet ``index`` to its corner forces, in ``count`` blocks of elements from ``first``."""
-        if index in self._pressures:
-            sheet, own = self.model.sheets[index], self.state.sheets[index]
-            wp.launch(
-                self._pressing,
-                dim=sheet.element_count // sheet.lane_count if count is None else count,
-                inputs=[first, sheet.elements, self._pressures[index], own.motion, self.state.clock],
-                outputs=[self._arguments[index].corner_force, own.pressure_work],
-                device=sheet.device,
-            )
+    def meet_between_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
+        """Meet the tools between the nodes of sheet ``index``, in ``count`` blocks of elements from ``first``.
+
+        Nothing where only nodes meet tools; else after ``element_forces`` of these, and before their nodes move.
+        """
+        if index in self._surface:
+            arguments = self._arguments[index]
+            self._surface[index].launch(first, count, self._node_laws[index], arguments.around, arguments.corner_force)
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""
@@ -276,15 +274,15 @@ class Launches:
             device=sheet.device,
         )  # fmt: skip
 
-    def fold_works(self, index: int, first: int, count: int) -> None:
-        """Add the works of the last steps of sheet ``index`` to their sums, in ``count`` blocks of nodes."""
-        wp.launch(
-            self._fold_works,
-            dim=count,
-            inputs=[first],
-            outputs=[self._arguments[index].node_work, self.state.sheets[index].node_work_sum],
-            device=self.model.device,
-        )
+    def fold_works(self, index: int, thread: int = 0, thread_count: int = 1) -> None:
+        """Add the works of the last steps of sheet ``index`` to their sums: the share of one thread."""
+        own, arguments = self.state.sheets[index], self._arguments[index]
+        folded = [(arguments.node_work, own.node_work_sum)]
+        if index in self._surface:
+            folded.append((self._surface[index].works, own.sample_work_sum))
+        for works, sums in folded:
+            first, count = chunks(sums.shape[1], thread_count)[thread]
+            wp.launch(self._fold_works, dim=count, inputs=[first], outputs=[works, sums], device=self.model.device)
 
     def element_extremes(self, index: int, first: int, count: int) -> None:
         """Extremes so far of sheet ``index``, in ``count`` blocks of elements from ``first``."""
@@ -334,13 +332,12 @@ class Launches:
             for kernels in self._kernels
             for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes)
         ]
+        own += [surface.kernel for surface in self._surface.values()]
         common = [self._tool_motion, self._partial_maximum, self._set_step, self._fold_works]
         common += [self._partial_sums_of(values) for values in self._sums[:-1]]
         if self.model.drives.count:
             common.append(self._support_motion)
-        if self._pressures:
-            common.append(self._pressing)
-        return list(dict.fromkeys([*own, *common, *self.plies.kernels]))
+        return list(dict.fromkeys([*own, *common, *self.loads.kernels, *self.plies.kernels]))
 
 
 class IntervalEnd:

@@ -21,6 +21,7 @@ from .layout import Span, padded
 from .plies.pass_model import PassModel, mean_density, own_pass_places, pass_places
 from .setup import Setup, World
 from .sheet_model import SPARE_NODE_COUNT, Numerics, Places, SheetModel
+from .traits import node_traits
 
 # Largest row sum of the contact stiffness of one interface over the mass, over k_a/rho: nodes of one ply on the facets
 # of another, and the reverse. Equal meshes have 2; up to 3.4 was measured for unequal and rotated ones.
@@ -38,8 +39,9 @@ class Model:
         tools: of all worlds.
         drives: of all supports.
         contacts: interfaces between sheets, then the contact of each sheet with itself.
+        contact_names: of these, for outputs; self-contact has the name of its sheet.
         passes: of all contacts.
-        reaction_count: blocks of nodes of the largest world.
+        reaction_count: blocks of nodes of the largest world, and of elements where these meet tools too.
         reference_step: stable step with straight yarns [s], the basis of the first step.
 
     Raises:
@@ -56,10 +58,10 @@ class Model:
         self.sheets = tuple(
             SheetModel(numerics, sheet, world, places)
             for sheet, world, places in _placed(
-                setup, lambda sheet: padded(sheet.blank.node_count, SPARE_NODE_COUNT) // self.lane_count
+                setup, lambda sheet, world: _reaction_count(sheet, world) // self.lane_count
             )
         )
-        self.reaction_count = max(sheet.places.first_reaction + sheet.block_count for sheet in self.sheets)
+        self.reaction_count = max(sheet.places.last_reaction for sheet in self.sheets)
         self.drives = build_device_drives(setup.supports, self.device)
         self.samples = _sampled_meshes(setup, str(self.device))
         self.tools = build_device_tools(
@@ -70,6 +72,10 @@ class Model:
         self.contacts: tuple[Interface | SelfContact, ...] = (
             *setup.interfaces,
             *(contact for contact in own if contact is not None),
+        )
+        self.contact_names = (
+            *(interface.name for interface in setup.interfaces),
+            *(sheet.name for sheet in setup.sheets if sheet.self_contact is not None),
         )
         self.passes = self._passes()
 
@@ -160,7 +166,7 @@ def _damping_ratio(interface: Interface | SelfContact, sheet: SheetModel) -> flo
     return sheet.dynamics.contact_damping_ratio if own is None else own
 
 
-def _placed(setup: Setup, block_count: Callable[[Sheet], int]) -> Iterator[tuple[Sheet, World, Places]]:
+def _placed(setup: Setup, reaction_count: Callable[[Sheet, World], int]) -> Iterator[tuple[Sheet, World, Places]]:
     """Every sheet with its world and its ranges in the arrays of the run."""
     tool_count = drive_count = 0
     for world in setup.worlds:
@@ -168,9 +174,15 @@ def _placed(setup: Setup, block_count: Callable[[Sheet], int]) -> Iterator[tuple
         tool_count = tools.stop
         for sheet in world.sheets:
             drives = Span(drive_count, drive_count + sum(len(support.drives) for support in sheet.supports))
-            yield sheet, world, Places(tools, drives, first_reaction)
-            drive_count = drives.stop
-            first_reaction += block_count(sheet)
+            last_reaction = first_reaction + reaction_count(sheet, world)
+            yield sheet, world, Places(tools, drives, first_reaction, last_reaction)
+            drive_count, first_reaction = drives.stop, last_reaction
+
+
+def _reaction_count(sheet: Sheet, world: World) -> int:
+    """Nodes of a sheet that push tools, with padding, and elements where these do so too."""
+    elements = padded(sheet.blank.element_count, 1) if node_traits(sheet, world).sampled else 0
+    return padded(sheet.blank.node_count, SPARE_NODE_COUNT) + elements
 
 
 def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:

@@ -15,6 +15,7 @@ from ..device import LARGEST_THREAD_COUNT, Precision, resolve_precision
 from ..errors import InputError, did_you_mean
 from ..names import FileName, Label
 from ..process.dynamics import Dynamics
+from ..process.grippers import Gripper
 from ..process.interfaces import Interface
 from ..process.supports import Support
 from ..ranges import Quantity, check_usual
@@ -227,6 +228,7 @@ class Setup(Parameters):
         _check_names("worlds", [world.name for world in self.worlds])
         _check_names("sheets", [sheet.name for sheet in self.sheets])
         _check_names("supports", [support.name for support in self.supports])
+        _check_names("grippers", [gripper.name for gripper in self.grippers])
         return self
 
     @model_validator(mode="after")
@@ -255,6 +257,11 @@ class Setup(Parameters):
     def tools(self) -> tuple[Tool, ...]:
         """Of all worlds, in order."""
         return tuple(tool for world in self.worlds for tool in world.tools)
+
+    @property
+    def grippers(self) -> tuple[Gripper, ...]:
+        """Of all sheets, in order."""
+        return tuple(gripper for sheet in self.sheets for gripper in sheet.grippers)
 
     @property
     def interfaces(self) -> tuple[Interface, ...]:

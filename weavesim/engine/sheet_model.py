@@ -28,12 +28,14 @@ from ..kernels.shell.laws import sheet_struct
 from ..kernels.stepping.node_data import node_laws_struct, node_struct
 from ..kernels.stepping.node_forces import USUAL_CORNER_COUNT
 from ..process.device import build_support_arrays
+from ..process.grippers import Gripper
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
 from .layout import BLOCK, RowLayout, Span, lanes_view, padded
 from .setup import STEP_SAFETY, World
+from .surface.samples import Samples
 from .traits import node_traits, sheet_traits
 
 # Contact stiffness is this share of mass / step^2: two tools on one node then reduce the stable step by a few per cent.
@@ -83,12 +85,13 @@ class Places:
     Attributes:
         tools: of its world, among all tools.
         drives: of its supports, among all drives.
-        first_reaction: its first block of nodes, among those of its world.
+        first_reaction, last_reaction: its blocks of nodes, then of elements, among those of its world.
     """
 
     tools: Span
     drives: Span
     first_reaction: int
+    last_reaction: int
 
 
 class SheetModel:
@@ -107,6 +110,7 @@ class SheetModel:
         element_nodes: (4, padded elements) corner nodes.
         corners, motion_layout, friction_layout: layouts of the values that elements write at their corners
             (CORNER_ROW_COUNT), of the nodes' motion, and of their friction springs (three components per tool).
+        samples: constants of the contact between nodes.
         added_mass_ratio: mass added by scaling over the mass of the blank.
     """
 
@@ -115,7 +119,7 @@ class SheetModel:
         self.name, self.blank, self.fabric = sheet.name, blank, fabric
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
         self.symmetry = world.symmetry
-        self.pressures = sheet.pressures
+        self.pressures, self.grippers = sheet.pressures, sheet.grippers
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count
@@ -139,6 +143,10 @@ class SheetModel:
         # squared, of one tool's spring [1/s^2]
         self._contact_frequency = CONTACT_SHARE / self.reference_step**2
         self.contact_stiffness = self._contact_frequency * self.node_mass
+        self.samples = Samples.of(
+            world.tools if self.node_traits.sampled else (), fabric.thickness, self.geometry,
+            blank.node_position[blank.quads], 4.0 * corner_mass, self._contact_frequency, self.corners,
+        )  # fmt: skip
 
         # padding elements keep an infinite areal density: they never limit the step
         inertia = np.stack([1.0 / self.areal_density, 1.0 / frequencies.rotary_radius_squared])
@@ -173,12 +181,25 @@ class SheetModel:
 
     def _step_bounds(self):
         bounds, cell = step_bounds_struct(self.real)(), self.fabric.unit_cell
-        bounds.contact_frequency = 2.0 * self._contact_frequency if self.tool_count else 0.0
+        springs = 2.0 * self._contact_frequency if self.tool_count else 0.0  # of two tools
+        bounds.sample_frequency, bounds.sample_turning = 2.0 * self.samples.frequency, 2.0 * self.samples.turning
+        bounds.contact_frequency = springs + bounds.sample_frequency + self._grip_frequency
         bounds.bending = self.fabric.largest_bending_stiffness
         bounds.warp, bounds.weft = cell.yarn_stiffness_per_width
         bounds.shear = cell.shear_stiffness
         bounds.steps_ahead = REFRESH_INTERVAL
         return bounds
+
+    @property
+    def _grip_frequency(self) -> float:
+        """Largest squared frequency of the springs of grippers [1/s^2]."""
+        found = (each.stiffness * self.shares(each) / self.node_mass[each.nodes] for each in self.grippers)
+        return max((float(squared.max()) for squared in found), default=0.0)
+
+    def shares(self, gripper: Gripper) -> np.ndarray:
+        """Share of each node of a gripper in its stiffness and forces, as of the area around it, (k,)."""
+        area = self._to_nodes(0.25 * self.geometry.area)[gripper.nodes]
+        return area / area.sum()
 
     def bound_plies(self, below: float, above: float) -> None:
         """Make room in the stable step for contact with other plies.
@@ -187,7 +208,8 @@ class SheetModel:
             below, above: squared frequency that an interface on either face adds at most [1/s^2]; 0 without one.
         """
         of_tools = self._contact_frequency if self.tool_count else 0.0
-        self.step_bounds.contact_frequency = max(below, of_tools) + max(above, of_tools)
+        of_springs = max(below, of_tools) + max(above, of_tools) + self._grip_frequency
+        self.step_bounds.contact_frequency = of_springs
 
     @property
     def follows_thickness(self) -> bool:

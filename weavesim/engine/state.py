@@ -18,7 +18,11 @@ from ..kernels.rows import (
     CellReportRow,
     ClockEntry,
     ExtremeRow,
+    GripRow,
     MotionRow,
+    MovedRow,
+    NodeWorkRow,
+    SampleRow,
     SlipRow,
     ThicknessRow,
     ToolDriveRow,
@@ -53,13 +57,28 @@ class SheetState:
     extremes: wp.array  # (rows, elements), ExtremeRow
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
+    # of contact between nodes, else without columns; samples: those of all elements, one after the other
+    moved: wp.array  # (rows, node blocks), MovedRow
+    sample_memory: wp.array  # (rows, samples), SampleRow
+    sample_work: wp.array  # (rows, samples), NodeWorkRow, of the last steps [J]
+    sample_work_sum: wp.array  # (rows, sample blocks) float64, of all steps before [J]
+    sample_thickness: wp.array  # (rows, elements), ThicknessRow; (rows, 0) for contact with the initial thickness [m]
+    sample_friction: wp.array  # flat, ``Samples.layout`` [m]
+    sample_depth: wp.array  # (tools, samples), as depth
+    sample_gap: wp.array  # (tools, sample blocks), as gap
+    sample_reaction: wp.array  # (tools, sample blocks) vec3, force of each block of samples on each tool [N]
     contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
     awake: wp.array  # (1,) int32: 0 while nothing is near enough to touch, so that normals are not needed
+    grip: wp.array  # (rows, gripped nodes) float64, GripRow
     pressure_work: wp.array  # (element blocks,) float64, of the pressures so far [J]; empty without any
 
     def works(self) -> np.ndarray:
         """Works at the nodes of all steps, of ``SheetModel.node_work_rows``, (rows,) [J]; waits for the device."""
         return self.node_work_sum.numpy().sum(axis=1) + self.node_work.numpy().sum(axis=1, dtype=np.float64)
+
+    def sample_works(self) -> np.ndarray:
+        """Works at the samples, of NodeWorkRow, up to the positions that the last step started from, (rows,) [J]."""
+        return self.sample_work_sum.numpy().sum(axis=1) + self.sample_work.numpy().sum(axis=1, dtype=np.float64)
 
     def set_works(self, works: np.ndarray) -> None:
         """Set what ``works`` returns; only the sum over the nodes counts."""
@@ -75,6 +94,10 @@ class SheetState:
         slip_count = model.element_count if model.fabric.has_inner_friction else BLOCK
         thickness = np.zeros((ThicknessRow.row_count(), model.node_count if model.follows_thickness else 0))
         thickness[ThicknessRow.half] = 0.5 * model.fabric.thickness
+        samples, sample_blocks = model.samples.count, model.samples.count // model.lane_count
+        followed = model.element_count if samples and model.follows_thickness else 0
+        sample_thickness = np.zeros((ThicknessRow.row_count(), followed))
+        sample_thickness[ThicknessRow.half] = 0.5 * model.fabric.thickness
         motion = wp.zeros(MotionRow.row_count() * model.node_count, dtype=real, device=device)
         model.write_motion(motion, model.initial_motion())
 
@@ -95,8 +118,18 @@ class SheetState:
             extremes=zeros(ExtremeRow.row_count(), model.element_count),
             gap=zeros(tool_rows, model.block_count),
             holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
+            moved=zeros(MovedRow.row_count(), model.block_count if samples else 0),
+            sample_memory=zeros(SampleRow.row_count(), samples),
+            sample_work=zeros(NodeWorkRow.row_count(), samples),
+            sample_work_sum=zeros(NodeWorkRow.row_count(), sample_blocks, dtype=wp.float64),
+            sample_thickness=wp.array(sample_thickness, dtype=real, device=device),
+            sample_friction=zeros(3 * tool_rows * samples),
+            sample_depth=zeros(tool_rows, samples),
+            sample_gap=zeros(tool_rows, sample_blocks),
+            sample_reaction=zeros(tool_rows, sample_blocks, dtype=model.types.vec3),
             contact_force=zeros(3, model.node_count if touched else BLOCK),
             awake=wp.ones(1, dtype=wp.int32, device=device),
+            grip=zeros(GripRow.row_count(), sum(len(each.nodes) for each in model.grippers), dtype=wp.float64),
             pressure_work=zeros(model.element_count // model.lane_count if model.pressures else 0, dtype=wp.float64),
         )
 
@@ -213,7 +246,7 @@ class State:
         """
         path = Path(path)
         about = {"version": FILE_VERSION, "step_count": self.step_count, **model.identity}
-        content = self.content()
+        content: dict[str, Any] = self.content()
         temporary = path.with_name(f".{path.name}.partial")
         try:
             with temporary.open("wb") as file:

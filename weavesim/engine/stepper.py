@@ -136,7 +136,8 @@ class Stepper:
             for elements, nodes in part.tiles:
                 launches.element_forces(index, *elements)
                 launches.plies.push(index, *elements)
-                launches.apply_pressures(index, *elements)
+                launches.loads.apply(index, *elements)
+                launches.meet_between_nodes(index, *elements)
                 if nodes[1]:
                     launches.move_nodes(index, *nodes)
         wait()
@@ -155,7 +156,7 @@ class Stepper:
             sheet = self.model.sheets[index]
             own = chunks(sheet.element_count // sheet.lane_count, thread_count)[thread]
             self._launches.element_extremes(index, *own)
-            self._launches.fold_works(index, *chunks(sheet.block_count, thread_count)[thread])
+            self._launches.fold_works(index, thread, thread_count)
         self._launches.plies.watch_speeds(thread_count, thread)
         self._replay.wait(thread_count)
         if thread == 0:
@@ -186,7 +187,8 @@ class Stepper:
             join()
             launches.move_supports()
             for index in indices:
-                launches.apply_pressures(index)
+                launches.loads.apply(index)
+                launches.meet_between_nodes(index)
                 launches.move_nodes(index)
             with beside():
                 launches.move_tools()
@@ -198,7 +200,7 @@ class Stepper:
         for index, sheet in enumerate(self.model.sheets):
             with beside():
                 launches.element_extremes(index, 0, sheet.element_count // sheet.lane_count)
-                launches.fold_works(index, 0, sheet.block_count)
+                launches.fold_works(index)
             launches.element_frequencies(index, 0, launches.frequency_block_count(index))
         launches.plies.watch_speeds()
         launches.set_step(self.step_safety, self.largest_step)
@@ -281,13 +283,13 @@ class Stepper:
         return self._choice.most_used
 
     def evaluate(self) -> None:
-        """Compute the element forces of the current state, with those of pressures."""
+        """Compute the forces of elements, pressures and grippers in the current state."""
         for index, own in enumerate(self.state.sheets):
             self._launches.element_forces(index)
-            booked = wp.clone(own.pressure_work)
-            self._launches.apply_pressures(index)
-            if booked.size:  # the next step books it
-                wp.copy(own.pressure_work, booked)
+            booked = [(array, wp.clone(array)) for array in (own.pressure_work, own.grip) if array.size]
+            self._launches.loads.apply(index)
+            for array, before in booked:  # the next step books it
+                wp.copy(array, before)
 
     def refresh_step(self) -> None:
         """Compute the stable step from the current state."""
@@ -320,10 +322,11 @@ class Stepper:
             for index in indices:
                 ahead.element_forces(index)
                 self._push_facets(ahead, index)
-                ahead.apply_pressures(index)
+                ahead.loads.apply(index)
         if phase_count > 1:
             ahead.move_supports()
             for index in indices:
+                ahead.meet_between_nodes(index)
                 ahead.move_nodes(index)
         if phase_count > 2:
             ahead.move_tools()

@@ -36,4 +36,5 @@ def node_traits(sheet: Sheet, world: World) -> NodeTraits:
         rotated=any(part.rotation != IDENTITY for part in parts),
         touched=sheet.self_contact is not None
         or any(sheet.name in (interface.lower, interface.upper) for interface in world.interfaces),
+        sampled=bool(world.tools) and world.dynamics.contact_samples == "surface",
     )

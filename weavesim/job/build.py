@@ -8,13 +8,15 @@ from ..engine.setup import Setup, Solver
 from ..errors import InputError
 from ..fabric.fabric import Fabric
 from ..process.dynamics import Dynamics
-from ..sheet.blank import Blank
+from ..process.friction import Coulomb
+from ..process.interfaces import Interface
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import Symmetry
 from ..tools.shapes import Shape
 from ..tools.tool import Tool
+from .blanks.plies import blank_of, fabric_of, outline_of, plies_of
+from .loads import Loads
 from .placing import Box, axis_of, motion_of, reach, start_shift
-from .plies import blank_of, box_of, fabric_of
 from .read import JobFile
 from .surfaces import Surfaces
 
@@ -34,7 +36,9 @@ class Builder:
     """Makes the parts of a set-up one after the other.
 
     Attributes:
+        plies: place of its table, and the ply; those of a lay-up each on their own.
         fabrics: of the plies.
+        outlines: of the plies, in their places.
         shapes: of the tools, where they are drawn.
         facing: "up" or "down" of each tool, towards the sheet; None where nobody says it.
         heights: of the middles of the plies [m].
@@ -44,12 +48,14 @@ class Builder:
     def __init__(self, file: JobFile) -> None:
         self.file = file
         job = file.job
-        self.fabrics: tuple[Fabric, ...] = tuple(fabric_of(file, k) for k in range(len(job.ply)))
+        self.plies = plies_of(file)
+        self.fabrics: tuple[Fabric, ...] = tuple(fabric_of(file, index) for index, _ in self.plies)
         self.thickness = sum(fabric.thickness for fabric in self.fabrics)
         surfaces = Surfaces(file, self.thickness)
         self.shapes: tuple[Shape, ...] = tuple(surfaces.shape(k) for k in range(len(job.tool)))
         self.facing = tuple(surfaces.facing(k) for k in range(len(job.tool)))
-        boxes = [box_of(file, k) for k in range(len(job.ply))]
+        self.outlines = tuple(outline_of(file, index, ply) for index, ply in self.plies)
+        boxes = [outline.box for outline in self.outlines]
         self.box = Box(np.min([b.lower for b in boxes], axis=0), np.max([b.upper for b in boxes], axis=0))
         self.heights = self._heights()
         self.shifts = tuple(self._shift(k) for k in range(len(job.tool)))
@@ -58,8 +64,7 @@ class Builder:
         """All of it."""
         job, solver, output = self.file.job, self.file.job.solver, self.file.job.output
         symmetry = Symmetry(job.process.symmetry)
-        parts = enumerate(zip(job.ply, self.fabrics, strict=True))
-        sheets = tuple(Sheet(self._blank(k), fabric, name=ply.name) for k, (ply, fabric) in parts)
+        sheets = tuple(self._sheet(k) for k in range(len(self.plies)))
         tools = tuple(self._tool(k, symmetry.share) for k in range(len(job.tool)))
         moving = [k for k, tool in enumerate(job.tool) if tool.stroke is not None]
         return Setup(
@@ -67,6 +72,7 @@ class Builder:
             sheets=sheets,
             tools=tools,
             symmetry=symmetry,
+            interfaces=self._interfaces(),
             dynamics=Dynamics(
                 gravity=(0.0, 0.0, -job.process.gravity if job.process.gravity else 0.0),
                 damping=job.process.damping,
@@ -89,12 +95,12 @@ class Builder:
     def _heights(self) -> list[float]:
         """Of the middles of the plies: as given, or upon each other, the lowest on the tools."""
         result, floor = [], self._floor()
-        for k, (ply, fabric) in enumerate(zip(self.file.job.ply, self.fabrics, strict=True)):
+        for (index, ply), fabric in zip(self.plies, self.fabrics, strict=True):
             if ply.height is not None:
                 height = ply.height
             elif floor is None:
                 self.file.refuse(
-                    ["ply", k, "height"], 'height: is required, since no tool with faces = "up" is under the ply'
+                    ["ply", index, "height"], 'height: is required, since no tool with faces = "up" is under the ply'
                 )
             else:
                 height = floor + 0.5 * fabric.thickness
@@ -133,8 +139,25 @@ class Builder:
         """Height of the upper face of the highest ply [m]."""
         return self.heights[-1] + 0.5 * self.fabrics[-1].thickness
 
-    def _blank(self, k: int) -> Blank:
-        return blank_of(self.file, k, self.heights[k])
+    def _sheet(self, k: int) -> Sheet:
+        index, ply = self.plies[k]
+        blank = blank_of(self.file, index, ply, self.outlines[k], self.heights[k])
+        loads = Loads(self.file, [ply.name for _, ply in self.plies])
+        return Sheet(
+            blank,
+            self.fabrics[k],
+            name=ply.name,
+            pressures=loads.pressures(ply.name),
+            grippers=loads.grippers(ply.name, blank, self.outlines[k].loops.outline),
+        )
+
+    def _interfaces(self) -> tuple[Interface, ...]:
+        """Between neighbours."""
+        table, names = self.file.job.interface, [ply.name for _, ply in self.plies]
+        return tuple(
+            Interface(lower, upper, Coulomb(table.friction), passes=table.passes)
+            for lower, upper in zip(names[:-1], names[1:], strict=True)
+        )
 
     def _tool(self, k: int, share: float) -> Tool:
         tool = self.file.job.tool[k]

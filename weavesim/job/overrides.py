@@ -11,8 +11,8 @@ from ..errors import InputError, did_you_mean
 from ..input_files import shown
 
 # Tables of which there may be several, each with a name; their plural will do.
-LISTS = ("ply", "tool")
-PLURALS = {"plies": "ply", "tools": "tool", "fabrics": "fabric"}
+LISTS = ("ply", "tool", "spring", "gripper", "pressure")
+PLURALS = {"plies": "ply", "tools": "tool", "fabrics": "fabric", "springs": "spring", "grippers": "gripper"}
 FORM = "give --set TABLE.NAME.KEY=VALUE, such as --set tools.ring.force=600, or --set process.hold=5ms"
 
 

@@ -127,4 +127,5 @@ def motion_of(tool: ToolTable, shift: float, share: float) -> Motion:
         )
     assert tool.speed is not None
     ramp = RAMP_SHARE * abs(travel) / tool.speed if tool.ramp is None else tool.ramp
-    return Stroke.smooth(travel, tool.speed, ramp, start_time=tool.delay)
+    limit = None if tool.largest_force is None else tool.largest_force * share
+    return Stroke.smooth(travel, tool.speed, ramp, start_time=tool.delay, largest_force=limit)

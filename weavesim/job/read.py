@@ -14,23 +14,30 @@ from ..errors import InputError, did_you_mean
 from ..input_files import shown, within_folder
 from ..names import file_name
 from .overrides import LISTS, overridden
-from .schema import Job, OutputTable, PlyTable, ProcessTable, SolverTable, ToolTable
+from .schema import (
+    GripperTable,
+    InterfaceTable,
+    Job,
+    OutputTable,
+    PlyTable,
+    PressureTable,
+    ProcessTable,
+    SolverTable,
+    SpringTable,
+    ToolTable,
+)
 
 # Tables of their own, and those of which there may be several.
-SINGLE: dict[str, type[Parameters]] = {"process": ProcessTable, "solver": SolverTable, "output": OutputTable}
-SEVERAL: dict[str, type[Parameters]] = {"ply": PlyTable, "tool": ToolTable}
+SINGLE: dict[str, type[Parameters]] = {
+    "interface": InterfaceTable, "process": ProcessTable, "solver": SolverTable, "output": OutputTable,
+}  # fmt: skip
+SEVERAL: dict[str, type[Parameters]] = {
+    "ply": PlyTable, "tool": ToolTable, "spring": SpringTable, "gripper": GripperTable, "pressure": PressureTable,
+}  # fmt: skip
 # What people expect in a job, and what stands in its place.
 NOT_THERE = {
     "stage": "stages are not there yet: all tools begin together, each after its own `delay`",
-    "spring": "springs are not there yet: the edge of a ply is free, or held by a tool",
-    "gripper": "grippers are not there yet: hold the edge of a ply by a tool, such as a ring with a force",
-    "pressure": "pressure on a ply is not there yet: forces come from tools",
-    "interface": "friction laws between plies are not there yet: each tool has its own `friction`",
 }
-MANY_PLIES = (
-    "contact between plies is not there yet: a second ply would go through the first; give one ply, with the thickness "
-    "and the properties of the stack as its fabric"
-)
 
 
 @dataclass(frozen=True)
@@ -71,23 +78,23 @@ class JobFile:
         Raises:
             InputError: it is not there, or leads out of these folders.
         """
-        keys = [str(key) for key in keys]
+        place = [str(key) for key in keys]
         problem = ""
         for folder in self.folders:
             try:
-                path = within_folder(folder, reference, keys[-1])
+                path = within_folder(folder, reference, place[-1])
             except InputError as error:
                 problem = problem or str(error)
                 continue
             if path.exists():
                 return path
-            problem = f"{keys[-1]} = {reference!r}: there is no such file in the folder of the job"
+            problem = f"{place[-1]} = {reference!r}: there is no such file in the folder of the job"
         for folder in self.folders[1:]:
             path = Path(reference)
             if path.is_absolute() and path.resolve().is_relative_to(folder.resolve()) and path.exists():
                 return path
         named = "" if len(self.folders) > 1 else ", or name its folder with --files-from"
-        self.refuse(keys, f"{problem}{named}")
+        self.refuse(place, f"{problem}{named}")
 
 
 def read_job(path: str | Path, settings: Iterable[str] = (), files_from: Iterable[str | Path] = ()) -> JobFile:
@@ -149,22 +156,22 @@ def _check_whole(file: JobFile) -> None:
     """What no table can see alone."""
     job = file.job
     if job.scene is not None:
-        for key in ("ply", "tool", "process", "fabric"):
+        for key in (*SEVERAL, "process", "interface", "fabric"):
             if key in file.values:
                 file.refuse([key], f"[scene] brings its own; leave [{key}] out, or [scene]")
         return
     if not job.ply:
         file.refuse([], "[[ply]]: at least one is needed, or a [scene]")
     for kind in LISTS:
-        names = [entry.name for entry in getattr(job, kind)]
+        names = [entry.name for entry in getattr(job, kind) if hasattr(entry, "name")]
         for index, name in enumerate(names):
             if name in names[:index]:
                 file.refuse(
                     [kind, index, "name"],
                     f"name = {name!r}: another [[{kind}]] has it; results tell them apart by it, give each its own",
                 )
-    if len(job.ply) > 1:
-        file.refuse(["ply", 1], MANY_PLIES)
+    if "interface" in file.values and len(job.ply) < 2 and all(ply.layup is None for ply in job.ply):
+        file.refuse(["interface"], "has no effect with a single ply; leave it out")
     names = [tool.name for tool in job.tool]
     for index, tool in enumerate(job.tool):
         for key in ("offset_of", "ring_of"):

@@ -18,6 +18,8 @@ from .units import in_units
 ELSEWHERE = {
     "out": "give --out to the command",
     "overwrite": "give --overwrite to the command",
+    "strict": "give --strict to the command",
+    "limits": "give --limits to the command",
     "accept_unusual": "write accept_unusual at the top of the job",
     "device": "write it in [solver]",
     "precision": "write it in [solver]",

@@ -10,6 +10,7 @@ from ..checks import Finite, NotNegative, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision
 from ..names import FileName, Label
 from ..ranges import Quantity
+from ..sheet.lay_up_code import angles_of
 from .tables import JobTable
 from .units import length_unit
 
@@ -40,6 +41,11 @@ class PlyTable(JobTable):
     """A ply: its outline, fabric and angle. `[[ply]]`, one table per ply, from below to above."""
 
     name: Label = Field(default="ply", description="name in all results")
+    layup: str | None = Field(
+        default=None,
+        description="several plies of this outline, such as [0/90]s or 0/45/-45/90, from below to above, in degrees; "
+        "instead of an angle. They are named NAME_1, NAME_2, ...",
+    )
     fabric: str = Field(
         description="a preset, the name of a file in your own folder of fabrics, a .toml file beside the job, or the "
         "NAME of a table [fabric.NAME]"
@@ -78,6 +84,14 @@ class PlyTable(JobTable):
         if value is not None:
             length_unit(value)
         return value
+
+    @model_validator(mode="after")
+    def _has_one_angle(self) -> Self:
+        if self.layup is not None:
+            if "angle" in self.model_fields_set:
+                raise ValueError("angle and layup: one of them is needed, both are given")
+            angles_of(self.layup)
+        return self
 
     @model_validator(mode="after")
     def _has_one_outline(self) -> Self:
@@ -137,6 +151,9 @@ class ToolTable(JobTable):
         default=None, description="time to reach the speed, or the force; by default 5 % of the stroke's time, or 2 ms"
     )
     delay: Annotated[NotNegative, Quantity("time")] = Field(default=0.0, description="when the stroke begins")
+    largest_force: Annotated[Positive, Quantity("force")] | None = Field(
+        default=None, description="of the whole press: near it the stroke slows down and waits"
+    )
     force: Annotated[NotNegative, Quantity("force")] | None = Field(
         default=None, description="along its axis, of the whole tool; instead of a stroke"
     )
@@ -172,7 +189,7 @@ class ToolTable(JobTable):
         if self.stroke is not None and self.force is not None:
             raise ValueError("stroke and force: a tool moves by one of them, both are given")
         if self.stroke is None:
-            _without(self, ("speed", "delay"), "a stroke")
+            _without(self, ("speed", "delay", "largest_force"), "a stroke")
         elif self.speed is None:
             raise ValueError("speed: is required with a stroke")
         if self.force is None:
@@ -182,6 +199,86 @@ class ToolTable(JobTable):
         if self.stroke == 0.0:
             raise ValueError("stroke = 0: for a tool at rest leave it out")
         return self
+
+
+class SpringTable(JobTable):
+    """Springs that pull at the edge of a ply; beyond a largest force it slips. `[[spring]]`, one table per group."""
+
+    name: Label = Field(description="name in all results; several places get NAME_1, NAME_2, ...")
+    ply: str | None = Field(default=None, description="the ply that it pulls at; the only one if left out")
+    edge: Direction | None = Field(default=None, description="place: the edge of the ply that is furthest along this")
+    corners: bool = Field(default=False, description="place: every corner of the outline, each on its own")
+    points: tuple[Point, ...] | None = Field(default=None, description="place: these points, each on its own")
+    radius: Annotated[NotNegative, Quantity("length")] = Field(
+        default=0.0, description="of the patch around each corner or point; the nearest node if zero"
+    )
+    direction: tuple[Finite, Finite, Finite] | None = Field(
+        default=None, description="from the ply to the anchors; without it, outwards in the plane"
+    )
+    stiffness: Annotated[Positive, Quantity("spring stiffness")] = Field(description="at each place")
+    length: Annotated[Positive, Quantity("length")] = Field(default=0.1, description="of the springs at the start")
+    pretension: Annotated[NotNegative, Quantity("force")] = Field(
+        default=0.0, description="force at each place at the start"
+    )
+    ramp: Annotated[NotNegative, Quantity("time")] = Field(
+        default=2.0e-3, description="time in which the pretension is applied"
+    )
+    largest_force: Annotated[Positive, Quantity("force")] | None = Field(
+        default=None, description="at each place: beyond it the ply slips through"
+    )
+    release: Annotated[Positive, Quantity("time")] | None = Field(
+        default=None, description="when it opens; it stays if left out"
+    )
+
+    @model_validator(mode="after")
+    def _has_one_place(self) -> Self:
+        given = [name for name in ("edge", "corners", "points") if getattr(self, name)]
+        if len(given) != 1:
+            what = f"{' and '.join(given)} are given" if given else "none is given"
+            raise ValueError(f"edge, corners or points: one of them is needed, {what}")
+        if self.edge is not None:
+            _without(self, ("radius",), "corners or points")
+            if self.edge[1] == "z":
+                raise ValueError("edge: +x, -x, +y or -y is needed")
+        return self
+
+
+class GripperTable(SpringTable):
+    """A gripper that moves: springs whose anchors have a stroke. `[[gripper]]`, one table per group."""
+
+    stroke: Annotated[Finite, Quantity("displacement")] = Field(
+        default=0.0, description="of the anchors, away from the ply; negative follows it"
+    )
+    speed: Annotated[Positive, Quantity("speed")] | None = Field(default=None, description="of the stroke")
+
+    @model_validator(mode="after")
+    def _has_a_speed(self) -> Self:
+        if self.stroke != 0.0 and self.speed is None:
+            raise ValueError("speed: is required with a stroke")
+        if self.stroke == 0.0:
+            _without(self, ("speed",), "a stroke")
+        return self
+
+
+class PressureTable(JobTable):
+    """Pressure on a face of a ply, which follows it, such as that of a bag. `[[pressure]]`."""
+
+    ply: str | None = Field(default=None, description="that it acts on; the only one if left out")
+    face: Literal["top", "bottom"] = Field(description="that it pushes against")
+    pressure: Annotated[Finite, Quantity("pressure")] = Field(description="per current area; a negative one pulls")
+    delay: Annotated[NotNegative, Quantity("time")] = Field(default=0.0, description="when it begins")
+    ramp: Annotated[Positive, Quantity("time")] = Field(default=2.0e-3, description="time until it is reached")
+
+
+class InterfaceTable(JobTable):
+    """Contact between neighbouring plies. `[interface]`."""
+
+    friction: Annotated[NotNegative, Quantity("friction")] = Field(
+        default=0.2, description="Coulomb coefficient between plies"
+    )
+    passes: Literal["both", "one"] = Field(
+        default="both", description="whether the nodes of either ply meet the other, or only those of the finer one"
+    )
 
 
 class ProcessTable(JobTable):
@@ -245,6 +342,10 @@ class Job(JobTable):
     )
     ply: tuple[PlyTable, ...] = Field(default=(), description="[[ply]], from below to above")
     tool: tuple[ToolTable, ...] = Field(default=(), description="[[tool]], in the order of all results")
+    spring: tuple[SpringTable, ...] = Field(default=(), description="[[spring]]")
+    gripper: tuple[GripperTable, ...] = Field(default=(), description="[[gripper]]")
+    pressure: tuple[PressureTable, ...] = Field(default=(), description="[[pressure]]")
+    interface: InterfaceTable = Field(default=InterfaceTable(), description="[interface]")
     process: ProcessTable = Field(default=ProcessTable(), description="[process]")
     solver: SolverTable = Field(default=SolverTable(), description="[solver]")
     output: OutputTable = Field(default=OutputTable(), description="[output]")

@@ -6,6 +6,7 @@ import os
 
 import numpy as np
 
+from .cad import SUFFIXES, read_cad
 from .formats.abaqus import read_abaqus
 from .formats.by_meshio import FORMATS, read_by_meshio
 from .formats.glb import read_glb
@@ -29,6 +30,7 @@ READERS = {
     ".3mf": read_threemf,
     ".glb": read_glb,
     **dict.fromkeys(FORMATS, read_by_meshio),
+    **dict.fromkeys(SUFFIXES, read_cad),
 }
 
 # No unit makes a tool of this; beyond it, areas and volumes overflow at last.

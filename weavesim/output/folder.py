@@ -108,6 +108,11 @@ class ResultFolder:
         remove_results(self.path, kept=kept, resumes=self._resumes or self._cleared)
         self._cleared = True
 
+    @property
+    def writer_names(self) -> tuple[str, ...]:
+        """Of the writers that it uses."""
+        return tuple(kind.name for kind in self._kinds)
+
     def release(self) -> None:
         """Give the folder back; ``write`` does it at the end of a run."""
         self._lock.release()

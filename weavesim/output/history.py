@@ -30,6 +30,8 @@ class History:
         support_names, drive_names: in the order of the supports, and of all their drives.
         support_force: of each support on the sheet, (frame_count, support_count, 3) [N].
         drive_displacement, drive_force: (frame_count, drive_count) [m], [N].
+        gripper_names: in the order of the grippers.
+        gripper_force, gripper_slip: (frame_count, gripper_count) [N], [m].
         sheet_columns: of a run of several sheets, energies and largest shear angle of each, by the name of the column.
     """
 
@@ -37,6 +39,7 @@ class History:
         self.tool_names: list[str] = []
         self.support_names: list[str] = []
         self.drive_names: list[str] = []
+        self.gripper_names: list[str] = []
         self.last_frame: Frame | None = None
         self._rows: list[tuple] = []
         self._of_sheets: list[dict[str, float]] = []
@@ -45,6 +48,7 @@ class History:
         self.tool_names = list(info.tool_names)
         self.support_names = [support.name for support in info.supports]
         self.drive_names = [f"{s.name}_drive_{k + 1}" for s in info.supports for k in range(len(s.drives))]
+        self.gripper_names = [gripper.name for gripper in info.grippers]
         self.last_frame, self._rows, self._of_sheets = None, [], []
 
     def frame(self, frame: Frame) -> None:
@@ -65,6 +69,8 @@ class History:
                 np.array(
                     frame.tool_wanted if len(frame.tool_wanted) else [math.nan] * len(self.tool_names), dtype=float
                 ),
+                np.array(frame.gripper_force, dtype=float),
+                np.array(frame.gripper_slip, dtype=float),
             )
         )
 
@@ -121,6 +127,14 @@ class History:
         return self._column(10).reshape(self.frame_count, len(self.tool_names))
 
     @property
+    def gripper_force(self) -> np.ndarray:
+        return self._column(11).reshape(self.frame_count, len(self.gripper_names))
+
+    @property
+    def gripper_slip(self) -> np.ndarray:
+        return self._column(12).reshape(self.frame_count, len(self.gripper_names))
+
+    @property
     def sheet_columns(self) -> dict[str, np.ndarray]:
         names = self._of_sheets[0] if self._of_sheets else {}
         return {name: np.array([row.get(name, math.nan) for row in self._of_sheets]) for name in names}
@@ -130,8 +144,8 @@ class History:
 
     def write(self, path: str | Path) -> None:
         """Write ``history.csv``: frame, step count, time, stroke; displacement and force of each tool; force that
-        drives each of those that a force moves; force of each support; displacement and force of each drive; every
-        energy; what there is of each of several sheets.
+        drives each of those that a force moves; force of each support; displacement and force of each drive;
+        force and slip of each gripper; every energy; what there is of each of several sheets.
         """
         energies, of_sheets = self.energies, self.sheet_columns
         header = ["frame", "step_count", "time_s", "stroke_m"]
@@ -142,16 +156,20 @@ class History:
         header += [f"{name}_wanted_force_n" for name, by_force in zip(self.tool_names, driven, strict=True) if by_force]
         header += [f"{name}_force_{axis}_n" for name in self.support_names for axis in "xyz"]
         header += [f"{name}_{what}" for name in self.drive_names for what in ("displacement_m", "force_n")]
+        of_gripper = ("gripper_force_n", "gripper_slip_m")
+        header += [f"{name}_{what}" for name in self.gripper_names for what in of_gripper]
         header += [f"{name}_j" if name.endswith(_NOT_ENERGIES) else f"{name}_energy_j" for name in energies]
         header += list(of_sheets)
+        grippers = np.stack([self.gripper_force, self.gripper_slip], axis=2).reshape(self.frame_count, -1)
         rows = []
-        for i, (index, step_count, time, stroke, displacement, reaction, _, support, travel, force, _) in enumerate(
+        for i, (index, step_count, time, stroke, displacement, reaction, _, support, travel, force, *_) in enumerate(
             self._rows
         ):
             tools = np.column_stack([displacement, reaction]).ravel().tolist() if len(displacement) else []
             supports = [*support.ravel().tolist(), *np.column_stack([travel, force]).ravel().tolist()]
             values = (float(values[i]) for values in (*energies.values(), *of_sheets.values()))
-            rows.append([index, step_count, time, stroke, *tools, *wanted[i][driven].tolist(), *supports, *values])
+            rest = [*wanted[i][driven].tolist(), *supports, *grippers[i].tolist(), *values]
+            rows.append([index, step_count, time, stroke, *tools, *rest])
         # a tool and a support may have the same name
         write_table(path, unique_names(header), rows)
 

@@ -1,7 +1,8 @@
-"""What happens to the sheet: strokes, supports, loads, pressure, gravity and damping."""
+"""What happens to the sheet: strokes, supports, loads, pressure, grippers, gravity and damping."""
 
 from .dynamics import Dynamics
 from .friction import Coulomb, Friction, PressureFriction, StribeckFriction, ViscousFilm, YarnAngleFriction
+from .grippers import Gripper
 from .interfaces import Interface
 from .loads import NodalLoads
 from .pressure import Pressure
@@ -16,6 +17,7 @@ __all__ = [
     "Fixed",
     "ForceDriven",
     "Friction",
+    "Gripper",
     "Interface",
     "Motion",
     "NodalLoads",

@@ -19,6 +19,8 @@ class Dynamics(Parameters):
         contact_damping_ratio: normal dashpot of the contact, as a share of critical.
         contact_thickness: contact with tools is at half the "initial" or the "current" thickness; the work that a
             change of thickness does on the tools is booked as ``thickness_work``.
+        contact_samples: tools are met at the "nodes", or also between them on the "surface" that the directors
+            describe; what a change of its curvature does on the tools is booked as ``thickness_work`` too.
     """
 
     positional = ("gravity", "damping", "director_damping", "contact_damping_ratio", "contact_thickness")
@@ -28,3 +30,4 @@ class Dynamics(Parameters):
     director_damping: Annotated[NotNegative, Quantity("damping rate")] = 0.0
     contact_damping_ratio: Annotated[NotNegative, Quantity("damping ratio")] = 0.1
     contact_thickness: Literal["initial", "current"] = "initial"
+    contact_samples: Literal["nodes", "surface"] = "nodes"

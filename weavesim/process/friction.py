@@ -1,4 +1,4 @@
-"""Friction laws of a contact: a coefficient, or a table of it, and a viscous film (docs/theory.md, section 11)."""
+"""Friction laws of a contact: a coefficient, or a table of it, and a viscous film (docs/plies.md)."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class Interface(Parameters):
         passes: "both" lets the nodes of either sheet meet the facets of the other, as needed near free edges; "one"
             only those of the finer sheet, which is cheaper, with twice the noise of the pressure on the other.
         stiffness_share: share of the largest stiffness that a step allows, which sets the penetration (see
-            docs/theory.md, section 11); up to 0.2 for compaction under high pressure, for which the step is shorter.
+            docs/plies.md); up to 0.2 for compaction under high pressure, for which the step is shorter.
         damping_ratio: normal dashpot as a share of critical; None for that of the world's contact.
     """
 

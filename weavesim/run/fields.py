@@ -89,6 +89,10 @@ def _failed(fabric: Fabric, fields: Values, report: Values) -> np.ndarray:
     return (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
 
 
+def _of_plies(fabric: Fabric, fields: Values, report: Values) -> None:
+    """The ledger of the interfaces adds these."""
+
+
 FIELDS: list[Field] = [
     *(Field(row.name, row.unit, row.description, film=_IN_FILM.get(row.name)) for row in ElementField),
     Field("thickness", "m", "current thickness", _thickness, film=as_it_is),
@@ -106,6 +110,10 @@ FIELDS: list[Field] = [
         lambda fabric, fields, report: report["iterations"],
     ),
     Field("unit_cell_failed", "1", f"1 where that residual is not below {UNIT_CELL_FAILURE:g}, else 0", _failed),
+    Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_plies),
+    Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_plies),
+    Field("ply_slip_below", "m", "way slid so far on the ply below", _of_plies),
+    Field("ply_slip_above", "m", "way slid so far under the ply above", _of_plies),
 ]  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from ..errors import InputError
 if TYPE_CHECKING:
     from ..engine.setup import Setup
     from ..fabric.fabric import Fabric
+    from ..process.grippers import Gripper
     from ..process.supports import Support
     from ..sheet.blank import Blank
     from ..sheet.symmetry import Symmetry
@@ -68,6 +69,7 @@ class RunInfo:
         warnings: for the user; the run adds to this list until it ends.
         notes: findings about the input.
         setup: the input of the run.
+        grippers: in the order of all frames.
         expected: what the run will take.
         run_id: unlike that of any other run; every result tells it.
         parts: where the run was resumed from a checkpoint, in words.
@@ -86,6 +88,7 @@ class RunInfo:
     warnings: list[str] = field(default_factory=list)
     notes: tuple[str, ...] = ()
     setup: Setup | None = None
+    grippers: tuple[Gripper, ...] = ()
     expected: Estimate | None = None
     run_id: str = field(default_factory=lambda: new_run_id())
     parts: tuple[str, ...] = ()
@@ -169,6 +172,8 @@ class Frame:
         energies: every entry of the ledger [J], by name, summed over the sheets.
         support_force: force of each support on its sheet, (support_count, 3) [N]: it balances all other forces on
             its nodes and accelerates their mass.
+        gripper_force: of the springs of each gripper, (gripper_count,) [N].
+        gripper_slip: of the sheet through each gripper, the mean over its springs, (gripper_count,) [m].
         drive_displacement: of every drive of every support, in order, (drive_count,) [m].
         drive_force: of the support on the sheet along each drive, (drive_count,) [N]: work per unit displacement of
             the drive.
@@ -186,6 +191,8 @@ class Frame:
     drive_displacement: np.ndarray = field(default_factory=lambda: np.zeros(0))
     drive_force: np.ndarray = field(default_factory=lambda: np.zeros(0))
     tool_wanted: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    gripper_force: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    gripper_slip: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def sheet(self) -> SheetFrame:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..engine.model import Model
@@ -19,13 +21,19 @@ class InterfaceLedger:
 
     Args:
         model: of the run.
+        state: of the run, which is read.
 
     Attributes:
         passes: of all interfaces.
     """
 
-    def __init__(self, model: Model) -> None:
-        self.passes, self._contacts = model.passes, model.contacts
+    def __init__(self, model: Model, state: State) -> None:
+        self.passes, self._contacts, self._state = model.passes, model.contacts, state
+        self._contact_names = model.contact_names
+
+    def rows(self, index: int) -> dict[str, np.ndarray]:
+        """Rows of one pass, of the current state; see ``PassState.read_rows``."""
+        return self._state.passes[index].read_rows(self.passes[index])
 
     def entries(self, state: State, ahead: State) -> dict[str, float]:
         """Entries of the ledger, summed over the interfaces [J], given the state after the next step."""
@@ -34,6 +42,41 @@ class InterfaceLedger:
             for name, value in of_interface.items():
                 totals[name] += value
         return totals
+
+    def fields(self, sheet: int, ahead: State) -> dict[str, np.ndarray]:
+        """Pressures [Pa] and slips [m] on the faces of a sheet that touch others, of its elements, (element_count,).
+
+        The pressure is that of the springs, which dashpots leave out.
+        """
+        result: dict[str, np.ndarray] = {}
+        for model, own in zip(self.passes, ahead.passes, strict=True):
+            if model.place.slave == sheet:
+                # the side on which a node's own normal does not point to the other face
+                below = model.place.side * (model.place.facing or 1) > 0
+                face, rows = "below" if below else "above", own.read_rows(model)
+                quads = model.slave.blank.quads
+                pressure = model.area_stiffness * rows["push"] / model.stiffness
+                for name, values in (("pressure", pressure), ("slip", rows["slip"])):
+                    key = f"ply_{name}_{face}"
+                    result[key] = result.get(key, 0.0) + values[quads].mean(axis=1)
+        return result
+
+    def report(self, state: State, ahead: State) -> list[dict[str, Any]]:
+        """Numbers of every interface for the summary, by names with units."""
+        result: list[dict[str, Any]] = [
+            {"name": each, "force_N": 0.0, "max_pressure_Pa": 0.0, "max_slip_mm": 0.0, "max_entry_mm": 0.0}
+            for each in self._contact_names
+        ]
+        for entry, energies in zip(result, self.by_interface(state, ahead), strict=True):
+            entry |= {f"{name}_J": value for name, value in energies.items()}
+        for model, own in zip(self.passes, ahead.passes, strict=True):
+            entry, rows = result[model.place.interface], own.read_rows(model)
+            entry["force_N"] += float(rows["push"].sum())
+            pressure = model.area_stiffness * float((rows["push"] / model.stiffness).max())
+            entry["max_pressure_Pa"] = max(entry["max_pressure_Pa"], pressure)
+            for key, row in (("max_slip_mm", "slip"), ("max_entry_mm", "largest_entry")):
+                entry[key] = max(entry[key], 1e3 * float(rows[row].max()))
+        return result
 
     def by_interface(self, state: State, ahead: State) -> list[dict[str, float]]:
         """The same of every interface, then of every sheet that touches itself."""

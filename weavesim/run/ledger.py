@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
+from ..engine.loading.grips import GripperState
 from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..kernels.rows import ToolWatchRow, ToolWorkRow
@@ -14,11 +17,12 @@ from .frame import Frame, SheetFrame, unique_names
 from .interface_ledger import InterfaceLedger
 from .sheet_ledger import NO_PENETRATION, Penetration, SheetLedger, centred
 
-STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring")
+STORED = ("kinetic", "tool_kinetic", "internal", "contact", "friction_spring", "gripper_spring")
 LOST = (
     "friction_loss",
     "damping_loss",
     "tool_damping_loss",
+    "gripper_loss",
     "snap_loss",
     "shear_friction_loss",
     "bending_friction_loss",
@@ -28,8 +32,8 @@ PLY_STORED = ("ply_contact", "ply_friction_spring")
 PLY_LOST = ("ply_friction_loss", "ply_damping_loss")
 PLY_SUPPLIED = ("ply_thickness_work",)
 SUPPLIED = (
-    "tool_work", "driving_force_work", "support_work", "load_work", "pressure_work", "thickness_work", "gravity_work",
-    "initial_kinetic",
+    "tool_work", "driving_force_work", "support_work", "load_work", "pressure_work", "gripper_work", "thickness_work",
+    "gravity_work", "initial_kinetic",
 )  # fmt: skip
 # Derived from the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")
@@ -59,7 +63,7 @@ class Ledger:
         self._stepper, self._setup = stepper, stepper.model.setup
         self.sheets = [SheetLedger(stepper.model, k, stepper.state) for k in range(len(stepper.model.sheets))]
         self.internal = tuple(dict.fromkeys(name for sheet in self.sheets for name in sheet.internal))
-        self.interfaces = InterfaceLedger(stepper.model)
+        self.interfaces = InterfaceLedger(stepper.model, stepper.state)
         tools = self._setup.tools
         self.tool_names = unique_names(tool.name for tool in tools)
         self._driven = np.array([tool.motion.by_force for tool in tools], dtype=bool)
@@ -68,10 +72,18 @@ class Ledger:
     def frame(self, index: int) -> Frame:
         """A frame of the current state; waits for the device."""
         state, ahead = self._stepper.state, self._stepper.look_ahead()
-        sheets = tuple(sheet.frame(ahead) for sheet in self.sheets)
+        sheets = tuple(
+            replace(frame, fields=frame.fields | self.interfaces.fields(k, ahead))
+            for k, frame in enumerate(sheet.frame(ahead) for sheet in self.sheets)
+        )
         tool_displacement = state.tool_displacement.numpy().copy()
         drive_displacement = state.drive_displacement.numpy().copy()
         support_force, drive_force = self._support_outputs(ahead)
+        # the next step has evaluated them at these positions
+        grippers = [
+            GripperState.of(model, own.grip)
+            for model, own in zip(self._stepper.model.sheets, ahead.sheets, strict=True)
+        ]
         leading = tool_displacement[self._setup.leading_tool :] if len(tool_displacement) else drive_displacement
         return Frame(
             index=index,
@@ -83,6 +95,8 @@ class Ledger:
             tool_reaction=state.tool_force.numpy().copy(),
             energies=self._balance(sheets, ahead),
             support_force=support_force,
+            gripper_force=np.concatenate([each.force for each in grippers]),
+            gripper_slip=np.concatenate([each.slip for each in grippers]),
             drive_displacement=drive_displacement,
             drive_force=drive_force,
             tool_wanted=np.array([tool.motion.force_at(state.time) for tool in self._setup.tools]),
@@ -125,6 +139,12 @@ class Ledger:
     def watched(self) -> dict[str, np.ndarray]:
         """What every step has booked of the tools so far, by names of ``ToolWatchRow``, (tool_count,) each."""
         return dict(zip(ToolWatchRow.names(), self._stepper.state.tool_watch.numpy().copy(), strict=True))
+
+    def interface_report(self) -> list[dict[str, Any]]:
+        """Numbers of every interface between plies for the summary; waits for the device."""
+        if not self.interfaces.passes:
+            return []
+        return self.interfaces.report(self._stepper.state, self._stepper.look_ahead())
 
     def penetration(self, frame: Frame) -> Penetration:
         """Deepest penetration of a frame just taken."""

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 import warp as wp
 
 from ..engine.layout import lanes_view
+from ..engine.loading.grips import GripperState
 from ..engine.model import Model
 from ..engine.sheet_model import TANGENTIAL_RATIO
 from ..engine.state import SheetState, State
-from ..kernels.contact.tool_distance import sample_distance_kernel
-from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.rows import (
     CellReportRow,
     ElementField,
@@ -23,26 +22,41 @@ from ..kernels.rows import (
     ThicknessRow,
 )
 from ..kernels.shell.energy import element_ledger_kernel
+from ..sheet.samples import surface_points
 from .fields import complete
 from .frame import SheetFrame
+from .watch.tool_gaps import ToolGaps
 
 # Elastic energies of the sheet; the internal energy is their sum plus those of its unit cell.
 SHEET_INTERNAL = ("compression", "shear", "in_plane_bending", "bending", "transverse_shear", "hourglass")
 
 
+# Places of an element, from -1 to 1, at which its surface is judged: the middles of it, its edges and its quarters.
+JUDGED_PLACES = np.array([
+    (0.0, 0.0), (-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5),
+])  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Penetration:
-    """Deepest overlap of a sheet's faces with any tool [m]; negative without contact."""
+    """Deepest overlap of a sheet's faces with any tool [m]; negative without contact.
+
+    Attributes:
+        at_nodes: at the nodes.
+        at_surface: anywhere on the surface that the directors describe, at nodes and between them.
+        at_element_centres: at the middles of flat elements, most of which is the chord over a curved tool.
+    """
 
     at_nodes: float
+    at_surface: float
     at_element_centres: float
 
     def deeper(self, other: Penetration) -> Penetration:
-        """The deeper of the two, at nodes and at element centres."""
-        return Penetration(max(self.at_nodes, other.at_nodes), max(self.at_element_centres, other.at_element_centres))
+        """The deeper of the two, each for itself."""
+        return Penetration(*np.maximum(astuple(self), astuple(other)).tolist())
 
 
-NO_PENETRATION = Penetration(-np.inf, -np.inf)
+NO_PENETRATION = Penetration(-np.inf, -np.inf, -np.inf)
 
 
 def centred(now: wp.array, later: wp.array, started: bool) -> np.ndarray:
@@ -64,7 +78,7 @@ class SheetLedger:
     """
 
     def __init__(self, model: Model, index: int, state: State) -> None:
-        self._model, self._run_model, self._index, self._state = model.sheets[index], model, index, state
+        self._model, self._index, self._state = model.sheets[index], index, state
         sheet = self._model
         self._kernel = element_ledger_kernel(sheet.real, sheet.cell_law, sheet.sheet_traits)
         self._device_sheet = sheet.device_sheet(1)
@@ -74,14 +88,11 @@ class SheetLedger:
         self._energies = wp.zeros((len(self._energy_names), count), dtype=sheet.real, device=device)
         row_count = ElementField.row_count() + ResultantRow.row_count()
         self._fields = wp.zeros((row_count, count), dtype=sheet.real, device=device)
-        point_count = sheet.blank.node_count + sheet.blank.element_count if sheet.tool_count else 0
-        self._points = wp.zeros(point_count, dtype=wp.vec3d, device=device)
-        self._distances = wp.zeros((sheet.tool_count, point_count), dtype=sheet.real, device=device)
         # packed once: a launch from Python costs more than the work of a small sheet
         self._element_ledger: wp.Launch | None = None
-        self._tool_distances = self._record_distances()
-        # positions of a frame, and their distances to the tools
-        self._measured: tuple[np.ndarray, np.ndarray] | None = None
+        elements, nodes = sheet.blank.element_count, sheet.blank.node_count
+        self._contact_gaps = ToolGaps(model, index, state, nodes + len(sheet.samples.places) * elements)
+        self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements)
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
         velocity, spin = _rates(start)
         self.initial_kinetic = self._kinetic(velocity, velocity, spin, spin)
@@ -158,12 +169,16 @@ class SheetLedger:
         entries["kinetic"] = (
             self._kinetic(velocity, next_velocity, spin, next_spin) if started else self.initial_kinetic
         )
-        entries |= self._contact_entries(position, ahead)
+        entries |= self._contact_entries(position, motion[MotionRow.director.vector], ahead)
         works = dict.fromkeys(NodeWorkRow.names(), 0.0)
         booked = self._own.works()
         if started:
             booked = 0.5 * (booked + ahead.works())
         works.update(zip(sheet.node_work_rows, booked.tolist(), strict=True))
+        if started and sheet.samples.count:
+            # the next step books them up to the positions that it starts from
+            between = zip(NodeWorkRow.names(), ahead.sample_works().tolist(), strict=True)
+            works = {name: works[name] + value for name, value in between}
         entries["friction_loss"] = works["friction_work"] - entries["friction_spring"]
         entries["damping_loss"] = works["damping_loss"]
         entries["support_work"] = works["support_work"]
@@ -171,74 +186,61 @@ class SheetLedger:
         entries["load_work"] = works["load_work"]
         # booked up to the positions of the evaluation, so the next step has it up to these
         entries["pressure_work"] = float(ahead.pressure_work.numpy().sum())
+        grippers = GripperState.of(sheet, ahead.grip)
+        entries["gripper_spring"], entries["gripper_work"] = grippers.stored, grippers.work
+        entries["gripper_loss"] = grippers.loss
         displacement = position - sheet.blank.node_position
         entries["gravity_work"] = float(sheet.node_mass @ (displacement @ np.array(sheet.dynamics.gravity)))
         entries["initial_kinetic"] = self.initial_kinetic
         return entries
 
-    def _contact_entries(self, position: np.ndarray, ahead: SheetState) -> dict[str, float]:
-        sheet, node_count = self._model, len(position)
-        half_thickness = np.full(node_count, 0.5 * sheet.fabric.thickness)
+    def _contact_entries(self, position: np.ndarray, director: np.ndarray, ahead: SheetState) -> dict[str, float]:
+        """Energies of the springs of contact and friction, at nodes and at the samples between them."""
+        sheet, node_count, element_count = self._model, len(position), self._model.blank.element_count
+        sample_count = len(sheet.samples.places)
+        points = [position, *(self._surface(position, director, place) for place in sheet.samples.places)]
+        half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
-            half_thickness = ahead.thickness.numpy()[ThicknessRow.half, :node_count]
-        penetration = np.maximum(half_thickness - self._tool_distance(position)[:, :node_count], 0.0)
+            own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
+            half_thickness = np.concatenate([own[:node_count], np.tile(between[:element_count], sample_count)])
+        stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
+        penetration = np.maximum(half_thickness - self._contact_gaps(np.concatenate(points)), 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
-        stiffness = sheet.contact_stiffness
+        of_samples = sheet.samples.layout.read(ahead.sample_friction)[: 3 * sheet.tool_count]
+        of_samples = of_samples.reshape(len(friction), sample_count, sheet.element_count)
+        of_samples = of_samples[..., :element_count].reshape(len(friction), sample_count * element_count)
+        friction = np.concatenate([friction, of_samples], axis=1, dtype=np.float64)
         return {
             "contact": 0.5 * float((stiffness * np.square(penetration)).sum()),
-            "friction_spring": 0.5
-            * TANGENTIAL_RATIO
-            * float((stiffness * np.square(friction, dtype=np.float64)).sum()),
+            "friction_spring": 0.5 * TANGENTIAL_RATIO * float((stiffness * np.square(friction)).sum()),
         }
 
     # --- distances to the tools --------------------------------------------------------------------------------------
 
-    def _record_distances(self) -> list[wp.Launch]:
-        sheet, tools = self._model, self._run_model.tools
-        normal = wp.zeros(self._points.shape, dtype=sheet.types.vec3, device=sheet.device)
-        kernel = sample_distance_kernel(sheet.real, 1, further_kinds(sheet.node_traits.shape_kinds))
-        return [
-            wp.launch(
-                kernel,
-                dim=self._points.shape[0],
-                inputs=[tools.tool, tools.part, sheet.places.tools.start + k, wp.float64(0.0), self._points],
-                outputs=[self._distances[k], normal],
-                device=sheet.device,
-                record_cmd=True,
-            )
-            for k in range(sheet.tool_count)
-        ]
-
-    def _tool_distance(self, position: np.ndarray) -> np.ndarray:
-        """Current distance of nodes, then element centres, to each tool, (tool_count, point_count) [m]."""
-        if self._measured is None or self._measured[0] is not position:
-            sheet = self._model
-            if not sheet.tool_count:
-                return np.empty((0, len(position) + sheet.blank.element_count))
-            a, b, c, d = (position[corner] for corner in sheet.blank.quads.T)
-            self._points.assign(np.concatenate([position, 0.25 * (a + b + c + d)]))
-            displacement = self._state.tool_displacement.numpy()[sheet.places.tools.start : sheet.places.tools.stop]
-            for launch, value in zip(self._tool_distances, displacement, strict=True):
-                launch.set_param_by_name("displacement", wp.float64(value))
-                launch.launch()
-            self._measured = position, self._distances.numpy().astype(np.float64)
-        return self._measured[1]
+    def _surface(self, position: np.ndarray, director: np.ndarray, place: np.ndarray) -> np.ndarray:
+        """Surface of every element at one place, (element_count, 3) [m]."""
+        quads = self._model.blank.quads
+        return surface_points(position[quads], director[quads], np.broadcast_to(place, (len(quads), 2)))[0]
 
     def penetration(self, frame: SheetFrame) -> Penetration:
         """Deepest penetration of a frame just taken."""
-        sheet, quads = self._model, self._model.blank.quads
+        sheet, quads, position = self._model, self._model.blank.quads, frame.position
         if not sheet.tool_count:
             return NO_PENETRATION
         at_elements = np.full(len(quads), 0.5 * sheet.fabric.thickness)
-        at_nodes = np.full(len(frame.position), 0.5 * sheet.fabric.thickness)
+        at_nodes = np.full(len(position), 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             at_elements = 0.5 * frame.fields["thickness"]
             sharing = np.bincount(quads.ravel())
             at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
-        distance, node_count = self._tool_distance(frame.position), len(frame.position)
+        points = [position, *(self._surface(position, frame.director, place) for place in JUDGED_PLACES)]
+        distance = self._judged_gaps(np.concatenate([*points, position[quads].mean(axis=1)]))
+        half = np.concatenate([at_nodes, np.tile(at_elements, len(JUDGED_PLACES) + 1)])
+        depth = (half - distance).max(axis=0)
         return Penetration(
-            at_nodes=float((at_nodes - distance[:, :node_count]).max()),
-            at_element_centres=float((at_elements - distance[:, node_count:]).max()),
+            at_nodes=float(depth[: len(position)].max()),
+            at_surface=float(depth[: -len(quads)].max()),
+            at_element_centres=float(depth[-len(quads) :].max()),
         )
 
 

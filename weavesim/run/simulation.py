@@ -17,7 +17,7 @@ from ..engine.stepper import Stepper
 from ..errors import RunError
 from .checkpoint.checkpoints import Checkpoints
 from .checkpoint.job import Job
-from .diagnosis import find_failure
+from .diagnosis import Failure, find_failure
 from .frame import Frame, Observer, Outcome, RunInfo
 from .guards import Doubt, Level, verdict_of
 from .interruption import Interruption, interruption
@@ -48,7 +48,7 @@ class Simulation:
         history: time, stroke and every entry of the ledger, of all frames of the run.
         outcome: how the run ended; None before its end.
         interrupted_by: name of the signal that ended it; None if none did.
-        failure: why the state became non-finite; None if it did not.
+        failed: what became non-finite, and where; None if nothing did.
         stepping_time, wall_time: of the run, all its parts together [s].
     """
 
@@ -58,7 +58,7 @@ class Simulation:
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
         self.interrupted_by: str | None = None
-        self.failure: str | None = None
+        self.failed: Failure | None = None
         self.stepping_time = 0.0
         self.wall_time = 0.0
         self._prepared: Prepared | None = None
@@ -110,6 +110,11 @@ class Simulation:
     def info(self) -> RunInfo:
         """What observers receive."""
         return self.prepare().info
+
+    @property
+    def failure(self) -> str | None:
+        """Why the state became non-finite; None if it did not."""
+        return self.failed.text if self.failed else None
 
     @property
     def warnings(self) -> list[str]:
@@ -292,7 +297,7 @@ class Simulation:
         while True:
             started = time.perf_counter()
             self.stepper.advance_to(target, lambda: interrupted.is_set() or due())
-            self.failure = find_failure(self.model, self.state, self.frame)
+            self.failed = find_failure(self.model, self.state, self.frame)
             self.stepping_time += time.perf_counter() - started
             if self.failure or interrupted.is_set() or not due():
                 return not interrupted.is_set()

@@ -98,6 +98,7 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
         sheets=tuple(sheet_infos(setup)),
         tools=setup.tools,
         supports=setup.supports,
+        grippers=setup.grippers,
         duration=setup.duration,
         frame_count=setup.frame_count,
         device=str(model.device),

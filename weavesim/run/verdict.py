@@ -184,7 +184,7 @@ def _sheet_intersections(judged: Judged) -> dict[str, dict[str, int]] | None:
     } or None  # fmt: skip
 
 
-RUN_FINDINGS = (
+RUN_FINDINGS: tuple[Finding, ...] = (
     Finding("weavesim_version", PURE, "version of weavesim", lambda judged: __version__),
     Finding("name", PURE, "of the run", lambda judged: judged.run.info.name),
     Finding(
@@ -213,6 +213,10 @@ RUN_FINDINGS = (
     Finding(
         "element_steps", PER_SECOND, "elements times steps over the wall time of the steps",
         lambda judged: judged.run.info.element_count * judged.step_count / max(judged.run.stepping_time, 1.0e-9),
+    ),
+    Finding(
+        "interfaces", PURE, "force, pressure, slip, entry offset and energies of every interface between plies",
+        lambda judged: judged.run.ledger.interface_report() or None,
     ),
     _of_sheets("max_shear_angle", max),
     _of_sheets("min_stretch", min),

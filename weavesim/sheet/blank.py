@@ -177,9 +177,9 @@ class Blank(Parameters):
         distortion: float = 0.0,
         seed: int = 0,
     ) -> Blank:
-        """A flat sheet with any outline without re-entrant corners; the mesh may be at any angle to outline and yarns.
+        """A flat sheet with any outline; the mesh may be at any angle to outline and yarns.
 
-        The elements are squares except for one layer along the outline; corners and sides are represented exactly.
+        The elements are squares except for those near the outline; corners and sides are represented exactly.
 
         Args:
             outline: corners in order, (k, 2) [m]; give a curve as many corners with small turns.
@@ -191,7 +191,7 @@ class Blank(Parameters):
             seed: of that displacement.
 
         Raises:
-            InputError: an outline that crosses itself or has a re-entrant corner; elements too large for it.
+            InputError: an outline that crosses itself, or has corners that elements of this size cannot fill.
         """
         from .fitted_mesh import fitted_mesh
 

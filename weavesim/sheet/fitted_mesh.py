@@ -7,15 +7,17 @@ and no staircase is left at the edge.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..errors import InputError
 from ..quantities import finite, positive
 from .mesh_checks import check_count
+from .outline import Outline, Region, checked_outline, cross
 from .topology import checked_distortion
+from .untangling import corner_sines, untangled
 
-# A vertex where the outline turns by more than this becomes a node; others are treated as parts of a curve [rad].
-CORNER_TURN = np.deg2rad(15.0)
 # Where the outline turns left by more than this, one element fills the corner; elsewhere two meet in it [rad].
 FILLED_TURN = np.deg2rad(60.0)
 # Nodes of the grid keep this distance from the outline, in element sizes.
@@ -25,18 +27,32 @@ SMOOTHED_DISTANCE = 3.0
 SMOOTHING_COUNT = 60
 # Distortion reduces no element below this quality, unless it was worse before.
 CAREFUL_QUALITY = 0.4
+# Elements below this quality are improved where an outline has corners that point inwards.
+WISHED_QUALITY = 0.5
+# There the grid is tried at these shifts, in element sizes, until an element of this quality is the poorest.
+SHIFTS = (
+    (0.0, 0.0), (0.5, 0.5), (0.5, 0.0), (0.0, 0.5), (0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75), (0.35, 0.1)
+)  # fmt: skip
+GOOD_QUALITY = 0.35
 # Smallest accepted sine of a corner angle; forces of flatter elements are inaccurate.
 LEAST_QUALITY = 0.2
 
 
 def fitted_mesh(
-    outline: np.ndarray, element_size: float, *, mesh_angle: float = 0.0, distortion: float = 0.0, seed: int = 0
+    outline: np.ndarray,
+    element_size: float,
+    *,
+    holes: Sequence[np.ndarray] = (),
+    mesh_angle: float = 0.0,
+    distortion: float = 0.0,
+    seed: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (n, 2) [m] and quadrilaterals (m, 4) that fill a polygon without re-entrant corners.
+    """Nodes (n, 2) [m] and quadrilaterals (m, 4) that fill a polygon, which may have holes.
 
     Args:
         outline: corners in order, (k, 2) [m].
         element_size: edge length in the regular interior [m].
+        holes: corners of each hole in order, (k, 2) [m].
         mesh_angle: from the x axis to the grid [degrees].
         distortion: random displacement of the inner nodes, as a share of the element size.
         seed: of the displacement.
@@ -45,7 +61,8 @@ def fitted_mesh(
         InputError: an outline that crosses itself, is too small for the elements, or has corners that they cannot
             fill well.
     """
-    outline = _checked_outline(outline)
+    loops = [checked_outline(outline), *(checked_outline(hole)[::-1] for hole in holes)]
+    outline = loops[0]
     element_size, mesh_angle = positive("element_size", element_size), finite("mesh_angle", mesh_angle)
     distortion = checked_distortion(distortion)
     cosine, sine = np.cos(np.deg2rad(mesh_angle)), np.sin(np.deg2rad(mesh_angle))
@@ -53,19 +70,18 @@ def fitted_mesh(
     centre = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
     check_count(0.5 * float(np.prod(np.ptp(outline, axis=0) / element_size)), f"elements of {element_size:g} m")
     # in the frame of the grid, in element sizes
-    border = Outline((outline - centre) @ turn / element_size)
-    if border.turn.min() < -CORNER_TURN:
-        at = outline[border.turn.argmin()]
-        raise InputError(
-            f"fitted mesh: the outline has a re-entrant corner at ({at[0]:.4g}, {at[1]:.4g}) m; only outlines without "
-            "such corners can be filled, use another mesh generator and Blank.from_file"
-        )
-    node, quads = _inner_grid(border)
-    node, quads, on_border = _join(node, quads, border)
-    node = _smoothed(node, quads, border, on_border)
+    region = Region([Outline((loop - centre) @ turn / element_size) for loop in loops])
+    _check_holes(region)
+    if region.has_hollows:
+        node, quads, on_border, shift = _best_of_shifts(region)
+        centre = centre + shift * element_size @ turn.T
+    else:
+        node, quads = _inner_grid(region)
+        node, quads, on_border = _joined(node, quads, region)
+        node = _smoothed(node, quads, region, on_border)
     if distortion:
-        shift = np.random.default_rng(seed).uniform(-distortion, distortion, node.shape)
-        node = _careful(node, node + shift * ~on_border[:, None], quads)
+        random = np.random.default_rng(seed).uniform(-distortion, distortion, node.shape)
+        node = _careful(node, node + random * ~on_border[:, None], quads)
     quality = corner_sines(node, quads)
     if quality.min() < LEAST_QUALITY:
         where = (node[quads[np.argmin(quality)]].mean(axis=0) * element_size) @ turn.T + centre
@@ -77,86 +93,56 @@ def fitted_mesh(
     return node * element_size @ turn.T + centre, quads
 
 
-def corner_sines(node: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """Smallest sine of the corner angles of each element (its scaled Jacobian), negative where not convex, (m,)."""
-    corner = node[quads]
-    out, back = np.roll(corner, -1, axis=1) - corner, np.roll(corner, 1, axis=1) - corner
-    size = np.linalg.norm(out, axis=2) * np.linalg.norm(back, axis=2)
-    return (_cross(out, back) / size).min(axis=1)
+def _best_of_shifts(region: Region) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes, elements, which nodes are on an outline, and the shift of the grid that suits inward corners and holes.
+
+    Raises:
+        InputError: no grid fits.
+    """
+    best: tuple[float, tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] | None = None
+    problem: InputError | None = None
+    for shift in map(np.array, SHIFTS):
+        moved = Region([Outline(border.vertex - shift) for border in region.borders])
+        try:
+            node, quads = _inner_grid(moved)
+            node, quads, on_border = _joined(node, quads, moved)
+        except InputError as error:
+            problem = problem or error
+            continue
+        # at an inward corner the centre of the neighbours may lie beyond the outline
+        smooth = _careful(node, _smoothed(node, quads, moved, on_border), quads)
+        smooth = untangled(smooth, quads, ~on_border, WISHED_QUALITY)
+        quality = float(corner_sines(smooth, quads).min())
+        if best is None or quality > best[0]:
+            best = quality, (smooth, quads, on_border, shift)
+        if quality >= GOOD_QUALITY:
+            break
+    if best is None:
+        assert problem is not None
+        raise problem
+    return best[1]
 
 
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+def _check_holes(region: Region) -> None:
+    """Check that holes lie within the outline, and apart.
+
+    Raises:
+        InputError: one does not.
+    """
+    for index, hole in enumerate(region.borders[1:]):
+        if region.borders[0].nearest(hole.vertex)[0].min() <= 0.0:
+            raise InputError(f"fitted mesh: hole {index} is not within the outline")
+        for other, border in enumerate(region.borders[1:]):
+            if other != index and border.nearest(hole.vertex)[0].max() >= 0.0:
+                raise InputError(f"fitted mesh: holes {min(index, other)} and {max(index, other)} overlap")
 
 
-def _checked_outline(outline: np.ndarray) -> np.ndarray:
-    """The corners counter-clockwise, (k, 2)."""
-    try:
-        outline = np.asarray(outline, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError("fitted mesh: the outline is no array of numbers; (k, 2) coordinates are needed") from None
-    if outline.ndim != 2 or outline.shape[1:] != (2,) or len(outline) < 3 or not np.isfinite(outline).all():
-        raise InputError(f"fitted mesh: outline of shape {outline.shape}; (k, 2) finite coordinates, k > 2, are needed")
-    side = np.roll(outline, -1, axis=0) - outline
-    if np.any(np.linalg.norm(side, axis=1) < 1e-9 * np.ptp(outline, axis=0).max()):
-        raise InputError("fitted mesh: two corners of the outline coincide; give each once, the last one too")
-    # sides i and j cross if the ends of each lie on different sides of the other
-    start, end = outline, np.roll(outline, -1, axis=0)
-    across = np.sign(_cross(side[:, None], start[None] - start[:, None])) * np.sign(
-        _cross(side[:, None], end[None] - start[:, None])
-    )
-    if np.any((across < 0.0) & (across.T < 0.0)):
-        i, j = np.argwhere((across < 0.0) & (across.T < 0.0))[0]
-        raise InputError(f"fitted mesh: sides {i} and {j} of the outline cross; order the corners around it")
-    return outline if _cross(start, end).sum() > 0.0 else outline[::-1]
-
-
-class Outline:
-    """A closed polygon, counter-clockwise, with its arc length."""
-
-    def __init__(self, vertex: np.ndarray) -> None:
-        self.vertex = vertex
-        self.side = np.roll(vertex, -1, axis=0) - vertex
-        self.side_length = np.linalg.norm(self.side, axis=1)
-        self.start = np.concatenate([[0.0], np.cumsum(self.side_length)])
-        before = np.roll(self.side, 1, axis=0)
-        self.turn = np.arctan2(_cross(before, self.side), np.einsum("ij,ij->i", before, self.side))
-        self.corner = np.flatnonzero(np.abs(self.turn) > CORNER_TURN)
-
-    @property
-    def length(self) -> float:
-        return float(self.start[-1])
-
-    def nearest(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Signed distance of points (n, 2), positive inside, and the arc length of the nearest point of the outline."""
-        from_start = point[:, None] - self.vertex
-        share = np.clip((from_start * self.side).sum(axis=2) / np.square(self.side_length), 0.0, 1.0)
-        distance = np.linalg.norm(from_start - share[..., None] * self.side, axis=2)
-        side = distance.argmin(axis=1)
-        row = np.arange(len(point))
-        # crossings of a ray in the x direction
-        y, low, high = point[:, 1:], self.vertex[:, 1], np.roll(self.vertex[:, 1], -1)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            crossing = self.vertex[:, 0] + (y - low) / (high - low) * self.side[:, 0]
-        inside = (((low > y) != (high > y)) & (point[:, :1] < crossing)).sum(axis=1) % 2 == 1
-        return (
-            np.where(inside, 1.0, -1.0) * distance[row, side],
-            self.start[side] + share[row, side] * self.side_length[side],
-        )
-
-    def point(self, arc: np.ndarray) -> np.ndarray:
-        """Points at arc lengths, (n, 2)."""
-        arc = np.mod(arc, self.length)
-        side = np.clip(np.searchsorted(self.start, arc, side="right") - 1, 0, len(self.vertex) - 1)
-        return self.vertex[side] + ((arc - self.start[side]) / self.side_length[side])[:, None] * self.side[side]
-
-
-def _inner_grid(border: Outline) -> tuple[np.ndarray, np.ndarray]:
+def _inner_grid(region: Region) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and unit squares well inside, without squares connected by a single corner only."""
-    reach = np.ceil(np.abs(border.vertex).max(axis=0)).astype(int)
+    reach = np.ceil(np.abs(region.borders[0].vertex).max(axis=0)).astype(int)
     x, y = (np.arange(-r, r + 1) for r in reach)
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).astype(float)
-    distance, _ = border.nearest(grid.reshape(-1, 2))
+    distance = region.distance(grid.reshape(-1, 2))
     good = (distance >= LEAST_DISTANCE).reshape(grid.shape[:2])
     kept = np.zeros((len(x) + 1, len(y) + 1), dtype=bool)  # with a rim of squares that are not kept
     kept[1:-1, 1:-1] = good[:-1, :-1] & good[1:, :-1] & good[1:, 1:] & good[:-1, 1:]
@@ -202,15 +188,32 @@ def _largest_part(kept: np.ndarray) -> np.ndarray:
     return label == values[counts.argmax()] if len(values) else kept
 
 
-def _join(node: np.ndarray, quads: np.ndarray, border: Outline) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Grid plus the layer of quadrilaterals between its staircase and the outline; which nodes are on the outline."""
-    stair = _staircase(quads)
+def _joined(node: np.ndarray, quads: np.ndarray, region: Region) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Grid plus the layers of quadrilaterals along all outlines; which nodes are on an outline."""
+    stairs = _staircases(quads)
+    if len(stairs) != len(region.borders):
+        raise InputError(
+            "fitted mesh: the elements leave a hole inside the outline, or it is too narrow; use smaller elements"
+            if len(stairs) > len(region.borders)
+            else "fitted mesh: a hole is too small, or too near to an edge, for the elements; use smaller ones"
+        )
+    first, layers = len(node), [quads]
+    for border in region.borders:
+        nearest = [float(np.abs(border.nearest(node[stair])[0]).mean()) for stair in stairs]
+        stair = stairs.pop(int(np.argmin(nearest)))
+        node, layer = _join(node, stair, border)
+        layers.append(layer)
+    return node, np.concatenate(layers), np.arange(len(node)) >= first
+
+
+def _join(node: np.ndarray, stair: np.ndarray, border: Outline) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes with those on an outline, and the layer of quadrilaterals between it and a staircase of the grid."""
     arc = _ordered(border.nearest(node[stair])[1], border.length)
     held = np.zeros(len(stair), dtype=bool)
     filled = np.zeros(len(stair), dtype=bool)
     before, after = np.roll(stair, 1), np.roll(stair, -1)
     # 1 where one square ends, 0 along an edge, -1 where the staircase steps out again
-    step = _cross(node[stair] - node[before], node[after] - node[stair])
+    step = cross(node[stair] - node[before], node[after] - node[stair])
     position = border.start[:-1]
     for corner in border.corner:
         fill = border.turn[corner] > FILLED_TURN
@@ -242,24 +245,21 @@ def _join(node: np.ndarray, quads: np.ndarray, border: Outline) -> tuple[np.ndar
     fill = np.column_stack([
         owner[place], border_node[place - 1], border_node[place], border_node[(place + 1) % len(owner)]
     ])[filled]  # fmt: skip
-    node = np.concatenate([node, border.point(entry_arc)])
-    on_border = np.arange(len(node)) >= first_border
-    return node, np.concatenate([quads, layer, fill]), on_border
+    return np.concatenate([node, border.point(entry_arc)]), np.concatenate([layer, fill])
 
 
-def _staircase(quads: np.ndarray) -> np.ndarray:
-    """Nodes of the outer edge, in order, counter-clockwise."""
+def _staircases(quads: np.ndarray) -> list[np.ndarray]:
+    """Nodes of each edge of the grid, in order, with the grid to the left."""
     edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)])
     known = set(map(tuple, edges.tolist()))
     following = {a: b for a, b in known if (b, a) not in known}
-    loop = [next(iter(following))]
-    while (node := following[loop[-1]]) != loop[0]:
-        loop.append(node)
-    if len(loop) != len(following):
-        raise InputError(
-            "fitted mesh: the elements leave a hole inside the outline, or it is too narrow; use smaller elements"
-        )
-    return np.array(loop)
+    loops = []
+    while following:
+        loop = [next(iter(following))]
+        while (node := following.pop(loop[-1])) != loop[0]:
+            loop.append(node)
+        loops.append(np.array(loop))
+    return loops
 
 
 def _ordered(arc: np.ndarray, length: float) -> np.ndarray:
@@ -289,9 +289,9 @@ def _spread(arc: np.ndarray, held: np.ndarray, length: float) -> np.ndarray:
     return arc
 
 
-def _smoothed(node: np.ndarray, quads: np.ndarray, border: Outline, on_border: np.ndarray) -> np.ndarray:
+def _smoothed(node: np.ndarray, quads: np.ndarray, region: Region, on_border: np.ndarray) -> np.ndarray:
     """Inner nodes near the outline, moved to the centre of their neighbours."""
-    distance, _ = border.nearest(node)
+    distance = region.distance(node)
     moved = ~on_border & (distance < SMOOTHED_DISTANCE)
     edges = np.unique(np.sort(np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]), axis=1), axis=0)
     edges = np.concatenate([edges, edges[:, ::-1]])

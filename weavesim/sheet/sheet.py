@@ -13,6 +13,7 @@ from ..arrays import BoolArray, FloatArray
 from ..checks import Finite, Parameters
 from ..fabric.fabric import Fabric
 from ..names import Label
+from ..process.grippers import Gripper, check_grippers
 from ..process.loads import NodalLoads
 from ..process.pressure import Pressure
 from ..process.self_contact import SelfContact
@@ -45,6 +46,7 @@ class Sheet(Parameters):
         loads: forces and couples prescribed at nodes.
         pressures: on its faces; those on the same face add up.
         self_contact: contact of the sheet with itself; without it, it passes through itself.
+        grippers: springs that pull at its nodes.
     """
 
     positional = ("blank", "fabric", "name")
@@ -59,6 +61,7 @@ class Sheet(Parameters):
     loads: NodalLoads | None = None
     pressures: tuple[Pressure, ...] = ()
     self_contact: SelfContact | None = None
+    grippers: tuple[Gripper, ...] = ()
 
     @model_validator(mode="after")
     def _fits_the_blank(self) -> Self:
@@ -76,6 +79,7 @@ class Sheet(Parameters):
             self._check_flat_coordinates()
         for pressure in self.pressures:
             pressure.check_elements(self.blank.element_count)
+        check_grippers(self.grippers, count)
         owner = np.full(count, -1)
         for index, support in enumerate(self.supports):
             self._check_support(support, owner)

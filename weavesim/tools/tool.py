@@ -13,7 +13,7 @@ from ..names import Label
 from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
 from ..ranges import Quantity
-from .shapes import Shape, Triangles, shape_kinds
+from .shapes import Shape, Triangles
 
 if TYPE_CHECKING:
     import trimesh
@@ -110,28 +110,6 @@ class Tool(Parameters):
         self, points: np.ndarray, displacement: float = 0.0, device: str = "cpu"
     ) -> tuple[np.ndarray, np.ndarray]:
         """Signed distance of ``points`` (n, 3) [m], in double precision, and the outward normals (n, 3)."""
-        import warp as wp
+        from .surfaces.distance import ToolDistance
 
-        from ..kernels.contact.tool_distance import sample_distance_kernel
-        from ..kernels.contact.tool_shapes import further_kinds
-        from .device import build_device_tools
-        from .sampling import sample_meshes
-
-        points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
-        tools = build_device_tools([self], wp.float64, device, sample_meshes([self], device))
-        distance = wp.zeros(len(points), dtype=wp.float64, device=device)
-        normal = wp.zeros(len(points), dtype=wp.vec3d, device=device)
-        wp.launch(
-            sample_distance_kernel(wp.float64, 1, further_kinds(shape_kinds([self.shape]))),
-            dim=len(points),
-            inputs=[
-                tools.tool,
-                tools.part,
-                0,
-                wp.float64(displacement),
-                wp.array(points, dtype=wp.vec3d, device=device),
-            ],
-            outputs=[distance, normal],
-            device=device,
-        )
-        return distance.numpy(), normal.numpy()
+        return ToolDistance(self, device)(points, displacement)

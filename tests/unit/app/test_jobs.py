@@ -53,6 +53,9 @@ def test_a_scene_and_its_job_have_the_same_bits(scene_folder, job_folder):
 
 def test_a_mistake_is_told_before_anything_runs(tmp_path):
     path = write_tray(tmp_path)
+    assert "--limits: has no effect without --strict" in problem("form", path, "--limits", "limits.toml")
+    without = ("--strict", "--set", 'output.without=["results"]')
+    assert "--strict: needs the results file" in problem("form", path, *without)
     assert "did you mean 'force'" in problem("form", path, "--set", "tools.ring.forse=600")
     assert not (tmp_path / "out").exists()
     assert "cannot be read" in problem("form", tmp_path / "none.toml")
@@ -173,7 +176,7 @@ def test_the_hour_of_a_newcomer(tmp_path, monkeypatch):
         "--set",
         "tools.punch.speed=1.5 m/s",
         "--set",
-        'output.write=["summary", "pictures"]',
+        'output.write=["summary", "pictures", "results"]',
     )
     assert "Results are in" in formed.output, formed.output
     seen = call("view", tmp_path / "tray" / "out", "--no-open")
@@ -182,3 +185,5 @@ def test_the_hour_of_a_newcomer(tmp_path, monkeypatch):
     summary = json.loads((tmp_path / "tray" / "out" / "summary.json").read_text())
     assert summary["outcome"] == "finished"
     assert 30.0 < summary["max_shear_angle_deg"] < 75.0
+    left = call("export", tmp_path / "tray" / "out", "--to", "calculix")
+    assert left.exit_code == 0, left.output

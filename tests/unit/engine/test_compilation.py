@@ -54,7 +54,7 @@ def made(name: str, precision: str) -> list[Simulation]:
 def launched_by(simulation: Simulation) -> list[wp.Kernel]:
     """All that a run launches once its tools are sampled."""
     (ledger,) = simulation.ledger.sheets
-    distance = [command.kernel for command in ledger._tool_distances]
+    distance = [command.kernel for gaps in (ledger._contact_gaps, ledger._judged_gaps) for command in gaps.launches]
     return [*simulation.stepper.kernels, ledger._kernel, *distance]
 
 

@@ -55,7 +55,7 @@ def test_feet_on_a_sphere_stand_at_the_right_height():
         normal = (position - centre) / radius
         points = np.random.default_rng(1).uniform(-0.012, 0.012, (200, 3))
         points[:, 2] = np.sqrt((radius + height) ** 2 - points[:, 0] ** 2 - points[:, 1] ** 2) - radius
-        feet = find_feet(points, position, normal, flat.quads)
+        feet = find_feet(points, position, normal, flat.quads, 0.001)
         assert feet.on_facet.all()
         assert np.abs(feet.height - height).max() < allowed
 
@@ -63,7 +63,7 @@ def test_feet_on_a_sphere_stand_at_the_right_height():
 def test_points_beside_a_sheet_do_not_stand_on_it():
     feet = find_feet(
         np.array([[0.02, 0.015, 0.001], [-0.02, 0.01, 0.0], [0.02, 0.01, 0.2]]),
-        BLANK.node_position, BLANK.initial_director, BLANK.quads,
+        BLANK.node_position, BLANK.initial_director, BLANK.quads, 0.001,
     )  # fmt: skip
     assert feet.on_facet.tolist() == [True, False, False]
     assert feet.height[0] == pytest.approx(0.001) and feet.way[2] > 0.15

@@ -102,7 +102,7 @@ def test_the_state_moves():
     own = {
         f"sheets/{k}/{name}"
         for k in range(3)
-        for name in ("slip", "holding", "friction", "gap", "depth", "thickness", "pressure_work")
+        for name in ("slip", "holding", "friction", "gap", "depth", "thickness", "pressure_work", "grip")
     }
     unmoved = {f"sheets/{k}/{name}" for k in range(3) for name in ("node_work", "contact_force")}
     assert still <= own | {"reaction", "tool_force"} | unmoved

@@ -49,13 +49,16 @@ def test_the_direction_of_an_open_surface_is_that_of_its_triangles(tmp_path):
     assert (found.up, found.is_female) == ("-x", False)
 
 
-def test_of_a_block_the_hollow_side_is_up(tmp_path):
-    block, pocket = trimesh.creation.box((200, 160, 60)), trimesh.creation.box((120, 40, 80))
-    pocket.apply_translation((0, 50, 0))
+@pytest.mark.parametrize(("turn", "up"), [((0, 1, 2), "+z"), ((2, 0, 1), "+x"), ((1, 2, 0), "+y")])
+def test_of_a_block_the_hollow_side_is_up(tmp_path, turn, up):
+    block, pocket = trimesh.creation.box((200, 160, 60)), trimesh.creation.box((120, 80, 40))
+    pocket.apply_translation((0, 0, 20))
     die = trimesh.boolean.difference([block, pocket], engine="manifold")
-    die.export(tmp_path / "die.stl")
+    write_stl(tmp_path / "die.stl", die.vertices[:, turn], die.faces)
     found = survey(tmp_path / "die.stl")
+    assert (found.up, found.is_female) == (up, True)
     assert "is not flat" in found.up_reason
+    assert np.allclose(np.sort(found.opening[1] - found.opening[0]), [0.08, 0.12], atol=1e-4)
 
 
 def test_a_plate_shows_no_direction(tmp_path):

@@ -75,10 +75,6 @@ BROKEN = [
     ("[output]", "[ouput]", "line 29: ouput: unknown name; did you mean 'output'?"),
     ("[output]", "[[output]]", "[output]: a table is needed"),
     ("[output]", "[[stage]]\n[output]", "line 29, [[stage]]: stages are not there yet"),
-    ("[output]", "[[spring]]\n[output]", "springs are not there yet"),
-    ("[output]", "[[gripper]]\n[output]", "grippers are not there yet"),
-    ("[output]", "[[pressure]]\n[output]", "pressure on a ply is not there yet"),
-    ("[output]", "[interface]\n[output]", "friction laws between plies are not there yet"),
     ("[output]", '[scene]\nname = "double-dome"\n[output]', "[scene] brings its own; leave [ply] out, or [scene]"),
     ("[output]", "[tools]\n[output]", "line 29: tools: unknown name; write [[tool]]"),
     ("[output]", '[solver]\nprecision = "float16"\n[output]', "line 30, [solver]: precision = 'float16'"),
@@ -191,3 +187,21 @@ def test_every_key_has_a_description():
 
     for table in (Job, PlyTable, ToolTable, ProcessTable, SolverTable, OutputTable):
         assert all(field.description for field in table.model_fields.values())
+
+
+def test_the_tables_of_the_reference_come_from_the_models():
+    from scripts.doc_tables import text_of, text_with_tables
+
+    assert text_with_tables("job.md") == text_of("job.md"), "run python scripts/doc_tables.py"
+
+
+def test_the_example_of_the_reference_is_a_job(tmp_path):
+    import re
+
+    from scripts.doc_tables import text_of
+
+    (example,) = re.findall(r"```toml\n(.*?)```", text_of("job.md"), flags=re.DOTALL)
+    setup = setup_of(read_job(write_tray(tmp_path, example)))
+    assert [tool.name for tool in setup.tools] == ["die", "punch", "ring"]
+    assert setup.tools[1].motion.largest_force == 5000.0
+    assert [gripper.name for gripper in setup.grippers] == ["corner_1", "corner_2"]

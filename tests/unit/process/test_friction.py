@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
-from weavesim import InputError, Setup
+from weavesim import InputError, Setup, Simulation
 from weavesim.process import (
     Coulomb,
     Friction,
@@ -62,3 +62,37 @@ def test_interfaces_survive_json():
     setup = stack_setup(PLIES, StribeckFriction((0.0, 1.0), (0.2, 0.3), 100.0), duration=1e-3)
     again = Setup.from_json(setup.to_json())
     assert again == setup and isinstance(again.interfaces[0].friction, Friction)
+
+
+@pytest.mark.parametrize(
+    ("height", "message"), [(0.8 * THICKNESS, r"start 0\.24 mm inside each other at"), (-THICKNESS, "lies under sheet")]
+)
+def test_plies_that_start_inside_each_other_or_upside_down_are_refused(height, message):
+    plies = [PLIES[0], ply("upper", square(0.01, 0.01, height))]
+    setup = stack_setup(plies, Coulomb(0.2), duration=1e-3, accept_unusual=False, solver={"precision": "float32"})
+    with pytest.raises(InputError, match=message):
+        Simulation(setup).prepare()
+
+
+def test_an_overlap_that_is_accepted_makes_no_force():
+    """Known answer D: started 0.2 t overlapped, the kinetic energy stays 0."""
+    plies = [PLIES[0], ply("upper", square(0.01, 0.01, 0.8 * THICKNESS))]
+    run = Simulation(stack_setup(plies, Coulomb(0.2), duration=2e-4))
+    run.run()
+    assert run.history[-1]["kinetic"] < 1e-25
+    report = run.summary()["interfaces"][0]
+    assert report["max_entry_mm"] == pytest.approx(0.2e3 * THICKNESS, rel=1e-6) and report["force_N"] == 0.0
+
+
+def test_use_beyond_a_friction_table_is_told_with_place_and_time():
+    plies = [
+        ply("lower", square(0.01, 0.005), pressure=2e3),
+        ply("upper", square(0.01, 0.005, THICKNESS), (0.5, 0.0, 0.0), pressure=-2e3),
+    ]
+    run = Simulation(stack_setup(plies, PressureFriction((0.0, 500.0), (0.3, 0.2)), duration=1e-3))
+    run.run()
+    doubt = next(doubt for doubt in run.doubts() if "friction table" in doubt.text)
+    assert doubt.place and doubt.time and doubt.value > 500.0 and "0 to 500 Pa" in doubt.text
+    fields = run.frame.sheets[1].fields
+    assert fields["ply_pressure_below"].mean() == pytest.approx(2e3, rel=0.2) and fields["ply_slip_below"].min() > 0.0
+    assert "ply_pressure_above" not in fields

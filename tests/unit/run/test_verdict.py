@@ -114,7 +114,7 @@ class Grown:
         entry = dict.fromkeys(run.history[0], 0.0)
         grown = entry | {"kinetic": energy, "used": energy, "balance_error": -energy, "time": 1.0}
         self.watch = SimpleNamespace(
-            history=[entry, grown], extremes=run.watch.extremes, conditions=run.watch.conditions
+            history=[entry, grown], extremes=run.watch.extremes, conditions=run.watch.conditions, stacks=()
         )
 
     def __getattr__(self, name):

@@ -8,6 +8,7 @@ from weavesim.run.simulation import Simulation
 from weavesim.scenes.bias_extension import BiasExtensionParameters
 from weavesim.scenes.cantilever import CantileverParameters, cantilever
 from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
+from weavesim.scenes.grippers import GrippersParameters
 from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
 from weavesim.scenes.laboratory.cusick_drape import CusickDrapeParameters
 from weavesim.scenes.laboratory.pure_bending import PureBendingParameters
@@ -16,8 +17,8 @@ from weavesim.scenes.picture_frame import PictureFrameParameters
 from weavesim.scenes.scene import known_scenes
 
 COVERED = {
-    "bias-extension", "cantilever", "cusick-drape", "double-dome", "hemisphere", "picture-frame", "pure-bending",
-    "uniaxial",
+    "bias-extension", "cantilever", "cusick-drape", "double-dome", "grippers", "hemisphere", "picture-frame",
+    "pure-bending", "uniaxial",
 }  # fmt: skip
 # A uniform state is exact on any mesh.
 UNIFORM = {"biaxial", "compaction", "sled"}
@@ -52,6 +53,12 @@ def test_five_elements_are_allowed():
 def test_a_cloth_needs_elements_on_its_ball(given):
     with pytest.raises(InputError, match="at least 8 elements over a quarter of the ball"):
         HemisphereParameters(**given)
+
+
+@pytest.mark.parametrize("given", [{"mesh_size": 0.02}, {"gripper_count": 20}, {"radius": 0.01}])
+def test_grippers_and_their_punch_need_elements(given):
+    with pytest.raises(InputError, match="at least 5 elements over a quarter of the punch, and 2 along each gripper"):
+        GrippersParameters(**given)
 
 
 def test_a_frame_with_misaligned_yarns_needs_elements_along_its_side():

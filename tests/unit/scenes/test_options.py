@@ -12,15 +12,19 @@ from weavesim.scenes.scene import known_scenes
 
 SCENES = {name: found.load() for name, found in known_scenes().items()}
 # Where and what a run writes, and what it accepts, change no number; another device has to be there.
-LEFT_OUT = {"out", "write", "without", "overwrite", "checkpoint_interval", "accept_unusual", "device"}
+LEFT_OUT = {
+    "out", "write", "without", "overwrite", "checkpoint_interval", "accept_unusual", "device", "strict", "limits",
+}  # fmt: skip
 # Changes only what a run records; tests/validation/ have its effect.
 RECORDED = {("picture-frame", "load_factor")}
 # Coarse, so that a set-up is made at once.
 COARSE = {
-    "double-dome": {"mesh_size": 0.03}, "hemisphere": {"mesh_size": 0.018}, "picture-frame": {"mesh_size": 0.02},
+    "double-dome": {"mesh_size": 0.03}, "grippers": {"mesh_size": 0.012}, "hemisphere": {"mesh_size": 0.018},
+    "picture-frame": {"mesh_size": 0.02},
     "bias-extension": {"mesh_size": 0.0125}, "cantilever": {"mesh_size": 0.0125},
     "biaxial": {"mesh_size": 0.025}, "uniaxial": {"mesh_size": 0.0125}, "compaction": {"mesh_size": 0.025},
     "sled": {"mesh_size": 0.03}, "pure-bending": {"mesh_size": 0.001}, "cusick-drape": {"mesh_size": 0.007},
+    "stack": {"mesh_size": 0.02},
 }  # fmt: skip
 # Other values of options whose range or meaning does not allow just any.
 OTHERS: dict[str, Any] = {
@@ -36,11 +40,21 @@ OTHERS: dict[str, Any] = {
     "arm_length": lambda value: 0.05,
     "misalignment": lambda value: 5.0,
     "damping": lambda value: 7.0,
+    "gripper_force": lambda value: 20.0,
+    "gripped_share": lambda value: 0.8,
+    "gripper_count": lambda value: 1,
     "measured_columns": lambda value: "neither, nor",
     "frame_side": lambda value: 0.3,
+    "lay_up": lambda value: "[0/45]s",
+    "ply_thickness": lambda value: 5.0e-4,
+    "ply_friction": lambda value: 0.3,
+    "friction": lambda value: 0.15,
+    "punch_speed": lambda value: 0.9 * (value or 0.25),
+    "stroke": lambda value: 0.9 * (value or 0.05),
 }
 # What has to be given too, for an option to have its effect.
-TOGETHER: dict[str, dict[str, Any]] = {
+TOGETHER: dict[str | tuple[str, str], dict[str, Any]] = {
+    ("stack", "blank_holder_force"): {"tools": "double-dome", "lay_up": "0/90"},
     "shear_modulus": {"shear_law": "linear"},
     "unit_scale": {"punch": "ball"},
     "tools_are_cut": {"punch": "ball"},
@@ -122,7 +136,7 @@ def test_every_option_has_an_effect_or_is_refused(name, option, files):
     base = COARSE[name]
     together = {
         key: files / f"{other}.stl" if "ball" in other else files / other if other.endswith(".csv") else other
-        for key, other in TOGETHER.get(option, {}).items()
+        for key, other in TOGETHER.get((name, option), TOGETHER.get(option, {})).items()
     }
     if together:
         with pytest.raises(InputError, match=f"{option} = .*: has no effect without"):

@@ -90,6 +90,29 @@ def test_edges_inside_have_the_direction_that_was_asked_for(angle):
     assert np.allclose(blank.warp_direction, [np.cos(np.deg2rad(20.0)), np.sin(np.deg2rad(20.0)), 0.0])
 
 
+ANGLE = np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.08], [0.08, 0.08], [0.08, 0.2], [0.0, 0.2]])
+TURN = np.linspace(0.0, 2.0 * np.pi, 11)[:-1, None]
+STAR = np.where(np.arange(10)[:, None] % 2, 0.09, 0.15) * np.column_stack([np.cos(TURN), np.sin(TURN)])
+
+
+@pytest.mark.parametrize("angle", [0.0, 10.0, 45.0, 60.0])
+@pytest.mark.parametrize("outline", [ANGLE, STAR], ids=["angle", "star"])
+def test_outlines_with_corners_that_point_inwards(outline, angle):
+    check(outline, 0.006, mesh_angle=angle)
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, 45.0])
+def test_holes(angle):
+    side = np.array([[0.03, 0.01], [0.08, 0.01], [0.08, 0.06], [0.03, 0.06]])
+    ring = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    disc = (0.14, 0.04) + 0.025 * np.column_stack([np.cos(ring), np.sin(ring)])
+    node, quads = fitted_mesh(STRIP - (0.0, 0.01), 0.004, holes=[side, disc], mesh_angle=angle)
+    assert corner_sines(node, quads).min() >= LEAST_QUALITY
+    whole = 0.2 * 0.1 - 0.05 * 0.05 - np.pi * 0.025**2
+    assert area_of(node[quads]).sum() == pytest.approx(whole, rel=2e-3)
+    assert np.linalg.norm(node[:, None] - side, axis=2).min(axis=0).max() < 1e-9
+
+
 def test_aligned_rectangle_is_the_regular_grid():
     fitted, grid = Blank.fitted(STRIP, 0.00625), Blank.rectangle((0.0, 0.0), (0.2, 0.1), 0.00625)
     assert fitted.element_count == grid.element_count
@@ -122,7 +145,8 @@ def test_disc(angle):
         (STRIP, {"element_size": -1.0}, "element_size = -1.0: a finite number above 0 is needed"),
         (STRIP, {"distortion": 0.5}, "distortion = 0.5: a number from 0 to 0.4 is needed"),
         (STRIP, {"mesh_angle": np.inf}, "mesh_angle = inf: a finite number is needed"),
-        (np.vstack([STRIP, [[0.05, 0.05]]]), {}, r"re-entrant corner at \(0.05, 0.05\) m"),
+        (STRIP, {"holes": [STRIP + 0.02]}, "hole 0 is not within the outline"),
+        (STRIP, {"holes": [0.01 * STRIP + 0.02]}, "a hole is too small"),
         (np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.02]]), {}, "use smaller"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Contact between plies: known answers of stacks that press, slide and collide (docs/theory.md, section 11)."""
+"""Contact between plies: known answers of stacks that press, slide and collide (docs/plies.md)."""
 
 import numpy as np
 import pytest
@@ -15,8 +15,16 @@ from tests.support.stacked_plies import (
     stack_setup,
 )
 from weavesim import Simulation, Tool
-from weavesim.process import Coulomb, Stroke, ViscousFilm
+from weavesim.process import (
+    Coulomb,
+    PressureFriction,
+    StribeckFriction,
+    Stroke,
+    ViscousFilm,
+    YarnAngleFriction,
+)
 from weavesim.process.strokes import Fixed
+from weavesim.sheet.blank import Blank
 from weavesim.tools import Plane, rotation_matrix
 
 REDUCED = 0.5 * FABRIC.areal_density
@@ -222,3 +230,60 @@ def test_the_same_bits_for_any_number_of_threads(lane_count):
         return [array.numpy().tobytes() for _, array in run.state.arrays() if array.size]
 
     assert end(1) == end(3)
+
+
+@pytest.mark.parametrize(
+    ("friction", "angle", "law"),
+    [
+        (PressureFriction((0.0, 2000.0), (0.35, 0.25)), 0.0, lambda speed: 0.3),
+        (YarnAngleFriction((0.0, 90.0), (0.3, 0.6)), 30.0, lambda speed: 0.4),
+        (YarnAngleFriction((0.0, 90.0), (0.3, 0.6)), 120.0, lambda speed: 0.5),
+        (StribeckFriction((0.0, 2e-3), (0.2, 0.4), 1.0), 0.0, lambda speed: 0.2 + 0.1 * speed),
+    ],
+    ids=["pressure", "30 degrees", "120 degrees", "Stribeck"],
+)
+def test_friction_laws_give_their_own_curves_back(friction, angle, law):
+    """Work of friction over normal force and way, at a pressure of 1 kPa and 1 m/s, within 2 %."""
+    pressure, speed = 1000.0, 1.0
+    upper = Blank.rectangle((-0.05, -0.05), (0.05, 0.05), 0.01, yarn_angle=angle, height=THICKNESS)
+    sheets = [
+        ply("lower", square(0.05, 0.01), (-0.5 * speed, 0.0, 0.0), pressure),
+        ply("upper", upper, (0.5 * speed, 0.0, 0.0), -pressure),
+    ]
+    run = run_stack(sheets, friction, duration=4.5e-4, dynamics={"contact_damping_ratio": 0.5}, frame_count=8)
+    entries = run.history
+    time = np.array([entry["time"] for entry in entries])
+    lost = np.array([entry["ply_friction_loss"] + entry["ply_friction_spring"] for entry in entries])
+    moving = np.sqrt(np.array([entry["kinetic"] for entry in entries]) / entries[0]["kinetic"]) * speed
+    # the first block ends while the springs still stretch
+    way = np.trapezoid(np.array([law(v) for v in moving[2:]]) * moving[2:], time[2:])
+    assert lost[-1] - lost[2] == pytest.approx(pressure * 0.01 * way, rel=0.02)
+
+
+def test_half_a_stack_moves_as_the_whole():
+    """Mirror symmetry, with the plane x = 0 as a symmetry plane.
+
+    Not to rounding: the spring of a node on an edge turns with the facet on one side of it.
+    """
+
+    def end(low: float, symmetry: tuple[str, ...]) -> list[np.ndarray]:
+        blanks = [Blank.rectangle((low, -0.02), (0.03, 0.02), 0.01, height=height) for height in (0.0, THICKNESS)]
+        blanks[1] = Blank.rectangle((low, -0.015), (0.03, 0.015), (0.01, 0.0075), height=1.001 * THICKNESS)
+        upper = ply("upper", blanks[1])
+        thrown = np.zeros((blanks[1].node_count, 3))
+        thrown[:, 2] = -2.0 * (1.0 - (blanks[1].node_position[:, 0] / 0.03) ** 2)
+        thrown[:, 0] = blanks[1].node_position[:, 0] * 20.0
+        upper = upper.model_copy(update={"initial_velocity": thrown})
+        run = run_stack(
+            [ply("lower", blanks[0]), upper], Coulomb(0.3), duration=4e-4, symmetry=symmetry, solver={"time_step": 2e-6}
+        )
+        assert run.history[-1]["ply_friction_loss"] > 0.0
+        return [
+            frame.position[blank.node_position[:, 0] > -1e-9]
+            for frame, blank in zip(run.frame.sheets, blanks, strict=True)
+        ]
+
+    for half, whole in zip(end(0.0, ("x",)), end(-0.03, ()), strict=True):
+        assert half.shape == whole.shape
+        order = [np.lexsort(np.round(each[:, :2], 6).T) for each in (half, whole)]
+        np.testing.assert_allclose(half[order[0]], whole[order[1]], atol=3e-9)

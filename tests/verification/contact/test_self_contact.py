@@ -1,4 +1,4 @@
-"""Contact of a sheet with itself: folds, rolls, and neighbours that are none (docs/theory.md, section 11)."""
+"""Contact of a sheet with itself: folds, rolls, and neighbours that are none (docs/plies.md)."""
 
 import numpy as np
 import pytest

@@ -123,7 +123,7 @@ def test_forces_are_those_of_the_swept_volume_and_the_work_is_booked(precision, 
     run.run()
     sheet, frame = run.model.sheet, run.frame
     run.stepper.evaluate()
-    with_pressure = run.stepper.nodal_forces()
+    with_pressure = run.model.sheet.nodal_forces(run.state.sheet.corner_force)
     position = frame.position
     blank, expected = sheet.blank, np.zeros((sheet.blank.node_count, 3))
     upwards = np.full(blank.element_count, 300.0)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ...errors import InputError
 from ..ending import closing_lines, exit_code
 from ..session import announce_compilation, announced, interruptible
 from ..terminal import say
@@ -24,13 +25,26 @@ def form_command(
     out: Annotated[Path | None, typer.Option(help="folder for the results [default: out, beside the job file]")] = None,
     files_from: FilesFrom = None,
     overwrite: Overwrite = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="judge the part by limits at the end: exit code 5 beyond one")
+    ] = False,
+    limits: Annotated[Path | None, typer.Option(help="TOML file of these limits [default: built in]")] = None,
 ) -> None:
     """Run a job: form its plies, and write the results to a folder."""
     from ...engine.compilation import side_by_side
     from ...job.read import read_job
+    from ...output.writer import chosen_writers
+    from ..results.verdict import read_limits, strict_code
 
     file = read_job(job, set_ or (), files_from or ())
     folder = out or job.parent / "out"
+    if limits is not None and not strict:
+        raise InputError("--limits: has no effect without --strict; leave it out")
+    output = file.job.output
+    writers = [kind.name for kind in chosen_writers(output.write, output.without or ())]
+    if strict and "results" not in writers:
+        raise InputError("--strict: needs the results file; let [output] write results")
+    wanted = read_limits(limits) if strict else None
     with (
         interruptible() as interrupted,
         side_by_side(partial(announce_compilation, file.job.name)),
@@ -40,7 +54,10 @@ def form_command(
         number = interrupted.signal
         for line in closing_lines(result, folder, number):
             say(line)
-    if code := exit_code(result, number):
+        code = exit_code(result, number)
+        if wanted is not None and code == 0:
+            code = strict_code(result, folder, wanted)
+    if code:
         raise typer.Exit(code)
 
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...kernels.plies.search import NEAR
+
 # Facets around each point that are tried, by their middles.
 CANDIDATE_COUNT = 9
 ITERATIONS = 12
@@ -19,7 +21,7 @@ class Feet:
         facet: (n,) int32.
         xi, eta: coordinates on it, (n,); beyond +-1 for points that stand beside the sheet.
         height: along the unit normal interpolated from the directors, less the sagitta of the facet, (n,) [m].
-        way: distance from the middle of the nearest facet less 1.2 times its radius, (n,) [m]; positive far away.
+        way: how far each may move before it is over a facet, or near above or below it, (n,) [m]; negative if it is.
     """
 
     facet: np.ndarray
@@ -34,13 +36,16 @@ class Feet:
         return (np.maximum(np.abs(self.xi), np.abs(self.eta)) <= 1.0 + 1.0e-6) & (self.way <= 0.0)
 
 
-def find_feet(points: np.ndarray, position: np.ndarray, director: np.ndarray, quads: np.ndarray) -> Feet:
+def find_feet(
+    points: np.ndarray, position: np.ndarray, director: np.ndarray, quads: np.ndarray, thickness: float
+) -> Feet:
     """Feet of ``points`` (n, 3) [m] on the facets of a sheet.
 
     Args:
         points: whose feet are sought.
         position, director: of the sheet's nodes, (node_count, 3) [m] and unit vectors.
         quads: its elements, (element_count, 4).
+        thickness: at which the points touch the sheet [m].
     """
     from scipy.spatial import KDTree
 
@@ -60,7 +65,11 @@ def find_feet(points: np.ndarray, position: np.ndarray, director: np.ndarray, qu
         better = outside < best - 1.0e-9
         best[better], facet[better] = outside[better], near[better, k]
         found[:, better] = solved[:3, better]
-    way = (distance - 1.2 * radius[near]).min(axis=1)
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    height = np.abs(np.einsum("nki,nki->nk", points[:, None] - middle[near], normal[near]))
+    beside = np.sqrt(np.maximum(distance**2 - height**2, 0.0))
+    way = np.maximum(beside - float(NEAR) * radius[near], height - radius[near] - thickness).min(axis=1)
     return Feet(facet, found[0], found[1], found[2], way)
 
 

@@ -104,8 +104,9 @@ class PassModel:
         densities = [mean_density(sheet) for sheet in (slave, master)]
         self.reduced_density = densities[0] * densities[1] / sum(densities)
         self.area_stiffness = interface.stiffness_share * self.reduced_density / reference_step**2
-        area = mean_facet_area(master)
-        smaller = np.minimum(nodal_areas(slave), area)
+        area, own_area = mean_facet_area(master), mean_facet_area(slave)
+        # one ratio for all nodes: those on a symmetry plane have half an area, as half of a whole node has
+        smaller = min(1.0, area / own_area) * nodal_areas(slave)
         self.stiffness = self._edge_shares(place.share) * self.area_stiffness * smaller
         self.skin = SKIN_SHARE * math.sqrt(area)
         if self.is_own:
@@ -113,7 +114,7 @@ class PassModel:
         self.squared_exclusion = (EXCLUDED_THICKNESSES * self.thickness) ** 2
         self.squared_edge_distance = (EXCLUDED_THICKNESSES * self.thickness + 2.0 * math.sqrt(area)) ** 2
         box = (math.sqrt(area) + 2.0 * self.skin) ** 2
-        self.slot_count = math.ceil(SPARE_SLOTS * (box / mean_facet_area(slave) + 1.0))
+        self.slot_count = math.ceil(SPARE_SLOTS * (box / own_area + 1.0))
 
     @property
     def is_own(self) -> bool:
@@ -130,6 +131,11 @@ class PassModel:
         if not self.is_own:
             return FARTHEST_OF_PLIES
         return min(LARGEST_FARTHEST, 1.0 + self.thickness / math.sqrt(mean_facet_area(self.master)))
+
+    @property
+    def name(self) -> str:
+        """For outputs."""
+        return contact_name(self.interface, self.slave.name)
 
     def _edge_shares(self, share: float) -> np.ndarray:
         """Share of every node: at least a half near a free edge, where both passes are needed."""
@@ -203,8 +209,8 @@ class PassModel:
         gradient = np.zeros((2, sheet.element_count))
         gradient[:, :count] = sheet.geometry.gradient[[GradientRow.bp1, GradientRow.bq1]]
         return (
-            self._integers(sheet.motion_layout.entry(0, sheet.element_nodes).T),
-            self._integers(normal_layout(sheet).entry(0, sheet.element_nodes).T),
+            self._integers(sheet.motion_layout.entry(0, sheet.element_nodes).T.ravel()),
+            self._integers(normal_layout(sheet).entry(0, sheet.element_nodes).T.ravel()),
             self._integers(neighbours),
             wp.array(gradient, dtype=self.real, device=self.device),
         )
@@ -262,10 +268,16 @@ class PassModel:
             none = np.zeros(count)
             return Feet(none.astype(np.int32), none, none, none, np.full(count, NEVER))
         master = self.master.blank
-        return find_feet(self.slave.blank.node_position, master.node_position, master.initial_director, master.quads)
+        points = self.slave.blank.node_position
+        return find_feet(points, master.node_position, master.initial_director, master.quads, self.thickness)
 
     def _integers(self, values: np.ndarray) -> wp.array:
         return wp.array(np.ascontiguousarray(values), dtype=wp.int32, device=self.device)
+
+
+def contact_name(contact: Interface | SelfContact, sheet: str) -> str:
+    """Of an interface, or of the contact of a sheet with itself, for outputs."""
+    return f"interface {contact.name}" if isinstance(contact, Interface) else f"self-contact of {sheet}"
 
 
 def nodal_areas(sheet: SheetModel) -> np.ndarray:

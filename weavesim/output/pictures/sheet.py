@@ -141,7 +141,7 @@ def draw_view(
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 
-    to_eye, right, screen = _projection(direction)
+    to_eye, right, screen = projection(direction)
     faces = _shaded(corners, colours_of_faces, to_eye, right)
     size = float(np.sqrt(np.median(np.linalg.norm(np.cross(
         corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1)) / 2.0))  # fmt: skip
@@ -173,7 +173,7 @@ def draw_view(
     return axes
 
 
-def _projection(direction: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def projection(direction: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Unit vectors to the eye and to the right, and the projection to the screen, (3, 2) [mm/m]."""
     azimuth, elevation = np.deg2rad(direction)
     to_eye = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ... import kernels
 from ...device import cpu_features
+from ...kernels import rows
 from ...version import __version__
 
 # What a reader calls the entries of ``machine``.
@@ -47,7 +47,7 @@ def machine(device: str) -> dict[str, str]:
 def _sources() -> str:
     """Digest of the modules that compute: two states of a checkout may have one version."""
     digest = hashlib.sha256()
-    for root in (Path(__file__).parents[2], Path(kernels.__path__[0])):
+    for root in (Path(__file__).parents[2], Path(rows.__file__).parent):
         for path in sorted(root.rglob("*.py")):
             digest.update(path.relative_to(root).as_posix().encode())
             digest.update(path.read_bytes())

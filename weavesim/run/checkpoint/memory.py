@@ -41,7 +41,8 @@ def put_together(memory: Any, arrays: Mapping[str, np.ndarray]) -> Any:
 
 def memory_of(simulation: Simulation) -> Content:
     """Everything that a run needs to go on, but for its frames; waits for the device."""
-    state, arrays = simulation.state, {}
+    state = simulation.state
+    arrays: dict[str, np.ndarray] = {}
     memory = {
         "watch": simulation.watch.memory(),
         "guards": simulation.prepare().guards.memory(),

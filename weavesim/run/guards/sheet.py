@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, ClassVar
+from itertools import combinations
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from ...kernels.rows import PassEntry
+import numpy as np
+
+from ...errors import InputError
+from ...measures.geometry.height import heights_over
 from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
-    from ..frame import SheetInfo
+    from ...engine.setup import Setup
+    from ...sheet.sheet import Sheet
+    from ..frame import SheetFrame, SheetInfo
     from ..verdict import Judged
     from ..watch.condition import Tally
 
+# Before the run, of the distance of two plies: overlap that is not doubted, and that is refused.
+LARGEST_OVERLAP = 0.05
+REFUSED_OVERLAP = 0.25
 # Share of all elements from which on what is wrong with them is wrong with the result.
 USELESS_SHARE = 0.01
 # Beyond a symmetry plane, of the thickness: what is not doubted, and from which on the sheet is in its mirror image.
@@ -20,8 +29,25 @@ LARGEST_BEYOND = 0.05
 USELESS_BEYOND = 1.0
 # Element size over thickness up to which nodes on facets keep every fold apart (contact of edges is not computed).
 LARGEST_SIZE = 2.0
-# Of the thickness: penetration that is not doubted. Beyond the largest one the run stops: see ``find_failure``.
-USUAL_DEPTH = 0.1
+
+
+class NotFinite(Guard):
+    """A state that is no longer finite: the run stops, and what it wrote ends at its last good frame."""
+
+    name = "not_finite"
+    watches = "whether the state is finite, after every turn of steps"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """What became non-finite first, if anything did."""
+        if (failed := run.run.failed) is not None:
+            yield self.doubt(
+                Level.DO_NOT_USE,
+                failed.text,
+                "the results end at the last good frame; the cause lies before it",
+                sheet=failed.sheet,
+                place=failed.place,
+                time=failed.time,
+            )
 
 
 class _Counted(Guard):
@@ -72,14 +98,129 @@ class SheetIntersection(Guard):
                         Level.DO_NOT_USE if tally.share > USELESS_SHARE else Level.WARNING,
                         f"{tally.most:.0f} pairs of triangles of {first} and {second} pass through each other "
                         f"({tally.share:.2%} of their elements; {tally.last:.0f} at the end)",
-                        "the result is wrong there: sheets of one world need an interface between them, and variants "
-                        "a world each",
+                        _advice(run, first, second),
                         sheet=first,
                         place=tally.place,
                         time=tally.time,
                         value=tally.most,
                         limit=0.0,
                     )
+
+
+def _advice(run: Judged, first: str, second: str) -> str:
+    if {first, second} in _interfaces(run.run.info.setup):
+        return (
+            "the result is wrong there: their contact did not hold them apart; refine the mesh, slow the tools down, "
+            "or take a larger stiffness_share of the interface"
+        )
+    return "the result is wrong there: sheets of one world need an interface between them, and variants a world each"
+
+
+def _interfaces(setup: Setup | None) -> list[set[str]]:
+    """Names of the two sheets of every interface."""
+    return [{each.lower, each.upper} for each in setup.interfaces] if setup is not None else []
+
+
+class StartOfStack(Guard):
+    """Plies that start inside each other, in another order than their interface says, or without one."""
+
+    name = "start_of_stack"
+    watches = "sheets that overlap each other before the run"
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Small overlaps, and sheets that touch without an interface.
+
+        Raises:
+            InputError: sheets that overlap by more than a quarter of their distance, pass through each other, or lie in
+                the other order.
+        """
+        setup = start.model.setup
+        frames = {frame.name: frame for frame in start.frame.sheets}
+        for world in setup.worlds:
+            order = {frozenset((each.lower, each.upper)): (each.lower, each.upper) for each in world.interfaces}
+            sheets = {sheet.name: sheet for sheet in world.sheets}
+            for pair in combinations(sheets, 2):
+                lower, upper = order.get(frozenset(pair), pair)
+                distance = 0.5 * (sheets[lower].fabric.thickness + sheets[upper].fabric.thickness)
+                found = _nearest(
+                    sheets[lower], frames[lower], sheets[upper], frames[upper], distance, frozenset(pair) in order
+                )
+                if found is not None:
+                    yield from self._judged(lower, upper, frozenset(pair) in order, distance, found)
+
+    def _judged(self, lower: str, upper: str, meet: bool, distance: float, found: _Nearest) -> Iterator[Doubt]:
+        """What a pair of sheets closer than ``distance`` [m] says."""
+        x, y = found.place
+        where = f"at ({x:.4g}, {y:.4g}) m on the flat blank of {upper}"
+        between = f"{1e3 * found.height:.3g} mm between their middles"
+        touching = f"they touch at {1e3 * distance:.3g} mm"
+        if not meet:
+            yield self.doubt(
+                Level.WARNING,
+                f"{lower} and {upper} start with {between}; {touching}",
+                "nothing keeps them apart: give the world an interface between them, or each its own world",
+                sheet=upper,
+                place=found.place,
+                value=found.height,
+                limit=distance,
+            )
+            return
+        if found.below > 0.5:
+            raise InputError(
+                f"interface {lower} / {upper}: {upper} starts below {lower}, {where}; the upper sheet lies on the "
+                "side to which the directors of the lower one point: exchange the two names"
+            )
+        overlap = distance - found.height
+        text = f"{lower} and {upper} start inside each other by {1e3 * overlap:.3g} mm, with {between}; {touching}"
+        if overlap > REFUSED_OVERLAP * distance:
+            raise InputError(f"{text}, {where}: place plies half the sum of their thicknesses apart, as LayUp does")
+        yield self.doubt(
+            Level.WARNING,
+            text,
+            "they stay so, since contact begins without a force: place them half the sum of their thicknesses apart",
+            sheet=upper,
+            place=found.place,
+            value=overlap,
+            limit=LARGEST_OVERLAP * distance,
+        )
+
+
+class _Nearest(NamedTuple):
+    """Where two sheets are nearest: height of the upper over the lower [m], place on the flat upper blank [m], and the
+    share of its nodes over the other sheet that lie below it."""
+
+    height: float
+    place: tuple[float, float]
+    below: float
+
+
+def _nearest(
+    lower: Sheet, below: SheetFrame, upper: Sheet, above: SheetFrame, distance: float, ordered: bool
+) -> _Nearest | None:
+    """None where the sheets are not closer than ``distance`` [m], but for a small overlap."""
+    if (below.position.min(axis=0) > above.position.max(axis=0) + distance).any():
+        return None
+    if (above.position.min(axis=0) > below.position.max(axis=0) + distance).any():
+        return None
+    up = heights_over(above.position, below.position, lower.blank.quads, below.director)
+    down = -heights_over(below.position, above.position, upper.blank.quads, above.director)
+    if not (np.isfinite(up).any() or np.isfinite(down).any()):
+        return None
+    every = np.concatenate([up, down])
+    every = every[np.isfinite(every)]
+    share = float((every < 0.0).mean())
+    sizes, backward = (up, down) if ordered else (np.abs(up), np.abs(down))
+    smallest = np.nanmin(np.concatenate([sizes, backward]))
+    limit = (1.0 - LARGEST_OVERLAP) * distance if ordered else (1.0 + LARGEST_OVERLAP) * distance
+    if not smallest < limit:
+        return None
+    if np.isfinite(sizes).any() and np.nanmin(sizes) == smallest:
+        place = upper.blank.material_coordinates[int(np.nanargmin(sizes))]
+    else:
+        node = int(np.nanargmin(backward))
+        nearest = int(np.argmin(np.linalg.norm(above.position - below.position[node], axis=1)))
+        place = upper.blank.material_coordinates[nearest]
+    return _Nearest(float(smallest), (float(place[0]), float(place[1])), share)
 
 
 class FoldedElements(_Counted):
@@ -160,36 +301,4 @@ class SelfContactMesh(Guard):
                     "a sheet does not meet its own mirror image: a fold that closes on the plane passes through it, "
                     "which the guard beyond_symmetry tells; run the whole part if it does",
                     sheet=sheet.name,
-                )
-
-
-class SelfContactSearch(Guard):
-    """Contacts that the search may have missed, and deep ones."""
-
-    name = "self_contact_depth"
-    watches = "how deep a sheet has been in itself, and whether its search was in time"
-
-    def after(self, run: Judged) -> Iterable[Doubt]:
-        """The worst of the passes of each sheet."""
-        model, state = run.run.model, run.run.state
-        for index, sheet in enumerate(model.sheets):
-            own = [k for k, each in enumerate(model.passes) if each.is_own and each.place.slave == index]
-            entries = [state.passes[k].entry.numpy() for k in own]
-            if any(entry[PassEntry.late] for entry in entries):
-                yield self.doubt(
-                    Level.WARNING,
-                    "a node in self-contact slid farther between two searches than they allow for",
-                    "its reaction may have been missed, which the energy balance tells: take a smaller step_safety",
-                    sheet=sheet.name,
-                )
-            deepest = max((float(entry[PassEntry.deepest]) for entry in entries), default=0.0)
-            if deepest > USUAL_DEPTH * sheet.fabric.thickness:
-                yield self.doubt(
-                    Level.WARNING,
-                    f"the sheet has been {1e3 * deepest:.3g} mm deep in itself, "
-                    f"{deepest / sheet.fabric.thickness:.0%} of the thickness",
-                    "raise stiffness_share of its self_contact, up to 0.2, or move the tools more slowly",
-                    sheet=sheet.name,
-                    value=deepest,
-                    limit=USUAL_DEPTH * sheet.fabric.thickness,
                 )

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...tools.sampling import DOUBTFUL_ERROR, ERROR_ADVICE, error_in_words, mesh_parts
 from .guard import Doubt, Guard, Level, Start
+
+if TYPE_CHECKING:
+    from ...engine.sheet_model import SheetModel
 
 # With fewer elements along a quarter turn of an edge, the sheet sags over it.
 LEAST_ELEMENTS_PER_QUARTER_TURN = 5.0
@@ -23,8 +27,15 @@ class ToolRadius(Guard):
     watches = "elements along the radii of the tools"
 
     def before(self, start: Start) -> Iterable[Doubt]:
-        """Tools with few elements along a quarter turn of their smallest radius; sharp edges have their own guard."""
+        """Tools with few elements along a quarter turn of their smallest radius; sharp edges have their own guard.
+
+        Of several sheets that meet a tool, the one with the largest elements is named.
+        """
+        coarsest: dict[int, SheetModel] = {}
         for sheet, _, index in start.meetings():
+            if index not in coarsest or sheet.geometry.largest_size > coarsest[index].geometry.largest_size:
+                coarsest[index] = sheet
+        for index, sheet in coarsest.items():
             tool, size = start.model.setup.tools[index], sheet.geometry.largest_size
             count = tool.elements_per_quarter_turn(size)
             if count < LEAST_ELEMENTS_PER_QUARTER_TURN:
@@ -33,6 +44,7 @@ class ToolRadius(Guard):
                     f"{tool.name}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees "
                     f"of its {tool.fillet_radius * 1e3:.3g} mm radius",
                     "below five the sheet sags over the edge",
+                    sheet=sheet.name if len(start.model.sheets) > 1 else None,
                     value=count,
                     limit=LEAST_ELEMENTS_PER_QUARTER_TURN,
                 )

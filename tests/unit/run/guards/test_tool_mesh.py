@@ -6,6 +6,11 @@ import pytest
 import trimesh
 
 from tests.support.runs import small_run
+from weavesim.engine.setup import Setup, Solver, World
+from weavesim.fabric.presets import glass_polypropylene
+from weavesim.run.simulation import Simulation
+from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import Sphere
 from weavesim.tools.tool import Tool
@@ -62,3 +67,15 @@ def test_a_far_fleck_is_warned_of():
         "12 triangles, 3.46 mm across, lie far from the rest" in w
         for w in small_run(tools=[tool], accept_unusual=True).warnings
     )
+
+
+def test_of_several_sheets_the_coarsest_is_named_once():
+    sheets = tuple(
+        Sheet(Blank.rectangle((0.0, 0.0), (0.06, 0.06), size, height=height), glass_polypropylene(), name)
+        for name, size, height in (("fine", 0.01, 0.0), ("coarse", 0.015, 0.002), ("middle", 0.012, 0.004))
+    )
+    far = Tool("ball", Sphere(0.02, origin=(0.03, 0.03, 0.05)))
+    solver = Solver(threads=1, lane_count=1)
+    run = Simulation(Setup("three", (World(sheets, (far,)),), duration=1e-5, frame_count=1, solver=solver))
+    (doubt,) = [doubt for doubt in run.doubts() if doubt.guard == "tool_radius"]
+    assert doubt.sheet == "coarse" and "2.1 elements of 15 mm" in doubt.text

@@ -58,3 +58,12 @@ def test_a_tool_without_a_flat_rim_is_refused():
     part = facing_up(ball.vertices, ball.faces)
     with pytest.raises(InputError, match="no flat rim"):
         ring_over_rim("ball", part.vertices, part.faces, 0.001)
+
+
+def test_what_others_cover_does_not_face_up():
+    """Seen from a side of the block, the far wall of its pocket lies behind the near one."""
+    die = closed_die()
+    part = facing_up(die.vertices[:, [2, 0, 1]], die.faces)  # y of the block is up
+    area = face_normals(part.vertices, part.faces)[1]
+    assert np.isclose(area.sum(), 0.1 * 0.03, rtol=1e-3)
+    assert np.allclose(part.vertices[:, 2], 0.04)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .terminal import say
+from ..terminal import say
 
 
 def export_command(
@@ -41,9 +41,9 @@ def export_command(
     out: Annotated[Path | None, typer.Option(help="folder for the files [default: OUT/export]")] = None,
 ) -> None:
     """Write the end of a run for other programs: fibre directions, thickness, layers (docs/outputs.md)."""
-    from ..output.export.exporting import Export, export_run
-    from ..output.export.lamina import Lamina
-    from ..output.stored.file import read_results
+    from ...output.export.exporting import Export, export_run
+    from ...output.export.lamina import Lamina
+    from ...output.stored.file import read_results
 
     wish = Export(
         formats=[name.strip() for name in to.split(",") if name.strip()],

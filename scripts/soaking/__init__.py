@@ -1,0 +1,1 @@
+"""Parts of the soak, each a function that prints its progress and returns whether all was well."""

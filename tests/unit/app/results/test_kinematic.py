@@ -1,0 +1,51 @@
+"""``weavesim kinematic``: of a job, and what is refused."""
+
+import sys
+
+import pytest
+
+from tests.support.jobs import write_tray
+from weavesim.app import command_line
+
+
+@pytest.fixture
+def kinematic_command(monkeypatch, capsys):
+    """Runs ``weavesim kinematic``: (exit code, stdout, stderr)."""
+
+    def call(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["weavesim", "kinematic", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ending:
+            command_line.main()
+        captured = capsys.readouterr()
+        return ending.value.code or 0, captured.out, captured.err
+
+    return call
+
+
+def test_a_folder_that_is_no_run(kinematic_command, tmp_path):
+    code, _, err = kinematic_command(tmp_path)
+    assert code == 2 and "it has no results.h5" in err
+
+
+def test_a_job_that_does_not_exist(kinematic_command, tmp_path):
+    code, _, err = kinematic_command(tmp_path / "none.toml")
+    assert code == 2 and "none.toml" in err
+
+
+def test_a_job_that_names_a_scene(kinematic_command, tmp_path):
+    job = tmp_path / "job.toml"
+    job.write_text('[scene]\nname = "double-dome"\n')
+    code, _, err = kinematic_command(job)
+    assert code == 2 and "it names a scene; run it, and give the folder of the run" in err
+
+
+def test_a_net_on_the_punch_of_a_job(kinematic_command, tmp_path):
+    job = write_tray(tmp_path)
+    code, _, err = kinematic_command(job)
+    assert code == 2 and "give the tool with --tool: die, punch" in err
+    code, out, err = kinematic_command(job, "--tool", "punch", "--side", 0.01, "--out", tmp_path / "net")
+    assert code == 0, err
+    assert "on punch: net up to" in out
+    assert {file.name for file in (tmp_path / "net").iterdir()} == {f"kinematic.{e}" for e in ("json", "vtu", "png")}
+    code, _, err = kinematic_command(job, "--tool", "hammer")
+    assert code == 2 and "'hammer': choose from die, punch" in err

@@ -1,0 +1,1 @@
+"""Contact of sheets with tools between the nodes, as launched."""

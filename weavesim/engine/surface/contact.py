@@ -1,0 +1,79 @@
+"""Contact of a sheet with its tools between the nodes: constants, and the launch."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from ...device import block_size
+from ...kernels.contact.penalty import touch_struct
+from ...kernels.stepping.sample_data import sampled_struct, samples_struct
+from ...kernels.stepping.surface_contact import surface_contact_kernel
+from ..layout import lanes_view
+from ..sheet_model import SheetModel
+from ..state import SheetState
+
+
+class SurfaceContact:
+    """Launches the contact at the samples of one sheet, on one state.
+
+    Args:
+        sheet: with samples.
+        own: its state.
+        reaction: forces of its blocks of elements on its tools, [tool, block] [N].
+
+    Attributes:
+        kernel: that is launched.
+        works: of the last steps, as [row, block of samples] of lanes [J].
+    """
+
+    def __init__(self, sheet: SheetModel, own: SheetState, reaction: wp.array) -> None:
+        self.kernel = surface_contact_kernel(sheet.real, sheet.lane_count, sheet.node_traits)
+        self._sheet, self._own = sheet, own
+        self._samples, self._sampled = device_samples(sheet), _sampled(sheet, own, reaction)
+        self.works = lanes_view(own.sample_work, sheet.lane_count)
+
+    def launch(self, first: int, count: int | None, laws: Any, around: Any, corner_force: wp.array) -> None:
+        """Add the forces to ``corner_force``, in ``count`` blocks of elements from ``first``."""
+        sheet = self._sheet
+        wp.launch(
+            self.kernel,
+            dim=sheet.element_count // sheet.lane_count if count is None else count,
+            inputs=[first, self._samples, laws, around, self._own.moved, self._own.motion],
+            outputs=[corner_force, self._sampled],
+            device=sheet.device,
+            block_dim=block_size(self.kernel, sheet.device),
+        )
+
+
+def device_samples(sheet: SheetModel) -> Any:
+    """Constants of the samples of a sheet, as a new struct."""
+    lane_count, block_count = sheet.lane_count, sheet.element_count // sheet.lane_count
+    mass = np.zeros(sheet.element_count)
+    mass[: sheet.blank.element_count] = sheet.samples.mass
+    samples = samples_struct(sheet.real, lane_count)()
+    samples.corner_node, samples.node_stride = sheet.elements.corner_node, sheet.elements.node_stride
+    samples.place = wp.array(sheet.samples.places, dtype=wp.vec2d, device=sheet.device)
+    samples.block_count, samples.lever = block_count, sheet.geometry.largest_size
+    samples.mass = lanes_view(wp.array(mass, dtype=sheet.real, device=sheet.device), lane_count)
+    corners = (sheet.element_nodes // lane_count).reshape(4, block_count, lane_count).swapaxes(0, 1)
+    around = [np.unique(blocks) for blocks in corners]
+    width = max(map(len, around))
+    table = np.array([np.pad(blocks, (0, width - len(blocks)), mode="edge") for blocks in around], dtype=np.int32)
+    samples.node_block = wp.array(np.ascontiguousarray(table.T), dtype=wp.int32, device=sheet.device)
+    return samples
+
+
+def _sampled(sheet: SheetModel, own: SheetState, reaction: wp.array) -> Any:
+    """What the samples of a sheet write."""
+    lane_count = sheet.lane_count
+    touch = touch_struct(sheet.real, lane_count)()
+    touch.friction = sheet.samples.layout.view(own.sample_friction)
+    touch.gap, touch.reaction = own.sample_gap, own.sample_reaction
+    touch.depth, touch.thickness = (lanes_view(a, lane_count) for a in (own.sample_depth, own.sample_thickness))
+    sampled = sampled_struct(sheet.real, lane_count)()
+    sampled.touch, sampled.reaction = touch, reaction
+    sampled.memory, sampled.works = (lanes_view(a, lane_count) for a in (own.sample_memory, own.sample_work))
+    return sampled

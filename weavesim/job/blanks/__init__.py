@@ -1,0 +1,1 @@
+"""The blanks of a job: outlines from numbers and files, meshed."""

@@ -1,0 +1,150 @@
+"""A formed sheet beside another run of it, or beside a scan: differences at the same material points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from ...meshes.reading import read_mesh
+from ...sheet.topology import flat_areas
+from ..export.nearest import nearest
+from ..files import write_summary
+from ..stored.file import StoredSheet
+from ..tables import write_table
+
+# Fields that are compared where both have them: name in files, and whether the sign is left out.
+FIELDS = {
+    "shear_angle_deg": True, "warp_stretch": False, "weft_stretch": False, "thickness": False,
+    "fibre_volume_fraction": False, "warp_force": False, "weft_force": False,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Differences of a sheet A to something else B.
+
+    Attributes:
+        sheet: A.
+        other: what B is, in words.
+        values: of A and of B at A's element centres, by field, two of (element_count,); NaN where B has no such point.
+        distance: from A's nodes to the same material points of B, or to the nearest point of a scan, (node_count,) [m].
+    """
+
+    sheet: StoredSheet
+    other: str
+    distance: np.ndarray
+    values: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+    def numbers(self) -> dict[str, Any]:
+        """As ``comparison.json`` has them."""
+        flat = self.sheet.blank.material_coordinates
+        centre = flat[self.sheet.blank.quads].mean(axis=1)
+        out: dict[str, Any] = {"sheet": self.sheet.name, "other": self.other}
+        out["distance_mm"] = _statistics(1.0e3 * self.distance, flat)
+        for name, (own, other) in self.values.items():
+            out[name] = _statistics(own - other, centre)
+        return out
+
+
+def _statistics(difference: np.ndarray, place: np.ndarray) -> dict[str, Any]:
+    """Of the differences that there are."""
+    known = np.flatnonzero(np.isfinite(difference))
+    if not len(known):
+        return {"compared_share": 0.0}
+    some = difference[known]
+    worst = known[int(np.argmax(np.abs(some)))]
+    return {
+        "compared_share": len(known) / len(difference),
+        "mean": float(some.mean()),
+        "mean_absolute": float(np.abs(some).mean()),
+        "root_mean_square": float(np.sqrt(np.mean(some**2))),
+        "largest_absolute": float(np.abs(difference[worst])),
+        "largest_at_flat_mm": [1.0e3 * float(x) for x in place[worst]],
+    }
+
+
+def compare_sheets(sheet: StoredSheet, other: StoredSheet, name: str) -> Comparison:
+    """Compare with a sheet of another run, at common points of the flat blank.
+
+    Between its nodes and element centres the other sheet is interpolated linearly; beyond the outermost centres, up to
+    its border, its nearest element counts.
+
+    Raises:
+        InputError: the flat blanks have no point in common.
+    """
+    own_flat, other_flat = sheet.blank.material_coordinates, other.blank.material_coordinates
+    there = _interpolated(other_flat, other.position, own_flat)
+    if not np.isfinite(there).any():
+        raise InputError(f"compare: the flat blanks of {sheet.name} and of {name} have no point in common")
+    distance = np.linalg.norm(sheet.position - there, axis=1)
+    own_centre = own_flat[sheet.blank.quads].mean(axis=1)
+    other_centre = other_flat[other.blank.quads].mean(axis=1)
+    # inside the other's outline
+    inside = np.isfinite(_interpolated(other_flat, other_flat, own_centre)).all(axis=1)
+    nearby = _nearest_rows(other_centre, own_centre)
+    reach = float(np.sqrt(flat_areas(other.blank).max()))
+    inside &= np.linalg.norm(other_centre[nearby] - own_centre, axis=1) < reach
+    values = {}
+    for key, unsigned in FIELDS.items():
+        if key not in sheet.values or key not in other.values:
+            continue
+        pair = [np.abs(s.values[key].values) if unsigned else s.values[key].values for s in (sheet, other)]
+        found = _interpolated(other_centre, pair[1], own_centre)
+        found = np.where(np.isfinite(found), found, pair[1][nearby])
+        values[key] = pair[0], np.where(inside, found, np.nan)
+    return Comparison(sheet, name, distance, values)
+
+
+def compare_scan(sheet: StoredSheet, path: str | Path, unit_scale: float) -> Comparison:
+    """Compare with a scanned surface: distance of the nodes to its nearest point.
+
+    Args:
+        sheet: formed.
+        path: of a mesh file of the scan, in the same place as the tools.
+        unit_scale: metres per unit of the file.
+
+    Raises:
+        InputError: a file that cannot be read.
+    """
+    mesh = read_mesh(path, "scan")
+    mesh.check_unit(unit_scale)
+    triangles, _ = mesh.triangles()
+    points, _ = nearest(unit_scale * mesh.vertices[triangles], sheet.position)
+    return Comparison(sheet, f"scan {Path(path).name}", np.linalg.norm(points - sheet.position, axis=1))
+
+
+def _interpolated(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Linear between scattered places (k, 2); NaN outside their hull."""
+    from scipy.interpolate import LinearNDInterpolator
+
+    # a hair larger: points of the border are inside
+    middle = places.mean(axis=0)
+    return LinearNDInterpolator(middle + (places - middle) * (1.0 + 1.0e-9), values)(at)
+
+
+def _nearest_rows(places: np.ndarray, at: np.ndarray) -> np.ndarray:
+    from scipy.spatial import cKDTree
+
+    return cKDTree(places).query(at)[1]
+
+
+def write_comparison(folder: Path, comparison: Comparison, ending: str = "") -> list[Path]:
+    """Write ``comparison.json``, ``.csv`` and ``.png``; returns the files."""
+    from ..pictures.comparison import comparison_picture
+    from ..pictures.style import write_picture
+
+    files = [folder / f"comparison{ending}.{kind}" for kind in ("json", "csv", "png")]
+    write_summary(files[0], comparison.numbers())
+    sheet = comparison.sheet
+    columns = dict(zip(("flat_x_mm", "flat_y_mm"), (
+        1.0e3 * sheet.blank.material_coordinates[sheet.blank.quads].mean(axis=1)).T, strict=True))  # fmt: skip
+    columns["distance_mm"] = 1.0e3 * comparison.distance[sheet.blank.quads].mean(axis=1)
+    for name, (own, other) in comparison.values.items():
+        columns |= {f"{name}_a": own, f"{name}_b": other, f"{name}_difference": own - other}
+    write_table(files[1], list(columns), zip(*(values.tolist() for values in columns.values()), strict=True))
+    write_picture(comparison_picture(comparison), files[2])
+    return files

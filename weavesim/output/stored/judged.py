@@ -1,0 +1,122 @@
+"""Judgement of a whole run: every sheet by the same limits; ``verdict.json``, ``verdict.csv`` and a picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...measures.defects.judgement import Distance, Judgement, Limits
+from ...tools.surfaces.distance import ToolDistance
+from ..files import write_summary
+from ..tables import write_table
+from .file import StoredRun, StoredSheet
+
+_COLUMNS = (
+    "sheet", "kind", "place_x_mm", "place_y_mm", "place_z_mm", "flat_x_mm", "flat_y_mm", "area_mm2", "amplitude_mm",
+    "wavelength_mm", "crest_count", "gap_mm", "shear_angle_deg", "severity", "element_count",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedRun:
+    """The sheets of a run with what is beyond the limits.
+
+    Attributes:
+        run: that was judged.
+        limits: that it has to keep.
+        sheets: in the order of the run.
+    """
+
+    run: StoredRun
+    limits: Limits
+    sheets: tuple[Judgement, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing is beyond a limit."""
+        return not any(sheet.regions for sheet in self.sheets)
+
+    def as_dict(self) -> dict[str, Any]:
+        """As ``verdict.json`` has it."""
+        return {
+            "run_id": self.run.run_id,
+            "passed": self.passed,
+            "limits": self.limits.model_dump(mode="json"),
+            "sheets": [
+                {
+                    "name": stored.name,
+                    "locking_angle_deg": sheet.locking_angle,
+                    "largest_amplitude_mm": 1.0e3 * float(sheet.fields["wrinkle_amplitude"].max()),
+                    "largest_gap_mm": 1.0e3 * float(sheet.fields["gap"].max()) if "gap" in sheet.fields else None,
+                    "largest_compression": float(sheet.fields["yarn_compression"].max()),
+                    "largest_shear_angle_deg": float(sheet.fields["shear_angle_deg"].max()),
+                    "regions": [region.as_dict() for region in sheet.regions],
+                }
+                for stored, sheet in zip(self.run.sheets, self.sheets, strict=True)
+            ],
+        }
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """A row for each region."""
+        for stored, sheet in zip(self.run.sheets, self.sheets, strict=True):
+            for region in sheet.regions:
+                row = region.as_dict()
+                place, flat = row.pop("place_mm"), row.pop("flat_place_mm")
+                names = ("place_x_mm", "place_y_mm", "place_z_mm", "flat_x_mm", "flat_y_mm")
+                yield {"sheet": stored.name, **row, **dict(zip(names, (*place, *flat), strict=True))}
+
+    def lines(self) -> Iterator[str]:
+        """What a user is told."""
+        count = sum(len(sheet.regions) for sheet in self.sheets)
+        yield "within all limits" if self.passed else f"beyond limits: {count} region{'s' * (count > 1)}"
+        for row in self.rows():
+            size = {
+                "wrinkle": "amplitude {amplitude_mm:.2f} mm, wavelength {wavelength_mm:.0f} mm, {crest_count} crests",
+                "locking": "shear angle {shear_angle_deg:.1f} degrees",
+            }.get(row["kind"], "gap {gap_mm:.2f} mm")
+            where = f"at ({row['place_x_mm']:.0f}, {row['place_y_mm']:.0f}, {row['place_z_mm']:.0f}) mm"
+            name = f"{row['sheet']}: " if len(self.sheets) > 1 else ""
+            text = f"{size.format(**row)}, {row['severity']:.2g} times the limit, {row['area_mm2']:.0f} mm2"
+            yield f"  {name}{row['kind']} {where}: {text}"
+
+
+def judge_run(run: StoredRun, limits: Limits) -> JudgedRun:
+    """Judge every sheet of a run at its end."""
+    return JudgedRun(run, limits, tuple(_judge(run, sheet, limits) for sheet in run.sheets))
+
+
+def _judge(run: StoredRun, sheet: StoredSheet, limits: Limits) -> Judgement:
+    law = run.fabric(sheet).shear
+    angle = getattr(law, "locking_angle", None) if law.locking_slope else None
+    own = None if angle is None else math.degrees(angle)
+    return Judgement(sheet.formed, limits, tool_distance(run, sheet), own)
+
+
+def tool_distance(run: StoredRun, sheet: StoredSheet) -> Distance | None:
+    """Distance to the nearest tool of a sheet at the end of its run; None without tools."""
+    if not sheet.tools:
+        return None
+    tools = [(ToolDistance(run.tools[place]), float(run.tool_displacement[place])) for place in sheet.tools]
+
+    def distance(points: np.ndarray) -> np.ndarray:
+        return np.min([tool(points, displacement)[0] for tool, displacement in tools], axis=0)
+
+    return distance
+
+
+def write_judged(folder: Path, judged: JudgedRun) -> list[Path]:
+    """Write ``verdict.json``, ``verdict.csv`` and ``verdict.png``; returns the files."""
+    from ..pictures.style import write_picture
+    from ..pictures.verdict import verdict_picture
+
+    files = [folder / f"verdict.{ending}" for ending in ("json", "csv", "png")]
+    write_summary(files[0], judged.as_dict())
+    write_table(files[1], _COLUMNS, ([row.get(name, "") for name in _COLUMNS] for row in judged.rows()))
+    names = [sheet.name for sheet in judged.run.sheets]
+    write_picture(verdict_picture(names, judged.sheets), files[2], judged.run.run_id)
+    return files

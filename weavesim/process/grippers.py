@@ -1,0 +1,111 @@
+"""Springs and grippers at the edges of a sheet, or on patches of it."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import SerializeAsAny, field_validator, model_validator
+
+from ..arrays import IntArray
+from ..checks import NotNegative, Parameters, Positive
+from ..names import Label
+from ..quantities import UnitVector
+from ..ranges import Quantity
+from .strokes import Fixed, Motion
+
+
+class Gripper(Parameters):
+    """Nodes that springs pull towards anchors; where it holds too little, the sheet slips out of it.
+
+    Every node has a spring of its own to an anchor that lies at ``length`` along ``direction``, with a share of the
+    stiffness and the forces: that of the area of the sheet around it. The springs pull and do not push; their direction
+    follows node and anchor. With symmetry planes all values are those of the modelled part. Stored energy, work and
+    loss are booked as ``gripper_spring``, ``gripper_work`` and ``gripper_loss``.
+
+    Attributes:
+        name: used in outputs, unique in a run.
+        nodes: indices, each once (k,).
+        direction: from the nodes to their anchors, scaled to length one.
+        stiffness: of all springs together [N/m].
+        length: of the springs at the start [m]: the longer, the less their direction turns as the sheet moves.
+        pretension: force at the start, of all together [N].
+        ramp_time: in which the pretension is applied [s].
+        largest_force: of all together [N]: beyond its share the sheet slips through the gripper at a node; None for a
+            gripper that holds.
+        motion: of the anchors along ``direction``, positive away from the sheet: a ``Stroke``, or ``Fixed``.
+        release_time: at which the gripper opens [s]; None for one that stays.
+    """
+
+    positional = ("name", "nodes", "direction", "stiffness")
+
+    name: Label
+    nodes: IntArray
+    direction: UnitVector
+    stiffness: Annotated[Positive, Quantity("spring stiffness")]
+    length: Annotated[Positive, Quantity("length")] = 0.1
+    pretension: Annotated[NotNegative, Quantity("force")] = 0.0
+    ramp_time: Annotated[NotNegative, Quantity("time")] = 0.0
+    largest_force: Annotated[Positive, Quantity("force")] | None = None
+    motion: SerializeAsAny[Motion] = Fixed()
+    release_time: Annotated[Positive, Quantity("time")] | None = None
+
+    @field_validator("nodes")
+    @classmethod
+    def _are_some(cls, value: np.ndarray) -> np.ndarray:
+        if value.ndim != 1 or not len(value):
+            raise ValueError("indices of one or more nodes are needed")
+        if len(np.unique(value)) < len(value):
+            raise ValueError("a node is listed twice; list each node once")
+        return value
+
+    @field_validator("motion")
+    @classmethod
+    def _moves_anchors(cls, value: Motion) -> Motion:
+        if not value.moves_tools or value.by_force or value.limiting_force:
+            raise ValueError("a Stroke without a largest_force, or Fixed, is needed")
+        return value
+
+    @model_validator(mode="after")
+    def _holds(self) -> Self:
+        if self.largest_force is not None and self.pretension > self.largest_force:
+            raise ValueError(
+                f"gripper {self.name}: a pretension of {self.pretension:g} N slips at a largest_force of "
+                f"{self.largest_force:g} N; lower the one, or raise the other"
+            )
+        start = self.motion.displacement_at(0.0)
+        if start != 0.0:
+            raise ValueError(
+                f"gripper {self.name}: its motion is at {start:.4g} m at time zero; it must start from 0, where "
+                "length puts the anchors"
+            )
+        return self
+
+    @property
+    def limit(self) -> float:
+        """``largest_force``, or infinity [N]."""
+        return math.inf if self.largest_force is None else self.largest_force
+
+
+def check_grippers(grippers: tuple[Gripper, ...], node_count: int) -> None:
+    """Check the nodes of the grippers of a sheet.
+
+    Raises:
+        ValueError: a node that the blank does not have, or that two of them grip.
+    """
+    owner = np.full(node_count, -1)
+    for index, gripper in enumerate(grippers):
+        nodes = gripper.nodes
+        if nodes.min() < 0 or nodes.max() >= node_count:
+            raise ValueError(
+                f"gripper {gripper.name}: nodes go from {nodes.min()} to {nodes.max()}; the blank has {node_count} "
+                "nodes, counted from 0"
+            )
+        if (owner[nodes] >= 0).any():
+            node = nodes[np.argmax(owner[nodes] >= 0)]
+            raise ValueError(
+                f"gripper {gripper.name}: node {node} is also held by {grippers[owner[node]].name}; a node can have "
+                "one gripper"
+            )
+        owner[nodes] = index

@@ -1,0 +1,146 @@
+"""Plies that start inside each other or upside down, and contacts that were late, deep or beyond their tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....errors import InputError
+from ....kernels.rows import PassEntry
+from ..guard import Doubt, Guard, Level, Start
+
+if TYPE_CHECKING:
+    from ....engine.plies.pass_model import PassModel
+    from ...frame import Frame
+    from ...ledger import Ledger
+    from ...verdict import Judged
+
+# Overlap at the start, over the thickness, that is not refused.
+LARGEST_OVERLAP = 0.01
+# Penetration over the thickness beyond which the side of a contact is no longer sure.
+DEEPEST = 0.3
+# An argument that has not been met: the start of ``PlyRow.low``.
+NEVER = 1.0e29
+# Reduction of a viscosity that is told.
+LEAST_VISCOUS_SHARE = 0.99
+
+
+class Interfaces(Guard):
+    """Contact between plies."""
+
+    name = "interfaces"
+    watches = "plies that touch: their order, penetration, search and friction tables"
+
+    def __init__(self) -> None:
+        # (pass, friction argument, place, time) of the first use beyond a table, and the farthest
+        self._beyond: dict[str, dict[str, Any]] = {}
+        self._passes: tuple[PassModel, ...] = ()
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Overlap and order of the plies, and viscosities that the time step cannot carry.
+
+        Raises:
+            InputError: plies start inside each other, or upside down.
+        """
+        self._passes = start.model.passes
+        for model in self._passes:
+            self._check_start(model, start.model.setup.accept_unusual)
+            share = model.viscous_share
+            if share < LEAST_VISCOUS_SHARE:
+                yield self.doubt(
+                    Level.WARNING,
+                    f"{model.name}: the time step can carry {share:.0%} of the viscosity at high speed",
+                    "take a smaller time step, or a lower viscosity",
+                    value=share,
+                )
+
+    def _check_start(self, model: PassModel, accept_unusual: bool) -> None:
+        feet, thickness = model.feet, model.thickness
+        on = feet.on_facet
+        if not on.any():
+            return
+        height = model.place.side * feet.height[on]
+        if np.median(height) < 0.0:
+            raise InputError(
+                f"{model.name}: sheet {model.interface.upper!r} lies under sheet "
+                f"{model.interface.lower!r}; name the lower one first"
+            )
+        overlap = thickness - height
+        worst = int(np.argmax(overlap))
+        if overlap[worst] > LARGEST_OVERLAP * thickness and not accept_unusual:
+            x, y = model.slave.blank.node_position[np.flatnonzero(on)[worst], :2]
+            raise InputError(
+                f"{model.name}: the sheets start {1e3 * overlap[worst]:.3g} mm inside each other "
+                f"at ({x:.4g}, {y:.4g}) m; their mid-surfaces touch at {1e3 * thickness:.4g} mm: raise the upper one, "
+                "or give accept_unusual=True to let them start without force"
+            )
+
+    def watch(self, frame: Frame, ledger: Ledger) -> None:
+        """Note the first use of a friction table beyond its ends."""
+        for k, model in enumerate(ledger.interfaces.passes):
+            friction = model.interface.friction
+            if friction.argument_name is None:
+                continue
+            arguments, _ = friction.table()
+            rows = ledger.interfaces.rows(k)
+            short = np.where(rows["low"] < NEVER, arguments[0] - rows["low"], 0.0)
+            excess = np.maximum(rows["high"] - arguments[-1], short)
+            worst = int(np.argmax(excess))
+            if excess[worst] > 1e-6 * arguments[-1]:
+                known = self._beyond.setdefault(
+                    str(k), {"time": frame.time, "place": model.slave.blank.material_coordinates[worst].tolist()}
+                )
+                known["excess"] = float(excess[worst])
+
+    def memory(self) -> Mapping[str, Any]:
+        """Uses beyond tables so far."""
+        return {"beyond": self._beyond}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take them back."""
+        self._beyond = dict(memory["beyond"])
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """Late searches, deep penetration, use beyond tables."""
+        for k, model in enumerate(self._passes):
+            yield from self._of_pass(run, k, model)
+
+    def _of_pass(self, run: Judged, k: int, model: PassModel) -> Iterator[Doubt]:
+        own = run.run.state.passes[k]
+        name, rows = model.name, own.read_rows(model)
+        if own.entry.numpy()[PassEntry.late] > 0.0:
+            yield self.doubt(
+                Level.DO_NOT_USE,
+                f"{name}: a node went past the facets on which it was looked for, so that a contact may have "
+                "been missed",
+                "plies slide faster than the search allows: move the tools more slowly",
+            )
+        deepest = float((rows["push"] / model.stiffness).max())
+        if deepest > DEEPEST * model.thickness:
+            node = int(np.argmax(rows["push"] / model.stiffness))
+            yield self.doubt(
+                Level.DO_NOT_USE,
+                f"{name}: the plies are pressed {1e3 * deepest:.3g} mm into each other, more than "
+                f"{DEEPEST:.0%} of the distance at which they touch",
+                "lower the pressure, or raise stiffness_share",
+                sheet=model.slave.name,
+                place=tuple(model.slave.blank.material_coordinates[node].tolist()),
+                value=deepest,
+                limit=DEEPEST * model.thickness,
+            )
+        if str(k) in self._beyond:
+            beyond, friction = self._beyond[str(k)], model.interface.friction
+            arguments, _ = friction.table()
+            yield self.doubt(
+                Level.WARNING,
+                f"{name}: the friction table is used beyond its ends, by {beyond['excess']:.4g} "
+                f"{friction.argument_unit} of {friction.argument_name} (it covers {arguments[0]:.4g} to "
+                f"{arguments[-1]:.4g} {friction.argument_unit})",
+                "measure farther, or accept the coefficient at the end of the table",
+                sheet=model.slave.name,
+                place=tuple(beyond["place"]),
+                time=float(beyond["time"]),
+                value=beyond["excess"],
+            )

@@ -1,0 +1,1 @@
+"""How much faster a run may go for a stated error."""

@@ -1,0 +1,61 @@
+"""Distances of points of a sheet from its tools where they are now, recorded once."""
+
+from __future__ import annotations
+
+import numpy as np
+import warp as wp
+
+from ...engine.model import Model
+from ...engine.state import State
+from ...kernels.contact.tool_distance import sample_distance_kernel
+from ...kernels.contact.tool_shapes import further_kinds
+
+
+class ToolGaps:
+    """Signed distances of a fixed number of points from the tools of one sheet.
+
+    Args:
+        model: of the run.
+        index: of the sheet.
+        state: of the run, which is read.
+        point_count: number of points.
+
+    Attributes:
+        launches: of every tool.
+    """
+
+    def __init__(self, model: Model, index: int, state: State, point_count: int) -> None:
+        self._sheet, self._tools, self._state = model.sheets[index], model.tools, state
+        count = self._sheet.tool_count
+        self._points = wp.zeros(point_count if count else 0, dtype=wp.vec3d, device=model.device)
+        self._distances = wp.zeros((count, len(self._points)), dtype=model.real, device=model.device)
+        # packed once: a launch from Python costs more than the work of a small sheet
+        self.launches = self._record() if len(self._points) else []
+
+    def __call__(self, points: np.ndarray) -> np.ndarray:
+        """Distances of ``points`` (point_count, 3) [m], (tool_count, point_count) [m]; waits for the device."""
+        if not len(self._points):
+            return np.empty((self._sheet.tool_count, len(points)))
+        self._points.assign(points)
+        places = self._sheet.places.tools
+        displacement = self._state.tool_displacement.numpy()[places.start : places.stop]
+        for launch, value in zip(self.launches, displacement, strict=True):
+            launch.set_param_by_name("displacement", wp.float64(value))
+            launch.launch()
+        return self._distances.numpy().astype(np.float64)
+
+    def _record(self) -> list[wp.Launch]:
+        sheet, tools = self._sheet, self._tools
+        normal = wp.zeros(self._points.shape, dtype=sheet.types.vec3, device=sheet.device)
+        kernel = sample_distance_kernel(sheet.real, 1, further_kinds(sheet.node_traits.shape_kinds))
+        return [
+            wp.launch(
+                kernel,
+                dim=self._points.shape[0],
+                inputs=[tools.tool, tools.part, sheet.places.tools.start + k, wp.float64(0.0), self._points],
+                outputs=[self._distances[k], normal],
+                device=sheet.device,
+                record_cmd=True,
+            )
+            for k in range(sheet.tool_count)
+        ]

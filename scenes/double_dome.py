@@ -88,6 +88,9 @@ class DoubleDomeParameters(RunOptions):
     contact_thickness: Literal["initial", "current"] = Field(
         default="initial", description="sheet thickness used for contact with the tools"
     )
+    contact_samples: Literal["nodes", "surface"] = Field(
+        default="nodes", description="where the sheet meets tools: at its nodes, or between them too, on its surface"
+    )
     punch_speed: Annotated[Positive, Quantity("speed")] = Field(default=0.5, description="[m/s]")
     stroke: Annotated[Positive, Quantity("displacement", at_most=0.3)] = Field(
         default=0.0612,
@@ -240,6 +243,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             damping=parameters.damping,
             director_damping=DIRECTOR_DAMPING,
             contact_thickness=parameters.contact_thickness,
+            contact_samples=parameters.contact_samples,
         ),
         duration=tools[0].motion.duration + REST, frame_count=parameters.frame_count, solver=parameters.solver(),
         accept_unusual=parameters.accept_unusual,

@@ -49,12 +49,13 @@ ROOMS = {
     "run": ("Simulation, ledger, frames, verdict", "#c2571a"),
     "output": ("writers, pictures, report", "#1f8a70"),
     "calibration": ("fabrics from tests", "#1f8a70"),
+    "job": ("runs as files", "#5b3fb5"),
     "app": ("command line, progress", "#5b3fb5"),
     "scenes": ("problems as values", "#5b3fb5"),
     "scripts": ("what a person runs", "#5b3fb5"),
 }
 # The rooms of kernels, row by row from the top; "" stands for the modules outside its folders.
-KERNEL_ROWS = (("stepping", "shell"), ("contact", "laws", "cell"), ("formula",), ("",))
+KERNEL_ROWS = (("loads", "plies"), ("stepping", "shell"), ("contact", "laws", "cell"), ("formula",), ("",))
 
 
 @dataclass(frozen=True)

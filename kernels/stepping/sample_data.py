@@ -102,3 +102,22 @@ def weight_struct(real: type):
         rest_v: real
 
     return Weight
+
+
+@cache
+def load_struct(real: type, lane_count: int):
+    """Forces [N] and couples [N m] on the corners of a block of elements."""
+    lanes3 = lane_types(real, lane_count).lanes3
+
+    @wp.struct
+    class Load:
+        force1: lanes3
+        force2: lanes3
+        force3: lanes3
+        force4: lanes3
+        couple1: lanes3
+        couple2: lanes3
+        couple3: lanes3
+        couple4: lanes3
+
+    return Load

@@ -21,8 +21,8 @@ from ..rows import (
     ThicknessRow,
 )
 from .node_data import NodeTraits, node_laws_struct, present_struct, surroundings_struct
-from .sample_data import patch_struct, point_struct, sampled_struct, samples_struct
-from .surface_point import load_corner_function, patch_function, point_function, weight_function
+from .sample_data import load_struct, patch_struct, point_struct, sampled_struct, samples_struct
+from .surface_point import load_functions, patch_function, point_function, weight_function
 from .tool_contact import meet_tools_function
 
 # A little more than one, against the rounding of sums.
@@ -185,7 +185,7 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
     surface_point, reduce_gaps = point_function(*layout), watch_function(*layout)
     present_elements, present_sample = present_sample_function(*layout, traits.follows_thickness)
     meet_tools, book = meet_tools_function(*layout, traits), book_function(*layout)
-    load_corner = load_corner_function(*layout)
+    Load, (add_load, store_load) = load_struct(*layout), load_functions(*layout)
 
     @wp.func
     def push_tools(samples: Samples, block: wp.int32, tool_count: wp.int32, sampled: Sampled):
@@ -212,6 +212,7 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
         present = present_elements(block, samples, laws, around.clock, corner_force, sampled)
         if reduce_gaps(samples, block, laws, around, moved, present.thickened, sampled) != 0:
             patch = read_patch(samples, block, motion)
+            load = Load()
             for j in range(samples.place.shape[0]):
                 weight = weight_at(samples.place[j])
                 point = surface_point(patch, weight)
@@ -221,9 +222,8 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
                 )
                 book(sample, friction, friction_power, dashpots, dashpot_power, sampled)
                 if not lane_maximum(dot(force, force)) <= real(0.0):
-                    spring = force - friction - dashpots
-                    for corner in range(4):
-                        load_corner(block, corner, point, weight, force, spring, corner_force)
+                    load = add_load(load, point, weight, force, force - friction - dashpots)
+            store_load(block, load, corner_force)
             push_tools(samples, block, laws.tool_count, sampled)
 
     return surface_contact

@@ -12,7 +12,7 @@ from ..lanes import dot, fill, lane_types, larger, scale, square_root
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, gather4, record4, store_record4, vector_of
 from ..rows import CORNER_ROW_COUNT, ROWS_PER_CORNER, CornerRow, MotionRow
-from .sample_data import patch_struct, point_struct, samples_struct, weight_struct
+from .sample_data import load_struct, patch_struct, point_struct, samples_struct, weight_struct
 
 # Shortest sum of the directors of a patch that is taken for a direction: they point all ways beyond.
 SHORTEST_DIRECTOR = wp.constant(0.1)
@@ -122,8 +122,8 @@ def point_function(real: type, lane_count: int):
 
 
 @cache
-def load_corner_function(real: type, lane_count: int):
-    """wp.func that adds the force at a sample to what the elements wrote at one of their corners.
+def load_functions(real: type, lane_count: int):
+    """Functions that add the force at a sample to a ``Load``, and that to what the elements wrote at their corners.
 
     The spring's force S has a potential, so it acts on all that moves the surface: with its part q = S . n along the
     normal, the corner gets share S + q/2 [(1 - u^2) share_,u d_,u + ...] and the couple
@@ -131,29 +131,44 @@ def load_corner_function(real: type, lane_count: int):
     """
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
-    Point, Weight = point_struct(real, lane_count), weight_struct(real)
+    Point, Weight, Load = point_struct(real, lane_count), weight_struct(real), load_struct(real, lane_count)
 
     @wp.func
-    def load_corner(
-        block: wp.int32,
-        corner: wp.int32,
-        point: Point,
-        weight: Weight,
-        force: lanes3,
-        spring: lanes3,
-        corner_force: wp.array2d(dtype=lanes),
-    ):
-        along = dot(spring, point.normal)
-        share = weight.share[corner]
-        by_u = (weight.rest_u * weight.by_u[corner]) * along
-        by_v = (weight.rest_v * weight.by_v[corner]) * along
-        row = corner * ROWS_PER_CORNER
-        piece = record4(corner_force, CORNER_ROW_COUNT, CornerRow.force + row, block)
-        pushed = vector_of(piece) + share * force + scale(by_u, point.d_by_u) + scale(by_v, point.d_by_v)
-        store_record4(corner_force, CORNER_ROW_COUNT, CornerRow.force + row, block, pushed, piece[SCALAR])
-        piece = record4(corner_force, CORNER_ROW_COUNT, CornerRow.couple + row, block)
-        across = scale(share * point.shrunk, spring - scale(along, point.normal))
-        turned = vector_of(piece) + scale(by_u, point.x_by_u) + scale(by_v, point.x_by_v) + across
-        store_record4(corner_force, CORNER_ROW_COUNT, CornerRow.couple + row, block, turned, piece[SCALAR])
+    def at_corner(share: real, by_u: real, by_v: real, whole: lanes3, along_u: lanes3, along_v: lanes3):
+        return share * whole + by_u * along_u + by_v * along_v
 
-    return load_corner
+    @wp.func
+    def add_load(load: Load, point: Point, w: Weight, force: lanes3, spring: lanes3):
+        along = dot(spring, point.normal)
+        across = scale(point.shrunk, spring - scale(along, point.normal))
+        on_u = scale(w.rest_u * along, point.d_by_u)
+        on_v = scale(w.rest_v * along, point.d_by_v)
+        load.force1 = load.force1 + at_corner(w.share[0], w.by_u[0], w.by_v[0], force, on_u, on_v)
+        load.force2 = load.force2 + at_corner(w.share[1], w.by_u[1], w.by_v[1], force, on_u, on_v)
+        load.force3 = load.force3 + at_corner(w.share[2], w.by_u[2], w.by_v[2], force, on_u, on_v)
+        load.force4 = load.force4 + at_corner(w.share[3], w.by_u[3], w.by_v[3], force, on_u, on_v)
+        on_u = scale(w.rest_u * along, point.x_by_u)
+        on_v = scale(w.rest_v * along, point.x_by_v)
+        load.couple1 = load.couple1 + at_corner(w.share[0], w.by_u[0], w.by_v[0], across, on_u, on_v)
+        load.couple2 = load.couple2 + at_corner(w.share[1], w.by_u[1], w.by_v[1], across, on_u, on_v)
+        load.couple3 = load.couple3 + at_corner(w.share[2], w.by_u[2], w.by_v[2], across, on_u, on_v)
+        load.couple4 = load.couple4 + at_corner(w.share[3], w.by_u[3], w.by_v[3], across, on_u, on_v)
+        return load
+
+    @wp.func
+    def add_at(block: wp.int32, row: wp.int32, vector: lanes3, corner_force: wp.array2d(dtype=lanes)):
+        piece = record4(corner_force, CORNER_ROW_COUNT, row, block)
+        store_record4(corner_force, CORNER_ROW_COUNT, row, block, vector_of(piece) + vector, piece[SCALAR])
+
+    @wp.func
+    def store_load(block: wp.int32, load: Load, corner_force: wp.array2d(dtype=lanes)):
+        add_at(block, CornerRow.force, load.force1, corner_force)
+        add_at(block, CornerRow.couple, load.couple1, corner_force)
+        add_at(block, ROWS_PER_CORNER + CornerRow.force, load.force2, corner_force)
+        add_at(block, ROWS_PER_CORNER + CornerRow.couple, load.couple2, corner_force)
+        add_at(block, 2 * ROWS_PER_CORNER + CornerRow.force, load.force3, corner_force)
+        add_at(block, 2 * ROWS_PER_CORNER + CornerRow.couple, load.couple3, corner_force)
+        add_at(block, 3 * ROWS_PER_CORNER + CornerRow.force, load.force4, corner_force)
+        add_at(block, 3 * ROWS_PER_CORNER + CornerRow.couple, load.couple4, corner_force)
+
+    return add_load, store_load

@@ -15,7 +15,8 @@ from weavesim.run.watch.extremes import Extreme
 SOUND = {
     "gravity_work_ratio": 0.0, "energy_balance_error": 0.01, "kinetic_energy_ratio": 0.01,
     "hourglass_energy_ratio": 0.01, "damping_loss_ratio": 0.01, "added_mass_ratio": 0.0,
-    "penetration_at_element_centres_mm": 0.01, "unit_cell_failures": 0, "element_count": 100,
+    "penetration_at_element_centres_mm": 0.01, "penetration_of_surface_mm": 0.01,
+    "unit_cell_failures": 0, "element_count": 100,
 }  # fmt: skip
 THICKNESS = 1.0e-3
 TALLIES = ("crossings", "folded", "inverted", "beyond")

@@ -103,6 +103,7 @@ TESTED_ELSEWHERE = {
     "weavesim/process/device.py": "unit/tools/test_motion.py",
     "weavesim/run/ledger.py": "verification/time/test_ledger_entries.py",
     "weavesim/run/sheet_ledger.py": "verification/time/test_ledger_entries.py",
+    "weavesim/run/guards/penetration.py": "unit/run/guards/test_limit.py",
     "weavesim/run/start.py": "unit/run/test_simulation.py",
     "weavesim/tools/mesh_repair.py": "unit/tools/test_mesh_shape.py",
     "weavesim/tools/mesh_tool.py": "unit/tools/test_mesh_shape.py",

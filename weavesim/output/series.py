@@ -154,8 +154,8 @@ class _SheetFiles:
             self._blank, frame.position, self._yarn_components
         )
         cells |= further or {}
-        point_data = {name: values.astype(real) for name, values in points.items()}
-        cell_data = {name: values.astype(real) for name, values in cells.items()}
+        point_data: dict[str, np.ndarray] = {name: values.astype(real) for name, values in points.items()}
+        cell_data: dict[str, np.ndarray] = {name: values.astype(real) for name, values in cells.items()}
         if self._ending:
             point_data["exploded"] = np.tile(np.array([0.0, 0.0, self._shift], dtype=real), (len(frame.position), 1))
             cell_data["sheet"] = np.full(self._blank.element_count, self._place, dtype=np.int32)

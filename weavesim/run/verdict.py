@@ -158,6 +158,11 @@ def _penetration_at_nodes(judged: Judged) -> float | None:
     return 1e3 * (max(_furthest(judged, "depth")) or judged.run.penetration.at_nodes)
 
 
+def _penetration_of_surface(judged: Judged) -> float | None:
+    """None in a run without tools."""
+    return 1e3 * judged.run.penetration.at_surface if judged.run.info.tools else None
+
+
 def _penetration_at_element_centres(judged: Judged) -> float | None:
     """None in a run without tools."""
     return 1e3 * judged.run.penetration.at_element_centres if judged.run.info.tools else None
@@ -269,7 +274,13 @@ RUN_FINDINGS: tuple[Finding, ...] = (
         _penetration_at_nodes,
     ),
     Finding(
-        "penetration_at_element_centres", MILLIMETRES, "deepest centre of an element in a tool, of the watched states",
+        "penetration_of_surface", MILLIMETRES,
+        "deepest point of a sheet's surface, as its directors describe it, in a tool, of the watched states",
+        _penetration_of_surface,
+    ),
+    Finding(
+        "penetration_at_element_centres", MILLIMETRES,
+        "deepest middle of a flat element in a tool, of the watched states; over curved tools most is the chord",
         _penetration_at_element_centres,
     ),
     Finding(

@@ -131,10 +131,10 @@ def _doubled(node: np.ndarray, quads: np.ndarray, cuts: list[np.ndarray]) -> tup
     count = len(node)
     on_cut = sorted({k for pair in cut for k in pair})
     around: dict[int, list[int]] = {k: [] for k in on_cut}
-    for row in np.flatnonzero(np.isin(quads, on_cut).any(axis=1)):
-        for k in quads[row]:
-            if int(k) in around:
-                around[int(k)].append(int(row))
+    for row in np.flatnonzero(np.isin(quads, on_cut).any(axis=1)).tolist():
+        for corner in quads[row]:
+            if int(corner) in around:
+                around[int(corner)].append(row)
     original = quads.copy()
     for spot in on_cut:
         rest, groups = list(around[spot]), []

@@ -33,7 +33,7 @@ def test_every_number_is_in_the_summary_by_its_key_and_in_order(pulled):
 
 def test_no_depth_in_a_tool_is_given_where_there_is_none(pulled):
     """Not even minus infinity, which no JSON has."""
-    depths = {"penetration_at_nodes_mm", "penetration_at_element_centres_mm"}
+    depths = {"penetration_at_nodes_mm", "penetration_of_surface_mm", "penetration_at_element_centres_mm"}
     assert {finding.key for finding in RUN_FINDINGS} - set(small_run().summary()) >= depths
     gap = -(100.0 - 0.5e3 * pulled.info.sheet.fabric.thickness)
     for key in depths:

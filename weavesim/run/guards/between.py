@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...errors import InputError
+from ...sheet.samples import MOST_PER_SIDE
 from ..watch.tool_distance import RESOLUTION, Deepest, ToolDistances
 from .guard import Doubt, Guard, Level, Start
 
@@ -40,11 +41,17 @@ class NarrowTool(Guard):
         """Tools of which a part is narrower than an element."""
         for sheet, _, index in start.meetings():
             tool, size = start.model.setup.tools[index], sheet.geometry.largest_size
+            text, advice = f"the elements are {1e3 * size:.3g} mm", "take elements of at most half its width"
+            if sheet.samples.count:
+                size /= MOST_PER_SIDE
+                text = f"the sheet meets tools every {1e3 * size:.3g} mm at best"
+            else:
+                advice += ', or meet tools between nodes too (contact_samples = "surface")'
             if tool.smallest_width < size:
                 yield self.doubt(
                     Level.WARNING,
-                    f"{tool.name}: it is {1e3 * tool.smallest_width:.3g} mm wide, the elements are {1e3 * size:.3g} mm",
-                    "only nodes meet tools, and it may pass between them: take elements of at most half its width",
+                    f"{tool.name}: it is {1e3 * tool.smallest_width:.3g} mm wide, {text}",
+                    f"it may pass between these places: {advice}",
                     value=tool.smallest_width,
                     limit=size,
                 )
@@ -121,8 +128,8 @@ class BetweenNodes(Guard):
             assert self._distances is not None
             sheet, displacement = self._sheets[pair[0]], frame.tool_displacement[pair[1]]
             limit = self._deepest[pair].distance if pair in self._deepest else -LARGEST_DEPTH * sheet.fabric.thickness
-            position = frame.sheets[pair[0]].position
-            found = self._distances.deepest(pair[1], displacement, position, sheet, limit)
+            position, director = frame.sheets[pair[0]].position, frame.sheets[pair[0]].director
+            found = self._distances.deepest(pair[1], displacement, position, sheet, limit, director)
             if found.element is not None:
                 out = _protrusion(self._distances, pair[1], displacement, position, sheet, found)
                 self._deepest[pair] = Seen(found.distance, out, _place(sheet, found), frame.time)
@@ -151,7 +158,8 @@ class BetweenNodes(Guard):
                 Level.DO_NOT_USE if useless else Level.WARNING,
                 f"{info.tool_names[index]} came through the sheet between its nodes: the middle of the sheet was "
                 f"{-1e3 * seen.distance:.3g} mm inside it, and it stood out by {least}{1e3 * seen.protrusion:.3g} mm",
-                "only nodes meet tools: take a finer mesh, round the tool's edges, or a wider tool",
+                "take a finer mesh, round the tool's edges, or a wider tool; tools can be met between nodes "
+                '(contact_samples = "surface")',
                 sheet=info.sheets[place].name,
                 place=seen.place,
                 time=seen.time,

@@ -40,14 +40,17 @@ class PenetrationAtNodes(Guard):
                 )
 
 
-class PenetrationAtElementCentres(LimitGuard):
-    """Elements whose middle lies deep in a tool, between their nodes."""
+class PenetrationOfSurface(LimitGuard):
+    """Sheets whose surface lies deep in a tool, at nodes or between; the chord of flat elements does not count."""
 
-    name = "penetration_at_element_centres"
-    watches = "the depth of the elements' centres in the tools"
-    key = "penetration_at_element_centres_mm"
-    text = "the deepest centre of an element in a tool [mm]"
-    advice = "only nodes meet tools: the elements are too large for the tools' edges; refine the mesh"
+    name = "penetration_of_surface"
+    watches = "the depth of the sheet's surface, as its directors describe it, in the tools"
+    key = "penetration_of_surface_mm"
+    text = "the deepest point of the sheet's surface in a tool [mm]"
+    advice = (
+        "the elements are too large for the tools' edges: refine the mesh, or meet tools between nodes too "
+        '(contact_samples = "surface")'
+    )
 
     def limit(self, run: Judged) -> float:
         """Half the thinnest sheet [mm]: the tool's surface is at the middle of the sheet."""

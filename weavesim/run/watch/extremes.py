@@ -40,7 +40,7 @@ class SheetExtremes:
         angle: absolute shear angle [rad].
         depth: of a node in a tool, half the thickness included, in any step [m]; 0 if none was ever touched.
         rows: of every element, by ``ExtremeRow``, (row, element_count).
-        touched: whether each tool of the world has touched a node, (tool_count,) bool.
+        touched: whether each tool of the world has touched a node, or a sample between nodes, (tool_count,) bool.
     """
 
     def __init__(self, model: SheetModel) -> None:
@@ -74,6 +74,8 @@ class SheetExtremes:
                 of_run = self._model.places.tools.start + int(tool)
                 self.depth = Extreme(float(depth[tool, node]), time, (float(x), float(y)), of_run)
             self.touched |= depth.max(axis=1) > 0.0
+            if self._model.samples.count:
+                self.touched |= state.sample_depth.numpy().max(axis=1) > 0.0
 
     def memory(self) -> dict[str, Any]:
         """All that was read so far, for a checkpoint."""
@@ -112,7 +114,7 @@ class Extremes:
 
     @property
     def touched(self) -> np.ndarray:
-        """Whether each tool has touched a node of any sheet, (tool_count,) bool."""
+        """Whether each tool has touched any sheet, at a node or where it is met between nodes, (tool_count,) bool."""
         touched = np.zeros(self._tool_count, dtype=bool)
         for places, sheet in zip(self._places, self.sheets, strict=True):
             touched[places.start : places.stop] |= sheet.touched

@@ -12,6 +12,7 @@ from ...engine.model import Model
 from ...engine.sheet_model import SheetModel
 from ...kernels.contact.tool_distance import sample_distance_kernel
 from ...kernels.contact.tool_shapes import further_kinds
+from ...sheet.samples import corner_shares, surface_points
 
 # Cells of elements that are divided further at once, the most promising first.
 LARGEST_CELL_COUNT = 4000
@@ -54,7 +55,15 @@ class ToolDistances:
         )  # fmt: skip
         return distance.numpy().astype(np.float64), normal.numpy().astype(np.float64)
 
-    def deepest(self, tool: int, displacement: float, position: np.ndarray, sheet: SheetModel, limit: float) -> Deepest:
+    def deepest(
+        self,
+        tool: int,
+        displacement: float,
+        position: np.ndarray,
+        sheet: SheetModel,
+        limit: float,
+        director: np.ndarray | None = None,
+    ) -> Deepest:
         """The point of a sheet that lies deepest in a tool, to a quarter of the thickness; see ``deepest_point``.
 
         Args:
@@ -63,9 +72,13 @@ class ToolDistances:
             position: nodes of the sheet, (node_count, 3) [m].
             sheet: it.
             limit: only points nearer than this are looked for [m].
+            director: at the nodes, (node_count, 3): of the surface that they describe; None takes flat elements.
         """
-        corners, resolution = position[sheet.blank.quads], RESOLUTION * sheet.fabric.thickness
-        return deepest_point(lambda points: self(tool, displacement, points)[0], corners, limit, resolution)
+        quads, resolution = sheet.blank.quads, RESOLUTION * sheet.fabric.thickness
+        directors = None if director is None else director[quads]
+        return deepest_point(
+            lambda points: self(tool, displacement, points)[0], position[quads], limit, resolution, directors
+        )
 
 
 class Deepest(NamedTuple):
@@ -83,7 +96,11 @@ class Deepest(NamedTuple):
 
 
 def deepest_point(
-    distance_of: Callable[[np.ndarray], np.ndarray], corners: np.ndarray, limit: float, resolution: float
+    distance_of: Callable[[np.ndarray], np.ndarray],
+    corners: np.ndarray,
+    limit: float,
+    resolution: float,
+    directors: np.ndarray | None = None,
 ) -> Deepest:
     """The point of elements that lies deepest in a body, also between their nodes.
 
@@ -95,6 +112,7 @@ def deepest_point(
         corners: of the elements, (element_count, 4, 3) [m].
         limit: only points nearer than this are looked for [m].
         resolution: size of the smallest cells [m].
+        directors: at the corners, (element_count, 4, 3), which describe the surface; None takes flat elements.
     """
     middle = corners.mean(axis=1, keepdims=True)
     radius = CURVED * np.linalg.norm(corners - middle, axis=2).max(axis=1)
@@ -102,7 +120,10 @@ def deepest_point(
     place = np.zeros((len(corners), 2))
     best = Deepest(limit)
     while len(element):
-        points = _points(corners[element], place)
+        if directors is None:
+            points = np.einsum("kc,kci->ki", corner_shares(place)[0], corners[element])
+        else:
+            points, _ = surface_points(corners[element], directors[element], place)
         distance = distance_of(points)
         lowest = int(np.argmin(distance))
         if distance[lowest] < best.distance:
@@ -116,10 +137,3 @@ def deepest_point(
         place = (place[kept][:, None] + quarter).reshape(-1, 2)
         element = np.repeat(element[kept], 4)
     return best
-
-
-def _points(corners: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Points of elements (k, 4, 3) at places (k, 2) from -1 to 1 in both directions, (k, 3)."""
-    u, v = place.T
-    weight = 0.25 * np.stack([(1 - u) * (1 - v), (1 + u) * (1 - v), (1 + u) * (1 + v), (1 - u) * (1 + v)], axis=1)
-    return np.einsum("kc,kci->ki", weight, corners)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import astuple
 from typing import Any
 
 from ..frame import Frame
@@ -77,7 +78,7 @@ class Watch:
         """All that was seen so far, for a checkpoint: plain values, lists, and arrays."""
         return {
             "history": self.history,
-            "penetration": [self.penetration.at_nodes, self.penetration.at_element_centres],
+            "penetration": list(astuple(self.penetration)),
             "extremes": self.extremes.memory(),
             "conditions": [condition.memory() for condition in self.conditions],
             "stacks": [stack.memory() for stack in self.stacks],

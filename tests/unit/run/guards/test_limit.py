@@ -18,9 +18,9 @@ from weavesim.run.guards import Level, known_guards
         ("hourglass_energy", "hourglass_energy_ratio", 0.06, Level.WARNING, "refine the mesh"),
         ("damping_loss", "damping_loss_ratio", 0.06, Level.WARNING, "lower the damping"),
         ("added_mass", "added_mass_ratio", 0.06, Level.WARNING, "added mass"),
-        ("penetration_at_element_centres", "penetration_at_element_centres_mm", 0.51, Level.WARNING,
-         "deepest centre of an element in a tool [mm] is 0.51, above 0.5"),
-        ("penetration_at_element_centres", "penetration_at_element_centres_mm", 2.1, Level.DO_NOT_USE, "is 2.1"),
+        ("penetration_of_surface", "penetration_of_surface_mm", 0.51, Level.WARNING,
+         "deepest point of the sheet's surface in a tool [mm] is 0.51, above 0.5"),
+        ("penetration_of_surface", "penetration_of_surface_mm", 2.1, Level.DO_NOT_USE, "is 2.1"),
         ("unit_cell_failures", "unit_cell_failures", 1, Level.WARNING, "failed unit cells is 1, above 0"),
     ],
 )  # fmt: skip

@@ -10,7 +10,8 @@ from weavesim.tools.tool import Tool
 
 VERDICT = (
     "kinetic_energy_ratio", "hourglass_energy_ratio", "energy_balance_error", "damping_loss_ratio", "verdict", "doubts",
-    "penetration_at_nodes_mm", "penetration_at_element_centres_mm", "max_shear_angle_deg", "energies_j", "step_count",
+    "penetration_at_nodes_mm", "penetration_of_surface_mm", "penetration_at_element_centres_mm",
+    "max_shear_angle_deg", "energies_j", "step_count",
     "max_shear_angle_of_run_deg", "beyond_symmetry_mm", "most_self_intersections", "peak_tool_force_n",
 )  # fmt: skip
 

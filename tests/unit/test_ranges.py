@@ -47,7 +47,8 @@ WITHOUT_QUANTITY = {
     "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
     "Tool.colour", "TriangleMesh.side", "RunOptions.threads", "RunOptions.frame_count", "HemisphereParameters.seed",
     "CusickDrapeParameters.seed", "CalibrationOptions.held_uncertainty", "CalibrationOptions.knots",
-    "CalibrationOptions.noise", "CalibrationOptions.seed", "CalibrationOptions.starts", "SpringTable.direction",
+    "CalibrationOptions.noise", "GrippersParameters.gripped_share",
+    "GrippersParameters.gripper_count", "CalibrationOptions.seed", "CalibrationOptions.starts", "SpringTable.direction",
     "SolverTable.threads", "ToolTable.axis",
 }  # fmt: skip
 

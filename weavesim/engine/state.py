@@ -219,10 +219,12 @@ class State:
             value = getattr(self, field.name)
             if isinstance(value, wp.array):
                 yield field.name, value
-        for name, parts in (("sheets", self.sheets), ("passes", self.passes)):
-            for index, part in enumerate(parts):
-                for field in fields(part):
-                    yield f"{name}/{index}/{field.name}", getattr(part, field.name)
+        for index, sheet in enumerate(self.sheets):
+            for field in fields(sheet):
+                yield f"sheets/{index}/{field.name}", getattr(sheet, field.name)
+        for index, each in enumerate(self.passes):
+            for field in fields(each):
+                yield f"passes/{index}/{field.name}", getattr(each, field.name)
 
     def clone(self) -> State:
         """A copy with arrays of its own."""

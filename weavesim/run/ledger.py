@@ -127,7 +127,9 @@ class Ledger:
             "driving_force_work": float(work[ToolWorkRow.driving][self._driven].sum()),
         }
         entries = _inserted(entries, of_tools)
-        stored, lost, supplied = STORED, LOST, SUPPLIED
+        stored: tuple[str, ...] = STORED
+        lost: tuple[str, ...] = LOST
+        supplied: tuple[str, ...] = SUPPLIED
         if self.interfaces.passes:
             entries |= self.interfaces.entries(state, ahead)
             stored, lost, supplied = stored + PLY_STORED, lost + PLY_LOST, supplied + PLY_SUPPLIED

@@ -136,7 +136,7 @@ def _doubled(node: np.ndarray, quads: np.ndarray, cuts: list[np.ndarray]) -> tup
             if int(corner) in around:
                 around[int(corner)].append(row)
     original = quads.copy()
-    for spot in on_cut:
+    for spot in map(int, on_cut):
         rest, groups = list(around[spot]), []
         while rest:
             group = [rest.pop()]

@@ -30,7 +30,7 @@ from weavesim.tools import Plane, rotation_matrix
 REDUCED = 0.5 * FABRIC.areal_density
 
 
-def test_two_free_plies_collide():
+def test_two_free_plies_collide(manual):
     """Linear momentum is kept to round-off, and the ledger closes; the plies separate with what they came with."""
     sheets = [
         ply("lower", square(0.03, 0.01), (0.0, 0.0, 1.0)),
@@ -46,6 +46,14 @@ def test_two_free_plies_collide():
     last = run.history[-1]
     assert last["ply_friction_loss"] > 0.0
     assert max(abs(entry["balance_error"]) for entry in run.history[-2:]) < 0.01 * last["supplied"]
+    case = manual(
+        "Contact", "Two free plies collide",
+        known="Squares of 60 mm, meshes at 34 degrees, closing at 2 m/s with friction: linear momentum is kept to "
+        "round-off, and the ledger closes within 1 % of the energy.",
+    )  # fmt: skip
+    error = np.abs(linear - start).max() / impulse
+    case.table(["change of momentum, relative", "error of the balance, relative"],
+               [[error, abs(last["balance_error"]) / last["supplied"]]])  # fmt: skip
 
 
 @pytest.mark.parametrize(("size", "angle"), [(0.01, 0.0), (0.01 / 1.7, 30.0)])
@@ -77,7 +85,7 @@ def _spin_momentum(run) -> np.ndarray:
 
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])
-def test_friction_stops_a_ply(precision):
+def test_friction_stops_a_ply(precision, manual):
     """Rest after V rho_r/(mu p), slip half of V times that, and all its energy as heat, each within 1 %."""
     speed, pressure, coefficient = 1.0, 1000.0, 0.3
     sheets = [
@@ -101,6 +109,20 @@ def test_friction_stops_a_ply(precision):
     slope, start = np.polyfit(time[half], np.sqrt(moving[half]), 1)
     assert -start / slope == pytest.approx(rest, rel=0.01)
     assert abs(last["balance_error"]) < 1e-3 * last["supplied"]
+    if precision == "float64":
+        case = manual(
+            "Contact", "Friction stops a ply",
+            known="Two free squares of 0.743 kg/m^2 each under 1 kPa slide on each other at 1 m/s with mu = 0.3: rest "
+            "after V rho_r/(mu p), half of V times that as slip, and all the energy of the relative motion as heat.",
+        )  # fmt: skip
+        case.table(
+            ["", "known", "weavesim"],
+            [
+                ["time to rest [ms]", 1e3 * rest, -1e3 * start / slope],
+                ["slip [mm]", 0.5e3 * speed * rest, 1e3 * rows["slip"][inner].mean()],
+                ["heat [mJ]", 0.5e3 * REDUCED * speed**2 * 0.01, 1e3 * last["ply_friction_loss"]],
+            ],
+        )
 
 
 def test_a_viscous_film_slows_a_ply_exponentially():
@@ -129,7 +151,7 @@ def plates(height: float, stack: float) -> tuple[Tool, ...]:
 
 
 @pytest.mark.parametrize("meshes", [(0.01, 0.0), (0.01, 45.0), (0.006, 30.0)], ids=["equal", "turned", "finer"])
-def test_every_interface_of_a_stack_carries_the_pressure(meshes):
+def test_every_interface_of_a_stack_carries_the_pressure(meshes, manual):
     """Three plies between plates: every interface carries the force, and the height gives way as the penalties say."""
     size, angle = meshes
     half = 0.03 if angle == 0.0 else 0.02
@@ -161,6 +183,14 @@ def test_every_interface_of_a_stack_carries_the_pressure(meshes):
         tools = 2.0 * pressure * steps[0] ** 2 / (0.05 * FABRIC.areal_density)
         interfaces = 2.0 * pressure / run.model.passes[0].area_stiffness
         assert tools + interfaces == pytest.approx(press, rel=0.02)
+        case = manual(
+            "Contact", "A stack between plates",
+            known="Three plies are pressed together by 0.04 mm: every interface carries the force of the plates, and "
+            "the stack gives way by p dt0^2/(s_c rho) at each plate and p/k_a at each interface. With the middle ply "
+            "turned by 45 degrees, or finer by 1:1.7 and turned by 30 degrees, the forces are equal too.",
+        )  # fmt: skip
+        case.table(["pressure [kPa]", "predicted approach [um]", "approach [um]"],
+                   [[1e-3 * pressure, 1e6 * (tools + interfaces), 1e6 * press]])  # fmt: skip
 
 
 @pytest.mark.parametrize(("share", "slides"), [(0.8, False), (1.25, True)])
@@ -186,7 +216,7 @@ def test_a_ply_on_an_incline(share, slides):
         assert abs(moved) < 1e-7 and abs(velocity[:, 0].mean()) < 1e-4
 
 
-def test_the_middle_ply_is_pulled_out_with_the_friction_of_both_faces():
+def test_the_middle_ply_is_pulled_out_with_the_friction_of_both_faces(manual):
     from weavesim import Drive, Support
 
     pressure, coefficient = 500.0, 0.25
@@ -213,6 +243,12 @@ def test_the_middle_ply_is_pulled_out_with_the_friction_of_both_faces():
     drag = (last["ply_friction_loss"] - early["ply_friction_loss"]) / way
     assert drag == pytest.approx(2.0 * coefficient * pressure * 0.06**2, rel=0.01)
     assert abs(last["balance_error"]) < 0.01 * last["supplied"]
+    case = manual(
+        "Contact",
+        "The middle of three plies is pulled out",
+        known="Under a normal force N the drag is 2 mu N; here it is the work of friction over the way.",
+    )
+    case.table(["2 mu N [N]", "drag [N]"], [[2.0 * coefficient * pressure * 0.06**2, drag]])
 
 
 @pytest.mark.parametrize("lane_count", [1, 16])

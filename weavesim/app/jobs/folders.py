@@ -8,8 +8,6 @@ from typing import Any
 
 from ...errors import InputError
 from ...input_files import MEBIBYTE, read_bounded, shown
-from ...output.claim.record import RECORD_NAME
-from ...output.claim.remains import SUMMARY_NAME
 
 LARGEST_RECORD = 64 * MEBIBYTE
 
@@ -20,6 +18,8 @@ def read_record(folder: Path) -> dict[str, Any]:
     Raises:
         InputError: it is no folder of a run.
     """
+    from ...output.claim.record import RECORD_NAME
+
     if not (folder / RECORD_NAME).is_file():
         inner = sorted(path.parent for path in folder.glob(f"*/{RECORD_NAME}"))
         hint = f"; it has runs in {', '.join(shown(path) for path in inner[:5])}" if inner else ""
@@ -29,6 +29,8 @@ def read_record(folder: Path) -> dict[str, Any]:
 
 def read_summary(folder: Path) -> dict[str, Any]:
     """``summary.json`` of a folder; {} without one."""
+    from ...output.claim.remains import SUMMARY_NAME
+
     return _read(folder / SUMMARY_NAME) if (folder / SUMMARY_NAME).is_file() else {}
 
 

@@ -11,7 +11,6 @@ import typer
 from ...errors import InputError
 from ...input_files import MEBIBYTE, read_bounded, shown
 from ..ending import ExitCode
-from ..progress import ProgressBar
 from ..session import announce_compilation, announced, interruptible
 from ..terminal import say
 from .arguments import Overwrite
@@ -87,8 +86,8 @@ def _run(setup: Setup, into: Path | None, overwrite: bool, options: dict[str, An
     from ...output import ResultFolder
     from ...output.claim.record import frame_hash
     from ...run.simulation import Simulation
+    from ..progress import ProgressBar
     from ..run_into_folder import run_into_folder
-    from .folders import read_record
 
     if into is not None:
         folder = ResultFolder(into, overwrite=overwrite, options=options)

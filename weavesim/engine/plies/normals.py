@@ -54,7 +54,7 @@ def _table(sheet: SheetModel):
     slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
     # a node without a further element sees itself, and no area
     own = sheet.motion_layout.entry(0, np.arange(sheet.node_count))
-    tables = []
+    tables: list[wp.array] = []
     for shift in (-1, 1):
         table = np.tile(own, (slot.max() + 1, 1)).astype(np.int32)
         neighbour = np.roll(quads, shift, axis=1).ravel()

@@ -152,7 +152,7 @@ class PassLaunches:
         )
 
 
-def _integer_lanes(array: wp.array, indices: type) -> wp.array:
+def _integer_lanes(array: wp.array, indices: Any) -> wp.array:
     """An array of int32 with padded last axis as lanes, on the same memory."""
     lane_count = indices._length_
     view: Any = wp.array(

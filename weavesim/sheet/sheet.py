@@ -90,7 +90,9 @@ class Sheet(Parameters):
         """Self-contact tells neighbours by their distance on the flat blank."""
         flat = self.blank.material_coordinates[self.blank.quads]
         across = (flat[:, 2] - flat[:, 0])[:, :, None] * (flat[:, 3] - flat[:, 1])[:, None, :]
-        area = 0.5 * np.abs(across[:, 0, 1] - across[:, 1, 0])
+        # signed: elements that lie upside down on the flat blank lie on others
+        area = 0.5 * (across[:, 0, 1] - across[:, 1, 0])
+        area *= np.sign(area.sum())
         corner = self.blank.node_position[self.blank.quads]
         formed = 0.5 * np.linalg.norm(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]), axis=1)
         ratio = area / formed

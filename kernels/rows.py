@@ -294,6 +294,7 @@ class PassEntry(Rows):
     rebuild = "1", "1 if lists of candidates are made anew"
     stray_count = "1", "nodes that have found a foot at this update"
     late = "1", "1 if a node has ever left the facets on which it was listed: a contact may have been missed"
+    deepest = "m", "deepest penetration so far that makes a force, at an update"
 
 
 class LoadRow(Rows):

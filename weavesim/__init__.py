@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from .process.interfaces import Interface
     from .process.loads import NodalLoads
     from .process.pressure import Pressure
+    from .process.self_contact import SelfContact
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
     from .process.supports import Drive, Support
     from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
@@ -150,6 +151,7 @@ _names_in = {
     "process.interfaces": ("Interface",),
     "process.loads": ("NodalLoads",),
     "process.pressure": ("Pressure",),
+    "process.self_contact": ("SelfContact",),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),
     "process.supports": ("Drive", "Support"),
     "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),

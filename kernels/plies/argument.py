@@ -23,7 +23,7 @@ def yarn_angle_function(real: type, lane_count: int):
     types = lane_types(real, lane_count)
     lanes, indices = types.lanes, types.indices
     Slaves, Facets = slaves_struct(real, lane_count), facets_struct(real)
-    vectors, _, _ = patch_functions(real, lane_count)
+    vectors, _, _, _ = patch_functions(real, lane_count)
 
     @wp.func
     def gradient(facets: Facets, facet: indices, diagonal: int):

@@ -22,6 +22,13 @@ def slaves_struct(real: type, lane_count: int):
         stiffness: wp.array(dtype=types.lanes)  # normal spring [N/m]; 0 for padding
         home: wp.array(dtype=types.indices)  # an element beside each node, for the direction of its warp
         facets: facets_struct(real)  # of the nodes' own sheet
+        normals: wp.array2d(dtype=types.lanes)  # of the nodes: see normals.py
+        flat: wp.array2d(dtype=types.lanes)  # flat coordinates, laid out alike; 1 behind those of nodes on a free edge
+        facing: (
+            real  # contact within a sheet: 1 if the node's normal points along that of the facet, -1 if against; else 0
+        )
+        squared_exclusion: real  # nearer on the flat blank, points of one sheet are neighbours [m^2]
+        squared_edge_distance: real  # farther away, nodes of free edges may stand edge-on [m^2]
         is_first: wp.int32  # 1 in the first pass of a sheet, which begins the sum of its contact forces
 
     return Slaves
@@ -35,6 +42,7 @@ def contact_law_struct(real: type):
     class ContactLaw:
         side: real  # 1: the nodes lie above the facets, along their directors; -1: below
         thickness: real  # sum of the half thicknesses [m]
+        farthest: real  # coordinate up to which a foot may lie beyond a free edge of its facet
         area_stiffness: real  # of both passes together, per area [Pa/m]
         damping_time: real  # normal dashpot over normal spring [s]
         tangential_ratio: real  # friction spring over normal spring

@@ -46,6 +46,9 @@ def facets_struct(real: type):
         stride: wp.int32  # entries between two rows
         normals: wp.array(dtype=real)  # unit normals of the nodes: see normals.py
         normal_stride: wp.int32
+        flat: wp.array(
+            dtype=real
+        )  # flat coordinates of the nodes, laid out as the normals; 1 behind those on a free edge
 
     return Facets
 
@@ -80,7 +83,7 @@ for _types in (lane_types(wp.float32, GPU_LANE_COUNT), lane_types(wp.float32, CP
 
 @cache
 def patch_functions(real: type, lane_count: int):
-    """wp.funcs that gather patches: a row of the motion as it is, positions from a point, and normals."""
+    """wp.funcs that gather patches: a row of the motion as it is, positions from a point, normals, and any."""
     types, Patch, Facets = lane_types(real, lane_count), patch_struct(real, lane_count), facets_struct(real)
     indices, lanes3 = types.indices, types.lanes3
 
@@ -139,7 +142,7 @@ def patch_functions(real: type, lane_count: int):
             normal_at(facets, facet, 3),
         )  # fmt: skip
 
-    return vectors, positions, normals
+    return vectors, positions, normals, patch_of
 
 
 @wp.func
@@ -260,28 +263,33 @@ def walk_function(real: type, lane_count: int):
 
 @cache
 def inside_function(real: type, lane_count: int):
-    """wp.func -> 1 in the lanes whose feet lie on their facets, or just beyond an edge that has a neighbour; else 0."""
+    """wp.func -> 1 in the lanes whose feet lie on their facets, or just beyond an edge that has a neighbour; else 0.
+
+    ``farthest`` is how far they may lie beyond a free edge, as a coordinate of the facet.
+    """
     types, Facets = lane_types(real, lane_count), facets_struct(real)
     indices, lanes = types.indices, types.lanes
 
     @wp.func
-    def beside(facets: Facets, facet: int, along: real, low: int, high: int):
+    def beside(facets: Facets, facet: int, along: real, low: int, high: int, farthest: real):
         result = real(1.0)
         size = wp.abs(along)
         # nodes of equal plies stand on each other's edges, to rounding
         if size > real(1.001):
             edge = wp.where(along > real(0.0), high, low)
-            if size > real(1.2) or facets.neighbour[facet, edge] == FREE_EDGE:
+            is_free = facets.neighbour[facet, edge] == FREE_EDGE
+            if size > wp.where(is_free, farthest, real(1.2)):
                 result = real(0.0)
         return result
 
     @wp.func
-    def inside(facets: Facets, facet: indices, xi: lanes, eta: lanes):
+    def inside(facets: Facets, facet: indices, xi: lanes, eta: lanes, farthest: real):
         result = fill(xi, 1.0)
         if lane_maximum(larger(magnitude(xi), magnitude(eta))) <= real(1.001):
             return result
         for i in range(lane_count):
-            result[i] = beside(facets, facet[i], xi[i], 3, 1) * beside(facets, facet[i], eta[i], 0, 2)
+            first = beside(facets, facet[i], xi[i], 3, 1, farthest)
+            result[i] = first * beside(facets, facet[i], eta[i], 0, 2, farthest)
         return result
 
     return inside

@@ -23,7 +23,7 @@ from ..lanes import (
 from ..operators import div, mul  # noqa: F401
 from ..rows import PlyRow, PlyWorkRow
 from .argument import friction_argument_function, yarn_angle_function
-from .data import contact_law_struct, record_struct, slaves_struct
+from .data import NO_DEPTH, contact_law_struct, record_struct, slaves_struct
 from .facet import facets_struct
 from .stand import ply_place_struct, stand_struct
 
@@ -62,10 +62,16 @@ def ply_forces_function(real: type, lane_count: int):
     argument_of, yarn_angle = friction_argument_function(real, lane_count), yarn_angle_function(real, lane_count)
 
     @wp.func
-    def entry_of(law: Law, stand: Stand, place: Place, record: Record, closing: lanes):
-        """Penetration that makes no force: no contact begins with one."""
+    def entry_of(law: Law, stand: Stand, place: Place, record: Record, closing: lanes, facing: real):
+        """Penetration that makes no force: no contact begins with one.
+
+        Within a sheet, a node may come from among the neighbours of its foot, at any depth.
+        """
         block = place.block
         usual = larger(place.mean_step * magnitude(closing), lanes(real(USUAL_ENTRY) * law.thickness))
+        unseen = lanes(real(0.5) * real(NO_DEPTH)) - record.rows[PlyRow.depth, block]
+        if facing != real(0.0):
+            usual = where_positive(unseen, lanes(), usual)
         deep = stand.depth - real(2.0) * usual
         began = where_positive(record.rows[PlyRow.depth, block], lanes(), deep)
         kept = smaller(record.rows[PlyRow.entry, block], larger(stand.depth, lanes()))
@@ -117,7 +123,7 @@ def ply_forces_function(real: type, lane_count: int):
         stiffness = slaves.stiffness[place.block]
         closing = -law.side * dot(stand.velocity, stand.normal)
         book_release(record, place.block, stand, stiffness)
-        forces.entry = entry_of(law, stand, place, record, closing)
+        forces.entry = entry_of(law, stand, place, record, closing, slaves.facing)
         push, pressed = normal_force(stand.depth - forces.entry, closing, stiffness, law.damping_time)
         forces.push = push
         forces.pressure = law.area_stiffness * pressed / larger(stiffness, lanes(real(1.0e-30)))

@@ -24,6 +24,7 @@ from .stand import (
     stand_struct,
     touch_distance,
 )
+from .within import admit_function
 
 # Newton iterations from the foot of the last step, and after a node has walked to another facet.
 USUAL_ITERATIONS = wp.constant(2)
@@ -78,6 +79,7 @@ def meet_plies_kernel(real: type, lane_count: int):
     look_below, stand_on = below_function(real, lane_count), stand_function(real, lane_count)
     walk, forces_of = walk_function(real, lane_count), ply_forces_function(real, lane_count)
     book, close_books = close_books_function(real, lane_count)
+    admit = admit_function(real, lane_count)
 
     @wp.func
     def place_of(block: int, clock: wp.array(dtype=wp.float64), record: Record, motion: wp.array2d(dtype=lanes)):
@@ -150,6 +152,8 @@ def meet_plies_kernel(real: type, lane_count: int):
             below = look_below(facets, facet, place)
         stand = stand_on(law, facets, facet, place, below, xi, eta, iterations)
         stand = keep_stray(record, block, stand, record.rows[PlyRow.stray, block])
+        if slaves.facing != real(0.0):
+            stand = admit(slaves, facets, facet, block, below, stand)
         forces = forces_of(slaves, facets, law, place, facet, stand, record)
         old_push = record.rows[PlyRow.push, block]
         worked = real(0.5) * (old_push + forces.push) * growth

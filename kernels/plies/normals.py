@@ -50,9 +50,12 @@ def surface_normals_kernel(real: type, lane_count: int):
         table: NormalTable,
         motion: wp.array(dtype=real),
         rows: wp.array2d(dtype=lanes),  # the same motion, by rows
+        awake: wp.array(dtype=wp.int32),  # 0: no contact needs them now
         # Out
         normals: wp.array2d(dtype=lanes),
     ):
+        if awake[0] == 0:
+            return
         block = first_block + wp.tid()
         position = record3(rows, MOTION_RECORD_LENGTH, MotionRow.position, block)
         total = lanes3()

@@ -34,6 +34,7 @@ def search_struct(real: type):
         thickness: real  # at which the plies touch [m]
         facet_count: wp.int32  # without padding
         steps: wp.int32  # until the next update
+        slot: wp.int32  # contact within a sheet: which of its slots the pass is; else -1
         ring: wp.array2d(dtype=wp.int32)  # [facet, place]: facets that share a node with it, itself first; or -1
 
     return Search
@@ -49,6 +50,7 @@ def watch_struct(real: type):
         entry: wp.array(dtype=wp.float64)  # see PassEntry
         travel: wp.array(dtype=real)  # [block]: longest way of a node since the lists were made [m]
         late: wp.array(dtype=wp.int32)  # [block]: 1 if a pressed node had gone too far
+        deepest: wp.array(dtype=real)  # [block]: deepest penetration that makes a force [m]
         found: wp.array(dtype=wp.int32)  # [node]: 1 if it has just found a foot
         foot: wp.array(dtype=vec3)  # [node]: place of its foot [m]
         stray: wp.array(dtype=wp.int32)  # nodes that have just found a foot
@@ -106,7 +108,7 @@ def seek_feet_kernel(real: type, lane_count: int):
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
     Record = record_struct(real, lane_count)
-    vectors, _, _ = patch_functions(real, lane_count)
+    vectors, _, _, _ = patch_functions(real, lane_count)
 
     @wp.func
     def corner_place(facets: Facets, facet: int, corner: int):
@@ -193,6 +195,7 @@ def seek_feet_kernel(real: type, lane_count: int):
                 late = 1
         watch.late[block] = late
         watch.travel[block] = lane_maximum(travel)
+        watch.deepest[block] = lane_maximum(record.rows[PlyRow.depth, block] - record.rows[PlyRow.entry, block])
 
     @wp.kernel(module="unique", enable_backward=False)
     def seek_feet(
@@ -213,14 +216,15 @@ def seek_feet_kernel(real: type, lane_count: int):
         force = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)
         drag = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)
         for i in range(lane_count):
-            found = wp.int32(0)
+            # within a sheet, the feet have been found before
+            found = wp.where(search.slot >= 0, watch.found[block * lane_count + i], 0)
             if stray[i] > real(0.0):
                 stray[i] = seek_foot(facets, search, reach, position, record, block, i)
-                if stray[i] <= real(0.0):
-                    found = 1
-                    travel[i] = search.skin
-                    force[SCALAR, i] = real(0.0)
-                    drag[SCALAR, i] = real(0.0)
+                found = wp.where(stray[i] <= real(0.0), 1, 0)
+            if found == 1:
+                travel[i] = wp.where(search.slot >= 0, real(0.0), search.skin)
+                force[SCALAR, i] = wp.where(search.slot >= 0, watch.foot[block * lane_count + i][0], real(0.0))
+                drag[SCALAR, i] = wp.where(search.slot >= 0, watch.foot[block * lane_count + i][1], real(0.0))
             watch.found[block * lane_count + i] = found
         record.rows[PlyRow.stray, block] = stray
         record.rows[PlyRow.travel, block] = travel
@@ -238,18 +242,26 @@ def collect_strays_kernel(real: type):
     Search, Watch = search_struct(real), watch_struct(real)
 
     @wp.kernel(module="unique", enable_backward=False)
-    def collect_strays(search: Search, watch: Watch):
+    def collect_strays(search: Search, watch: Watch, way: wp.array(dtype=real), awake: wp.array(dtype=wp.int32)):
         longest = real(0.0)
         late = watch.entry[PassEntry.late]
+        deepest = real(watch.entry[PassEntry.deepest])
+        # the first of a sheet's passes begins anew; contact between plies needs its normals always
+        wakes = wp.where(search.slot > 0, awake[0], 0)
         for block in range(watch.travel.shape[0]):
             longest = wp.max(longest, watch.travel[block])
             late = wp.max(late, wp.float64(watch.late[block]))
+            deepest = wp.max(deepest, watch.deepest[block])
+            if search.slot < 0 or not way[block] > real(0.0):
+                wakes = 1
         count = wp.int32(0)
         for node in range(watch.found.shape[0]):
             if watch.found[node] == 1:
                 watch.stray[count] = node
                 count = count + 1
         watch.entry[PassEntry.late] = late
+        watch.entry[PassEntry.deepest] = wp.float64(deepest)
+        awake[0] = wakes
         watch.entry[PassEntry.stray_count] = wp.float64(count)
         rebuild = count > 0 or longest > real(0.5) * search.skin
         watch.entry[PassEntry.rebuild] = wp.where(rebuild, wp.float64(1.0), wp.float64(0.0))
@@ -379,7 +391,7 @@ def begin_travel_kernel(real: type, lane_count: int):
         if watch.entry[PassEntry.rebuild] != wp.float64(0.0):
             travel = lanes()
             for i in range(lane_count):
-                if watch.found[block * lane_count + i] == 1:
+                if watch.found[block * lane_count + i] == 1 and search.slot < 0:
                     travel[i] = search.skin
             record.rows[PlyRow.travel, block] = travel
 

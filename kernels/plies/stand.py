@@ -85,7 +85,7 @@ def below_function(real: type, lane_count: int):
     """wp.func (facets, facet, place) -> Below."""
     indices = lane_types(real, lane_count).indices
     Facets, Place, Below = facets_struct(real), ply_place_struct(real, lane_count), below_struct(real, lane_count)
-    vectors, positions, normals = patch_functions(real, lane_count)
+    vectors, positions, normals, _ = patch_functions(real, lane_count)
 
     @wp.func
     def look_below(facets: Facets, facet: indices, place: Place):
@@ -150,7 +150,7 @@ def stand_function(real: type, lane_count: int):
         length = square_root(dot(n, n))
         stand.normal = scale(fill(length, 1.0) / length, n)
         stand.distance = touch_distance(law, below, new_xi, new_eta)
-        stand.has_foot = inside(facets, facet, new_xi, new_eta)
+        stand.has_foot = inside(facets, facet, new_xi, new_eta, law.farthest)
         farther = where_positive(magnitude(new_xi) - magnitude(new_eta), magnitude(new_xi), magnitude(new_eta))
         stand.lost = where_positive(farther - lanes(real(LOST)), fill(xi, 1.0), lanes())
         stand = turn_of(below, stand, g, length)

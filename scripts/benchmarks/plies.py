@@ -29,6 +29,7 @@ def plies(
     """Time per element and step of flat squares, every second one turned by 30 degrees, on one thread."""
     cases = {
         "one ply": stack(1, mesh_size, precision),
+        "one ply with self-contact, nothing near": stack(1, mesh_size, precision, self_contact=True),
         f"{count} plies that pass through each other": stack(count, mesh_size, precision, interfaces=False),
         f"{count} plies in contact, both passes": stack(count, mesh_size, precision),
         f"{count} plies in contact, one pass": stack(count, mesh_size, precision, passes="one"),
@@ -44,10 +45,17 @@ def plies(
 
 
 def stack(
-    count: int, mesh_size: float, precision: str, *, interfaces: bool = True, passes: str = "both", gap: float = 0.0
+    count: int,
+    mesh_size: float,
+    precision: str,
+    *,
+    interfaces: bool = True,
+    passes: str = "both",
+    gap: float = 0.0,
+    self_contact: bool = False,
 ):
     """Squares that a dead pressure on the outermost ones holds together, or apart by ``gap`` [m] and free."""
-    from weavesim import Blank, Coulomb, Interface, NodalLoads, Setup, Sheet, Simulation, Solver
+    from weavesim import Blank, Coulomb, Interface, NodalLoads, SelfContact, Setup, Sheet, Simulation, Solver
     from weavesim.fabric import glass_polypropylene
 
     fabric = glass_polypropylene()
@@ -61,7 +69,8 @@ def stack(
         outside = (k == 0) - (k == count - 1)
         force = np.zeros((blank.node_count, 3))
         force[:, 2] = PRESSURE * mesh_size**2 * outside * (gap == 0.0)
-        sheets.append(Sheet(blank, fabric, name=f"ply {k}", loads=NodalLoads(force=force)))
+        own = SelfContact() if self_contact else None
+        sheets.append(Sheet(blank, fabric, name=f"ply {k}", loads=NodalLoads(force=force), self_contact=own))
     pairs = zip(sheets[:-1], sheets[1:], strict=True)
     joined = tuple(Interface(a.name, b.name, Coulomb(0.2), passes=passes) for a, b in pairs) if interfaces else ()
     solver = Solver(precision=precision, threads=1)

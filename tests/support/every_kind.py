@@ -7,10 +7,24 @@ import math
 import numpy as np
 import trimesh
 
+from tests.support.folded_strips import fold_blank
 from tests.support.registered_cells import CELLS
 from tests.support.registered_laws import TERMS
 from tests.support.sheet import plain_fabric
-from weavesim import Drive, Dynamics, Fabric, NodalLoads, Setup, Sheet, SmoothStroke, Solver, Support, Tool, World
+from weavesim import (
+    Drive,
+    Dynamics,
+    Fabric,
+    NodalLoads,
+    SelfContact,
+    Setup,
+    Sheet,
+    SmoothStroke,
+    Solver,
+    Support,
+    Tool,
+    World,
+)
 from weavesim.checks import Kinded
 from weavesim.fabric import ShearFriction, YarnBending, glass_polypropylene
 from weavesim.fabric.bending import BendingCurve
@@ -173,6 +187,15 @@ def stacked(solver: Solver) -> Setup:
     )
 
 
+def folded(solver: Solver) -> Setup:
+    """A folded strip whose legs touch, and close farther, with friction."""
+    fabric = plain_fabric()
+    blank = fold_blank(4.0 * fabric.thickness, 20.0 * fabric.thickness, 0.999 * fabric.thickness)
+    velocity = np.where(blank.node_position[:, 2:] > 0.5 * fabric.thickness, (0.2, 0.1, -0.5), 0.0)
+    sheet = Sheet(blank, fabric, initial_velocity=velocity, self_contact=SelfContact(Coulomb(0.3)))
+    return Setup(name="folded", sheets=(sheet,), duration=1.0, solver=solver, accept_unusual=True)
+
+
 def every_kind() -> dict[str, Setup]:
     """By name; fails if a registered kind is in none of them."""
     fabric, blank = glass_polypropylene(), saddle()
@@ -187,6 +210,7 @@ def every_kind() -> dict[str, Setup]:
     cases["worlds in lanes"] = two_worlds(IN_LANES)
     cases["plies"] = stacked(ONE_LANE)
     cases["plies in lanes"] = stacked(IN_LANES)
+    cases["self-contact"] = folded(ONE_LANE)
     found = {kind for setup in cases.values() for kind in _kinds_in(setup)}
     kinds = {kind for family in Kinded.__subclasses__() for kind in family.kinds().values()}
     own = {kind.__name__ for kind in kinds if kind.__module__.startswith("weavesim.")}

@@ -13,6 +13,7 @@ LEAST_LENGTH = 60
 BETWEEN_NODES = "verification/contact/test_between_nodes.py"
 SHELL = "verification/element/test_energies.py"
 PLIES = "verification/contact/test_plies.py"
+SELF_CONTACT = "verification/contact/test_self_contact.py"
 # Modules whose test has another name, with the file that tests them.
 TESTED_ELSEWHERE = {
     # A part of a kernel has no result of its own: forces against energies, patches and modes find its mistakes.
@@ -61,6 +62,8 @@ TESTED_ELSEWHERE = {
     "kernels/plies/search.py": PLIES,
     "kernels/plies/stand.py": PLIES,
     "kernels/plies/normals.py": PLIES,
+    "kernels/plies/own_search.py": SELF_CONTACT,
+    "kernels/plies/within.py": SELF_CONTACT,
     "weavesim/run/interface_ledger.py": PLIES,
     "weavesim/run/guards/plies/interfaces.py": "unit/process/test_friction.py",
     "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",

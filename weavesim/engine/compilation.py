@@ -45,7 +45,7 @@ from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
-from .plies.ply_kernels import ply_kernels
+from .plies.ply_kernels import own_contact_kernels, ply_kernels
 from .setup import Setup
 from .traits import node_traits, sheet_traits
 
@@ -68,7 +68,8 @@ class KernelSet:
         gripped: whether there are grippers.
         threaded: whether a CPU may use several threads.
         meshes: whether the distance to a triangle mesh is sampled.
-        plies: whether sheets touch each other.
+        plies: whether sheets touch each other, or themselves.
+        own_contact: whether they touch themselves.
     """
 
     unit_cell: UnitCell
@@ -84,6 +85,7 @@ class KernelSet:
     threaded: bool = True
     meshes: bool = False
     plies: bool = False
+    own_contact: bool = False
 
     @classmethod
     def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
@@ -110,6 +112,7 @@ class KernelSet:
             gripped=any(one.gripped for one in sets),
             meshes=True,
             plies=any(one.plies for one in sets),
+            own_contact=any(one.own_contact for one in sets),
         )
 
     @classmethod
@@ -134,6 +137,7 @@ class KernelSet:
             gripped=bool(setup.grippers),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
             plies=nodes.touched,
+            own_contact=any(sheet.self_contact is not None for sheet in setup.sheets),
         )
 
     def kernels(self) -> list[wp.Kernel]:
@@ -159,6 +163,7 @@ class KernelSet:
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
             *(mesh_kernels() if self.meshes else []),
             *(ply_kernels(real, lane_count) if self.plies else []),
+            *(own_contact_kernels(real, lane_count) if self.own_contact else []),
             *(
                 [tool_motion_kernel(real)]
                 if is_cpu or not self.tools

@@ -12,12 +12,13 @@ from ..device import initialise, load_kernel, resolve_device
 from ..errors import InputError
 from ..process.device import build_device_drives
 from ..process.interfaces import Interface
+from ..process.self_contact import SelfContact
 from ..sheet.sheet import Sheet
 from ..tools.device import build_device_tools
 from ..tools.sampling import SampledDistance, mesh_parts, sample_meshes
 from .compilation import MeshKernelSet, compile_missing, mesh_kernels
 from .layout import Span, padded
-from .plies.pass_model import PassModel, mean_density, pass_places
+from .plies.pass_model import PassModel, mean_density, own_pass_places, pass_places
 from .setup import Setup, World
 from .sheet_model import SPARE_NODE_COUNT, Numerics, Places, SheetModel
 from .traits import node_traits
@@ -37,7 +38,9 @@ class Model:
         sheets: constants of every sheet, in the order of ``setup.sheets``.
         tools: of all worlds.
         drives: of all supports.
-        passes: of all interfaces between sheets.
+        contacts: interfaces between sheets, then the contact of each sheet with itself.
+        contact_names: of these, for outputs; self-contact has the name of its sheet.
+        passes: of all contacts.
         reaction_count: blocks of nodes of the largest world, and of elements where these meet tools too.
         reference_step: stable step with straight yarns [s], the basis of the first step.
 
@@ -65,35 +68,50 @@ class Model:
             setup.tools, self.real, str(self.device), self.samples, self._contact_stiffness()
         )
         self.reference_step = min(sheet.reference_step for sheet in self.sheets)
+        own = (sheet.self_contact for sheet in setup.sheets)
+        self.contacts: tuple[Interface | SelfContact, ...] = (
+            *setup.interfaces,
+            *(contact for contact in own if contact is not None),
+        )
+        self.contact_names = (
+            *(interface.name for interface in setup.interfaces),
+            *(sheet.name for sheet in setup.sheets if sheet.self_contact is not None),
+        )
         self.passes = self._passes()
 
     def _passes(self) -> tuple[PassModel, ...]:
-        """Of all interfaces, whose plies need room in the stable step."""
-        interfaces = self.setup.interfaces
-        if not interfaces:
+        """Of all interfaces, whose plies need room in the stable step, and of sheets that touch themselves."""
+        if not self.contacts:
             return ()
         names = [sheet.name for sheet in self.sheets]
+        own = [index for index, sheet in enumerate(self.setup.sheets) if sheet.self_contact is not None]
         faces: dict[str, list[float]] = {name: [0.0, 0.0] for name in names}
-        for interface in interfaces:
-            lower, upper = (self.sheets[names.index(name)] for name in (interface.lower, interface.upper))
+        meetings = [(each, each.lower, each.upper) for each in self.setup.interfaces]
+        meetings += [(self.setup.sheets[index].self_contact, names[index], names[index]) for index in own]
+        for contact, below, above in meetings:
+            lower, upper = (self.sheets[names.index(name)] for name in (below, above))
             densities = mean_density(lower), mean_density(upper)
-            stiffness = interface.stiffness_share * densities[0] * densities[1] / sum(densities)
-            for name, face, density in ((interface.lower, 1, densities[0]), (interface.upper, 0, densities[1])):
+            stiffness = contact.stiffness_share * densities[0] * densities[1] / sum(densities)
+            for name, face, density in ((below, 1, densities[0]), (above, 0, densities[1])):
                 bound = LARGEST_PLY_ROW * stiffness / (density * self.reference_step**2)
                 faces[name][face] = max(faces[name][face], bound)
         for sheet in self.sheets:
             if any(faces[sheet.name]):
                 sheet.bound_plies(*faces[sheet.name])
+        places = pass_places(self.setup.interfaces, self.sheets)
+        begun = {place.slave for place in places}
+        for number, index in enumerate(own, len(self.setup.interfaces)):
+            places += own_pass_places(number, index, index not in begun)
         return tuple(
             PassModel(
                 place,
-                interfaces[place.interface],
+                self.contacts[place.interface],
                 self.sheets[place.slave],
                 self.sheets[place.master],
-                _damping_ratio(interfaces[place.interface], self.sheets[place.slave]),
+                _damping_ratio(self.contacts[place.interface], self.sheets[place.slave]),
                 self.reference_step,
             )
-            for place in pass_places(interfaces, self.sheets)
+            for place in places
         )
 
     def _contact_stiffness(self) -> list[float]:
@@ -143,7 +161,7 @@ class Model:
                 yield from _arrays_in(struct)
 
 
-def _damping_ratio(interface: Interface, sheet: SheetModel) -> float:
+def _damping_ratio(interface: Interface | SelfContact, sheet: SheetModel) -> float:
     own = interface.damping_ratio
     return sheet.dynamics.contact_damping_ratio if own is None else own
 

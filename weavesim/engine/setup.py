@@ -149,6 +149,12 @@ class World(Parameters):
                         f"interface {interface.name}: there is no sheet {name!r} in world {self.name}; its sheets are "
                         f"{', '.join(names)}{did_you_mean(name, names)}"
                     )
+        own = [sheet.name for sheet in self.sheets if sheet.self_contact is not None]
+        if own and self.dynamics.contact_thickness != "initial":
+            raise ValueError(
+                f"contact_thickness = {self.dynamics.contact_thickness!r}: self-contact of sheet {own[0]} is at the "
+                'initial thickness; write "initial"'
+            )
         if self.interfaces and self.dynamics.contact_thickness != "initial":
             raise ValueError(
                 f"contact_thickness = {self.dynamics.contact_thickness!r}: interfaces between plies are at the initial "

@@ -68,6 +68,7 @@ class SheetState:
     sample_gap: wp.array  # (tools, sample blocks), as gap
     sample_reaction: wp.array  # (tools, sample blocks) vec3, force of each block of samples on each tool [N]
     contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
+    awake: wp.array  # (1,) int32: 0 while nothing is near enough to touch, so that normals are not needed
     grip: wp.array  # (rows, gripped nodes) float64, GripRow
     pressure_work: wp.array  # (element blocks,) float64, of the pressures so far [J]; empty without any
 
@@ -127,6 +128,7 @@ class SheetState:
             sample_gap=zeros(tool_rows, sample_blocks),
             sample_reaction=zeros(tool_rows, sample_blocks, dtype=model.types.vec3),
             contact_force=zeros(3, model.node_count if touched else BLOCK),
+            awake=wp.ones(1, dtype=wp.int32, device=device),
             grip=zeros(GripRow.row_count(), sum(len(each.nodes) for each in model.grippers), dtype=wp.float64),
             pressure_work=zeros(model.element_count // model.lane_count if model.pressures else 0, dtype=wp.float64),
         )

@@ -34,6 +34,7 @@ def node_traits(sheet: Sheet, world: World) -> NodeTraits:
         supported=bool(sheet.supports),
         shape_kinds=shape_kinds(tool.shape for tool in world.tools),
         rotated=any(part.rotation != IDENTITY for part in parts),
-        touched=any(sheet.name in (interface.lower, interface.upper) for interface in world.interfaces),
+        touched=sheet.self_contact is not None
+        or any(sheet.name in (interface.lower, interface.upper) for interface in world.interfaces),
         sampled=bool(world.tools) and world.dynamics.contact_samples == "surface",
     )

@@ -6,6 +6,7 @@ from .grippers import Gripper
 from .interfaces import Interface
 from .loads import NodalLoads
 from .pressure import Pressure
+from .self_contact import SelfContact
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
 
@@ -22,6 +23,7 @@ __all__ = [
     "NodalLoads",
     "Pressure",
     "PressureFriction",
+    "SelfContact",
     "SmoothStroke",
     "StribeckFriction",
     "Stroke",

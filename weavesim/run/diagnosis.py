@@ -13,6 +13,9 @@ from ..kernels.rows import PassEntry
 from ..sheet.blank import Blank
 from .frame import Frame, SheetFrame
 
+# Of the thickness: deeper in itself, a sheet might leave on the wrong side.
+LARGEST_SELF_PENETRATION = 0.3
+
 
 class Failure(NamedTuple):
     """A state that is no longer finite.
@@ -44,7 +47,7 @@ def find_failure(model: Model, state: State, last: Frame) -> Failure | None:
         if not good.all() or (not finite_step and len(model.sheets) == 1):
             suspects.append((sheet.name, *_suspect(sheet.blank, frame, ~good, sheet.name, len(model.sheets))))
     if not suspects and finite_step:
-        return _late_contact(model, state)
+        return _late_contact(model, state) or _pressed_through(model, state)
     nobody = None, "its stable step is not positive; no sheet has lost a node yet", None
     sheet_name, where, place = suspects[0] if suspects else nobody
     text = (
@@ -58,8 +61,8 @@ def _late_contact(model: Model, state: State) -> Failure | None:
     for each, own in zip(model.passes, state.passes, strict=True):
         if own.entry.numpy()[PassEntry.late] > 0.0:
             text = (
-                f"interface {each.interface.name}: before {state.time:.4g} s a node went past the facets on which it "
-                "was looked for, so that a contact may have been missed: plies slide faster than the search allows; "
+                f"{each.name}: before {state.time:.4g} s a node went past the facets on which it "
+                "was looked for, so that a contact may have been missed: sheets slide faster than the search allows; "
                 "move the tools more slowly"
             )
             return Failure(text, state.time, each.slave.name, None)
@@ -88,3 +91,21 @@ def _suspect(
         f"{last.fields['warp_stretch'][suspect]:.3f} and {last.fields['weft_stretch'][suspect]:.3f}; {cause}"
     )
     return text, (float(x), float(y))
+
+
+def _pressed_through(model: Model, state: State) -> Failure | None:
+    """A sheet that is so deep in itself that it might leave on the wrong side."""
+    for each, own in zip(model.passes, state.passes, strict=True):
+        depth, limit = float(own.entry.numpy()[PassEntry.deepest]), LARGEST_SELF_PENETRATION * each.thickness
+        if each.is_own and depth > limit:
+            rows = own.read_rows(each)
+            x, y = each.slave.blank.material_coordinates[int((rows["depth"] - rows["entry"]).argmax())]
+            text = (
+                f"sheet {each.slave.name} is pressed {1e3 * depth:.3g} mm into itself after {state.step_count} steps, "
+                f"{state.time:.4g} s, near ({x:.4g}, {y:.4g}) m on the flat blank; {1e3 * limit:.3g} mm, "
+                f"{LARGEST_SELF_PENETRATION:.0%} of the thickness, are allowed, beyond which it might leave on the "
+                f"wrong side: the pressure there is about {depth * each.area_stiffness:.3g} Pa; raise stiffness_share "
+                "of its self_contact, up to 0.2, press less, or move the tools more slowly"
+            )
+            return Failure(text, state.time, each.slave.name, (float(x), float(y)))
+    return None

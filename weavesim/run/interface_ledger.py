@@ -28,7 +28,8 @@ class InterfaceLedger:
     """
 
     def __init__(self, model: Model, state: State) -> None:
-        self.passes, self._interfaces, self._state = model.passes, model.setup.interfaces, state
+        self.passes, self._contacts, self._state = model.passes, model.contacts, state
+        self._contact_names = model.contact_names
 
     def rows(self, index: int) -> dict[str, np.ndarray]:
         """Rows of one pass, of the current state; see ``PassState.read_rows``."""
@@ -50,18 +51,21 @@ class InterfaceLedger:
         result: dict[str, np.ndarray] = {}
         for model, own in zip(self.passes, ahead.passes, strict=True):
             if model.place.slave == sheet:
-                face, rows = "below" if model.place.side > 0 else "above", own.read_rows(model)
+                # the side on which a node's own normal does not point to the other face
+                below = model.place.side * (model.place.facing or 1) > 0
+                face, rows = "below" if below else "above", own.read_rows(model)
                 quads = model.slave.blank.quads
                 pressure = model.area_stiffness * rows["push"] / model.stiffness
-                result[f"ply_pressure_{face}"] = pressure[quads].mean(axis=1)
-                result[f"ply_slip_{face}"] = rows["slip"][quads].mean(axis=1)
+                for name, values in (("pressure", pressure), ("slip", rows["slip"])):
+                    key = f"ply_{name}_{face}"
+                    result[key] = result.get(key, 0.0) + values[quads].mean(axis=1)
         return result
 
     def report(self, state: State, ahead: State) -> list[dict[str, Any]]:
         """Numbers of every interface for the summary, by names with units."""
         result: list[dict[str, Any]] = [
-            {"name": each.name, "force_N": 0.0, "max_pressure_Pa": 0.0, "max_slip_mm": 0.0, "max_entry_mm": 0.0}
-            for each in self._interfaces
+            {"name": each, "force_N": 0.0, "max_pressure_Pa": 0.0, "max_slip_mm": 0.0, "max_entry_mm": 0.0}
+            for each in self._contact_names
         ]
         for entry, energies in zip(result, self.by_interface(state, ahead), strict=True):
             entry |= {f"{name}_J": value for name, value in energies.items()}
@@ -75,8 +79,8 @@ class InterfaceLedger:
         return result
 
     def by_interface(self, state: State, ahead: State) -> list[dict[str, float]]:
-        """The same of every interface."""
-        result = [dict.fromkeys(ENTRIES, 0.0) for _ in self._interfaces]
+        """The same of every interface, then of every sheet that touches itself."""
+        result = [dict.fromkeys(ENTRIES, 0.0) for _ in self._contacts]
         started = state.step_count > 0
         for model, own in zip(self.passes, ahead.passes, strict=True):
             for name, value in _entries(model, own, started).items():

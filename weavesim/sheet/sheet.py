@@ -16,6 +16,7 @@ from ..names import Label
 from ..process.grippers import Gripper, check_grippers
 from ..process.loads import NodalLoads
 from ..process.pressure import Pressure
+from ..process.self_contact import SelfContact
 from ..process.supports import Support, prescribe_start
 from ..ranges import Quantity
 from .blank import Blank
@@ -25,6 +26,8 @@ from .symmetry import AXES, Symmetry
 USUAL_BLANK_SIZE = (2.0e-3, 8.0)
 # Thickness over the blank's longest side.
 LARGEST_USUAL_THICKNESS = 0.25
+# Area of an element on the flat blank over its own, for self-contact; the largest is the inverse.
+SMALLEST_FLAT_AREA = 0.5
 
 
 class Sheet(Parameters):
@@ -42,6 +45,7 @@ class Sheet(Parameters):
             they hold have their velocity from the start. Their names are unique in a run.
         loads: forces and couples prescribed at nodes.
         pressures: on its faces; those on the same face add up.
+        self_contact: contact of the sheet with itself; without it, it passes through itself.
         grippers: springs that pull at its nodes.
     """
 
@@ -56,6 +60,7 @@ class Sheet(Parameters):
     supports: tuple[Support, ...] = ()
     loads: NodalLoads | None = None
     pressures: tuple[Pressure, ...] = ()
+    self_contact: SelfContact | None = None
     grippers: tuple[Gripper, ...] = ()
 
     @model_validator(mode="after")
@@ -70,6 +75,8 @@ class Sheet(Parameters):
             )
         if self.loads is not None:
             self.loads.arrays(count)
+        if self.self_contact is not None:
+            self._check_flat_coordinates()
         for pressure in self.pressures:
             pressure.check_elements(self.blank.element_count)
         check_grippers(self.grippers, count)
@@ -78,6 +85,24 @@ class Sheet(Parameters):
             self._check_support(support, owner)
             owner[support.nodes] = index
         return self
+
+    def _check_flat_coordinates(self) -> None:
+        """Self-contact tells neighbours by their distance on the flat blank."""
+        flat = self.blank.material_coordinates[self.blank.quads]
+        across = (flat[:, 2] - flat[:, 0])[:, :, None] * (flat[:, 3] - flat[:, 1])[:, None, :]
+        # signed: elements that lie upside down on the flat blank lie on others
+        area = 0.5 * (across[:, 0, 1] - across[:, 1, 0])
+        area *= np.sign(area.sum())
+        corner = self.blank.node_position[self.blank.quads]
+        formed = 0.5 * np.linalg.norm(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]), axis=1)
+        ratio = area / formed
+        if not ((ratio > SMALLEST_FLAT_AREA) & (ratio < 1.0 / SMALLEST_FLAT_AREA)).all():
+            element = int(np.argmax(np.abs(np.log(np.maximum(ratio, 1e-12)))))
+            raise ValueError(
+                f"self_contact: element {element} has {ratio[element]:.3g} times its area in material_coordinates, the "
+                "flat blank, on which neighbours are told from contacts; allowed are "
+                f"{SMALLEST_FLAT_AREA:g} to {1.0 / SMALLEST_FLAT_AREA:g}: give the blank flat coordinates of its own"
+            )
 
     def _check_support(self, support: Support, owner: np.ndarray) -> None:
         nodes, count = support.nodes, self.blank.node_count

@@ -7,6 +7,7 @@ from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
 from weavesim import Simulation
 from weavesim.engine.plies.connectivity import edge_neighbours, free_edge_distance, home_elements, rings
 from weavesim.engine.plies.feet import find_feet
+from weavesim.engine.plies.groups import compact_groups, groups_that_share, nodes_of
 from weavesim.kernels.plies.facet import FREE_EDGE, SYMMETRY_EDGE
 from weavesim.process import Coulomb
 from weavesim.sheet.blank import Blank
@@ -118,3 +119,15 @@ def test_plies_that_come_from_far_away_meet():
     assert run.frame.sheets[1].position[:, 2].min() > 0.5 * THICKNESS
     assert run.frame.sheets[1].position[:, 2].max() < 0.02 and own["largest_entry"].max() < 0.05 * THICKNESS
     assert run.history[-1]["kinetic"] < run.history[0]["kinetic"]
+
+
+def test_groups_hold_every_node_once_and_know_their_neighbours():
+    nodes = compact_groups(BLANK.material_coordinates, 4)
+    facets = compact_groups(BLANK.material_coordinates[BLANK.quads].mean(axis=1), 4)
+    assert sorted(nodes[nodes >= 0]) == list(range(BLANK.node_count))
+    assert sorted(facets[facets >= 0]) == list(range(BLANK.element_count))
+    corners = nodes_of(facets, BLANK.quads)
+    touching = groups_that_share(nodes, corners)
+    for group, column in enumerate(nodes.T):
+        expected = [k for k, other in enumerate(corners.T) if set(column[column >= 0]) & set(other[other >= 0])]
+        assert [k for k in touching[:, group] if k >= 0] == expected

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from tests.support.folded_strips import fold_blank
+from tests.support.sheet import plain_fabric
 from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
-from weavesim import InputError, Setup, Simulation
+from weavesim import Blank, InputError, SelfContact, Setup, Sheet, Simulation
 from weavesim.process import (
     Coulomb,
     Friction,
@@ -97,3 +99,12 @@ def test_use_beyond_a_friction_table_is_told_with_place_and_time():
     fields = run.frame.sheets[1].fields
     assert fields["ply_pressure_below"].mean() == pytest.approx(2e3, rel=0.2) and fields["ply_slip_below"].min() > 0.0
     assert "ply_pressure_above" not in fields
+
+
+def test_self_contact_needs_flat_coordinates_of_its_own():
+    """The legs of a fold lie on each other in x and y: nothing tells there what is a neighbour."""
+    blank = fold_blank(0.004, 0.02, 0.004)
+    assert Sheet(blank, plain_fabric(), self_contact=SelfContact()).self_contact.friction == Coulomb(0.2)
+    plan = Blank.from_mesh(blank.node_position, blank.quads, warp_direction=blank.warp_direction)
+    with pytest.raises(InputError, match="self_contact: element .* material_coordinates"):
+        Sheet(plan, plain_fabric(), self_contact=SelfContact())

@@ -22,24 +22,26 @@ class NormalLaunch:
     Args:
         sheet: constants.
         motion: of its nodes, in one state.
+        awake: int32 of that state, 0 where no contact needs normals now.
 
     Attributes:
         normals: flat, ``normal_layout``.
     """
 
-    def __init__(self, sheet: SheetModel, motion: wp.array) -> None:
-        self._sheet, self._motion = sheet, motion
+    def __init__(self, sheet: SheetModel, motion: wp.array, awake: wp.array) -> None:
+        self._sheet, self._motion, self._awake = sheet, motion, awake
+        self._always = wp.ones(1, dtype=wp.int32, device=sheet.device)
         self.normals = wp.zeros(NORMAL_ROW_COUNT * sheet.node_count, dtype=sheet.real, device=sheet.device)
         self._rows = sheet.motion_layout.view(motion)
         self._view = normal_layout(sheet).view(self.normals)
         self._table = _table(sheet)
 
-    def launch(self, first: int, count: int) -> None:
-        """Normals of ``count`` blocks of nodes from ``first``."""
+    def launch(self, first: int, count: int, always: bool = False) -> None:
+        """Normals of ``count`` blocks of nodes from ``first``; ``always`` also where no contact needs them."""
         wp.launch(
             surface_normals_kernel(self._sheet.real, self._sheet.lane_count),
             dim=count,
-            inputs=[first, self._table, self._motion, self._rows],
+            inputs=[first, self._table, self._motion, self._rows, self._always if always else self._awake],
             outputs=[self._view],
             device=self._sheet.device,
         )

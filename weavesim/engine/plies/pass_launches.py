@@ -8,6 +8,7 @@ import warp as wp
 
 from ...kernels.plies.data import listed_struct, record_struct
 from ...kernels.plies.node_pass import meet_plies_kernel
+from ...kernels.plies.own_search import follow_own_facets_kernel
 from ...kernels.plies.reaction import push_facets_kernel, reaction_struct
 from ...kernels.plies.search import (
     adopt_lists_kernel,
@@ -38,7 +39,7 @@ class PassLaunches:
     def __init__(
         self, model: PassModel, state: State, index: int, squared_speeds: list[wp.array], normals: list[wp.array]
     ) -> None:
-        self.model, self._own = model, state.passes[index]
+        self.model, self._own, self._awake = model, state.passes[index], state.sheets[model.place.slave].awake
         self._clock, self._speeds = state.clock, squared_speeds
         self._real, self._lanes = model.real, model.lane_count
         slave, master = state.sheets[model.place.slave], state.sheets[model.place.master]
@@ -83,6 +84,7 @@ class PassLaunches:
         watch.entry = self._own.entry
         watch.travel = wp.zeros(slave.block_count, dtype=self._real, device=device)
         watch.late = wp.zeros(slave.block_count, dtype=wp.int32, device=device)
+        watch.deepest = wp.zeros(slave.block_count, dtype=self._real, device=device)
         watch.found = wp.zeros(slave.node_count, dtype=wp.int32, device=device)
         watch.foot = wp.zeros(slave.node_count, dtype=self.model.types.vec3, device=device)
         watch.stray = wp.zeros(slave.node_count, dtype=wp.int32, device=device)
@@ -112,6 +114,11 @@ class PassLaunches:
         speeds = [self._speeds[self.model.place.slave], self._speeds[self.model.place.master]]
         self._launch(plan_search_kernel(self._real), 1, [self._search, self._clock, *speeds], [self._watch])
 
+    def follow(self, found: Any, first: int, count: int) -> None:
+        """Nodes of a sheet that begin or cease to follow its own facets."""
+        kernel = follow_own_facets_kernel(self._real, self._lanes)
+        self._launch(kernel, count, [first, self._search, found, self._record, self._watch])
+
     def seek(self, first: int, count: int) -> None:
         """Feet, and blocks to be watched; the works of the last steps are added to their sums."""
         self._launch(
@@ -124,7 +131,7 @@ class PassLaunches:
 
     def collect(self) -> None:
         """Nodes that have just found a foot, and whether the lists are made anew."""
-        self._launch(collect_strays_kernel(self._real), 1, [self._search, self._watch])
+        self._launch(collect_strays_kernel(self._real), 1, [self._search, self._watch, self._own.way, self._awake])
 
     def list_nodes(self, first: int, count: int) -> None:
         """New lists of ``count`` blocks of facets from ``first``."""

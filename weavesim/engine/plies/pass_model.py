@@ -12,10 +12,12 @@ import warp as wp
 from ...kernels.contact.friction import HERSEY, NO_ARGUMENT, PRESSURE, YARN_ANGLE, friction_law_struct
 from ...kernels.plies.data import contact_law_struct, slaves_struct
 from ...kernels.plies.facet import FREE_EDGE, facets_struct
+from ...kernels.plies.own_search import SLOT_COUNT
 from ...kernels.plies.search import search_struct
 from ...kernels.rows import PLY_RECORD_LENGTH, GradientRow, PlyRow
 from ...process.friction import Friction, PressureFriction, StribeckFriction, ViscousFilm, YarnAngleFriction
 from ...process.interfaces import Interface
+from ...process.self_contact import SelfContact
 from ..layout import RowLayout
 from ..sheet_model import REFRESH_INTERVAL, TANGENTIAL_RATIO, SheetModel
 from .connectivity import edge_neighbours, free_edge_distance, home_elements, rings
@@ -26,6 +28,13 @@ from .normals import normal_layout
 LARGEST_VISCOUS_SHARE = 0.1
 # Nodes within this share of an element's size of a facet are listed with it.
 SKIN_SHARE = 0.3
+# Of the thickness: nearer on the flat blank, points of one sheet are neighbours.
+EXCLUDED_THICKNESSES = 2.0
+# Coordinates up to which feet may lie beyond a free edge: rounding between plies, and at most within a sheet.
+FARTHEST_OF_PLIES = 1.001
+LARGEST_FARTHEST = 1.5
+# Way of a node that never seeks a foot by itself [m].
+NEVER = 1.0e30
 # Slots of a list of candidates, over the mean number of nodes within its box.
 SPARE_SLOTS = 3.0
 _ARGUMENT_KINDS: dict[type[Friction], int] = {
@@ -45,6 +54,8 @@ class PassPlace:
         side: 1 if the nodes lie above the facets, -1 if below.
         is_first: whether it is the first pass of the slave sheet.
         share: of the interface's stiffness.
+        slot: within a sheet, which pair of faces meets there: see kernels/plies/own_search.py; -1 between sheets.
+        facing: within a sheet, 1 if the nodes' normals point along those of the facets, else -1; 0 between sheets.
     """
 
     interface: int
@@ -53,6 +64,8 @@ class PassPlace:
     side: int
     is_first: bool
     share: float
+    slot: int = -1
+    facing: int = 0
 
 
 class PassModel:
@@ -60,7 +73,7 @@ class PassModel:
 
     Args:
         place: which sheets it joins.
-        interface: of which it is a pass.
+        interface: of which it is a pass, or the contact of a sheet with itself.
         slave, master: their constants.
         damping_ratio: normal dashpot as a share of critical.
         reference_step: of the run [s].
@@ -76,7 +89,7 @@ class PassModel:
     def __init__(
         self,
         place: PassPlace,
-        interface: Interface,
+        interface: Interface | SelfContact,
         slave: SheetModel,
         master: SheetModel,
         damping_ratio: float,
@@ -85,6 +98,7 @@ class PassModel:
         self.place, self.interface, self.slave, self.master = place, interface, slave, master
         self.device, self.real, self.types, self.lane_count = slave.device, slave.real, slave.types, slave.lane_count
         self.damping_ratio, self.reference_step = damping_ratio, reference_step
+        self._flat_coordinates: dict[str, wp.array] = {}
         self.rows = RowLayout(PlyRow.row_count(), slave.node_count, self.lane_count, PLY_RECORD_LENGTH)
         self.thickness = 0.5 * (slave.fabric.thickness + master.fabric.thickness)
         densities = [mean_density(sheet) for sheet in (slave, master)]
@@ -95,8 +109,33 @@ class PassModel:
         smaller = min(1.0, area / own_area) * nodal_areas(slave)
         self.stiffness = self._edge_shares(place.share) * self.area_stiffness * smaller
         self.skin = SKIN_SHARE * math.sqrt(area)
+        if self.is_own:
+            self.skin = max(self.skin, self.thickness)
+        self.squared_exclusion = (EXCLUDED_THICKNESSES * self.thickness) ** 2
+        self.squared_edge_distance = (EXCLUDED_THICKNESSES * self.thickness + 2.0 * math.sqrt(area)) ** 2
         box = (math.sqrt(area) + 2.0 * self.skin) ** 2
         self.slot_count = math.ceil(SPARE_SLOTS * (box / own_area + 1.0))
+
+    @property
+    def is_own(self) -> bool:
+        """Whether a sheet meets itself."""
+        return self.place.slot >= 0
+
+    @property
+    def farthest(self) -> float:
+        """Coordinate up to which a foot may lie beyond a free edge of its facet.
+
+        A sheet's edge is as round as the sheet is thick. Edges of a fold lie on each other, and would slip past each
+        other without that; those of plies in a stack do not meet.
+        """
+        if not self.is_own:
+            return FARTHEST_OF_PLIES
+        return min(LARGEST_FARTHEST, 1.0 + self.thickness / math.sqrt(mean_facet_area(self.master)))
+
+    @property
+    def name(self) -> str:
+        """For outputs."""
+        return contact_name(self.interface, self.slave.name)
 
     def _edge_shares(self, share: float) -> np.ndarray:
         """Share of every node: at least a half near a free edge, where both passes are needed."""
@@ -118,6 +157,10 @@ class PassModel:
         slaves.stiffness, slaves.home = self._slave_arrays
         slaves.facets = self._facets(self._own_arrays, self.slave, motion, normals)
         slaves.is_first = int(self.place.is_first)
+        layout = normal_layout(self.slave)
+        slaves.normals, slaves.flat = layout.view(normals), layout.view(self._flat(self.slave))
+        slaves.facing, slaves.squared_exclusion = float(self.place.facing), self.squared_exclusion
+        slaves.squared_edge_distance = self.squared_edge_distance
         return slaves
 
     def _facets(self, arrays: tuple[wp.array, ...], sheet: SheetModel, motion: wp.array, normals: wp.array):
@@ -125,7 +168,19 @@ class PassModel:
         facets.corner, facets.normal_corner, facets.neighbour, facets.warp_gradient = arrays
         facets.motion, facets.stride = motion, sheet.motion_layout.stride
         facets.normals, facets.normal_stride = normals, normal_layout(sheet).stride
+        facets.flat = self._flat(sheet)
         return facets
+
+    def _flat(self, sheet: SheetModel) -> wp.array:
+        """Flat coordinates of a sheet's nodes, and 1 behind those on a free edge, laid out as the normals."""
+        if sheet.name not in self._flat_coordinates:
+            rows = np.zeros((normal_layout(sheet).row_count, sheet.node_count))
+            count = sheet.blank.node_count
+            rows[:2, :count] = sheet.blank.material_coordinates.T
+            rows[3, :count] = free_edge_distance(sheet.blank, sheet.symmetry) == 0.0
+            flat = wp.array(normal_layout(sheet).flat(rows), dtype=self.real, device=self.device)
+            self._flat_coordinates[sheet.name] = flat
+        return self._flat_coordinates[sheet.name]
 
     @cached_property
     def _master_arrays(self) -> tuple[wp.array, ...]:
@@ -163,7 +218,7 @@ class PassModel:
     def law(self):
         """Contact law, as a new struct."""
         law = contact_law_struct(self.real)()
-        law.side, law.thickness = float(self.place.side), self.thickness
+        law.side, law.thickness, law.farthest = float(self.place.side), self.thickness, self.farthest
         law.area_stiffness, law.tangential_ratio = self.area_stiffness, TANGENTIAL_RATIO
         # c = 2 zeta sqrt(k m) of the relative motion, whose squared frequency is that share of 1/step^2
         law.damping_time = 2.0 * self.damping_ratio * self.reference_step / math.sqrt(self.interface.stiffness_share)
@@ -197,7 +252,7 @@ class PassModel:
         """Constants of the search, as a new struct."""
         search = search_struct(self.real)()
         search.skin, search.thickness, search.steps = self.skin, self.thickness, REFRESH_INTERVAL
-        search.facet_count = self.master.blank.element_count
+        search.facet_count, search.slot = self.master.blank.element_count, self.place.slot
         search.ring = self._ring
         return search
 
@@ -207,13 +262,22 @@ class PassModel:
 
     @cached_property
     def feet(self) -> Feet:
-        """Feet of the nodes at the start."""
+        """Feet of the nodes at the start; within a sheet, the first search finds them."""
+        if self.is_own:
+            count = self.slave.blank.node_count
+            none = np.zeros(count)
+            return Feet(none.astype(np.int32), none, none, none, np.full(count, NEVER))
         master = self.master.blank
         points = self.slave.blank.node_position
         return find_feet(points, master.node_position, master.initial_director, master.quads, self.thickness)
 
     def _integers(self, values: np.ndarray) -> wp.array:
         return wp.array(np.ascontiguousarray(values), dtype=wp.int32, device=self.device)
+
+
+def contact_name(contact: Interface | SelfContact, sheet: str) -> str:
+    """Of an interface, or of the contact of a sheet with itself, for outputs."""
+    return f"interface {contact.name}" if isinstance(contact, Interface) else f"self-contact of {sheet}"
 
 
 def nodal_areas(sheet: SheetModel) -> np.ndarray:
@@ -258,3 +322,11 @@ def pass_places(interfaces: tuple[Interface, ...], sheets: tuple[SheetModel, ...
                 places.append(PassPlace(index, slave, master, side, slave not in begun, share))
                 begun.add(slave)
     return places
+
+
+def own_pass_places(index: int, sheet: int, is_first: bool) -> list[PassPlace]:
+    """Passes of a sheet on itself: nodes above or below the facets, turned against them or along."""
+    return [
+        PassPlace(index, sheet, sheet, (1, -1)[slot % 2], is_first and slot == 0, 0.5, slot, (-1, 1)[slot // 2])
+        for slot in range(int(SLOT_COUNT))
+    ]

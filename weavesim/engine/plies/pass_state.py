@@ -11,10 +11,7 @@ import warp as wp
 from ...kernels.plies.data import NO_DEPTH, TOO_MANY
 from ...kernels.rows import PassEntry, PlyRow, PlyWorkRow
 from .feet import Feet
-from .pass_model import PassModel
-
-# A padding node is never near enough to have a foot [m].
-NEVER = 1.0e30
+from .pass_model import NEVER, PassModel
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import warp as wp
 
 from ...kernels.plies.node_pass import meet_plies_kernel
 from ...kernels.plies.normals import surface_normals_kernel
+from ...kernels.plies.own_search import bound_groups_kernel, follow_own_facets_kernel, seek_own_facets_kernel
 from ...kernels.plies.reaction import push_facets_kernel
 from ...kernels.plies.search import (
     adopt_lists_kernel,
@@ -31,4 +32,13 @@ def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
         begin_travel_kernel(real, lane_count),
         collect_strays_kernel(real),
         plan_search_kernel(real),
+    ]
+
+
+def own_contact_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
+    """Kernels of the contact of a sheet with itself, beside those."""
+    return [
+        seek_own_facets_kernel(real),
+        follow_own_facets_kernel(real, lane_count),
+        bound_groups_kernel(real),
     ]

@@ -11,12 +11,13 @@ from ..model import Model
 from ..state import State
 from ..tiles import chunks
 from .normals import NormalLaunch
+from .own_search import OwnSearch
 from .pass_launches import PassLaunches
-from .ply_kernels import ply_kernels
+from .ply_kernels import own_contact_kernels, ply_kernels
 
 
 class PlyLaunches:
-    """Launches of all passes of a run on one state; without interfaces there are none.
+    """Launches of all passes of a run on one state; without interfaces and self-contact there are none.
 
     Args:
         model: constants.
@@ -33,10 +34,25 @@ class PlyLaunches:
         ]
         self._speeds = speeds
         self._normals = {
-            index: NormalLaunch(model.sheets[index], state.sheets[index].motion) for index in self._touched
+            index: NormalLaunch(model.sheets[index], state.sheets[index].motion, self._awake(index))
+            for index in self._touched
         }
         normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
         self._passes = [PassLaunches(each, state, index, speeds, normals) for index, each in enumerate(model.passes)]
+        self._own = {
+            each.place.slave: OwnSearch(
+                each, state.sheets[each.place.slave].motion, normals[each.place.slave], state.passes[index].entry
+            )
+            for index, each in enumerate(model.passes)
+            if each.place.slot == 0
+        }
+
+    def _awake(self, index: int) -> wp.array:
+        """Whether the normals of a sheet are needed: with other plies always, within it where a node is near enough."""
+        sheets = (place for each in self._model.passes for place in (each.place,) if not each.is_own)
+        if any(index in (place.slave, place.master) for place in sheets):
+            return wp.ones(1, dtype=wp.int32, device=self._model.device)
+        return self._state.sheets[index].awake
 
     def __bool__(self) -> bool:
         return bool(self._passes)
@@ -59,7 +75,7 @@ class PlyLaunches:
                 each.push(first, count)
 
     def watch_speeds(self, thread_count: int = 1, thread: int = 0) -> None:
-        """Largest speeds of this thread's share of the nodes."""
+        """Largest speeds of this thread's share of the nodes, and normals for the search within sheets."""
         for index in self._touched:
             sheet, own = self._model.sheets[index], self._state.sheets[index]
             first, count = chunks(sheet.block_count, thread_count)[thread]
@@ -70,14 +86,26 @@ class PlyLaunches:
                 outputs=[self._speeds[index]],
                 device=sheet.device,
             )
+            if index in self._own:
+                self._normals[index].launch(first, count, always=True)
 
     def search(self, thread_count: int = 1, thread: int = 0) -> Iterator[None]:
         """Search for the next steps, after the speeds and the step are known; at each pause all threads must meet."""
         if thread == 0:
             for each in self._passes:
                 each.plan()
+        for own in self._own.values():
+            groups = own.node_group_count, own.facet_group_count
+            own.bound(*(chunks(count, thread_count)[thread] for count in groups))
         yield
+        if self._own:
+            for own in self._own.values():
+                own.seek(*chunks(own.node_group_count, thread_count)[thread])
+            yield
         for each in self._passes:
+            if each.model.is_own:
+                found = self._own[each.model.place.slave].found
+                each.follow(found, *chunks(each.node_block_count, thread_count)[thread])
             each.seek(*chunks(each.node_block_count, thread_count)[thread])
         yield
         if thread == 0:
@@ -97,4 +125,5 @@ class PlyLaunches:
         """All kernels launched here."""
         if not self._passes:
             return []
-        return ply_kernels(self._model.real, self._model.lane_count)
+        kernels = ply_kernels(self._model.real, self._model.lane_count)
+        return kernels + (own_contact_kernels(self._model.real, self._model.lane_count) if self._own else [])

@@ -27,6 +27,8 @@ USELESS_SHARE = 0.01
 # Beyond a symmetry plane, of the thickness: what is not doubted, and from which on the sheet is in its mirror image.
 LARGEST_BEYOND = 0.05
 USELESS_BEYOND = 1.0
+# Element size over thickness up to which nodes on facets keep every fold apart (contact of edges is not computed).
+LARGEST_SIZE = 2.0
 
 
 class NotFinite(Guard):
@@ -72,13 +74,13 @@ class _Counted(Guard):
 
 
 class SelfIntersection(_Counted):
-    """Parts of a sheet that pass through each other, which no contact prevents yet."""
+    """Parts of a sheet that pass through each other, which only self-contact prevents."""
 
     name = "self_intersection"
     watches = "parts of a sheet that pass through each other"
     what = "crossings"
     text = "pairs of triangles of the sheet pass through each other"
-    advice = "nothing keeps the sheet from itself yet: the result is wrong there; refine the mesh or stop earlier"
+    advice = "the result is wrong there: give the sheet self_contact, refine the mesh, or stop earlier"
 
 
 class SheetIntersection(Guard):
@@ -268,3 +270,35 @@ def _tallies(run: Judged, what: str) -> Iterator[tuple[SheetInfo, Tally]]:
     """Every sheet with one of its tallies."""
     for info, condition in zip(run.run.info.sheets, run.conditions, strict=True):
         yield info, getattr(condition, what)
+
+
+class SelfContactMesh(Guard):
+    """Elements so large that the crests of two folds may cross between their nodes, and symmetry planes."""
+
+    name = "self_contact_mesh"
+    watches = "elements that are large for self-contact"
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Sheets with self-contact whose elements are larger than twice the thickness, or that are cut at a plane."""
+        for sheet, info in zip(start.model.sheets, start.model.setup.sheets, strict=True):
+            if info.self_contact is None:
+                continue
+            size, thickness = sheet.geometry.largest_size, sheet.fabric.thickness
+            if size > LARGEST_SIZE * thickness:
+                yield self.doubt(
+                    Level.NOTE,
+                    f"self-contact with elements of {1e3 * size:.3g} mm, {size / thickness:.1f} times the thickness",
+                    "nodes meet facets; the crests of folds that cross each other may meet between nodes, deeper than "
+                    f"they should: there, take elements of at most {1e3 * LARGEST_SIZE * thickness:.3g} mm",
+                    sheet=sheet.name,
+                    value=size,
+                    limit=LARGEST_SIZE * thickness,
+                )
+            if sheet.symmetry.planes:
+                yield self.doubt(
+                    Level.NOTE,
+                    f"self-contact beside the symmetry plane {' and '.join(sheet.symmetry.planes)} = 0",
+                    "a sheet does not meet its own mirror image: a fold that closes on the plane passes through it, "
+                    "which the guard beyond_symmetry tells; run the whole part if it does",
+                    sheet=sheet.name,
+                )

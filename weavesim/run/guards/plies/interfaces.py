@@ -43,8 +43,7 @@ class Interfaces(Guard):
             if share < LEAST_VISCOUS_SHARE:
                 yield self.doubt(
                     Level.WARNING,
-                    f"interface {model.interface.name}: the time step can carry {share:.0%} of the viscosity at high "
-                    "speed",
+                    f"{model.name}: the time step can carry {share:.0%} of the viscosity at high speed",
                     "take a smaller time step, or a lower viscosity",
                     value=share,
                 )
@@ -81,11 +80,11 @@ class Interfaces(Guard):
 
     def _of_pass(self, run: Judged, k: int, model: PassModel) -> Iterator[Doubt]:
         own = run.run.state.passes[k]
-        name, rows = model.interface.name, own.read_rows(model)
+        name, rows = model.name, own.read_rows(model)
         if own.entry.numpy()[PassEntry.late] > 0.0:
             yield self.doubt(
                 Level.DO_NOT_USE,
-                f"interface {name}: a node went past the facets on which it was looked for, so that a contact may have "
+                f"{name}: a node went past the facets on which it was looked for, so that a contact may have "
                 "been missed",
                 "plies slide faster than the search allows: move the tools more slowly",
             )
@@ -94,7 +93,7 @@ class Interfaces(Guard):
             node = int(np.argmax(rows["push"] / model.stiffness))
             yield self.doubt(
                 Level.DO_NOT_USE,
-                f"interface {name}: the plies are pressed {1e3 * deepest:.3g} mm into each other, more than "
+                f"{name}: the plies are pressed {1e3 * deepest:.3g} mm into each other, more than "
                 f"{DEEPEST:.0%} of the distance at which they touch",
                 "lower the pressure, or raise stiffness_share",
                 sheet=model.slave.name,
@@ -107,7 +106,7 @@ class Interfaces(Guard):
             arguments, _ = friction.table()
             yield self.doubt(
                 Level.WARNING,
-                f"interface {name}: the friction table is used beyond its ends, by {beyond['excess']:.4g} "
+                f"{name}: the friction table is used beyond its ends, by {beyond['excess']:.4g} "
                 f"{friction.argument_unit} of {friction.argument_name} (it covers {arguments[0]:.4g} to "
                 f"{arguments[-1]:.4g} {friction.argument_unit})",
                 "measure farther, or accept the coefficient at the end of the table",

@@ -67,7 +67,8 @@ def test_interfaces_survive_json():
 
 
 @pytest.mark.parametrize(
-    ("height", "message"), [(0.8 * THICKNESS, r"start 0\.24 mm inside each other at"), (-THICKNESS, "lies under sheet")]
+    ("height", "message"),
+    [(0.7 * THICKNESS, r"start inside each other by 0\.36 mm"), (-THICKNESS, "upper starts below lower")],
 )
 def test_plies_that_start_inside_each_other_or_upside_down_are_refused(height, message):
     plies = [PLIES[0], ply("upper", square(0.01, 0.01, height))]

@@ -1,4 +1,4 @@
-"""Plies that start inside each other or upside down, and contacts that were late, deep or beyond their tables."""
+"""Contacts between plies that were late, deep, or beyond their tables."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....errors import InputError
 from ....kernels.rows import PassEntry
 from ..guard import Doubt, Guard, Level, Start
 
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
     from ...ledger import Ledger
     from ...verdict import Judged
 
-# Overlap at the start, over the thickness, that is not refused.
-LARGEST_OVERLAP = 0.01
 # Penetration over the thickness beyond which the side of a contact is no longer sure.
 DEEPEST = 0.3
 # An argument that has not been met: the start of ``PlyRow.low``.
@@ -31,7 +28,7 @@ class Interfaces(Guard):
     """Contact between plies."""
 
     name = "interfaces"
-    watches = "plies that touch: their order, penetration, search and friction tables"
+    watches = "plies that touch: their penetration, search and friction tables"
 
     def __init__(self) -> None:
         # (pass, friction argument, place, time) of the first use beyond a table, and the farthest
@@ -39,14 +36,9 @@ class Interfaces(Guard):
         self._passes: tuple[PassModel, ...] = ()
 
     def before(self, start: Start) -> Iterable[Doubt]:
-        """Overlap and order of the plies, and viscosities that the time step cannot carry.
-
-        Raises:
-            InputError: plies start inside each other, or upside down.
-        """
+        """Viscosities that the time step cannot carry."""
         self._passes = start.model.passes
         for model in self._passes:
-            self._check_start(model, start.model.setup.accept_unusual)
             share = model.viscous_share
             if share < LEAST_VISCOUS_SHARE:
                 yield self.doubt(
@@ -55,27 +47,6 @@ class Interfaces(Guard):
                     "take a smaller time step, or a lower viscosity",
                     value=share,
                 )
-
-    def _check_start(self, model: PassModel, accept_unusual: bool) -> None:
-        feet, thickness = model.feet, model.thickness
-        on = feet.on_facet
-        if not on.any():
-            return
-        height = model.place.side * feet.height[on]
-        if np.median(height) < 0.0:
-            raise InputError(
-                f"{model.name}: sheet {model.interface.upper!r} lies under sheet "
-                f"{model.interface.lower!r}; name the lower one first"
-            )
-        overlap = thickness - height
-        worst = int(np.argmax(overlap))
-        if overlap[worst] > LARGEST_OVERLAP * thickness and not accept_unusual:
-            x, y = model.slave.blank.node_position[np.flatnonzero(on)[worst], :2]
-            raise InputError(
-                f"{model.name}: the sheets start {1e3 * overlap[worst]:.3g} mm inside each other "
-                f"at ({x:.4g}, {y:.4g}) m; their mid-surfaces touch at {1e3 * thickness:.4g} mm: raise the upper one, "
-                "or give accept_unusual=True to let them start without force"
-            )
 
     def watch(self, frame: Frame, ledger: Ledger) -> None:
         """Note the first use of a friction table beyond its ends."""

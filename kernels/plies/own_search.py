@@ -1,7 +1,7 @@
 """What is sought at every update of the stable step for the contact of a sheet with itself.
 
 A cheap watch first: groups of about sixteen nodes against groups of about sixteen facets, by their boxes; groups that
-share a node are looked at only where their normals differ by a right angle, for a sheet does not touch itself where it
+hang together are looked at only where their normals differ by a right angle, for a sheet does not touch itself where it
 bends less. Every group is looked at by its owner, in ascending order: the same bits for any number of threads.
 """
 
@@ -21,7 +21,7 @@ from .within import LEAST_COSINE, LEAST_SQUARED_MEAN, flat_patch_function
 SLOT_COUNT = wp.constant(4)
 # Nodes without a foot never seek one by themselves [m].
 UNSOUGHT = wp.constant(1.0e30)
-# Groups that share a node and whose normals lie within this angle do not touch [rad].
+# Groups that hang together and whose normals lie within this angle do not touch [rad].
 QUIET_ANGLE = wp.constant(1.48)
 # Nodes turned by more than the contact allows are followed already.
 COSINE_MARGIN = wp.constant(0.1)
@@ -43,7 +43,7 @@ def bounds_struct(real: type):
         low: wp.array(dtype=vec3)  # corners of their box [m]
         high: wp.array(dtype=vec3)
         axis: wp.array(dtype=vec3)  # unit vector amid their normals
-        spread: wp.array(dtype=real)  # largest angle of a normal from it [rad]; of a free edge, half a turn
+        spread: wp.array(dtype=real)  # largest angle of a normal from it [rad]
 
     return Bounds
 
@@ -59,7 +59,7 @@ def sheet_points_struct(real: type):
         facets: facets_struct(real)
         touching: wp.array2d(
             dtype=wp.int32
-        )  # [place, group of nodes]: groups of facets that share a node with it, or -1
+        )  # [place, group of nodes]: groups of facets that hang together with it, or -1
         thickness: real  # at which the sheet touches itself [m]
         skin: real  # nodes this near are followed [m]
         farthest: real  # feet are taken up to this coordinate of a facet, to be walked from
@@ -111,7 +111,7 @@ def point_functions(real: type):
 def bound_groups_kernel(real: type):
     """Kernel over groups: their boxes, and how their normals spread."""
     vec3, Points, Bounds = wp.types.vector(3, real), sheet_points_struct(real), bounds_struct(real)
-    position_of, normal_of, on_edge = point_functions(real)
+    position_of, normal_of, _ = point_functions(real)
 
     @wp.func
     def spread_of(points: Points, bounds: Bounds, group: int, axis: vec3):
@@ -120,8 +120,6 @@ def bound_groups_kernel(real: type):
             node = bounds.node[place, group]
             if node >= 0:
                 least = wp.min(least, wp.dot(axis, normal_of(points, node)))
-                if on_edge(points, node):
-                    least = real(-1.0)
         return wp.acos(wp.clamp(least, real(-1.0), real(1.0)))
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -249,7 +247,7 @@ def seek_own_facets_kernel(real: type):
 
     @wp.func
     def is_quiet(points: Points, nodes: Bounds, facets: Bounds, group: int, other: int):
-        """Whether two groups share a node and bend too little to touch each other."""
+        """Whether two groups hang together and bend too little to touch each other."""
         shared = wp.int32(0)
         for place in range(points.touching.shape[0]):
             if points.touching[place, group] == other:

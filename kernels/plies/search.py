@@ -178,7 +178,8 @@ def seek_feet_kernel(real: type, lane_count: int):
         way = old - reach
         if not old > real(0.0):
             way = free_way(search, record.rows[PlyRow.depth, block], record.rows[PlyRow.stray, block]) - reach
-        record.way[block] = wp.where(way > real(LEAST_UPDATES) * reach and reach > real(0.0), way, real(0.0))
+        sleeps = way > real(LEAST_UPDATES) * reach and (reach > real(0.0) or search.slot >= 0)
+        record.way[block] = wp.where(sleeps, way, real(0.0))
         if old > real(0.0) and not record.way[block] > real(0.0):
             record.rows[PlyRow.travel, block] = lanes(search.skin)
 

@@ -86,9 +86,9 @@ class Model:
         names = [sheet.name for sheet in self.sheets]
         own = [index for index, sheet in enumerate(self.setup.sheets) if sheet.self_contact is not None]
         faces: dict[str, list[float]] = {name: [0.0, 0.0] for name in names}
-        meetings = [(each, each.lower, each.upper) for each in self.setup.interfaces]
-        meetings += [(self.setup.sheets[index].self_contact, names[index], names[index]) for index in own]
-        for contact, below, above in meetings:
+        meetings = [(each.lower, each.upper) for each in self.setup.interfaces]
+        meetings += [(names[index], names[index]) for index in own]
+        for contact, (below, above) in zip(self.contacts, meetings, strict=True):
             lower, upper = (self.sheets[names.index(name)] for name in (below, above))
             densities = mean_density(lower), mean_density(upper)
             stiffness = contact.stiffness_share * densities[0] * densities[1] / sum(densities)

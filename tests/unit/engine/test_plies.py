@@ -7,7 +7,7 @@ from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
 from weavesim import Simulation
 from weavesim.engine.plies.connectivity import edge_neighbours, free_edge_distance, home_elements, rings
 from weavesim.engine.plies.feet import find_feet
-from weavesim.engine.plies.groups import compact_groups, groups_that_share, nodes_of
+from weavesim.engine.plies.groups import compact_groups, groups_that_hang_together, nodes_at_cuts, nodes_of
 from weavesim.kernels.plies.facet import FREE_EDGE, SYMMETRY_EDGE
 from weavesim.process import Coulomb
 from weavesim.sheet.blank import Blank
@@ -127,7 +127,20 @@ def test_groups_hold_every_node_once_and_know_their_neighbours():
     assert sorted(nodes[nodes >= 0]) == list(range(BLANK.node_count))
     assert sorted(facets[facets >= 0]) == list(range(BLANK.element_count))
     corners = nodes_of(facets, BLANK.quads)
-    touching = groups_that_share(nodes, corners)
+    flat, nowhere = BLANK.material_coordinates, np.zeros(BLANK.node_count, dtype=bool)
+    touching = groups_that_hang_together(nodes, corners, flat, 0.0, nowhere)
     for group, column in enumerate(nodes.T):
-        expected = [k for k, other in enumerate(corners.T) if set(column[column >= 0]) & set(other[other >= 0])]
-        assert [k for k in touching[:, group] if k >= 0] == expected
+        sharing = [k for k, other in enumerate(corners.T) if set(column[column >= 0]) & set(other[other >= 0])]
+        assert [k for k in touching[:, group] if k >= 0] == sharing
+    # the whole sheet hangs together, but for groups at a cut
+    everything = groups_that_hang_together(nodes, corners, flat, 1.0, nowhere)
+    assert (everything >= 0).all() and everything.shape == (corners.shape[1], nodes.shape[1])
+    cut = nowhere.copy()
+    cut[nodes[0, 0]] = True
+    assert (groups_that_hang_together(nodes, corners, flat, 1.0, cut)[:, 0] == -1).all()
+
+
+def test_nodes_of_a_slit_lie_on_each_other():
+    flat = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+    assert nodes_at_cuts(flat, np.ones(4, dtype=bool), 1.0).tolist() == [False, True, True, False]
+    assert not nodes_at_cuts(flat, np.array([True, True, False, True]), 1.0).any()

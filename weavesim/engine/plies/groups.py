@@ -46,12 +46,55 @@ def nodes_of(elements: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return padded_columns([np.unique(quads[column[column >= 0]]) for column in elements.T])
 
 
-def groups_that_share(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Of every group of nodes of ``first``, the groups of ``second`` with a node of it; as ``compact_groups``."""
-    holders: dict[int, list[int]] = {}
-    for index, column in enumerate(second.T):
-        for node in column[column >= 0]:
-            holders.setdefault(int(node), []).append(index)
-    return padded_columns(
-        [np.unique([index for node in column[column >= 0] for index in holders[int(node)]]) for column in first.T]
-    )
+def groups_that_hang_together(
+    first: np.ndarray, second: np.ndarray, flat: np.ndarray, distance: float, cut: np.ndarray
+) -> np.ndarray:
+    """Of every group of nodes of ``first``, the groups of ``second`` to which the sheet leads on a short way.
+
+    Args:
+        first, second: groups of nodes, as ``compact_groups``.
+        flat: coordinates of the nodes, (node_count, 2) [m].
+        distance: of their boxes on the flat blank, up to which groups count [m].
+        cut: nodes at a cut, (node_count,) bool, where the sheet may slide over itself; their groups have none.
+    """
+    from scipy.sparse import csr_array
+
+    def holding(groups: np.ndarray) -> csr_array:
+        place, group = np.nonzero(groups >= 0)
+        ones = np.ones(len(group), dtype=np.int32)
+        return csr_array((ones, (group, groups[place, group])), shape=(groups.shape[1], len(flat)))
+
+    def boxes(groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        members = [flat[column[column >= 0]] for column in groups.T]
+        return np.array([m.min(axis=0) for m in members]), np.array([m.max(axis=0) for m in members])
+
+    of_first, of_second = holding(first), holding(second)
+    (low, high), (other_low, other_high) = boxes(first), boxes(second)
+    next_to = ((of_second @ of_second.T) > 0).astype(np.int32)
+    reached = ((of_first @ of_second.T) > 0).astype(np.int32)
+    size = max(float(np.median(other_high - other_low)), 1e-12)
+    for _ in range(min(4, int(np.ceil(distance / size)))):
+        reached = ((reached @ next_to) > 0).astype(np.int32)
+    whole = ~np.array([cut[column[column >= 0]].any() for column in first.T])
+    other_whole = ~np.array([cut[column[column >= 0]].any() for column in second.T])
+    group, other = reached.nonzero()
+    gap = np.maximum(other_low[other] - high[group], low[group] - other_high[other]).max(axis=1)
+    kept = (gap <= distance) & whole[group] & other_whole[other]
+    return padded_columns([np.sort(other[kept & (group == k)]) for k in range(first.shape[1])])
+
+
+def nodes_at_cuts(flat: np.ndarray, on_edge: np.ndarray, size: float) -> np.ndarray:
+    """Nodes of a free edge that lie at another one's place on the flat blank: at a slit, (node_count,) bool.
+
+    Args:
+        flat: coordinates of the nodes, (node_count, 2) [m].
+        on_edge: which lie on a free edge, (node_count,) bool.
+        size: of an element [m].
+    """
+    from scipy.spatial import KDTree
+
+    result, nodes = np.zeros(len(flat), dtype=bool), np.flatnonzero(on_edge)
+    if len(nodes):
+        pairs = KDTree(flat[nodes]).query_pairs(0.3 * size, output_type="ndarray")
+        result[nodes[np.unique(pairs)]] = True
+    return result

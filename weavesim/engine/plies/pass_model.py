@@ -178,7 +178,7 @@ class PassModel:
             count = sheet.blank.node_count
             rows[:2, :count] = sheet.blank.material_coordinates.T
             rows[3, :count] = free_edge_distance(sheet.blank, sheet.symmetry) == 0.0
-            flat = wp.array(normal_layout(sheet).flat(rows), dtype=self.real, device=self.device)
+            flat: wp.array = wp.array(normal_layout(sheet).flat(rows), dtype=self.real, device=self.device)
             self._flat_coordinates[sheet.name] = flat
         return self._flat_coordinates[sheet.name]
 

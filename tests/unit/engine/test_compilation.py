@@ -53,9 +53,11 @@ def made(name: str, precision: str) -> list[Simulation]:
 
 def launched_by(simulation: Simulation) -> list[wp.Kernel]:
     """All that a run launches once its tools are sampled."""
-    (ledger,) = simulation.ledger.sheets
-    distance = [command.kernel for gaps in (ledger._contact_gaps, ledger._judged_gaps) for command in gaps.launches]
-    return [*simulation.stepper.kernels, ledger._kernel, *distance]
+    own = []
+    for ledger in simulation.ledger.sheets:
+        gaps = (ledger._contact_gaps, ledger._judged_gaps)
+        own += [ledger._kernel, *(command.kernel for each in gaps for command in each.launches)]
+    return [*simulation.stepper.kernels, *own]
 
 
 @pytest.mark.parametrize("name", SCENES)

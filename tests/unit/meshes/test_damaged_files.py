@@ -142,4 +142,6 @@ def test_every_ending_is_damaged():
     from weavesim.meshes import READERS
 
     names = [*good_files(), *WRITERS]
-    assert {name[name.index(".") :].lower() for name in names} == set(READERS)
+    # those of CAD are read by a library that is an extra, and tested where it is
+    cad = {".step", ".stp", ".iges", ".igs"}
+    assert {name[name.index(".") :].lower() for name in names} == set(READERS) - cad

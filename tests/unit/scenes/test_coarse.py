@@ -15,10 +15,11 @@ from weavesim.scenes.laboratory.pure_bending import PureBendingParameters
 from weavesim.scenes.laboratory.uniaxial import UniaxialParameters
 from weavesim.scenes.picture_frame import PictureFrameParameters
 from weavesim.scenes.scene import known_scenes
+from weavesim.scenes.stack import StackParameters, stack
 
 COVERED = {
     "bias-extension", "cantilever", "cusick-drape", "double-dome", "grippers", "hemisphere", "picture-frame",
-    "pure-bending", "uniaxial",
+    "pure-bending", "stack", "uniaxial",
 }  # fmt: skip
 # A uniform state is exact on any mesh.
 UNIFORM = {"biaxial", "compaction", "sled"}
@@ -75,6 +76,11 @@ def test_a_bias_strip_needs_elements_across_its_width():
 @pytest.mark.parametrize("mesh_size", [0.01, 0.03])
 def test_a_double_dome_needs_elements_along_the_edge_of_its_die(mesh_size):
     simulation = Simulation(double_dome(DoubleDomeParameters(mesh_size=mesh_size)))
+    assert any(warning.startswith("die: ") and "of its 10 mm radius" in warning for warning in simulation.warnings)
+
+
+def test_a_stack_needs_elements_along_the_edge_of_its_die():
+    simulation = Simulation(stack(StackParameters(lay_up="0/90", tools="double-dome", mesh_size=0.02)))
     assert any(warning.startswith("die: ") and "of its 10 mm radius" in warning for warning in simulation.warnings)
 
 

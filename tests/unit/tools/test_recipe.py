@@ -66,7 +66,8 @@ def test_a_sheet_rests_on_the_tool_of_the_recipe(disc):
     )  # fmt: skip
     setup = simulation.setup
     assert Setup.from_json(setup.to_json()) == setup
-    launched = {command.kernel for command in simulation.ledger.sheets[0]._tool_distances}
+    ledger = simulation.ledger.sheets[0]
+    launched = {command.kernel for gaps in (ledger._contact_gaps, ledger._judged_gaps) for command in gaps.launches}
     assert launched <= set(KernelSet.of_setups([setup]).kernels())
 
     simulation.run()

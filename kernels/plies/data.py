@@ -24,9 +24,7 @@ def slaves_struct(real: type, lane_count: int):
         facets: facets_struct(real)  # of the nodes' own sheet
         normals: wp.array2d(dtype=types.lanes)  # of the nodes: see normals.py
         flat: wp.array2d(dtype=types.lanes)  # flat coordinates, laid out alike; 1 behind those of nodes on a free edge
-        facing: (
-            real  # contact within a sheet: 1 if the node's normal points along that of the facet, -1 if against; else 0
-        )
+        facing: real  # within a sheet: 1 if the node's normal points along the facet's, -1 if against; else 0
         squared_exclusion: real  # nearer on the flat blank, points of one sheet are neighbours [m^2]
         squared_edge_distance: real  # farther away, nodes of free edges may stand edge-on [m^2]
         is_first: wp.int32  # 1 in the first pass of a sheet, which begins the sum of its contact forces

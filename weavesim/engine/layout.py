@@ -18,7 +18,7 @@ def padded(count: int, spare: int) -> int:
 
 
 def lanes_view(array: wp.array, lane_count: int) -> wp.array:
-    """View a scalar array with padded last axis as an array of lane vectors, on the same memory."""
+    """View an array of numbers with padded last axis as an array of lane vectors, on the same memory."""
     lanes = wp.types.vector(lane_count, array.dtype)
     shape = (*array.shape[:-1], array.shape[-1] // lane_count)
     view: Any = wp.array(ptr=array.ptr, dtype=lanes, shape=shape, device=array.device, capacity=array.capacity)

@@ -86,26 +86,3 @@ class Gripper(Parameters):
     def limit(self) -> float:
         """``largest_force``, or infinity [N]."""
         return math.inf if self.largest_force is None else self.largest_force
-
-
-def check_grippers(grippers: tuple[Gripper, ...], node_count: int) -> None:
-    """Check the nodes of the grippers of a sheet.
-
-    Raises:
-        ValueError: a node that the blank does not have, or that two of them grip.
-    """
-    owner = np.full(node_count, -1)
-    for index, gripper in enumerate(grippers):
-        nodes = gripper.nodes
-        if nodes.min() < 0 or nodes.max() >= node_count:
-            raise ValueError(
-                f"gripper {gripper.name}: nodes go from {nodes.min()} to {nodes.max()}; the blank has {node_count} "
-                "nodes, counted from 0"
-            )
-        if (owner[nodes] >= 0).any():
-            node = nodes[np.argmax(owner[nodes] >= 0)]
-            raise ValueError(
-                f"gripper {gripper.name}: node {node} is also held by {grippers[owner[node]].name}; a node can have "
-                "one gripper"
-            )
-        owner[nodes] = index

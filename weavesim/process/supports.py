@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 from pydantic import SerializeAsAny, field_validator, model_validator
@@ -157,3 +157,41 @@ def prescribe_start(supports: Sequence[Support], velocity: np.ndarray | None, no
         held = support.held[:3]
         velocity[np.ix_(support.nodes, held)] = np.broadcast_to(start, (len(support.nodes), 3))[:, held]
     return velocity
+
+
+class HoldsNodes(Protocol):
+    """What holds nodes of a sheet, each of which may be held once."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def nodes(self) -> np.ndarray: ...
+
+
+def check_held_once(kind: str, holders: Sequence[HoldsNodes], node_count: int, allowed: str) -> None:
+    """Check the nodes of all supports, or of all grippers, of a sheet.
+
+    Args:
+        kind: what holds them, for messages.
+        holders: with the indices of their nodes, (k,) each.
+        node_count: of the blank.
+        allowed: how many may hold one node, for messages.
+
+    Raises:
+        ValueError: a node that the blank does not have, or that two of them hold.
+    """
+    owner = np.full(node_count, -1)
+    for index, holder in enumerate(holders):
+        nodes = holder.nodes
+        if nodes.min() < 0 or nodes.max() >= node_count:
+            raise ValueError(
+                f"{kind} {holder.name}: nodes go from {nodes.min()} to {nodes.max()}; the blank has {node_count} "
+                "nodes, counted from 0"
+            )
+        if (owner[nodes] >= 0).any():
+            node = nodes[np.argmax(owner[nodes] >= 0)]
+            raise ValueError(
+                f"{kind} {holder.name}: node {node} is also held by {holders[owner[node]].name}; {allowed}"
+            )
+        owner[nodes] = index

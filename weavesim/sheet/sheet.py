@@ -13,11 +13,11 @@ from ..arrays import BoolArray, FloatArray
 from ..checks import Finite, Parameters
 from ..fabric.fabric import Fabric
 from ..names import Label
-from ..process.grippers import Gripper, check_grippers
+from ..process.grippers import Gripper
 from ..process.loads import NodalLoads
 from ..process.pressure import Pressure
 from ..process.self_contact import SelfContact
-from ..process.supports import Support, prescribe_start
+from ..process.supports import Support, check_held_once, prescribe_start
 from ..ranges import Quantity
 from .blank import Blank
 from .symmetry import AXES, Symmetry
@@ -79,11 +79,8 @@ class Sheet(Parameters):
             self._check_flat_coordinates()
         for pressure in self.pressures:
             pressure.check_elements(self.blank.element_count)
-        check_grippers(self.grippers, count)
-        owner = np.full(count, -1)
-        for index, support in enumerate(self.supports):
-            self._check_support(support, owner)
-            owner[support.nodes] = index
+        check_held_once("gripper", self.grippers, count, "a node can have one gripper")
+        check_held_once("support", self.supports, count, "a node can have one support (which may have several drives)")
         return self
 
     def _check_flat_coordinates(self) -> None:
@@ -102,20 +99,6 @@ class Sheet(Parameters):
                 f"self_contact: element {element} has {ratio[element]:.3g} times its area in material_coordinates, the "
                 "flat blank, on which neighbours are told from contacts; allowed are "
                 f"{SMALLEST_FLAT_AREA:g} to {1.0 / SMALLEST_FLAT_AREA:g}: give the blank flat coordinates of its own"
-            )
-
-    def _check_support(self, support: Support, owner: np.ndarray) -> None:
-        nodes, count = support.nodes, self.blank.node_count
-        if nodes.min() < 0 or nodes.max() >= count:
-            raise ValueError(
-                f"support {support.name}: nodes go from {nodes.min()} to {nodes.max()}; the blank has {count} nodes, "
-                "counted from 0"
-            )
-        if (owner[nodes] >= 0).any():
-            node = nodes[np.argmax(owner[nodes] >= 0)]
-            raise ValueError(
-                f"support {support.name}: node {node} is also held by {self.supports[owner[node]].name}; a node can "
-                "have one support (which may have several drives)"
             )
 
     def check_symmetry(self, symmetry: Symmetry) -> None:

@@ -55,8 +55,8 @@ class PassLaunches:
         self.facet_block_count = model.master.element_count // self._lanes
 
     def _make_record(self, total: wp.array) -> Any:
-        record, own, indices = record_struct(self._real, self._lanes)(), self._own, self.model.types.indices
-        record.facet, record.standing = _integer_lanes(own.facet, indices), _integer_lanes(own.standing, indices)
+        record, own = record_struct(self._real, self._lanes)(), self._own
+        record.facet, record.standing = lanes_view(own.facet, self._lanes), lanes_view(own.standing, self._lanes)
         record.rows = self.model.rows.view(own.rows)
         record.works, record.total = lanes_view(own.works, self._lanes), lanes_view(total, self._lanes)
         record.way, record.last_step = own.way, own.last_step
@@ -64,7 +64,7 @@ class PassLaunches:
 
     def _make_reaction(self) -> Any:
         reaction, own, rows = reaction_struct(self._real, self._lanes)(), self._own, self.model.rows
-        reaction.listed = _integer_lanes(own.listed, self.model.types.indices)
+        reaction.listed = lanes_view(own.listed, self._lanes)
         reaction.count, reaction.standing, reaction.rows = own.block_count, own.standing, own.rows
         reaction.row_count = rows.row_count if self._lanes > 1 else 1
         reaction.stride = rows.stride
@@ -150,14 +150,3 @@ class PassLaunches:
         self._launch(
             begin_travel_kernel(self._real, self._lanes), nodes[1], [nodes[0], self._search, self._watch, self._record]
         )
-
-
-def _integer_lanes(array: wp.array, indices: Any) -> wp.array:
-    """An array of int32 with padded last axis as lanes, on the same memory."""
-    lane_count = indices._length_
-    view: Any = wp.array(
-        ptr=array.ptr, dtype=indices, shape=(*array.shape[:-1], array.shape[-1] // lane_count), device=array.device,
-        capacity=array.capacity,
-    )  # fmt: skip
-    view._owner = array
-    return view

@@ -1,25 +1,15 @@
 """``weavesim kinematic``: of a job, and what is refused."""
 
-import sys
+from functools import partial
 
 import pytest
 
 from tests.support.jobs import write_tray
-from weavesim.app import command_line
 
 
 @pytest.fixture
-def kinematic_command(monkeypatch, capsys):
-    """Runs ``weavesim kinematic``: (exit code, stdout, stderr)."""
-
-    def call(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["weavesim", "kinematic", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ending:
-            command_line.main()
-        captured = capsys.readouterr()
-        return ending.value.code or 0, captured.out, captured.err
-
-    return call
+def kinematic_command(run_command):
+    return partial(run_command, "kinematic")
 
 
 def test_a_folder_that_is_no_run(kinematic_command, tmp_path):

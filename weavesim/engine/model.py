@@ -18,6 +18,7 @@ from ..tools.device import build_device_tools
 from ..tools.sampling import SampledDistance, mesh_parts, sample_meshes
 from .compilation import MeshKernelSet, compile_missing, mesh_kernels
 from .layout import Span, padded
+from .plies.facet_tables import FacetTables
 from .plies.pass_model import PassModel, mean_density, own_pass_places, pass_places
 from .setup import Setup, World
 from .sheet_model import SPARE_NODE_COUNT, Numerics, Places, SheetModel
@@ -102,12 +103,13 @@ class Model:
         begun = {place.slave for place in places}
         for number, index in enumerate(own, len(self.setup.interfaces)):
             places += own_pass_places(number, index, index not in begun)
+        tables = [FacetTables(sheet) for sheet in self.sheets]
         return tuple(
             PassModel(
                 place,
                 self.contacts[place.interface],
-                self.sheets[place.slave],
-                self.sheets[place.master],
+                tables[place.slave],
+                tables[place.master],
                 _damping_ratio(self.contacts[place.interface], self.sheets[place.slave]),
                 self.reference_step,
             )

@@ -11,16 +11,15 @@ import warp as wp
 
 from ...kernels.contact.friction import HERSEY, NO_ARGUMENT, PRESSURE, YARN_ANGLE, friction_law_struct
 from ...kernels.plies.data import contact_law_struct, slaves_struct
-from ...kernels.plies.facet import FREE_EDGE, facets_struct
 from ...kernels.plies.own_search import SLOT_COUNT
 from ...kernels.plies.search import search_struct
-from ...kernels.rows import PLY_RECORD_LENGTH, GradientRow, PlyRow
+from ...kernels.rows import PLY_RECORD_LENGTH, PlyRow
 from ...process.friction import Friction, PressureFriction, StribeckFriction, ViscousFilm, YarnAngleFriction
 from ...process.interfaces import Interface
 from ...process.self_contact import SelfContact
 from ..layout import RowLayout
 from ..sheet_model import REFRESH_INTERVAL, TANGENTIAL_RATIO, SheetModel
-from .connectivity import edge_neighbours, free_edge_distance, home_elements, rings
+from .facet_tables import FacetTables
 from .feet import Feet, find_feet
 from .normals import normal_layout
 
@@ -74,7 +73,7 @@ class PassModel:
     Args:
         place: which sheets it joins.
         interface: of which it is a pass, or the contact of a sheet with itself.
-        slave, master: their constants.
+        slave_tables, master_tables: of both sheets, with their constants.
         damping_ratio: normal dashpot as a share of critical.
         reference_step: of the run [s].
 
@@ -90,15 +89,16 @@ class PassModel:
         self,
         place: PassPlace,
         interface: Interface | SelfContact,
-        slave: SheetModel,
-        master: SheetModel,
+        slave_tables: FacetTables,
+        master_tables: FacetTables,
         damping_ratio: float,
         reference_step: float,
     ) -> None:
-        self.place, self.interface, self.slave, self.master = place, interface, slave, master
+        self.place, self.interface, self._own_facets, self._facets = place, interface, slave_tables, master_tables
+        slave, master = slave_tables.sheet, master_tables.sheet
+        self.slave, self.master = slave, master
         self.device, self.real, self.types, self.lane_count = slave.device, slave.real, slave.types, slave.lane_count
         self.damping_ratio, self.reference_step = damping_ratio, reference_step
-        self._flat_coordinates: dict[str, wp.array] = {}
         self.rows = RowLayout(PlyRow.row_count(), slave.node_count, self.lane_count, PLY_RECORD_LENGTH)
         self.thickness = 0.5 * (slave.fabric.thickness + master.fabric.thickness)
         densities = [mean_density(sheet) for sheet in (slave, master)]
@@ -139,81 +139,35 @@ class PassModel:
 
     def _edge_shares(self, share: float) -> np.ndarray:
         """Share of every node: at least a half near a free edge, where both passes are needed."""
-        slave, size = self.slave, math.sqrt(mean_facet_area(self.slave))
+        size = math.sqrt(mean_facet_area(self.slave))
         band = max(size, 2.0 * self.thickness)
-        distance = free_edge_distance(slave.blank, slave.symmetry)
-        near = np.clip((band + size - distance) / size, 0.0, 1.0)
+        near = np.clip((band + size - self._own_facets.edge_distance) / size, 0.0, 1.0)
         return share + (max(share, 0.5) - share) * near
 
     # --- device constants --------------------------------------------------------------------------------------------
 
     def facets(self, motion: wp.array, normals: wp.array):
         """Facets under the nodes, as a new struct, on the motion and the normals of one state of their sheet."""
-        return self._facets(self._master_arrays, self.master, motion, normals)
+        return self._facets.facets(motion, normals)
 
     def slaves(self, motion: wp.array, normals: wp.array):
         """Nodes of the pass, as a new struct, on the motion and the normals of one state of their sheet."""
         slaves = slaves_struct(self.real, self.lane_count)()
-        slaves.stiffness, slaves.home = self._slave_arrays
-        slaves.facets = self._facets(self._own_arrays, self.slave, motion, normals)
+        slaves.stiffness, slaves.home = self._device_stiffness, self._own_facets.home
+        slaves.facets = self._own_facets.facets(motion, normals)
         slaves.is_first = int(self.place.is_first)
         layout = normal_layout(self.slave)
-        slaves.normals, slaves.flat = layout.view(normals), layout.view(self._flat(self.slave))
+        slaves.normals, slaves.flat = layout.view(normals), layout.view(self._own_facets.flat)
         slaves.facing, slaves.squared_exclusion = float(self.place.facing), self.squared_exclusion
         slaves.squared_edge_distance = self.squared_edge_distance
         return slaves
 
-    def _facets(self, arrays: tuple[wp.array, ...], sheet: SheetModel, motion: wp.array, normals: wp.array):
-        facets = facets_struct(self.real)()
-        facets.corner, facets.normal_corner, facets.neighbour, facets.warp_gradient = arrays
-        facets.motion, facets.stride = motion, sheet.motion_layout.stride
-        facets.normals, facets.normal_stride = normals, normal_layout(sheet).stride
-        facets.flat = self._flat(sheet)
-        return facets
-
-    def _flat(self, sheet: SheetModel) -> wp.array:
-        """Flat coordinates of a sheet's nodes, and 1 behind those on a free edge, laid out as the normals."""
-        if sheet.name not in self._flat_coordinates:
-            rows = np.zeros((normal_layout(sheet).row_count, sheet.node_count))
-            count = sheet.blank.node_count
-            rows[:2, :count] = sheet.blank.material_coordinates.T
-            rows[3, :count] = free_edge_distance(sheet.blank, sheet.symmetry) == 0.0
-            flat: wp.array = wp.array(normal_layout(sheet).flat(rows), dtype=self.real, device=self.device)
-            self._flat_coordinates[sheet.name] = flat
-        return self._flat_coordinates[sheet.name]
-
     @cached_property
-    def _master_arrays(self) -> tuple[wp.array, ...]:
-        return self._facet_arrays(self.master)
-
-    @cached_property
-    def _own_arrays(self) -> tuple[wp.array, ...]:
-        return self._facet_arrays(self.slave)
-
-    @cached_property
-    def _slave_arrays(self) -> tuple[wp.array, ...]:
-        count, lane_count = self.slave.node_count, self.lane_count
-        stiffness, home = np.zeros(count), np.zeros(count, dtype=np.int32)
+    def _device_stiffness(self) -> wp.array:
+        stiffness = np.zeros(self.slave.node_count)
         stiffness[: len(self.stiffness)] = self.stiffness
-        home[: len(self.stiffness)] = home_elements(self.slave.blank)
-        return (
-            wp.array(stiffness.reshape(-1, lane_count), dtype=self.types.lanes, device=self.device),
-            wp.array(home.reshape(-1, lane_count), dtype=self.types.indices, device=self.device),
-        )
-
-    def _facet_arrays(self, sheet: SheetModel) -> tuple[wp.array, ...]:
-        """Corners, those among the normals, neighbours and gradients along the warp of the facets of a sheet."""
-        count = sheet.blank.element_count
-        neighbours = np.full((sheet.element_count, 4), int(FREE_EDGE), dtype=np.int32)
-        neighbours[:count] = edge_neighbours(sheet.blank, sheet.symmetry)
-        gradient = np.zeros((2, sheet.element_count))
-        gradient[:, :count] = sheet.geometry.gradient[[GradientRow.bp1, GradientRow.bq1]]
-        return (
-            self._integers(sheet.motion_layout.entry(0, sheet.element_nodes).T.ravel()),
-            self._integers(normal_layout(sheet).entry(0, sheet.element_nodes).T.ravel()),
-            self._integers(neighbours),
-            wp.array(gradient, dtype=self.real, device=self.device),
-        )
+        lanes = stiffness.reshape(-1, self.lane_count)
+        return wp.array(lanes, dtype=self.types.lanes, device=self.device)
 
     def law(self):
         """Contact law, as a new struct."""
@@ -253,12 +207,8 @@ class PassModel:
         search = search_struct(self.real)()
         search.skin, search.thickness, search.steps = self.skin, self.thickness, REFRESH_INTERVAL
         search.facet_count, search.slot = self.master.blank.element_count, self.place.slot
-        search.ring = self._ring
+        search.ring = self._facets.ring
         return search
-
-    @cached_property
-    def _ring(self) -> wp.array:
-        return self._integers(rings(self.master.blank.quads))
 
     @cached_property
     def feet(self) -> Feet:
@@ -270,9 +220,6 @@ class PassModel:
         master = self.master.blank
         points = self.slave.blank.node_position
         return find_feet(points, master.node_position, master.initial_director, master.quads, self.thickness)
-
-    def _integers(self, values: np.ndarray) -> wp.array:
-        return wp.array(np.ascontiguousarray(values), dtype=wp.int32, device=self.device)
 
 
 def contact_name(contact: Interface | SelfContact, sheet: str) -> str:

@@ -71,6 +71,7 @@ if TYPE_CHECKING:
     from .process.loads import NodalLoads
     from .process.pressure import Pressure
     from .process.self_contact import SelfContact
+    from .process.stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
     from .process.supports import Drive, Support
     from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
@@ -152,6 +153,7 @@ _names_in = {
     "process.loads": ("NodalLoads",),
     "process.pressure": ("Pressure",),
     "process.self_contact": ("SelfContact",),
+    "process.stages": ("AtForce", "AtRest", "AtStroke", "Move", "SheetPressure", "Stage"),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),
     "process.supports": ("Drive", "Support"),
     "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),

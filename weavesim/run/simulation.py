@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 from ..device import exclusive
-from ..engine.model import Model
+from ..engine.model import Model, hash_of_run
 from ..engine.setup import Setup
 from ..engine.state import State
 from ..engine.stepper import Stepper
@@ -23,6 +24,8 @@ from .guards import Doubt, Level, verdict_of
 from .interruption import Interruption, interruption
 from .ledger import Ledger
 from .sheet_ledger import Penetration
+from .staging.advance import in_stage, next_stage, stage_memory
+from .staging.course import Course
 from .start import Prepared, prepare
 from .verdict import Judged, summary
 from .watch.watch import Watch
@@ -50,6 +53,7 @@ class Simulation:
         interrupted_by: name of the signal that ended it; None if none did.
         failed: what became non-finite, and where; None if nothing did.
         stepping_time, wall_time: of the run, all its parts together [s].
+        course: where it is in its stages.
     """
 
     def __init__(self, setup: Setup, *, run_id: str | None = None) -> None:
@@ -61,6 +65,7 @@ class Simulation:
         self.failed: Failure | None = None
         self.stepping_time = 0.0
         self.wall_time = 0.0
+        self.course = Course(setup)
         self._prepared: Prepared | None = None
         self._frame: Frame | None = None
         self._watch: Watch | None = None
@@ -87,8 +92,13 @@ class Simulation:
         return self._prepared
 
     @property
+    def identity(self) -> dict[str, object]:
+        """Properties that a checkpoint must share with this run to continue it."""
+        return {**self.model.identity, "setup": hash_of_run(self.setup)}
+
+    @property
     def model(self) -> Model:
-        """Constants."""
+        """Constants, of the present stage."""
         return self.prepare().model
 
     @property
@@ -167,7 +177,7 @@ class Simulation:
             logger.warning("%s", warnings[-1])
         parts = (*values["parts"], part)
         info = replace(prepared.info, warnings=warnings, notes=(*prepared.info.notes, *parts), parts=parts)
-        self._prepared = replace(prepared, info=info)
+        self._prepared = replace(self.prepare(), info=info)
         self._checkpoints, self._resumes = checkpoints, True
 
     def checkpoint(self) -> bool:
@@ -230,10 +240,10 @@ class Simulation:
         return self.outcome
 
     def _run_frames(self, observers: Sequence[Observer], interrupted: Interruption) -> Outcome:
-        setup, watch = self.setup, self.watch
+        watch, course = self.watch, self.course
         while not self._ends():
             index = self.frame.index + 1
-            target = setup.duration * index / setup.frame_count
+            target = course.frame_time(index)
             running = self._advance_to(min(target, watch.next_time), interrupted)
             if self.failure:
                 return Outcome.NOT_FINITE
@@ -245,25 +255,58 @@ class Simulation:
             if running or self.state.step_count > frame.step_count:
                 frame = self.ledger.frame(index)
             if frame.time >= watch.next_time or not running:
+                if running:
+                    course.look(frame.energies, self.mass)
                 watch.look(frame, last=not running)
-            if frame.time < target and running:
+            ends_here = course.is_reached and running
+            if frame.time < target and running and not ends_here:
                 continue
             if frame is not self.frame:
-                take = self._take if frame.time >= target else self._publish
+                take = self._take if frame.time >= target or ends_here else self._publish
                 take(frame, observers)
             self.wall_time = self._time_before + time.perf_counter() - self._started
-            if not running and not self._ends():
+            if not running and not (course.is_last and course.is_over(self.frame)):
                 self.interrupted_by = interrupted.signal.name if interrupted.signal else None
                 return Outcome.INTERRUPTED
         # before the last look, which a run that goes on from here takes again
         self.checkpoint()
+        course.finish(self.frame, self.model.setup)
         watch.look(self.frame, last=True)
         return Outcome.FINISHED
 
     def _ends(self) -> bool:
-        """Whether the last frame is the last of the run."""
-        setup, frame = self.setup, self.frame
-        return frame.time >= setup.duration or bool(setup.rest and setup.rest.reached(frame.time, frame.energies))
+        """Whether the last frame is the last of the run; where it is the last of a stage, the next one begins."""
+        if not self.course.is_over(self.frame):
+            return False
+        if self.course.is_last:
+            return True
+        self._begin_stage()
+        return False
+
+    def _begin_stage(self) -> None:
+        course = self.course
+        course.finish(self.frame, self.model.setup)
+        self.watch.look(self.frame, last=True)
+        self._prepared = next_stage(self.prepare(), self.setup, course, self.frame)
+        self.watch.begin_stage(self.ledger, course.begin, course.duration)
+        logger.info("%s: stage %s begins at %.6g s", self.name, course.name, self.frame.time)
+        self.checkpoint()
+
+    def recall_stage(self, memory: Mapping[str, Any]) -> None:
+        """Be in the stage that ``stage_memory`` found; the state is that of the start still."""
+        self.course.recall(memory["course"])
+        if self.setup.stages:
+            self._prepared = in_stage(self.prepare(), self.setup, self.course, memory["carried"])
+            self.watch.begin_stage(self.ledger, self.course.begin, self.course.duration)
+
+    def stage_memory(self) -> dict[str, Any]:
+        """Where the run is in its stages, for a checkpoint."""
+        return stage_memory(self.prepare(), self.course)
+
+    @cached_property
+    def mass(self) -> float:
+        """Of all sheets, without what scaling adds [kg]."""
+        return sum(sheet.fabric.areal_density * float(sheet.geometry.area.sum()) for sheet in self.model.sheets)
 
     def _finish(self, observer: Observer) -> None:
         observer.finish(self.outcome or Outcome.INTERRUPTED)
@@ -294,14 +337,20 @@ class Simulation:
         def due() -> bool:
             return self._checkpoints is not None and self._checkpoints.due(self.state.step_count)
 
-        while True:
-            started = time.perf_counter()
-            self.stepper.advance_to(target, lambda: interrupted.is_set() or due())
-            self.failed = find_failure(self.model, self.state, self.frame)
-            self.stepping_time += time.perf_counter() - started
-            if self.failure or interrupted.is_set() or not due():
-                return not interrupted.is_set()
-            self.checkpoint()
+        for part in self.course.targets(target):
+            while True:
+                started = time.perf_counter()
+                self.stepper.advance_to(part, lambda: interrupted.is_set() or due())
+                self.failed = find_failure(self.model, self.state, self.frame)
+                self.stepping_time += time.perf_counter() - started
+                if self.failure or interrupted.is_set():
+                    return not interrupted.is_set()
+                if not due():
+                    break
+                self.checkpoint()
+            if self.course.check(self.state):
+                break
+        return True
 
     # --- assessment --------------------------------------------------------------------------------------------------
 

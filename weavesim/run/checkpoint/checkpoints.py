@@ -135,7 +135,7 @@ class Checkpoints:
         values, arrays = memory_of(simulation)
         model = simulation.model
         about = {
-            "run_id": simulation.info.run_id, "identity": model.identity, "machine": machine(model.device.name),
+            "run_id": simulation.info.run_id, "identity": simulation.identity, "machine": machine(model.device.name),
             "frame_count": self._journal.count, "frames_size": self._journal.size,
             "written": datetime.now(UTC).isoformat(timespec="seconds"), "parts": list(simulation.info.parts),
         }  # fmt: skip
@@ -217,7 +217,7 @@ class Checkpoints:
                 f"checkpoint {path}: it is of weavesim {before.get('weavesim')}, and this is {here['weavesim']}; "
                 "resume it with that version, or run it again (--overwrite)"
             )
-        for name, wanted in model.identity.items():
+        for name, wanted in simulation.identity.items():
             if values["identity"].get(name) != wanted:
                 found = "another one" if name == "setup" else f"{values['identity'].get(name)}, not {wanted}"
                 raise InputError(

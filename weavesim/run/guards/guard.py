@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ...engine.sheet_model import SheetModel
     from ..frame import Frame
     from ..ledger import Ledger
+    from ..staging.rehearsal import Phase
     from ..verdict import Judged
 
 logger = logging.getLogger(__name__)
@@ -93,14 +94,16 @@ class Start:
     """A run at time zero, as guards see it before it starts.
 
     Attributes:
-        model: constants of the run, with its set-up.
+        model: constants of the run, with its set-up; of its first stage, if it has some.
         ledger: measures distances from the tools.
         frame: the undeformed state.
+        phases: stages of the run as they are planned, or the run itself if it has none.
     """
 
     model: Model
     ledger: Ledger
     frame: Frame
+    phases: tuple[Phase, ...]
 
     def meetings(self) -> Iterator[tuple[SheetModel, np.ndarray, int]]:
         """Every sheet, its positions (node_count, 3) [m], and each tool that it may touch, by index in the run."""

@@ -5,11 +5,14 @@ import shutil
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdValidation
 
 from weavesim.errors import InputError
 from weavesim.output import Film
-from weavesim.output.film import prim_names
+from weavesim.output.colours import colour_table
+from weavesim.output.film.film import prim_names
+from weavesim.output.film.legend import _text, legend_drawing
+from weavesim.run.fields import FIELDS
 from weavesim.run.frame import Outcome
 from weavesim.sheet.symmetry import Symmetry
 
@@ -46,7 +49,7 @@ def test_validators_accept_the_film(stage):
 
 def test_validators_do_complain(stage):
     stage.ClearDefaultPrim()
-    stage.GetPrimAtPath("/World/sheet").RemoveAPI(UsdShade.MaterialBindingAPI)
+    stage.GetPrimAtPath("/World/sheets/sheet").RemoveAPI(UsdShade.MaterialBindingAPI)
     assert len(complaints(stage)) >= 2
 
 
@@ -60,7 +63,7 @@ def test_stage_metrics_and_time(stage, coarse_run):
 
 def test_every_frame_holds_the_points_of_the_run(stage, coarse_run):
     info, frames = coarse_run
-    mesh = UsdGeom.Mesh.Get(stage, "/World/sheet")
+    mesh = UsdGeom.Mesh.Get(stage, "/World/sheets/sheet")
     assert mesh.GetSubdivisionSchemeAttr().Get() == "none"
     assert mesh.GetDoubleSidedAttr().Get() is True
     assert np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 4).tolist() == info.sheet.blank.quads.tolist()
@@ -74,9 +77,9 @@ def test_every_frame_holds_the_points_of_the_run(stage, coarse_run):
 
 def test_fields_are_element_values(stage, coarse_run):
     frame = coarse_run[1][-1]
-    primvars = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheet"))
+    primvars = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheets/sheet"))
     for name, expected in (
-        ("shear_angle_deg", np.abs(np.rad2deg(frame.fields["shear_angle"]))),
+        ("shear_angle_deg", np.rad2deg(frame.fields["shear_angle"])),
         ("warp_stretch", frame.fields["warp_stretch"]),
         ("weft_stretch", frame.fields["weft_stretch"]),
         ("thickness", frame.fields["thickness"]),
@@ -87,9 +90,98 @@ def test_fields_are_element_values(stage, coarse_run):
         assert np.array(primvar.Get(frame.index)) == pytest.approx(expected, rel=1e-6)
 
 
+def test_every_field_tells_what_it_is_in_which_unit(stage, coarse_run):
+    prim = stage.GetPrimAtPath("/World/sheets/sheet")
+    primvars = {primvar.GetPrimvarName(): primvar.GetAttr() for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvars()}
+    fields = [field for field in FIELDS if field.name in coarse_run[1][0].fields and not field.diagnostic]
+    assert (
+        set(primvars) - {"displayColor", "displayOpacity"} == {field.file_name for field in fields} and len(fields) >= 5
+    )
+    for field in fields:
+        attribute = primvars[field.file_name]
+        assert attribute.GetDocumentation() == f"{field.description} [{field.file_unit}]"
+        assert attribute.GetCustomDataByKey("unit") == field.file_unit
+        assert len(attribute.GetTimeSamples()) == len(coarse_run[1])
+    assert "degrees" in primvars["displayColor"].GetDocumentation()
+    assert "metres" in prim.GetDocumentation()
+
+
+def test_the_clock_of_the_run_is_in_the_film(stage, coarse_run):
+    world = stage.GetPrimAtPath("/World")
+    for frame in coarse_run[1]:
+        assert world.GetAttribute("weavesim:time").Get(frame.index) == frame.time
+        assert world.GetAttribute("weavesim:stroke").Get(frame.index) == frame.stroke
+
+
+def test_lights_give_what_they_say_whatever_their_size(stage):
+    key = UsdLux.DistantLight.Get(stage, "/World/lights/key")
+    assert key.GetNormalizeAttr().Get() is True
+    sky = UsdLux.DomeLight.Get(stage, "/World/lights/sky")
+    assert 1.0 < key.GetIntensityAttr().Get() + sky.GetIntensityAttr().Get() < 2.0
+    # it shines onto the side that the camera sees
+    shines = UsdGeom.Xformable(key.GetPrim()).ComputeLocalToWorldTransform(0.0).TransformDir(Gf.Vec3d(0, 0, -1))
+    looks = UsdGeom.Xformable.Get(stage, "/World/camera").ComputeLocalToWorldTransform(0.0)
+    assert shines * looks.TransformDir(Gf.Vec3d(0, 0, -1)) > 0.5
+
+
+def test_the_camera_is_on_the_formed_side_and_tools_there_are_transparent(tmp_path, stage, coarse_run):
+    def eye(stage, name="camera"):
+        return moved(stage, f"/World/{name}")[2]
+
+    def opacity(stage, tool):
+        material = UsdShade.MaterialBindingAPI(stage.GetPrimAtPath(f"/World/tools/{tool}")).ComputeBoundMaterial()[0]
+        return material.ComputeSurfaceSource()[0].GetInput("opacity").Get()
+
+    # the punch has pressed the sheet down
+    assert eye(stage) < 0.0 < eye(stage, "camera_back")
+    assert opacity(stage, "die") < 0.5 and opacity(stage, "punch") == opacity(stage, "blank_holder") == 1.0
+    info, frames = coarse_run
+    turned = [
+        dataclasses.replace(
+            frame, sheets=(dataclasses.replace(frame.sheet, position=frame.position * (1.0, 1.0, -1.0)),)
+        )
+        for frame in frames
+    ]
+    other = Usd.Stage.Open(str(write_film(tmp_path / "turned.usdc", (info, turned))))
+    assert eye(other, "camera_back") < 0.0 < eye(other)
+    assert opacity(other, "die") == 1.0 > opacity(other, "punch")
+
+
+def test_the_legend_lies_below_the_part_in_the_picture(stage, coarse_run):
+    frustum = UsdGeom.Camera.Get(stage, "/World/camera").GetCamera(0.0).frustum
+    to_picture = frustum.ComputeViewMatrix() * frustum.ComputeProjectionMatrix()
+    mesh = UsdGeom.Mesh.Get(stage, "/World/legend")
+    to_world = mesh.ComputeLocalToWorldTransform(0.0)
+    legend = np.array([to_picture.Transform(to_world.Transform(Gf.Vec3d(p))) for p in mesh.GetPointsAttr().Get()])
+    assert np.abs(legend[:, :2]).max() < 1.0
+    for frame in (coarse_run[1][0], coarse_run[1][-1]):
+        for sign in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
+            part = np.array([to_picture.Transform(Gf.Vec3d(*p)) for p in frame.position * (*sign, 1.0)])
+            assert part[:, 1].min() > legend[:, 1].max()
+            assert part[:, 2].min() > legend[:, 2].max()  # nothing is in front of it
+
+
+def test_the_bar_of_the_legend_has_the_colours_of_the_field():
+    drawing = legend_drawing()
+    bar = np.array([np.abs(colour_table() - colour).sum(axis=1).min() < 1e-12 for colour in drawing.colours])
+    x = drawing.points[bar, 0]
+    lightness = drawing.colours[bar] @ (0.2126, 0.7152, 0.0722)
+    assert len(np.unique(x)) > 50 and np.all(np.diff(lightness[np.argsort(x, kind="stable")]) > -1e-12)
+    # letters keep their holes: the area of a zero is smaller than that of its outline
+    assert triangle_area(_text("0", 0.0, 0.0, 1.0)) < 0.8 * triangle_area(_text("0", 0.0, 0.0, 1.0), filled=True)
+
+
+def triangle_area(drawing, filled=False) -> float:
+    if filled:
+        hull = drawing.points[:, :2]
+        return float(np.ptp(hull[:, 0]) * np.ptp(hull[:, 1])) * np.pi / 4.0
+    a, b, c = drawing.points[drawing.faces].transpose(1, 0, 2)[..., :2]
+    return float(np.abs(np.cross(np.c_[b - a, 0 * a[:, :1]], np.c_[c - a, 0 * a[:, :1]])[:, 2]).sum()) / 2.0
+
+
 def test_display_colour_reaches_the_material_and_brightens_with_the_angle(stage, coarse_run):
     info, frames = coarse_run
-    mesh = UsdGeom.Mesh.Get(stage, "/World/sheet")
+    mesh = UsdGeom.Mesh.Get(stage, "/World/sheets/sheet")
     colour = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("displayColor")
     assert colour.GetInterpolation() == "vertex"
     material = UsdShade.MaterialBindingAPI(mesh.GetPrim()).ComputeBoundMaterial()[0]
@@ -110,7 +202,7 @@ def test_mirrored_copies_complete_the_part_without_storing_it_again(stage, coars
     frame = coarse_run[1][-1]
     copies = {"_mirrored_x": (-1, 1), "_mirrored_y": (1, -1), "_mirrored_x_y": (-1, -1)}
     for name, sign in copies.items():
-        prim = stage.GetPrimAtPath(f"/World/sheet{name}")
+        prim = stage.GetPrimAtPath(f"/World/sheets/sheet{name}")
         spec = stage.GetRootLayer().GetPrimAtPath(prim.GetPath())
         assert set(spec.attributes.keys()) == {"xformOp:scale", "xformOpOrder"}
         to_world = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(frame.index)
@@ -129,7 +221,7 @@ def test_tools_move_along_their_axes_with_their_own_materials(stage, coarse_run)
         for frame in (frames[0], frames[5], frames[-1]):
             moved = transform.ComputeLocalToWorldTransform(frame.index).ExtractTranslation()
             assert np.array(moved) == pytest.approx(frame.tool_displacement[k] * np.array(tool.axis))
-        surface = stage.GetPrimAtPath(f"/World/tools/{tool.name}/surface")
+        surface = stage.GetPrimAtPath(f"/World/tools/{tool.name}")
         assert len(UsdGeom.Mesh(surface).GetPointsAttr().Get()) == len(tool.display_triangles()[0])
         materials.add(UsdShade.MaterialBindingAPI(surface).ComputeBoundMaterial()[0].GetPath())
     assert len(materials) == len(info.tools)
@@ -137,7 +229,7 @@ def test_tools_move_along_their_axes_with_their_own_materials(stage, coarse_run)
 
 def test_tool_corners_are_smooth_on_the_ball_and_sharp_on_the_box(stage):
     for name, rule in (("punch", lambda angle: angle.max() > 1.0), ("die", lambda angle: angle.max() < 1e-3)):
-        mesh = UsdGeom.Mesh.Get(stage, f"/World/tools/{name}/surface")
+        mesh = UsdGeom.Mesh.Get(stage, f"/World/tools/{name}")
         points = np.array(mesh.GetPointsAttr().Get())[np.array(mesh.GetFaceVertexIndicesAttr().Get())].reshape(-1, 3, 3)
         normals = np.array(mesh.GetNormalsAttr().Get()).reshape(-1, 3, 3)
         face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
@@ -164,9 +256,9 @@ def test_an_interrupted_film_ends_where_the_run_did(tmp_path, coarse_run):
 
 
 def test_flushing_while_it_runs_loses_nothing(tmp_path, coarse_run, monkeypatch, film_path):
-    monkeypatch.setattr("weavesim.output.film._FRAMES_PER_FLUSH", 3)
+    monkeypatch.setattr("weavesim.output.film.film._FRAMES_PER_FLUSH", 3)
     stage = Usd.Stage.Open(str(write_film(tmp_path / "flushed.usdc", coarse_run)))
-    flushed = UsdGeom.Mesh.Get(stage, "/World/sheet").GetPointsAttr()
+    flushed = UsdGeom.Mesh.Get(stage, "/World/sheets/sheet").GetPointsAttr()
     for frame in coarse_run[1]:
         assert np.array_equal(np.array(flushed.Get(frame.index)), frame.position.astype(np.float32))
 
@@ -185,7 +277,7 @@ def test_an_older_film_stays_until_the_new_one_has_a_frame(tmp_path, coarse_run)
 
 def test_a_film_does_not_depend_on_when_it_was_saved(tmp_path, coarse_run, monkeypatch):
     one = write_film(tmp_path / "one.usdc", coarse_run)
-    monkeypatch.setattr("weavesim.output.film.Pace.due", lambda pace: True)
+    monkeypatch.setattr("weavesim.output.film.film.Pace.due", lambda pace: True)
     other = write_film(tmp_path / "other.usdc", coarse_run)
     assert one.read_bytes() == other.read_bytes()
     assert {path.name for path in tmp_path.iterdir()} == {"one.usdc", "other.usdc"}
@@ -196,7 +288,7 @@ def test_a_save_without_room_costs_no_film(tmp_path, coarse_run, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("shutil.copyfile", full)
-    monkeypatch.setattr("weavesim.output.film.Film._publish", full)
+    monkeypatch.setattr("weavesim.output.film.film.Film._publish", full)
     path = write_film(tmp_path / "film.usdc", coarse_run)
     assert Usd.Stage.Open(str(path)).GetEndTimeCode() == len(coarse_run[1]) - 1
 
@@ -210,7 +302,7 @@ def test_a_killed_run_leaves_a_film(tmp_path, coarse_run):
         film.frame(frame)
         stage = Usd.Stage.Open(str(shutil.copy(film.path, tmp_path / f"copy_{index}.usdc")))
         assert stage.GetEndTimeCode() == {3: 2, 5: 4}.get(index, index)
-        assert stage.GetPrimAtPath("/World/camera") and stage.GetPrimAtPath("/World/lights/sun")
+        assert stage.GetPrimAtPath("/World/camera") and stage.GetPrimAtPath("/World/lights/key")
         assert stage.GetRootLayer().customLayerData["weavesim"]["run_id"] == info.run_id
 
 
@@ -235,7 +327,7 @@ def test_a_fabric_without_known_fibres_has_no_fibre_volume_fraction(tmp_path, co
         for frame in frames[:2]
     ]
     stage = Usd.Stage.Open(str(write_film(tmp_path / "bare.usdc", (info, bare))))
-    primvars = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheet"))
+    primvars = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheets/sheet"))
     assert primvars.HasPrimvar("thickness") and not primvars.HasPrimvar("fibre_volume_fraction")
 
 
@@ -257,14 +349,14 @@ def stack_film(stack_path):
 def test_every_sheet_of_a_run_is_a_mesh_with_its_own_copies(stack_film, stack):
     info, frames = stack
     for sheet, state in zip(info.sheets, frames[-1].sheets, strict=True):
-        mesh = UsdGeom.Mesh.Get(stack_film, f"/World/sheet_{sheet.name}")
+        mesh = UsdGeom.Mesh.Get(stack_film, f"/World/sheets/{sheet.name}")
         points = np.array(mesh.GetPointsAttr().Get(frames[-1].index))
         assert np.array_equal(points, state.position.astype(np.float32))
         angles = np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("shear_angle_deg").Get(frames[-1].index))
-        assert angles == pytest.approx(np.abs(np.rad2deg(state.fields["shear_angle"])), rel=1e-6)
+        assert angles == pytest.approx(np.rad2deg(state.fields["shear_angle"]), rel=1e-6)
     copies = [prim.GetName() for prim in stack_film.Traverse() if "mirrored" in prim.GetName()]
-    assert sorted(copies) == [f"sheet_upper_mirrored_{axes}" for axes in ("x", "x_y", "y")]
-    assert not stack_film.GetPrimAtPath("/World/sheet")
+    assert sorted(copies) == [f"upper_mirrored_{axes}" for axes in ("x", "x_y", "y")]
+    assert not stack_film.GetPrimAtPath("/World/sheets/sheet")
     assert complaints(stack_film) == []
 
 
@@ -301,7 +393,7 @@ def moved(stage, path: str, time: float = 0.0) -> np.ndarray:
     return np.array(transform.ExtractTranslation())
 
 
-SHEETS_OF_STACK = ("/World/sheet_upper", "/World/sheet_lower")
+SHEETS_OF_STACK = ("/World/sheets/upper", "/World/sheets/lower")
 
 
 def test_validators_accept_every_view_of_several_sheets(stack_path):
@@ -313,7 +405,7 @@ def test_validators_accept_every_view_of_several_sheets(stack_path):
 def test_several_sheets_are_seen_as_they_are_unless_they_are_moved_apart(stack_path, stack):
     info, frames = stack
     stage = Usd.Stage.Open(str(stack_path))
-    for path in (*SHEETS_OF_STACK, "/World/sheet_upper_mirrored_x"):
+    for path in (*SHEETS_OF_STACK, "/World/sheets/upper_mirrored_x"):
         assert moved(stage, path) == pytest.approx(0.0)
     apart = chosen(stack_path, view="exploded")
     points = np.concatenate([sheet.position for frame in frames for sheet in frame.sheets])
@@ -344,14 +436,14 @@ def test_a_camera_sees_the_sheets_that_are_moved_apart(stack_path, stack):
 def test_sheets_have_colours_of_their_own_where_these_are_chosen(stack_path):
     def materials(**variants):
         stage = chosen(stack_path, **variants)
-        paths = (*SHEETS_OF_STACK, "/World/sheet_upper_mirrored_x_y")
+        paths = (*SHEETS_OF_STACK, "/World/sheets/upper_mirrored_x_y")
         bound = [UsdShade.MaterialBindingAPI(stage.GetPrimAtPath(path)).ComputeBoundMaterial()[0] for path in paths]
         colours = [material.ComputeSurfaceSource()[0].GetInput("diffuseColor").Get() for material in bound]
         return [(str(material.GetPath()), colour) for material, colour in zip(bound, colours, strict=True)]
 
     assert {path for path, _ in materials()} == {"/World/materials/sheet"}
     upper, lower, mirrored = materials(colours="sheets")
-    assert upper[0] == mirrored[0] == "/World/materials/sheet_upper" and lower[0] == "/World/materials/sheet_lower"
+    assert upper[0] == mirrored[0] == "/World/materials/upper" and lower[0] == "/World/materials/lower"
     assert upper[1] == mirrored[1] != lower[1]
 
 

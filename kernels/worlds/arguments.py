@@ -7,6 +7,7 @@ import warp as wp
 from ..cell.law import CellLaw
 from ..contact.penalty import touch_struct
 from ..lanes import lane_types
+from ..loads.grippers import Grips
 from ..shell.frequency import step_bounds_struct
 from ..shell.kinematics import element_struct
 from ..shell.laws import SheetTraits, sheet_struct
@@ -95,6 +96,21 @@ class ToolArguments:
     force: wp.array(dtype=wp.vec3d)
     kept: wp.array2d(dtype=wp.float64)
     books: ToolBooks
+
+
+@cache
+def grip_arguments(real: type):
+    """What ``grip_function`` takes."""
+
+    @wp.struct
+    class GripArguments:
+        grips: Grips
+        motion: wp.array(dtype=real)
+        clock: wp.array(dtype=wp.float64)
+        corner_force: wp.array(dtype=real)
+        kept: wp.array2d(dtype=wp.float64)
+
+    return GripArguments
 
 
 @cache

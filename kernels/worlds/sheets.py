@@ -10,6 +10,7 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..lanes import step_options
+from ..loads.grippers import grip_function
 from ..shell.extremes import element_extremes_function
 from ..shell.force import element_force_function
 from ..shell.frequency import element_frequency_function
@@ -17,7 +18,7 @@ from ..shell.laws import SheetTraits
 from ..stepping.node import node_motion_function
 from ..stepping.node_data import NodeTraits
 from ..stepping.step import fold_works_function
-from .arguments import force_arguments, frequency_arguments, node_arguments, record_arguments
+from .arguments import force_arguments, frequency_arguments, grip_arguments, node_arguments, record_arguments
 
 
 @cache
@@ -103,6 +104,26 @@ def world_extremes_kernel(real: type, lane_count: int, flat: bool):
             extremes_of_block(block, a.elements, a.motion, a.extremes)
 
     return world_extremes
+
+
+@cache
+def world_grips_kernel(real: type):
+    """Kernel, launched once per step after the elements: springs of gripped nodes; see ``grip_kernel``."""
+    Arguments, pull_node = grip_arguments(real), grip_function(real)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def world_grips(
+        block_count: wp.int32,  # gripped nodes of each world
+        running: wp.array(dtype=wp.int32),
+        worlds: wp.array(dtype=Arguments),
+    ):
+        world = wp.tid() / block_count
+        k = wp.tid() - world * block_count
+        if running[world] != 0:
+            a = worlds[world]
+            pull_node(k, a.grips, a.motion, a.clock, a.corner_force, a.kept)
+
+    return world_grips
 
 
 @cache

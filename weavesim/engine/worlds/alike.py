@@ -48,7 +48,8 @@ def differences(first: Model, other: Model) -> list[str]:
     own, others = likeness(first), likeness(other)
     plain = (int, str)
     return [
-        f"their {name} differs" + (f" ({value} and {others[name]})" if isinstance(value, plain) else "")
+        f"their {name} {'differ' if name.startswith('kinds') else 'differs'}"
+        + (f" ({value} and {others[name]})" if isinstance(value, plain) else "")
         for name, value in own.items()
         if value != others[name]
     ]

@@ -17,6 +17,7 @@ from ...kernels.worlds.arguments import (
     drive_arguments,
     force_arguments,
     frequency_arguments,
+    grip_arguments,
     node_arguments,
     record_arguments,
 )
@@ -32,6 +33,7 @@ from ...kernels.worlds.sheets import (
     world_extremes_kernel,
     world_forces_kernel,
     world_frequencies_kernel,
+    world_grips_kernel,
     world_nodes_kernel,
     world_works_kernel,
 )
@@ -115,6 +117,7 @@ class WorldLaunches:
         self._of_maxima = (world_tile_maxima_kernel if self._device.is_cuda else world_maxima_kernel)(real)
         self._steps = world_steps_kernel(real)
         self._drives = world_drives_kernel(real) if model.drives.count else None
+        self._grips = world_grips_kernel(real) if sheet.grippers else None
 
     @property
     def kernels(self) -> list[wp.Kernel]:
@@ -123,7 +126,7 @@ class WorldLaunches:
         kernels += [self._of_maxima, self._steps, check_worlds]
         if len(self._sums) > 1:
             kernels.append(self._partial_sums)
-        return [*kernels, self._drives] if self._drives else kernels
+        return [*kernels, *(kernel for kernel in (self._drives, self._grips) if kernel)]
 
     # --- launches ----------------------------------------------------------------------------------------------------
 
@@ -143,6 +146,11 @@ class WorldLaunches:
     def element_forces(self) -> None:
         """Corner forces of all elements."""
         self._of_blocks(self._forces, "forces", self._element_blocks)
+
+    def pull(self) -> None:
+        """Add the springs of grippers to the corner forces."""
+        if self._grips:
+            self._of_blocks(self._grips, "grips", sum(len(gripper.nodes) for gripper in self._model.sheet.grippers))
 
     def move_nodes(self) -> None:
         """Motion of all nodes."""
@@ -244,6 +252,11 @@ def _structs(own: Launches) -> dict[str, Any]:
         drives.displacement, drives.increment = state.drive_displacement, state.drive_increment
         drives.clock = state.clock
         given["drives"] = drives
+    if sheet.grippers:
+        grips = grip_arguments(sheet.real)()
+        grips.grips, grips.motion, grips.clock = own.loads.grips[0].grips, of_sheet.motion, state.clock
+        grips.corner_force, grips.kept = of_sheet.corner_force, of_sheet.grip
+        given["grips"] = grips
     return given
 
 

@@ -64,6 +64,7 @@ class WorldStepper:
             launches.element_forces()
             join()
             launches.move_supports()
+            launches.pull()
             launches.move_nodes()
             with beside():
                 launches.move_tools()

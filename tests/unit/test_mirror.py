@@ -95,7 +95,6 @@ TESTED_ELSEWHERE = {
     "weavesim/fabric/response.py": "verification/cell/test_cell_responses.py",
     "weavesim/output/curves.py": "unit/output/test_tables.py",
     "weavesim/output/files.py": "unit/output/test_folder.py",
-    "weavesim/output/usd.py": "unit/output/test_film.py",
     "weavesim/output/report/page.py": "unit/output/test_folder.py",
     "weavesim/app/session.py": "unit/app/test_command_line.py",
     "weavesim/job/overrides.py": "unit/job/test_read.py",

@@ -1,7 +1,7 @@
 """Results of a run, written to its folder."""
 
 from .files import write_summary
-from .film import Film
+from .film.film import Film
 from .folder import ResultFolder
 from .history import History
 from .measured import load_measured_angles, load_measured_curves, load_measured_outline

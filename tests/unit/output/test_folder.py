@@ -240,7 +240,7 @@ def test_a_full_disk_costs_the_file_but_not_the_run(tmp_path, coarse_run, monkey
 
 
 def test_a_folder_that_vanishes_during_the_run(tmp_path, coarse_run, monkeypatch):
-    monkeypatch.setattr("weavesim.output.film._FRAMES_PER_FLUSH", 2)
+    monkeypatch.setattr("weavesim.output.film.film._FRAMES_PER_FLUSH", 2)
     info, frames = coarse_run
     folder = ResultFolder(tmp_path / "gone")
     folder.start(info)

@@ -217,7 +217,7 @@ def test_a_full_disk_costs_the_file_but_not_the_run(tmp_path, coarse_run, monkey
         calls.append(arguments)
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("weavesim.output.series.ParaViewSeries._write", no_space)
+    monkeypatch.setattr("weavesim.output.paraview.series.ParaViewSeries._write", no_space)
     monkeypatch.setattr("weavesim.output.history.History.write", no_space)
     folder = ResultFolder(tmp_path)
     with caplog.at_level(logging.WARNING, "weavesim"):

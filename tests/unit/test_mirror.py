@@ -99,6 +99,7 @@ TESTED_ELSEWHERE = {
     "weavesim/fabric/device.py": "unit/kernels/test_curve.py",
     "weavesim/fabric/response.py": "verification/cell/test_cell_responses.py",
     "weavesim/output/curves.py": "unit/output/test_tables.py",
+    "weavesim/output/paraview/sheets.py": "unit/output/paraview/test_series.py",
     "weavesim/output/files.py": "unit/output/test_folder.py",
     "weavesim/output/report/page.py": "unit/output/test_folder.py",
     "weavesim/app/session.py": "unit/app/test_command_line.py",

@@ -86,7 +86,7 @@ def test_the_recipe_of_an_output_field(fields_forgotten, tmp_path, coarse_run):
         UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheets/sheet")).GetPrimvar("current_areal_density").Get(0.0)
     )
     assert np.array(filmed) == pytest.approx(values["current_areal_density"])
-    stored = meshio.read(tmp_path / "final_state.vtu").cell_data["current_areal_density"][0]
+    stored = meshio.read(tmp_path / "final_state.vtu").cell_data["current_areal_density_kg_per_m2"][0]
     assert np.array_equal(stored, values["current_areal_density"])
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -28,7 +28,7 @@ from .staging.advance import in_stage, next_stage, stage_memory
 from .staging.course import Course
 from .start import Prepared, prepare
 from .verdict import Judged, summary
-from .watch.watch import Watch
+from .watch.watch import WATCH_COUNT, Watch
 
 logger = logging.getLogger(__name__)
 
@@ -36,8 +36,8 @@ logger = logging.getLogger(__name__)
 class Simulation:
     """One run: ``prepare()`` makes it ready, ``run()`` executes it, ``frame`` is the last frame taken.
 
-    Simulations in several threads wait for each other: Warp computes in one thread at a time. Use processes to compute
-    several at once.
+    Simulations in several threads step side by side on a CPU; whatever else they do, such as taking frames, waits for
+    each other. ``run_batch`` uses this.
 
     Construction is cheap. The first access to device data, such as ``frame`` or ``state``, prepares the run, which
     compiles kernels that are not cached.
@@ -45,6 +45,7 @@ class Simulation:
     Args:
         setup: of the run.
         run_id: of a run that is resumed; a new one by default.
+        watch_count: states that the guards look at, evenly spaced in time.
 
     Attributes:
         setup: as given.
@@ -53,19 +54,19 @@ class Simulation:
         interrupted_by: name of the signal that ended it; None if none did.
         failed: what became non-finite, and where; None if nothing did.
         stepping_time, wall_time: of the run, all its parts together [s].
-        course: where it is in its stages.
+        stages: where it is in them.
     """
 
-    def __init__(self, setup: Setup, *, run_id: str | None = None) -> None:
+    def __init__(self, setup: Setup, *, run_id: str | None = None, watch_count: int = WATCH_COUNT) -> None:
         self.setup = setup
-        self._run_id = run_id
+        self._run_id, self._watch_count = run_id, watch_count
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
         self.interrupted_by: str | None = None
         self.failed: Failure | None = None
         self.stepping_time = 0.0
         self.wall_time = 0.0
-        self.course = Course(setup)
+        self.stages = Course(setup)
         self._prepared: Prepared | None = None
         self._frame: Frame | None = None
         self._watch: Watch | None = None
@@ -140,7 +141,7 @@ class Simulation:
     def watch(self) -> Watch:
         """What the guards saw, whatever the frames were."""
         if self._watch is None:
-            self._watch = Watch(self.prepare())
+            self._watch = Watch(self.prepare(), self._watch_count)
             self._watch.look(self.prepare().frame)
         return self._watch
 
@@ -148,6 +149,11 @@ class Simulation:
     def penetration(self) -> Penetration:
         """The deepest penetration so far."""
         return self.watch.penetration
+
+    def computed_on(self, device: str) -> None:
+        """Tell observers and results that the steps are done on ``device``, not on that of the set-up."""
+        prepared = self.prepare()
+        self._prepared = replace(prepared, info=replace(prepared.info, device=device))
 
     # --- the run -----------------------------------------------------------------------------------------------------
 
@@ -209,6 +215,23 @@ class Simulation:
             RunError: the state became non-finite (the message names the element and the likely cause), or this
                 simulation has been run before.
         """
+        with closing(self.course(observers, checkpoints=checkpoints)) as course:
+            try:
+                target, interrupted = next(course)
+                while True:
+                    target, interrupted = course.send(self._advance_to(target, interrupted))
+            except StopIteration as end:
+                outcome: Outcome = end.value
+                return outcome
+
+    def course(
+        self, observers: Sequence[Observer] = (), *, checkpoints: Checkpoints | None = None
+    ) -> Generator[tuple[float, Interruption], bool, Outcome]:
+        """The run for whoever steps it: see ``run``.
+
+        Yields up to which time the state is to be advanced [s], and what notes the signals that stop it earlier. It
+        wants to know whether the run goes on, and, if the state is no longer finite, ``failed``.
+        """
         if self.history:
             raise RunError("this simulation has been run: make a new one, since runs start from the undeformed blank")
         self.prepare()
@@ -226,7 +249,7 @@ class Simulation:
                 if self._checkpoints is not None:
                     self._checkpoints.begin(self._checkpoints.job or Job(self.setup, self.info.run_id))
                 self._take(self.frame, observers)
-            self.outcome = self._run_frames(observers, interrupted)
+            self.outcome = yield from self._run_frames(observers, interrupted)
             try:
                 self._report_doubts()
             except Exception as error:  # the results are still worth having
@@ -239,12 +262,14 @@ class Simulation:
             raise RunError(self.failure)
         return self.outcome
 
-    def _run_frames(self, observers: Sequence[Observer], interrupted: Interruption) -> Outcome:
-        watch, course = self.watch, self.course
+    def _run_frames(
+        self, observers: Sequence[Observer], interrupted: Interruption
+    ) -> Generator[tuple[float, Interruption], bool, Outcome]:
+        watch, stages = self.watch, self.stages
         while not self._ends():
             index = self.frame.index + 1
-            target = course.frame_time(index)
-            running = self._advance_to(min(target, watch.next_time), interrupted)
+            target = stages.frame_time(index)
+            running = yield min(target, watch.next_time), interrupted
             if self.failure:
                 return Outcome.NOT_FINITE
             if not running:
@@ -256,52 +281,52 @@ class Simulation:
                 frame = self.ledger.frame(index)
             if frame.time >= watch.next_time or not running:
                 if running:
-                    course.look(frame.energies, self.mass)
+                    stages.look(frame.energies, self.mass)
                 watch.look(frame, last=not running)
-            ends_here = course.is_reached and running
+            ends_here = stages.is_reached and running
             if frame.time < target and running and not ends_here:
                 continue
             if frame is not self.frame:
                 take = self._take if frame.time >= target or ends_here else self._publish
                 take(frame, observers)
             self.wall_time = self._time_before + time.perf_counter() - self._started
-            if not running and not (course.is_last and course.is_over(self.frame)):
+            if not running and not (stages.is_last and stages.is_over(self.frame)):
                 self.interrupted_by = interrupted.signal.name if interrupted.signal else None
                 return Outcome.INTERRUPTED
         # before the last look, which a run that goes on from here takes again
         self.checkpoint()
-        course.finish(self.frame, self.model.setup)
+        stages.finish(self.frame, self.model.setup)
         watch.look(self.frame, last=True)
         return Outcome.FINISHED
 
     def _ends(self) -> bool:
         """Whether the last frame is the last of the run; where it is the last of a stage, the next one begins."""
-        if not self.course.is_over(self.frame):
+        if not self.stages.is_over(self.frame):
             return False
-        if self.course.is_last:
+        if self.stages.is_last:
             return True
         self._begin_stage()
         return False
 
     def _begin_stage(self) -> None:
-        course = self.course
-        course.finish(self.frame, self.model.setup)
+        stages = self.stages
+        stages.finish(self.frame, self.model.setup)
         self.watch.look(self.frame, last=True)
-        self._prepared = next_stage(self.prepare(), self.setup, course, self.frame)
-        self.watch.begin_stage(self.ledger, course.begin, course.duration)
-        logger.info("%s: stage %s begins at %.6g s", self.name, course.name, self.frame.time)
+        self._prepared = next_stage(self.prepare(), self.setup, stages, self.frame)
+        self.watch.begin_stage(self.ledger, stages.begin, stages.duration)
+        logger.info("%s: stage %s begins at %.6g s", self.name, stages.name, self.frame.time)
         self.checkpoint()
 
     def recall_stage(self, memory: Mapping[str, Any]) -> None:
         """Be in the stage that ``stage_memory`` found; the state is that of the start still."""
-        self.course.recall(memory["course"])
+        self.stages.recall(memory["course"])
         if self.setup.stages:
-            self._prepared = in_stage(self.prepare(), self.setup, self.course, memory["carried"])
-            self.watch.begin_stage(self.ledger, self.course.begin, self.course.duration)
+            self._prepared = in_stage(self.prepare(), self.setup, self.stages, memory["carried"])
+            self.watch.begin_stage(self.ledger, self.stages.begin, self.stages.duration)
 
     def stage_memory(self) -> dict[str, Any]:
         """Where the run is in its stages, for a checkpoint."""
-        return stage_memory(self.prepare(), self.course)
+        return stage_memory(self.prepare(), self.stages)
 
     @cached_property
     def mass(self) -> float:
@@ -337,7 +362,7 @@ class Simulation:
         def due() -> bool:
             return self._checkpoints is not None and self._checkpoints.due(self.state.step_count)
 
-        for part in self.course.targets(target):
+        for part in self.stages.targets(target):
             while True:
                 started = time.perf_counter()
                 self.stepper.advance_to(part, lambda: interrupted.is_set() or due())
@@ -348,7 +373,7 @@ class Simulation:
                 if not due():
                     break
                 self.checkpoint()
-            if self.course.check(self.state):
+            if self.stages.check(self.state):
                 break
         return True
 

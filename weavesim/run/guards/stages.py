@@ -34,7 +34,7 @@ class StageEnds(Guard):
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Ends that did not come, and strokes that a stage with another end cut off."""
-        for stage, told in zip(run.run.setup.stages, run.run.course.ended, strict=False):
+        for stage, told in zip(run.run.setup.stages, run.run.stages.ended, strict=False):
             if not told["reached"] and stage.end is not None:
                 yield self.doubt(
                     Level.WARNING,
@@ -42,7 +42,7 @@ class StageEnds(Guard):
                     _advice(stage.end),
                     time=told["end_s"],
                 )
-            if told["ended_by"] == "duration" and told is not run.run.course.ended[-1]:
+            if told["ended_by"] == "duration" and told is not run.run.stages.ended[-1]:
                 for name, behind in told["behind_mm"].items():
                     if behind > LEAST_LACK:
                         yield self.doubt(

@@ -21,13 +21,14 @@ CONDITION_INTERVAL = 4
 
 
 class Watch:
-    """Shows the guards about ``WATCH_COUNT`` states of a run, and keeps their numbers.
+    """Shows the guards about a hundred states of a run, and keeps their numbers.
 
     A run with one frame looks at the same states as a run with a thousand: each ends the first block of steps at or
     after its time.
 
     Args:
         prepared: the run; its state is read.
+        count: states to look at.
 
     Attributes:
         history: time, stroke and every entry of the energy ledger of all states so far.
@@ -37,7 +38,8 @@ class Watch:
         stacks: conditions of the sheets of every world that has several, at the same times.
     """
 
-    def __init__(self, prepared: Prepared) -> None:
+    def __init__(self, prepared: Prepared, count: int = WATCH_COUNT) -> None:
+        self._count = count
         self._begin, self._duration, self._state = 0.0, prepared.info.duration, prepared.state
         self._ledger, self._guards = prepared.ledger, prepared.guards
         self.extremes = Extremes(prepared.model)
@@ -51,7 +53,7 @@ class Watch:
     @property
     def next_time(self) -> float:
         """When to look again [s]."""
-        return self._begin + self._duration * self._next / WATCH_COUNT
+        return self._begin + self._duration * self._next / self._count
 
     def begin_stage(self, ledger: Ledger, begin: float, duration: float) -> None:
         """Look at a stage of a run that begins now, with a state that has been looked at.
@@ -66,7 +68,7 @@ class Watch:
 
     def _following(self, time: float) -> int:
         """Number of the first look after ``time`` [s]."""
-        return math.floor(WATCH_COUNT * (time - self._begin) / self._duration) + 1
+        return math.floor(self._count * (time - self._begin) / self._duration) + 1
 
     def look(self, frame: Frame, last: bool = False) -> None:
         """Look at a frame that the ledger has just taken; the same state is looked at once.

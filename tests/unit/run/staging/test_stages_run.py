@@ -59,7 +59,7 @@ def test_stages_that_change_nothing_leave_every_bit(whole):
     assert bits(simulation.state) == bits(whole.state)
     last = simulation.frame.energies
     assert last.pop("stage_work") == 0.0 and last == whole.frame.energies
-    assert [stage["ended_by"] for stage in simulation.course.ended] == 3 * ["duration"]
+    assert [stage["ended_by"] for stage in simulation.stages.ended] == 3 * ["duration"]
 
 
 def test_three_stages_are_a_script_of_three_parts():
@@ -98,7 +98,7 @@ def test_threads_and_frames_change_no_bit(of_every_kind):
     simulation = ran(setup.model_copy(update={"stages": stages, "solver": solver}))
     assert bits(simulation.state) == bits(of_every_kind[0].state)
     assert simulation.watch.history == of_every_kind[0].watch.history
-    assert simulation.course.ended == of_every_kind[0].course.ended
+    assert simulation.stages.ended == of_every_kind[0].stages.ended
 
 
 @pytest.fixture(scope="module")
@@ -122,11 +122,11 @@ def test_a_run_goes_on_in_any_stage(tmp_path, monkeypatch, of_every_kind):
         checkpoints, again, shown = Checkpoints(tmp_path), Simulation(in_stages(IN_LANES)), Frames()
         assert checkpoints.find() is not None
         again.resume(checkpoints)
-        met.add(again.course.name)
+        met.add(again.stages.name)
         assert again.run([shown]) is Outcome.FINISHED
         assert bits(again.state) == bits(reference.state)
         assert again.history == reference.history and again.watch.history == reference.watch.history
-        assert again.course.ended == reference.course.ended
+        assert again.stages.ended == reference.stages.ended
         assert [frame.stage for frame in shown.all] == [frame.stage for frame in frames]
     assert len(met) >= 2
 
@@ -165,7 +165,7 @@ def test_a_tool_that_no_longer_acts_takes_its_springs_with_it():
 
 def test_a_stroke_ends_a_stage_within_a_thousandth():
     simulation = ran(staged(Stage("close", DURATION, AtStroke("rising 0", 1e-4)), Stage("then", 1e-5)))
-    (told, _), end = simulation.course.ended, simulation.course.begins[1]
+    (told, _), end = simulation.stages.ended, simulation.stages.begins[1]
     assert told["ended_by"] == "stroke" and told["reached"]
     # 0.5 m/s, and a block of 20 steps
     step = simulation.state.step
@@ -177,7 +177,7 @@ def test_a_force_ends_a_stage():
     frames = Frames()
     simulation = Simulation(staged(Stage("close", DURATION, AtForce("rising 0", 0.5)), Stage("then", 1e-5)))
     simulation.run([frames])
-    assert simulation.course.ended[0]["ended_by"] == "force" and simulation.course.ended[0]["end_s"] < DURATION
+    assert simulation.stages.ended[0]["ended_by"] == "force" and simulation.stages.ended[0]["end_s"] < DURATION
     last = [frame for frame in frames.all if frame.stage == "close"][-1]
     assert abs(last.tool_reaction[0, 2]) >= 0.5
 
@@ -190,16 +190,16 @@ def test_rest_that_never_comes_is_said_with_time_and_advice(caplog):
     (doubt,) = [doubt for doubt in simulation.doubts() if doubt.guard == "stage_ends"]
     assert (
         "stage swing took all of its 0.0001 s: rest never came" in doubt.message
-        and f"at {simulation.course.begins[2].time:.4g} s" in doubt.message
+        and f"at {simulation.stages.begins[2].time:.4g} s" in doubt.message
     )
     assert "give it more damping or a longer duration" in doubt.message and doubt.message in simulation.warnings
     assert "stage swing took all of its" in caplog.text
-    assert simulation.course.ended[1]["reached"] is False
+    assert simulation.stages.ended[1]["reached"] is False
 
 
 def test_a_sheet_at_rest_ends_a_stage_after_three_looks():
     simulation = ran(staged(Stage("still", DURATION, AtRest(1e3, 1e3), moves={"rising 0": Fixed()})))
-    told = simulation.course.ended[0]
+    told = simulation.stages.ended[0]
     assert told["ended_by"] == "rest" and told["end_s"] == simulation.frame.time
     # looks are a hundredth apart, or a block of 20 steps
     assert 0.03 * DURATION <= told["end_s"] <= 3.0 * (0.01 * DURATION + 21.0 * simulation.state.step)

@@ -40,6 +40,7 @@ from .results.compare import compare_command
 from .results.export import export_command
 from .results.kinematic import kinematic_command
 from .results.verdict import verdict_command
+from .results.view import view_command
 from .session import announce_compilation, announced, interruptible
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
@@ -60,6 +61,7 @@ application.command("export")(export_command)
 application.command("verdict")(verdict_command)
 application.command("kinematic")(kinematic_command)
 application.command("compare")(compare_command)
+application.command("view")(view_command)
 add_commands(application)
 
 

@@ -89,7 +89,9 @@ def test_a_mass_orbits_on_a_polygon_without_loss(inside, fabric, manual):
     )
 
 
-@pytest.mark.parametrize("size", [0.002, 0.004], ids=["a tenth", "a fifth"])
+@pytest.mark.parametrize(
+    "size", [pytest.param(0.002, marks=pytest.mark.verification), 0.004], ids=["a tenth", "a fifth"]
+)
 def test_the_tension_of_a_strip_over_a_ply_grows_exponentially(size, fabric, frames, manual):
     """Euler and Eytelwein, over facets of a tenth and a fifth of the drum's radius."""
     coefficient, turn = 0.2, math.radians(120.0)

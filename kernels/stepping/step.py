@@ -1,6 +1,7 @@
 """The next time step, and the end of an output interval on a GPU."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
@@ -16,16 +17,15 @@ STEP_SLACK = wp.constant(1.05)
 MAXIMUM_GROUP = wp.constant(1024)
 
 
+@wp.func
+def not_lost(value: Any):
+    """A NaN becomes infinity, so that the step shrinks to zero and the run stops."""
+    return wp.where(value == value, value, type(value)(wp.inf))
+
+
 @cache
 def partial_maximum_kernel(real: type):
-    """Largest of ``MAXIMUM_GROUP`` neighbouring entries, which are not negative; launched in tiles, one per group.
-
-    A NaN becomes infinity, so that the step shrinks to zero and the run stops.
-    """
-
-    @wp.func
-    def not_lost(value: real):
-        return wp.where(value == value, value, real(wp.inf))
+    """Largest of ``MAXIMUM_GROUP`` neighbouring entries, which are not negative; launched in tiles, one per group."""
 
     @wp.kernel(module="unique", enable_backward=False)
     def partial_maximum(values: wp.array(dtype=real), maxima: wp.array(dtype=real)):
@@ -38,19 +38,34 @@ def partial_maximum_kernel(real: type):
 
 
 @cache
-def fold_works_kernel(real: type, lane_count: int):
-    """Kernel of one thread per block of nodes: add the works of the last steps to the sums, and start again."""
-    lanes = lane_types(real, lane_count).lanes
+def group_maximum_kernel(real: type):
+    """The same with one thread per group: on a CPU, tiles of runs side by side would share their memory."""
 
     @wp.kernel(module="unique", enable_backward=False)
-    def fold_works(
+    def group_maximum(values: wp.array(dtype=real), maxima: wp.array(dtype=real)):
+        group = wp.tid()
+        first = group * MAXIMUM_GROUP
+        largest = real(0.0)
+        for i in range(first, wp.min(first + MAXIMUM_GROUP, values.shape[0])):
+            largest = wp.max(largest, not_lost(values[i]))
+        maxima[group] = largest
+
+    return group_maximum
+
+
+@cache
+def fold_works_function(real: type, lane_count: int):
+    """Function for one block of nodes: add the works of the last steps to the sums, and start again."""
+    lanes = lane_types(real, lane_count).lanes
+
+    @wp.func
+    def fold_works_of_block(
         # In
-        first_block: wp.int32,
+        block: wp.int32,
         # Out
         works: wp.array2d(dtype=lanes),  # rows: see NodeWorkRow
         sums: wp.array2d(dtype=wp.float64),
     ):
-        block = first_block + wp.tid()
         for row in range(works.shape[0]):
             recent = works[row, block]
             total = sums[row, block]
@@ -59,7 +74,40 @@ def fold_works_kernel(real: type, lane_count: int):
             sums[row, block] = total
             works[row, block] = lanes()
 
+    return fold_works_of_block
+
+
+@cache
+def fold_works_kernel(real: type, lane_count: int):
+    """Kernel of one thread per block of nodes: all of that for every block."""
+    lanes = lane_types(real, lane_count).lanes
+    fold_works_of_block = fold_works_function(real, lane_count)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def fold_works(
+        # In
+        first_block: wp.int32,
+        # Out
+        works: wp.array2d(dtype=lanes),
+        sums: wp.array2d(dtype=wp.float64),
+    ):
+        fold_works_of_block(first_block + wp.tid(), works, sums)
+
     return fold_works
+
+
+@wp.func
+def choose_step(largest: Any, safety: wp.float64, largest_step: wp.float64, clock: wp.array(dtype=wp.float64)):
+    """The next time step, from the ``largest`` squared frequency [1/s^2]: see ``set_step_kernel``."""
+    stable = safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest))
+    old = clock[ClockEntry.step]
+    new = old
+    if not wp.min(stable, largest_step) >= old:  # a NaN shrinks the step too, and so stops the run
+        new = wp.min(wp.float64(STEP_MARGIN) * stable, largest_step)
+    elif stable > wp.float64(STEP_SLACK) * old:
+        new = wp.min(wp.float64(STEP_GROWTH) * old, largest_step)
+    clock[ClockEntry.step] = new
+    clock[ClockEntry.mean_step] = wp.float64(0.5) * (old + new)
 
 
 @cache
@@ -80,17 +128,18 @@ def set_step_kernel(real: type):
         largest = real(0.0)
         for i in range(maxima.shape[0]):
             largest = wp.where(maxima[i] <= largest, largest, maxima[i])
-        stable = safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest))
-        old = clock[ClockEntry.step]
-        new = old
-        if not wp.min(stable, largest_step) >= old:  # a NaN shrinks the step too, and so stops the run
-            new = wp.min(wp.float64(STEP_MARGIN) * stable, largest_step)
-        elif stable > wp.float64(STEP_SLACK) * old:
-            new = wp.min(wp.float64(STEP_GROWTH) * old, largest_step)
-        clock[ClockEntry.step] = new
-        clock[ClockEntry.mean_step] = wp.float64(0.5) * (old + new)
+        choose_step(largest, safety, largest_step, clock)
 
     return set_step
+
+
+@wp.func
+def goes_on(clock: wp.array(dtype=wp.float64), target: wp.float64):
+    """Whether a state is finite and before ``target`` [s]."""
+    step = clock[ClockEntry.step]
+    # comparisons with NaN are false
+    alive = step > wp.float64(0.0) and wp.isfinite(step)
+    return alive and clock[ClockEntry.time] < target
 
 
 @wp.kernel(module="unique", enable_backward=False)
@@ -106,7 +155,4 @@ def check_clock(
 ):
     """Single thread; the interval ends with the first block that reaches the target, or if the state is not finite."""
     block_count[0] = block_count[0] + done
-    step = clock[ClockEntry.step]
-    # comparisons with NaN are false
-    alive = step > wp.float64(0.0) and wp.isfinite(step)
-    running[0] = wp.where(alive and clock[ClockEntry.time] < target[0] and block_count[0] < largest_block_count, 1, 0)
+    running[0] = wp.where(goes_on(clock, target[0]) and block_count[0] < largest_block_count, 1, 0)

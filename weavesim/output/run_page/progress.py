@@ -1,4 +1,4 @@
-"""``progress.json``: how far a run is, for ``weavesim view --live``."""
+"""A run in progress: ``progress.json``, how far it is, and how often its page is written."""
 
 from __future__ import annotations
 
@@ -86,3 +86,30 @@ class ProgressRecord:
         about = {"run_id": self._info.run_id, "name": self._info.name, "state": state}
         content = {**about, **self._last, "duration_s": self._info.duration, "elapsed_s": self._written - self._begun}
         write_summary(self._path, content)
+
+
+# A page takes a few tenths of a second: short runs have none before their end.
+FIRST_PAGE = 10.0
+PAGE_INTERVAL = 10.0
+LARGEST_SHARE = 0.02
+
+
+class PagePace:
+    """Says when to write: ten seconds after the first frame, and then so rarely that it takes a fiftieth of the run."""
+
+    def __init__(self) -> None:
+        self._next: float | None = None
+        self._started = 0.0
+
+    def due(self) -> bool:
+        """Called for every frame: whether to write now. ``done`` has to follow."""
+        now = time.monotonic()
+        if self._next is None:
+            self._next = now + FIRST_PAGE
+        self._started = now
+        return now >= self._next
+
+    def done(self) -> None:
+        """The page has been written."""
+        now = time.monotonic()
+        self._next = now + max(PAGE_INTERVAL, (now - self._started) / LARGEST_SHARE)

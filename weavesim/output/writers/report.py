@@ -5,8 +5,7 @@ from __future__ import annotations
 from ...run.frame import Frame, Outcome, RunInfo
 from ..results import Results
 from ..run_page.content import page_of, page_so_far
-from ..run_page.pace import PagePace
-from ..run_page.progress import PROGRESS_NAME, ProgressRecord
+from ..run_page.progress import PROGRESS_NAME, PagePace, ProgressRecord
 from ..run_page.recorder import FrameRecorder
 from ..run_page.writing import write_page
 from ..writer import Writer

@@ -71,8 +71,8 @@ class ToolRadius(Guard):
         for doubt in self._noted:
             depth = run.run.penetration.at_element_centres
             measured = (
-                f"; the middle of an element was {1e3 * depth:.2g} mm in a tool at most, which falls with the square of "
-                "their size"
+                f"; the middle of an element was {1e3 * depth:.2g} mm in a tool at most, which falls with the square "
+                "of their size"
             )
             yield replace(doubt, advice=doubt.advice + (measured if depth > 0.0 else ""))
 

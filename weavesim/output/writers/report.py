@@ -7,6 +7,7 @@ from typing import Any
 
 from ...measures.findings import SHEET_FINDINGS
 from ...measures.units import split_unit
+from ...process.friction import in_words
 from ...run.frame import Outcome, SheetInfo
 from ...run.verdict import RUN_FINDINGS
 from ..report.page import Report, shown, write_report
@@ -76,7 +77,7 @@ def _tables(results: Results, summary: Mapping[str, Any]) -> dict[str, Mapping[s
     for sheet in info.sheets:
         tables["Fabric" if len(info.sheets) == 1 else f"Fabric of {sheet.name}"] = _fabric(sheet)
     tables["Tools"] = {
-        name: ", ".join(map(str, (tool.shape, tool.motion, f"friction {tool.friction:g}")))
+        name: ", ".join(map(str, (tool.shape, tool.motion, in_words(tool.friction))))
         for name, tool in zip(info.tool_names, info.tools, strict=True)
     }
     tables["Supports"] = {

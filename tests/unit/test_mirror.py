@@ -117,6 +117,8 @@ TESTED_ELSEWHERE = {
     "weavesim/run/sheet_ledger.py": "verification/time/test_ledger_entries.py",
     "weavesim/run/guards/penetration.py": "unit/run/guards/test_limit.py",
     "weavesim/run/start.py": "unit/run/test_simulation.py",
+    "weavesim/study/execution/executor.py": "unit/study/execution/test_processes.py",
+    "weavesim/study/schema.py": "unit/study/test_read.py",
     "weavesim/tools/mesh_repair.py": "unit/tools/test_mesh_shape.py",
     "weavesim/tools/mesh_tool.py": "unit/tools/test_mesh_shape.py",
     "weavesim/tools/tool.py": "unit/tools/test_shapes.py",

@@ -18,6 +18,7 @@ from ..errors import InputError
 from ..input_files import shown
 from ..measures.fabric_table import summary_of
 from ..output.folder import LOG_NAME
+from ..process.friction import in_words
 from ..run.frame import Frame, Outcome, RunInfo
 from .terminal import SteadyStream
 
@@ -224,7 +225,7 @@ class RunLog:
         for tool in info.tools:
             # A stroke or a mesh may contain thousands of numbers.
             shape, motion = (textwrap.shorten(repr(part), 160) for part in (tool.shape, tool.motion))
-            lines.append(f"tool {tool.name}: {shape}, {motion}, friction {tool.friction:g}")
+            lines.append(f"tool {tool.name}: {shape}, {motion}, {in_words(tool.friction)}")
         lines += info.notes
         lines += [f"warning: {warning}" for warning in info.warnings]
         for line in lines:

@@ -23,6 +23,7 @@ from ..measures.fabric_table import summary_of
 from ..output.folder import LOG_NAME
 from ..output.run_page.history_part import tool_copies
 from ..output.run_page.values import in_words
+from ..process.friction import in_words as friction_in_words
 from ..run.frame import Frame, Outcome, RunInfo
 from .terminal import SteadyStream
 
@@ -253,7 +254,7 @@ class RunLog:
         for tool in info.tools:
             shape = textwrap.shorten(in_words(tool.shape, without=("rotation",)), 200)
             motion = textwrap.shorten(in_words(tool.motion), 200)
-            lines.append(f"tool {tool.name}: {shape}; {motion}; friction {tool.friction:g}")
+            lines.append(f"tool {tool.name}: {shape}; {motion}; {friction_in_words(tool.friction)}")
         lines += info.notes
         lines += [f"warning: {warning}" for warning in info.warnings]
         for line in lines:

@@ -4,6 +4,8 @@
 #   make test-fast  run it without the slow tests, under a minute once the kernels are compiled
 #   make verify     run the verification studies and rebuild docs/verification.md (about 20 minutes)
 #   make soak       kill, damage and exhaust it for hours; SOAK="--part kills --count 200" takes one part (scripts/soaking/soak.py)
+#   make site       build the documentation as a site, without a network: build/site/html/index.html
+#   make gallery    make the pictures of the documentation anew (minutes), and notebooks likewise: make notebooks
 #   make lint       check style, formatting and types
 
 VENV := .venv
@@ -11,7 +13,7 @@ PYTHON_IN_VENV := $(VENV)/bin/python
 # Two workers suit two cores; more would mostly compile the same kernels once more each.
 WORKERS ?= 2
 
-.PHONY: demo test test-fast verify soak lint clean
+.PHONY: demo test test-fast verify soak site gallery notebooks lint clean
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py --overwrite
@@ -27,6 +29,15 @@ verify: $(VENV)/.installed-test
 
 soak: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) scripts/soaking/soak.py $(SOAK)
+
+site: $(VENV)/.installed-docs
+	$(PYTHON_IN_VENV) scripts/documentation/make_site.py
+
+gallery: $(VENV)/.installed
+	$(PYTHON_IN_VENV) scripts/documentation/make_gallery.py
+
+notebooks: $(VENV)/.installed-docs
+	$(PYTHON_IN_VENV) scripts/documentation/make_notebooks.py
 
 lint: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m ruff check
@@ -50,4 +61,8 @@ $(VENV)/.installed: pyproject.toml
 
 $(VENV)/.installed-test: $(VENV)/.installed
 	@$(PYTHON_IN_VENV) -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	@touch $@
+
+$(VENV)/.installed-docs: $(VENV)/.installed
+	@$(PYTHON_IN_VENV) -m pip install --quiet --disable-pip-version-check --editable ".[docs]"
 	@touch $@

@@ -6,6 +6,8 @@
 #   make soak       kill, damage and exhaust it for hours; SOAK="--part kills --count 200" takes one part (scripts/soaking/soak.py)
 #   make site       build the documentation as a site, without a network: build/site/html/index.html
 #   make gallery    make the pictures of the documentation anew (minutes), and notebooks likewise: make notebooks
+#   make audit      look at bounds and licences of all dependencies, as installed
+#   make release    build source archive and wheel twice from the last commit; the bytes have to agree
 #   make lint       check style, formatting and types
 
 VENV := .venv
@@ -13,7 +15,7 @@ PYTHON_IN_VENV := $(VENV)/bin/python
 # Two workers suit two cores; more would mostly compile the same kernels once more each.
 WORKERS ?= 2
 
-.PHONY: demo test test-fast verify soak site gallery notebooks lint clean
+.PHONY: demo test test-fast verify soak site gallery notebooks audit release lint clean
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py --overwrite
@@ -38,6 +40,12 @@ gallery: $(VENV)/.installed
 
 notebooks: $(VENV)/.installed-docs
 	$(PYTHON_IN_VENV) scripts/documentation/make_notebooks.py
+
+audit: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) scripts/releasing/audit.py
+
+release: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) scripts/releasing/release.py
 
 lint: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m ruff check

@@ -11,10 +11,14 @@ import re
 from importlib.resources import files
 from typing import Any
 
-import latex2mathml.commands
 import latex2mathml.converter
 
 FONT = "STIXTwoMath-Regular.ttf"
+# Names of functions, after which a formula in type has a narrow space.
+FUNCTION = re.compile(
+    r"(?<!<msup>)(?<!<msub>)(?<!<msubsup>)(?<!<munder>)"
+    r"(<m[io]>(?:sin|cos|tan|arctan|arcsin|arccos|exp|ln|log|max|min|tr|diag)</m[io]>)(?=<m(?!o))"
+)
 
 
 def markup(source: str, *, is_block: bool) -> str:
@@ -24,12 +28,18 @@ def markup(source: str, *, is_block: bool) -> str:
         ValueError: a command that is not known.
     """
     text = re.sub(r"\s+", " ", source.strip())
+    # latex2mathml sets the two signs apart
+    given = text.replace(r"\mathrel{+}=", "\uffff")
     try:
-        made = latex2mathml.converter.convert(text, display="block" if is_block else "inline")
+        made = latex2mathml.converter.convert(given, display="block" if is_block else "inline")
     except Exception as error:
         raise ValueError(f"cannot be read ({type(error).__name__}: {error}): {text}") from error
     if left := re.search(r"\\[A-Za-z]+", html.unescape(made)):
         raise ValueError(f"{left[0]} is not known: {text}")
+    made = re.sub("<m[ion]>\uffff</m[ion]>", "<mo>+=</mo>", made)
+    # bars of an absolute value are as high as the line, whatever is in a formula
+    made = made.replace("<mo>&#x0007C;</mo>", '<mo stretchy="false" lspace="0" rspace="0">|</mo>')
+    made = FUNCTION.sub(r'\1<mspace width="0.167em" />', made)
     return made.replace("<math ", f'<math alttext="{html.escape(text)}" ', 1)
 
 

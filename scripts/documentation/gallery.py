@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "images"
-BEGIN, END = "<!-- begin of make_gallery.py -->\n", "<!-- end of make_gallery.py -->\n"
 
 
 class Exhibit(NamedTuple):
@@ -35,7 +33,7 @@ EXHIBITS = (
     Exhibit(
         "formed_sheet",
         "A double dome",
-        "A woven glass/polypropylene blank of 5 mm elements after a stroke of the punch; lines follow the yarns. One "
+        "A woven glass/polypropylene blank of 5 mm elements, coloured by its shear angle; lines follow the yarns. One "
         "quarter is computed, the whole part is drawn.",
         ("weavesim double-dome",),
         ("out/double_dome/pictures/formed_sheet.png",),
@@ -62,7 +60,7 @@ EXHIBITS = (
         "A net of inextensible yarns on the same punch, computed in seconds, and where the simulation differs from it "
         "([outputs.md](outputs.md)).",
         ("weavesim kinematic out/double_dome --out net",),
-        ("net/net.png",),
+        ("net/kinematic.png",),
         after="formed_sheet",
     ),
     Exhibit(
@@ -113,7 +111,8 @@ EXHIBITS = (
     Exhibit(
         "bias_extension",
         "Bias extension",
-        "A strip pulled at 45 degrees to its yarns: the middle shears as the kinematics say ([laboratory.md](laboratory.md)).",
+        "A strip pulled at 45 degrees to its yarns: the middle shears as the kinematics say, the ends half as far "
+        "([laboratory.md](laboratory.md)).",
         ("weavesim bias-extension",),
         ("out/bias_extension/pictures/formed_sheet.png",),
     ),
@@ -139,7 +138,6 @@ def exhibits_text() -> str:
     """The part of docs/gallery.md that is made from ``EXHIBITS``."""
     text = ""
     for one in EXHIBITS:
-        alternative = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", one.text).replace("`", "")
-        text += f"## {one.title}\n\n![{alternative}](images/{one.name}.png)\n\n{one.text}\n\n"
+        text += f"## {one.title}\n\n![{one.title}](images/{one.name}.png)\n\n{one.text}\n\n"
         text += "".join(f"    {command}\n" for command in one.commands) + ("\n" if one.commands else "")
-    return text
+    return text.rstrip("\n") + "\n"

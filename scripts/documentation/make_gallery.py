@@ -1,7 +1,7 @@
 """Make the pictures of docs/gallery.md anew, by the commands that the page names. Takes some minutes.
 
-    python scripts/documentation/make_gallery.py                 all of them
-    python scripts/documentation/make_gallery.py --only stack    one of them, and those whose run it needs
+python scripts/documentation/make_gallery.py                 all of them
+python scripts/documentation/make_gallery.py --only stack    one of them, and those whose run it needs
 """
 
 from __future__ import annotations
@@ -40,7 +40,13 @@ def run(command: str, folder: Path) -> None:
     program, *words = shlex.split(command)
     words = [str(ROOT / word) if word.startswith(("docs/", "scripts/")) else word for word in words]
     start = ["-c", COMMAND] if program == "weavesim" else []
-    done = subprocess.run([sys.executable, *start, *words], cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, *start, *words],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
     if done.returncode not in [int(code) for code in ACCEPTED]:
         raise SystemExit(f"{command} ended with exit code {done.returncode}:\n{done.stdout}\n{done.stderr}")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
@@ -30,8 +31,10 @@ def default_of(field: FieldInfo) -> str:
     """Default as text; empty for none, or one that is too long to read."""
     if field.default is PydanticUndefined:
         return ""
-    text = field.default.name if hasattr(field.default, "name") and hasattr(field.default, "value") else ""
-    text = text or repr(field.default)
+    default = getattr(field.default, "value", field.default)
+    if default is None or default in ("", ()):
+        return ""
+    text = repr(default) if not isinstance(default, Path) else default.as_posix()
     return text if len(text) <= LONGEST_DEFAULT and "array(" not in text else ""
 
 

@@ -7,6 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from scripts.documentation.parameter_fields import default_of
+
 # Pages of the reference: file, title, what it is about, and the rooms whose public names it has, in this order.
 PAGES: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("fabrics", "Fabrics", "Laws, unit cells, presets and files.", ("fabric",)),
@@ -14,7 +16,12 @@ PAGES: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("sheets", "Sheets", "Blanks, plies and symmetry.", ("sheet",)),
     ("tools", "Tools", "Rigid tools and their shapes.", ("tools",)),
     ("process", "Process", "Strokes, supports, friction, loads and interfaces.", ("process",)),
-    ("runs", "Runs", "Set-ups, simulations, frames, states and errors.", ("engine", "run", "checks", "device", "errors")),
+    (
+        "runs",
+        "Runs",
+        "Set-ups, simulations, frames, states and errors.",
+        ("engine", "run", "checks", "device", "errors"),
+    ),
     ("output", "Results", "Result folders and writers.", ("output",)),
 )
 # Rooms whose names are not those of ``weavesim`` itself.
@@ -65,13 +72,22 @@ def commands(command: Any, path: str) -> Iterator[tuple[str, Any]]:
         yield from commands(inner[name], f"{path} {name}")
 
 
-def option_lines(parameter: Any, context: Any) -> str:
-    """A parameter of a command, as its help shows it, as an entry of a definition list."""
-    shown = parameter.get_help_record(context)
-    if shown is None:
-        return ""
-    names, text = shown
-    return f"``{names}``\n    {escaped(' '.join(text.split())) or 'no more is needed'}\n\n"
+def parameter_class(path: str) -> Any:
+    """Class whose fields are the options of a command; None for one that declares its own."""
+    from weavesim.app.calibrate_command import CalibrateParameters
+    from weavesim.app.command_line import SCENES
+
+    name = path.removeprefix("weavesim ")
+    if name == "calibrate":
+        return CalibrateParameters
+    return SCENES[name].load().parameters if name in SCENES else None
+
+
+def field_options(parameters: Any) -> Iterator[tuple[str, str]]:
+    """Options of a command that come from the fields of a class: how each is typed, and what it is."""
+    for name, field in parameters.model_fields.items():
+        default = "" if field.default is False else default_of(field).strip("'")
+        yield f"--{name.replace('_', '-')}", (field.description or "") + (f" [default: {default}]" if default else "")
 
 
 def escaped(text: str) -> str:
@@ -79,6 +95,15 @@ def escaped(text: str) -> str:
     for mark in "\\*`|_":
         text = text.replace(mark, f"\\{mark}")
     return text
+
+
+def options_of(path: str, command: Any) -> list[tuple[str, str]]:
+    """Arguments and options of a command: how each is typed, and what it is."""
+    if (parameters := parameter_class(path)) is not None:
+        return list(field_options(parameters))
+    context = command.make_context(path, [], resilient_parsing=True)
+    records = [one.get_help_record(context) for one in command.params if one.name != "help"]
+    return [record for record in records if record is not None]
 
 
 def command_page() -> str:
@@ -89,10 +114,10 @@ def command_page() -> str:
 
     text = headed("Commands") + "Every command of ``weavesim``, with its arguments and options.\n\n"
     for path, command in commands(typer.main.get_command(application), "weavesim"):
-        context = command.make_context(path, [], resilient_parsing=True)
         text += headed(path, "-")
-        text += escaped((command.help or "").split("\f")[0].strip()).replace("\n    ", "\n") + "\n\n"
-        text += "".join(option_lines(one, context) for one in command.params if one.name != "help")
+        text += escaped(" ".join((command.help or "").split())) + "\n\n"
+        for names, about in options_of(path, command):
+            text += f"``{names}``\n    {escaped(' '.join(about.split())) or 'as the command says'}\n\n"
     return text
 
 

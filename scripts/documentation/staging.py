@@ -61,7 +61,8 @@ def navigation(found: list[Section], listed: dict[str, list[str]]) -> str:
     after = [side for side in sides if side[0] == "Decisions"]
     tables = [*before, *listed.items(), *after]
     return "".join(
-        "\n```{toctree}\n:hidden:\n:caption: " + title + "\n\n" + "\n".join(pages) + "\n```\n" for title, pages in tables
+        "\n```{toctree}\n:hidden:\n:caption: " + title + "\n\n" + "\n".join(pages) + "\n```\n"
+        for title, pages in tables
     )
 
 

@@ -3,9 +3,9 @@
     python scripts/releasing/release.py               # dist/: sdist, wheel, SHA256SUMS
     python scripts/releasing/release.py --commit v1.0 # of another commit
 
-The files of the commit are exported twice, to folders of different names and times, and built there one after the other; the
-wheel of the second is built from its sdist. The archives must agree to the byte, or the release fails. Neither the network nor
-what lies about in the checkout is used. Needed: git, and setuptools of the extra ``test``.
+The files of the commit are exported twice, to folders of different names and times, and built there one after the
+other; the wheel of the second is built from its sdist. The archives must agree to the byte, or the release fails.
+Neither the network nor what lies about in the checkout is used. Needed: git, and setuptools of the extra ``test``.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def export(commit: str, folder: Path) -> None:
 
 
 def normalise(archive: Path, epoch: int) -> None:
-    """Rewrite a .tar.gz without what differs from build to build: times, owners, order, and the time in gzip's header."""
+    """Rewrite a .tar.gz without what differs from build to build: times, owners, order, the time in gzip's header."""
     entries: list[tuple[tarfile.TarInfo, bytes]] = []
     with tarfile.open(archive) as old:
         for entry in sorted(old.getmembers(), key=lambda one: one.name):

@@ -71,7 +71,8 @@ def test_installed_wheel_works_alone(wheel, tmp_path):
     code = (
         "import weavesim, weavesim.kernels.lanes, weavesim.scenes as scenes;"
         "from weavesim.app.docs_command import pages;"
-        "print(weavesim.__version__, weavesim.__file__, weavesim.kernels.__file__, scenes.__file__, pages()['job'], sep='\\n')"
+        "print(weavesim.__version__, weavesim.__file__, weavesim.kernels.__file__, scenes.__file__, sep='\\n');"
+        "print(pages()['job'])"
     )
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
     command = [sys.executable, "-P", "-c", code]

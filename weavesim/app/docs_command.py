@@ -27,7 +27,9 @@ def pages() -> dict[str, Path]:
     """Every document by its name; those in folders with the folder, a decision also by its number."""
     folder = documents()
     found = {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.md"))}
-    numbers = {match[1].lstrip("0"): path for name, path in found.items() if (match := re.match(r"decisions/(\d+)", name))}
+    numbers = {
+        match[1].lstrip("0"): path for name, path in found.items() if (match := re.match(r"decisions/(\d+)", name))
+    }
     return found | numbers
 
 

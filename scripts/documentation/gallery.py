@@ -64,14 +64,6 @@ EXHIBITS = (
         after="formed_sheet",
     ),
     Exhibit(
-        "verdict",
-        "A verdict by regions",
-        "What is beyond a limit in the same run, and where: wrinkles, bridging, locking, gaps to the tools.",
-        ("weavesim verdict out/double_dome --out verdict",),
-        ("verdict/verdict.png",),
-        after="formed_sheet",
-    ),
-    Exhibit(
         "check",
         "An own part before its run",
         "Sections through the tools of a tray at the start, and where its radii are too small for the elements "
@@ -86,6 +78,15 @@ EXHIBITS = (
         ("weavesim form tray/job.toml",),
         ("tray/out/pictures/formed_sheet.png",),
         after="check",
+    ),
+    Exhibit(
+        "verdict",
+        "A verdict by regions",
+        "What is beyond a limit in the tray, and where: wrinkles, bridging, locking, gaps to the tools "
+        "([outputs.md](outputs.md#verdict)).",
+        ("weavesim verdict tray/out --out verdict",),
+        ("verdict/verdict.png",),
+        after="tray",
     ),
     Exhibit(
         "stack",

@@ -76,7 +76,9 @@ def write(exhibit: Exhibit, folder: Path) -> Path:
     if len(found) < len(exhibit.sources):
         raise SystemExit(f"{exhibit.name}: {', '.join(exhibit.sources)} is missing in {folder}")
     path = FOLDER / f"{exhibit.name}.png"
-    joined(found).quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+    joined(found).quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(
+        path, optimize=True
+    )
     return path
 
 

@@ -71,7 +71,7 @@ def smaller(picture: str) -> str:
 
     ground = Image.open(io.BytesIO(base64.b64decode(picture))).convert("RGB")
     written = io.BytesIO()
-    ground.quantize(256, dither=Image.Dither.NONE).save(written, "png", optimize=True)
+    ground.quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(written, "png", optimize=True)
     return base64.b64encode(written.getvalue()).decode()
 
 

@@ -1,12 +1,13 @@
 """What all tests share: devices, precisions, builders, and the reason why a GPU test is skipped."""
 
 import gc
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.support.browser import HeadlessBrowser, headless_browser
 from tests.support.default_device import use_by_default
 from tests.support.frames import Frames
 from tests.support.made_run import made_run, made_stack
@@ -87,6 +88,13 @@ def manual(request) -> Callable[..., Case]:
         return Case(Path(directory) if directory else None, chapter, title, known, test)
 
     return case
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[HeadlessBrowser]:
+    """A headless browser: ``with browser.open(page) as opened``; skipped with a reason where there is none."""
+    with headless_browser() as opened:
+        yield opened
 
 
 @pytest.fixture

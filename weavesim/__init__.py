@@ -73,6 +73,8 @@ if TYPE_CHECKING:
     from .process.self_contact import SelfContact
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
     from .process.supports import Drive, Support
+    from .run.batch.batch import run_batch
+    from .run.batch.batch_run import BatchRun
     from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
     from .run.relaxation import relax
     from .run.scaling.mass import choose_mass_scaling
@@ -154,6 +156,8 @@ _names_in = {
     "process.self_contact": ("SelfContact",),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),
     "process.supports": ("Drive", "Support"),
+    "run.batch.batch": ("run_batch",),
+    "run.batch.batch_run": ("BatchRun",),
     "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),
     "run.relaxation": ("relax",),
     "run.scaling.mass": ("choose_mass_scaling",),

@@ -158,18 +158,39 @@ def initialise() -> None:
 
 
 _one_at_a_time = threading.RLock()
+_turn = threading.local()  # depth: contexts of ``exclusive`` that this thread is in
 
 
 @contextmanager
-def exclusive() -> Iterator[None]:
-    """Let one thread of this process compute: Warp records the launches of all threads into one graph."""
+def exclusive(*, announced: bool = True) -> Iterator[None]:
+    """Let one thread of this process compute: Warp records the launches of all threads into one graph.
+
+    Args:
+        announced: log that this thread has to wait.
+    """
     if not _one_at_a_time.acquire(blocking=False):
-        logger.info("another thread of this program computes; this one waits until that is done")
+        if announced:
+            logger.info("another thread of this program computes; this one waits until that is done")
         _one_at_a_time.acquire()
+    _turn.depth = getattr(_turn, "depth", 0) + 1
     try:
         yield
     finally:
+        _turn.depth -= 1
         _one_at_a_time.release()
+
+
+@contextmanager
+def giving_way() -> Iterator[None]:
+    """Within ``exclusive``, let other threads compute while this one only replays on a CPU what it has recorded."""
+    depth = getattr(_turn, "depth", 0)
+    for _ in range(depth):
+        _one_at_a_time.release()
+    try:
+        yield
+    finally:
+        for _ in range(depth):
+            _one_at_a_time.acquire()
 
 
 def device_names() -> list[str]:

@@ -1,6 +1,7 @@
 """The next time step, and the end of an output interval on a GPU."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
@@ -16,16 +17,15 @@ STEP_SLACK = wp.constant(1.05)
 MAXIMUM_GROUP = wp.constant(1024)
 
 
+@wp.func
+def not_lost(value: Any):
+    """A NaN becomes infinity, so that the step shrinks to zero and the run stops."""
+    return wp.where(value == value, value, type(value)(wp.inf))
+
+
 @cache
 def partial_maximum_kernel(real: type):
-    """Largest of ``MAXIMUM_GROUP`` neighbouring entries, which are not negative; launched in tiles, one per group.
-
-    A NaN becomes infinity, so that the step shrinks to zero and the run stops.
-    """
-
-    @wp.func
-    def not_lost(value: real):
-        return wp.where(value == value, value, real(wp.inf))
+    """Largest of ``MAXIMUM_GROUP`` neighbouring entries, which are not negative; launched in tiles, one per group."""
 
     @wp.kernel(module="unique", enable_backward=False)
     def partial_maximum(values: wp.array(dtype=real), maxima: wp.array(dtype=real)):
@@ -35,6 +35,22 @@ def partial_maximum_kernel(real: type):
         maxima[group] = wp.tile_extract(wp.tile_max(wp.tile_map(not_lost, part)), 0)
 
     return partial_maximum
+
+
+@cache
+def group_maximum_kernel(real: type):
+    """The same with one thread per group: on a CPU, tiles of runs side by side would share their memory."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def group_maximum(values: wp.array(dtype=real), maxima: wp.array(dtype=real)):
+        group = wp.tid()
+        first = group * MAXIMUM_GROUP
+        largest = real(0.0)
+        for i in range(first, wp.min(first + MAXIMUM_GROUP, values.shape[0])):
+            largest = wp.max(largest, not_lost(values[i]))
+        maxima[group] = largest
+
+    return group_maximum
 
 
 @cache

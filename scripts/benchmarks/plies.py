@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -25,29 +25,32 @@ def plies(
     seconds: Annotated[float, typer.Option(help="length of a turn")] = 0.3,
     mesh_size: Annotated[float, typer.Option(help="mesh size of the plies [m]")] = 0.0025,
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
+    device: Annotated[str, typer.Option(help='"cpu", on one thread, or "cuda:0", ...')] = "cpu",
 ) -> None:
-    """Time per element and step of flat squares, every second one turned by 30 degrees, on one thread."""
+    """Time per element and step of flat squares, every second one turned by 30 degrees."""
+    where = "one thread" if device == "cpu" else device
+    solver = {"precision": precision, "device": device, "threads": 1 if device == "cpu" else None}
     cases = {
-        "one ply": stack(1, mesh_size, precision),
-        "one ply with self-contact, nothing near": stack(1, mesh_size, precision, self_contact=True),
-        f"{count} plies that pass through each other": stack(count, mesh_size, precision, interfaces=False),
-        f"{count} plies in contact, both passes": stack(count, mesh_size, precision),
-        f"{count} plies in contact, one pass": stack(count, mesh_size, precision, passes="one"),
-        f"{count} plies far apart": stack(count, mesh_size, precision, gap=0.05),
+        "one ply": stack(1, mesh_size, solver),
+        "one ply with self-contact, nothing near": stack(1, mesh_size, solver, self_contact=True),
+        f"{count} plies that pass through each other": stack(count, mesh_size, solver, interfaces=False),
+        f"{count} plies in contact, both passes": stack(count, mesh_size, solver),
+        f"{count} plies in contact, one pass": stack(count, mesh_size, solver, passes="one"),
+        f"{count} plies far apart": stack(count, mesh_size, solver, gap=0.05),
     }
     for simulation in cases.values():
         simulation.stepper.advance(WARM_UP_BLOCK_COUNT)
     simulations = list(cases.values())
     times = np.array([[seconds_per_step(s, seconds) / element_count(s) for s in simulations] for _ in range(turns)])
     typer.echo(line_about(machine()))
-    typer.echo(f"{mesh_size * 1e3:g} mm, {precision}, one thread\n")
+    typer.echo(f"{mesh_size * 1e3:g} mm, {precision}, {where}\n")
     typer.echo(ratio_table(list(cases), 1e9 * times))
 
 
 def stack(
     count: int,
     mesh_size: float,
-    precision: str,
+    solver: dict[str, Any],
     *,
     interfaces: bool = True,
     passes: str = "both",
@@ -73,5 +76,6 @@ def stack(
         sheets.append(Sheet(blank, fabric, name=f"ply {k}", loads=NodalLoads(force=force), self_contact=own))
     pairs = zip(sheets[:-1], sheets[1:], strict=True)
     joined = tuple(Interface(a.name, b.name, Coulomb(0.2), passes=passes) for a, b in pairs) if interfaces else ()
-    solver = Solver(precision=precision, threads=1)
-    return Simulation(Setup(name="plies", sheets=tuple(sheets), interfaces=joined, duration=1.0, solver=solver))
+    return Simulation(
+        Setup(name="plies", sheets=tuple(sheets), interfaces=joined, duration=1.0, solver=Solver(**solver))
+    )

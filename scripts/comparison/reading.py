@@ -56,9 +56,15 @@ def read_final_state(path: Path) -> Iterator[tuple[str, np.ndarray]]:
     mesh = meshio.read(path)
     yield "points", mesh.points
     yield "quads", mesh.cells[0].data
-    yield from mesh.point_data.items()
+    for name, values in mesh.point_data.items():
+        yield without_unit(name), values
     for name, blocks in mesh.cell_data.items():
-        yield name, blocks[0]
+        yield without_unit(name), blocks[0]
+
+
+def without_unit(name: str) -> str:
+    """The name that older versions gave a field, whose names had no units but degrees."""
+    return re.sub(r"_(?:n_per_m|pa|n|m)$", "", name)
 
 
 def leaves(value: Any, name: str = "") -> Iterator[tuple[str, np.ndarray]]:

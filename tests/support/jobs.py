@@ -65,9 +65,9 @@ def tray_surface(
     """
     profile = section(0.5 * width, fillet, entry, depth, draft, steps)[1:]
     inset = 0.5 * width - profile[:, 0]
-    rings = [_rounded(0.5 * length - d, 0.5 * width - d, max(corner - d, 1.0), z, steps) for d, z in
+    rings = [rounded_rectangle(0.5 * length - d, 0.5 * width - d, max(corner - d, 1.0), z, steps) for d, z in
              zip(inset, profile[:, 1], strict=True)]  # fmt: skip
-    rings.append(_rounded(0.5 * length + rim, 0.5 * width + rim, corner + rim, 0.0, steps))
+    rings.append(rounded_rectangle(0.5 * length + rim, 0.5 * width + rim, corner + rim, 0.0, steps))
     count = len(rings[0])
     vertices = [np.array([[0.0, 0.0, -depth]]), *rings]
     faces = [[0, 1 + k, 1 + (k + 1) % count] for k in range(count)]
@@ -79,7 +79,7 @@ def tray_surface(
     return np.concatenate(vertices), np.array(faces)
 
 
-def _rounded(x: float, y: float, radius: float, height: float, steps: int) -> np.ndarray:
+def rounded_rectangle(x: float, y: float, radius: float, height: float, steps: int) -> np.ndarray:
     """Corners of a rounded rectangle of half sides ``x`` and ``y``, counter-clockwise."""
     angle = np.linspace(0.0, 0.5 * np.pi, 2 * steps + 1)
     found = []

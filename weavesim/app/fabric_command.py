@@ -119,7 +119,7 @@ def _width() -> int:
 
 
 def _description(fabric: Fabric, width: int) -> str:
-    from .fabric_table import fabric_table, summary_of
+    from ..measures.fabric_table import fabric_table, summary_of
 
     lines = [fabric.name]
     lines += textwrap.wrap(f"source: {fabric.source or 'none given'}", width)

@@ -16,9 +16,9 @@ from typing import IO, TYPE_CHECKING, cast
 from .. import __version__
 from ..errors import InputError
 from ..input_files import shown
+from ..measures.fabric_table import summary_of
 from ..output.folder import LOG_NAME
 from ..run.frame import Frame, Outcome, RunInfo
-from .fabric_table import summary_of
 from .terminal import SteadyStream
 
 if TYPE_CHECKING:

@@ -40,7 +40,13 @@ from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
-from ..kernels.stepping.step import check_clock, fold_works_kernel, partial_maximum_kernel, set_step_kernel
+from ..kernels.stepping.step import (
+    check_clock,
+    fold_works_kernel,
+    group_maximum_kernel,
+    partial_maximum_kernel,
+    set_step_kernel,
+)
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
@@ -172,7 +178,7 @@ class KernelSet:
             *([support_motion_kernel(real)] if self.driven else []),
             *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
             *([grip_kernel(real)] if self.gripped else []),
-            partial_maximum_kernel(real),
+            (group_maximum_kernel if is_cpu else partial_maximum_kernel)(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),
             *([flush_subnormals, restore_subnormals] if is_cpu else [check_clock]),

@@ -20,6 +20,7 @@ from ..kernels.stepping.step import (
     MAXIMUM_GROUP,
     check_clock,
     fold_works_kernel,
+    group_maximum_kernel,
     partial_maximum_kernel,
     set_step_kernel,
 )
@@ -106,7 +107,7 @@ class Launches:
         self._tool_books.work, self._tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)
         self.loads = LoadLaunches(model, state)
-        self._partial_maximum = partial_maximum_kernel(real)
+        self._partial_maximum = (partial_maximum_kernel if device.is_cuda else group_maximum_kernel)(real)
         self._set_step = set_step_kernel(real)
         self._fold_works = fold_works_kernel(real, model.lane_count)
         self.squared_frequency = [wp.zeros(sheet.element_count, dtype=real, device=device) for sheet in model.sheets]
@@ -299,14 +300,7 @@ class Launches:
         """The next step, from the highest frequency of all sheets."""
         of_sheets = zip(self.squared_frequency, self._own_maxima, strict=True)
         for values, maxima in [*of_sheets, *itertools.pairwise(self._maxima)]:
-            wp.launch_tiled(
-                self._partial_maximum,
-                dim=[len(maxima)],
-                block_dim=TILE_THREAD_COUNT,
-                inputs=[values],
-                outputs=[maxima],
-                device=self.model.device,
-            )
+            self._take_maxima(values, maxima)
         wp.launch(
             self._set_step,
             dim=1,
@@ -314,6 +308,13 @@ class Launches:
             outputs=[self.state.clock],
             device=self.model.device,
         )
+
+    def _take_maxima(self, values: wp.array, maxima: wp.array) -> None:
+        """Largest of each group of ``values``, in tiles on a GPU."""
+        device = self.model.device
+        tiled: dict[str, Any] = {"block_dim": TILE_THREAD_COUNT} if device.is_cuda else {}
+        launch = wp.launch_tiled if device.is_cuda else wp.launch
+        launch(self._partial_maximum, dim=[len(maxima)], inputs=[values], outputs=[maxima], device=device, **tiled)
 
     # --- the rest ----------------------------------------------------------------------------------------------------
 

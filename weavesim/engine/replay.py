@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import warp as wp
 
-from ..device import exclusive
+from ..device import exclusive, giving_way
 from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
 
 
@@ -75,7 +75,7 @@ class Replay:
         return graph
 
     def run(self, graphs: Sequence[Sequence[wp.Graph]], times: int = 1) -> None:
-        """Launch each thread's graphs in sequence, ``times`` times."""
+        """Launch each thread's graphs in sequence, ``times`` times; on a CPU, others may compute meanwhile."""
 
         def replay(own: Sequence[wp.Graph]) -> None:
             for _ in range(times):
@@ -85,8 +85,9 @@ class Replay:
         if len(graphs) > 1:
             self._counter.zero_()
         others = [threading.Thread(target=replay, args=(own,)) for own in graphs[1:]]
-        for thread in others:
-            thread.start()
-        replay(graphs[0])
-        for thread in others:
-            thread.join()
+        with giving_way() if self._device.is_cpu else nullcontext():
+            for thread in others:
+                thread.start()
+            replay(graphs[0])
+            for thread in others:
+                thread.join()

@@ -10,7 +10,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import ArrayLike
 
-from ..device import exclusive, initialise, load_kernel, resolve_device, resolve_precision
+from ..device import exclusive, initialise, is_compiled, load_kernel, resolve_device, resolve_precision
 from ..errors import InputError
 from ..kernels.cell.response import response_struct, unit_cell_response_kernel
 from ..kernels.rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
@@ -55,6 +55,13 @@ class UnitCellResponse:
     residual: np.ndarray
     iterations: np.ndarray
     snap_loss: np.ndarray
+
+
+def responds_at_once(cell: UnitCell, *, precision: str = "float64", device: str = "cpu") -> bool:
+    """Whether the kernel that ``respond`` needs for cells of this class is compiled already."""
+    initialise()
+    kernel = unit_cell_response_kernel(resolve_precision(precision).real, cell.law())
+    return is_compiled(kernel, resolve_device(device))
 
 
 @exclusive()

@@ -46,3 +46,20 @@ def split_unit(key: str) -> tuple[str, Unit]:
         if key.endswith(f"_{unit.ending}"):
             return key[: -len(unit.ending) - 1], unit
     return key, PURE
+
+
+def with_unit(name: str, unit: str) -> str:
+    """The name of a field with its unit, of which the name may have an ending already.
+
+    Args:
+        name: of a field, such as "warp_force" or "shear_angle_deg".
+        unit: as fields have it: "N/m" gives "warp_force_n_per_m"; "1" is a pure number.
+    """
+    if unit in ("1", ""):
+        return name
+    ending = _ENDINGS.get(unit) or unit.lower().replace("/", "_per_").replace("^", "")
+    return name if name.endswith(f"_{ending}") else f"{name}_{ending}"
+
+
+# Of units that fields have, where they are not the unit in small letters.
+_ENDINGS = {"degrees": "deg", "N/m^2": "pa"}

@@ -25,8 +25,9 @@ CORE_STEP, GPU_STEP = 15.0e-6, 20.0e-6
 FRAME_TIME, FRAME_TIME_PER_ELEMENT = 3.0e-3, 2.0e-6
 # Largest need of memory, while a run is prepared, and need per frame of the history [bytes].
 BYTES_PER_ELEMENT, BYTES_PER_FRAME = 2000.0, 2000.0
-# Disk: of a film per frame and element, and of the pictures and the report [bytes].
-FILM_BYTES, REPORT_BYTES = 70.0, 3.0e6
+# Disk: per frame, of the film for a computed element and of the ParaView series for one of the whole part; and of the
+# pictures and the report [bytes].
+FILM_BYTES, SERIES_BYTES, REPORT_BYTES = 90.0, 90.0, 3.0e6
 # Beyond these a user is asked.
 LARGEST_STEP_COUNT = 1.0e8
 LONGEST_TIME = 24.0 * 3600.0
@@ -80,6 +81,7 @@ def estimate(setup: Setup, *, time_step: float | None = None, thread_count: int 
         is_cpu: whether it runs on a CPU.
     """
     elements = sum(sheet.blank.element_count for sheet in setup.sheets)
+    whole = sum(s.blank.element_count / world.symmetry.share for world in setup.worlds for s in world.sheets)
     frames = setup.frame_count
     step_count = seconds = None
     if time_step is not None:
@@ -95,7 +97,7 @@ def estimate(setup: Setup, *, time_step: float | None = None, thread_count: int 
         time_step,
         seconds,
         memory=BYTES_PER_ELEMENT * elements + BYTES_PER_FRAME * frames,
-        disk=FILM_BYTES * frames * elements + REPORT_BYTES,
+        disk=frames * (FILM_BYTES * elements + SERIES_BYTES * whole) + REPORT_BYTES,
     )
 
 

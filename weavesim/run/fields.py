@@ -27,11 +27,6 @@ Values = Mapping[str, np.ndarray]
 Derivation = Callable[["Fabric", Values, Values], np.ndarray | None]
 
 
-def as_it_is(values: np.ndarray) -> np.ndarray:
-    """``values``."""
-    return values
-
-
 @dataclass(frozen=True)
 class Field:
     """One value per element.
@@ -41,14 +36,14 @@ class Field:
         unit: in frames; "1" for a pure number.
         description: for readers.
         derive: computes it on the host; None for a row that a kernel writes.
-        film: converts it for the film; None leaves it out.
+        diagnostic: it tells of the solver, not of the fabric: left out of films and of the frames for ParaView.
     """
 
     name: str
     unit: str
     description: str
     derive: Derivation | None = None
-    film: Callable[[np.ndarray], np.ndarray] | None = None
+    diagnostic: bool = False
 
     @property
     def file_name(self) -> str:
@@ -63,12 +58,6 @@ class Field:
     def in_file(self, values: np.ndarray) -> np.ndarray:
         """``values`` in the unit of files."""
         return np.rad2deg(values) if self.unit == "rad" else values
-
-
-# Conversion of kernel rows for the film: the shear angle as absolute value.
-_IN_FILM: dict[str, Callable[[np.ndarray], np.ndarray]] = {
-    "shear_angle": np.abs, "warp_stretch": as_it_is, "weft_stretch": as_it_is,
-}  # fmt: skip
 
 
 def _thickness(fabric: Fabric, fields: Values, report: Values) -> np.ndarray:
@@ -94,22 +83,25 @@ def _of_plies(fabric: Fabric, fields: Values, report: Values) -> None:
 
 
 FIELDS: list[Field] = [
-    *(Field(row.name, row.unit, row.description, film=_IN_FILM.get(row.name)) for row in ElementField),
-    Field("thickness", "m", "current thickness", _thickness, film=as_it_is),
+    *(Field(row.name, row.unit, row.description) for row in ElementField),
+    Field("thickness", "m", "current thickness", _thickness),
     Field(
         "fibre_volume_fraction", "1", "share of the fibres in the volume, if the fabric states its fibre content",
-        _fibre_volume_fraction, film=as_it_is,
+        _fibre_volume_fraction,
     ),
     Field("crossover_force", "N", "force of a crossover, if the unit cell has an area of one", _crossover_force),
     Field(
         "unit_cell_residual", "1", "worst residual of the unit cell so far, over the forces that it balances",
-        lambda fabric, fields, report: report["worst_residual"],
+        lambda fabric, fields, report: report["worst_residual"], diagnostic=True,
     ),
     Field(
         "unit_cell_iterations", "1", "iterations of the unit cell in this step",
-        lambda fabric, fields, report: report["iterations"],
+        lambda fabric, fields, report: report["iterations"], diagnostic=True,
     ),
-    Field("unit_cell_failed", "1", f"1 where that residual is not below {UNIT_CELL_FAILURE:g}, else 0", _failed),
+    Field(
+        "unit_cell_failed", "1", f"1 where that residual is not below {UNIT_CELL_FAILURE:g}, else 0", _failed,
+        diagnostic=True,
+    ),
     Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_plies),
     Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_plies),
     Field("ply_slip_below", "m", "way slid so far on the ply below", _of_plies),

@@ -102,18 +102,29 @@ def leaving_at_once() -> Iterator[None]:
 
 
 _current: Interruption | None = None
+_of_thread = threading.local()  # interruption: what another thread notes signals in, for this one
+
+
+@contextmanager
+def interrupted_by(interruption: Interruption) -> Iterator[None]:
+    """Inside this context, runs of this thread end with the signals that the main thread notes."""
+    _of_thread.interruption = interruption
+    try:
+        yield
+    finally:
+        del _of_thread.interruption
 
 
 @contextmanager
 def interruption() -> Iterator[Interruption]:
     """Take the signals of this process, and yield what notes them; within another such context, the one of that.
 
-    Only the main thread can: elsewhere what is yielded is never set. A process that ignores SIGHUP, as ``nohup``
-    makes it, goes on ignoring it.
+    Only the main thread can: elsewhere what is yielded is that of ``interrupted_by``, or is never set. A process that
+    ignores SIGHUP, as ``nohup`` makes it, goes on ignoring it.
     """
     global _current
     if threading.current_thread() is not threading.main_thread():
-        yield Interruption()
+        yield getattr(_of_thread, "interruption", None) or Interruption()
         return
     if _current is not None:
         yield _current

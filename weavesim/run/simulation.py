@@ -33,8 +33,8 @@ logger = logging.getLogger(__name__)
 class Simulation:
     """One run: ``prepare()`` makes it ready, ``run()`` executes it, ``frame`` is the last frame taken.
 
-    Simulations in several threads wait for each other: Warp computes in one thread at a time. Use processes to compute
-    several at once.
+    Simulations in several threads step side by side on a CPU; whatever else they do, such as taking frames, waits for
+    each other. ``run_batch`` uses this.
 
     Construction is cheap. The first access to device data, such as ``frame`` or ``state``, prepares the run, which
     compiles kernels that are not cached.

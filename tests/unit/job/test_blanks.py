@@ -88,7 +88,7 @@ def on_layers(space, document):
         (open_line, {}, r"no line is closed; the nearest ends are 3 mm apart, at \(0, 3\) mm"),
         (two_plates, {}, "it has several outlines, another one about"),
         (line_out, {}, r"an open line at \(50, 25\) mm leads out of the outline"),
-        (tilted, {}, "LINE does not lie in a plane z"),
+        (tilted, {}, r"the line from \(0, 0, 0\) mm does not lie in a plane z"),
         (lambda space, document: space.add_text("nothing"), {}, "it has no lines"),
         (rectangle, {"unit": 0}, "unit: is required, since drawing .* does not say its unit"),
         (rectangle, {"metres_per_unit": 1.0}, "says that its unit is 0.001 m, but 1 m is given"),

@@ -90,10 +90,10 @@ def test_a_file_that_vanishes_is_missed(tmp_path, coarse_run):
     folder = ResultFolder(tmp_path, writers=["paraview", "summary"])
     folder.start(info)
     folder.frame(frames[0])
-    (tmp_path / "paraview" / "frame_0000.vtu").write_bytes(b"")
+    (tmp_path / "paraview" / "frame_0000_sheet.vtu").write_bytes(b"")
     folder.finish(Outcome.FINISHED)
     summary = folder.write({})
-    assert summary["missing"] == ["paraview/frame_0000.vtu"]
+    assert summary["missing"] == ["paraview/frame_0000_sheet.vtu"]
     assert "is missing or empty" in summary["warnings"][0]
 
 

@@ -82,9 +82,11 @@ def test_the_recipe_of_an_output_field(fields_forgotten, tmp_path, coarse_run):
     finally:
         del frames[0].fields["current_areal_density"]
     stage = Usd.Stage.Open(str(tmp_path / "film.usdc"))
-    filmed = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheet")).GetPrimvar("current_areal_density").Get(0.0)
+    filmed = (
+        UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/sheets/sheet")).GetPrimvar("current_areal_density").Get(0.0)
+    )
     assert np.array(filmed) == pytest.approx(values["current_areal_density"])
-    stored = meshio.read(tmp_path / "final_state.vtu").cell_data["current_areal_density"][0]
+    stored = meshio.read(tmp_path / "final_state.vtu").cell_data["current_areal_density_kg_per_m2"][0]
     assert np.array_equal(stored, values["current_areal_density"])
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from ...errors import InputError
 from ..terminal import say
 
 
@@ -17,7 +19,7 @@ def export_command(
         typer.Option(
             help="formats, comma-separated: calculix, abaqus, lsdyna, nastran, openradioss, vtkhdf, hdf5, csv"
         ),
-    ],
+    ] = "",
     map_onto: Annotated[
         Path | None,
         typer.Option(
@@ -39,8 +41,77 @@ def export_command(
         tuple[float, float, float], typer.Option(help="direction from which OpenRadioss counts angles")
     ] = (1.0, 0.0, 0.0),
     out: Annotated[Path | None, typer.Option(help="folder for the files [default: OUT/export]")] = None,
+    flat: Annotated[
+        Path | None, typer.Option(help="DXF drawing of the flat blanks, with trim line and yarns, to write")
+    ] = None,
+    trim: Annotated[Path | None, typer.Option(help="DXF drawing of what becomes the part, to write")] = None,
+    part_edge: Annotated[
+        Path | None,
+        typer.Option(help="edge of the part, a closed curve on the tools: .dxf, .csv, or the border of a mesh"),
+    ] = None,
+    edge_unit: Annotated[
+        str | None, typer.Option(help="unit of the edge's file, such as mm [default: its own]")
+    ] = None,
+    edge_layer: Annotated[str | None, typer.Option(help="layer of the edge's drawing [default: all]")] = None,
+    opening: Annotated[
+        str | None, typer.Option(help="tool whose opening is the part's edge, in place of a file")
+    ] = None,
 ) -> None:
-    """Write the end of a run for other programs: fibre directions, thickness, layers (docs/outputs.md)."""
+    """Write the end of a run for other programs: fibre directions, thickness, flat pattern (docs/outputs.md)."""
+    if not to and flat is None and trim is None and part_edge is None and opening is None:
+        raise InputError("export: nothing to write; give formats (--to csv), or a drawing (--flat FILE, --trim FILE)")
+    drawings = _drawings(run, flat, trim, part_edge, edge_unit, edge_layer, opening)
+    if to:
+        _formats(run, to, map_onto, unit, whole, yarns, lamina, within, reference, out)
+    drawings()
+
+
+def _drawings(
+    run: Path,
+    flat: Path | None,
+    trim: Path | None,
+    part_edge: Path | None,
+    edge_unit: str | None,
+    edge_layer: str | None,
+    opening: str | None,
+) -> Callable[[], None]:
+    """Finds the flat patterns, so that all input is checked, and returns what writes them."""
+    from ...job.units import length_unit
+    from ...output.flat.pattern import FlatWish, flat_patterns, write_flat
+    from ...output.stored.file import read_results
+
+    try:
+        scale = None if edge_unit is None else length_unit(edge_unit)
+    except ValueError as error:
+        raise InputError(f"edge unit {edge_unit!r}: {error}") from None
+    if part_edge is None and (edge_unit is not None or edge_layer is not None):
+        raise InputError("edge unit and edge layer: they have an effect only with --part-edge; leave them out")
+    wish = FlatWish(flat, trim, part_edge, edge_layer, scale, opening)
+    if flat is None and trim is None:
+        return lambda: None
+    found = flat_patterns(read_results(run), wish)
+
+    def write() -> None:
+        for path in write_flat(found, wish):
+            say(f"wrote {path}")
+        for line in (*found.lines(), *(f"note: {note}" for note in (found.edge.notes if found.edge else ()))):
+            say(line)
+
+    return write
+
+
+def _formats(
+    run: Path,
+    to: str,
+    map_onto: Path | None,
+    unit: str,
+    whole: bool,
+    yarns: int,
+    lamina: Path | None,
+    within: float | None,
+    reference: tuple[float, float, float],
+    out: Path | None,
+) -> None:
     from ...output.export.exporting import Export, export_run
     from ...output.export.lamina import Lamina
     from ...output.stored.file import read_results

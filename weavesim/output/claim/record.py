@@ -20,6 +20,7 @@ from ...device import cpu_features
 from ...run.frame import Frame, RunInfo
 from ...version import __version__
 from ..files import write_summary
+from .source import processor_name, source_commit
 
 RECORD_NAME = "run.json"
 SETUP_NAME = "setup.json"
@@ -56,6 +57,8 @@ class RunRecord:
             "device": info.device,
             "precision": info.precision,
             "versions": versions(),
+            "commit": source_commit(),
+            "processor": processor_name(),
             "system": platform.platform(),
             "processor_features": cpu_features(),
         }
@@ -121,13 +124,19 @@ def versions() -> dict[str, str]:
 
 
 def _input_files(options: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Path, size and hash of every option that names a file."""
+    """Path, size and hash of every file that an option names, or a list of an option."""
     for name, value in options.items():
-        if isinstance(value, str) and name != "out":
-            path = Path(value)
+        if name == "out":
+            continue
+        several = list(value) if isinstance(value, list | tuple) else [value]
+        for k, item in enumerate(several, start=1):
+            if not isinstance(item, str):
+                continue
+            path = Path(item)
             with suppress(OSError, ValueError):
                 if path.is_file():
-                    yield name, {"path": str(path.absolute()), "bytes": path.stat().st_size, "sha256": file_hash(path)}
+                    about = {"path": str(path.absolute()), "bytes": path.stat().st_size, "sha256": file_hash(path)}
+                    yield (name if len(several) == 1 else f"{name} {k}"), about
 
 
 def file_hash(path: Path) -> str:

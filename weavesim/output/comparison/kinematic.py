@@ -18,7 +18,7 @@ from ...sheet.topology import flat_areas
 from ...tools.surfaces.distance import ToolDistance
 from ...tools.tool import Tool
 from ..files import write_summary
-from ..series import write_quads
+from ..paraview.files import Grid
 from ..stored.file import StoredRun, StoredSheet
 from ..tables import write_table
 
@@ -215,7 +215,7 @@ def write_kinematic(folder: Path, drape: KinematicDrape, run_id: str = "", endin
     files = [folder / f"kinematic{ending}.{kind}" for kind in ("json", "vtu", "png")]
     write_summary(files[0], drape.numbers())
     points, quads, angles = _as_mesh(drape.net)
-    write_quads(files[1], points, quads, {}, {"shear_angle_deg": np.abs(np.rad2deg(angles))}, run_id)
+    Grid(quads).write(files[1], points, cell_data={"shear_angle_deg": np.abs(np.rad2deg(angles))}, run_id=run_id)
     write_picture(net_picture(drape), files[2], run_id)
     if drape.sheet is not None and drape.touching is not None and (difference := drape.difference_deg) is not None:
         flat = drape.sheet.blank.material_coordinates[drape.sheet.blank.quads].mean(axis=1)

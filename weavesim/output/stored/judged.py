@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...measures.defects.judgement import Distance, Judgement, Limits
+from ...measures.defects.judgement import Distance, Judgement, Limits, Region
 from ...tools.surfaces.distance import ToolDistance
 from ..files import write_summary
 from ..tables import write_table
 from .file import StoredRun, StoredSheet
+
+if TYPE_CHECKING:
+    from ...fabric.fabric import Fabric
+    from ...tools.tool import Tool
 
 _COLUMNS = (
     "sheet", "kind", "place_x_mm", "place_y_mm", "place_z_mm", "flat_x_mm", "flat_y_mm", "area_mm2", "amplitude_mm",
@@ -74,15 +78,22 @@ class JudgedRun:
         """What a user is told."""
         count = sum(len(sheet.regions) for sheet in self.sheets)
         yield "within all limits" if self.passed else f"beyond limits: {count} region{'s' * (count > 1)}"
-        for row in self.rows():
-            size = {
-                "wrinkle": "amplitude {amplitude_mm:.2f} mm, wavelength {wavelength_mm:.0f} mm, {crest_count} crests",
-                "locking": "shear angle {shear_angle_deg:.1f} degrees",
-            }.get(row["kind"], "gap {gap_mm:.2f} mm")
-            where = f"at ({row['place_x_mm']:.0f}, {row['place_y_mm']:.0f}, {row['place_z_mm']:.0f}) mm"
-            name = f"{row['sheet']}: " if len(self.sheets) > 1 else ""
-            text = f"{size.format(**row)}, {row['severity']:.2g} times the limit, {row['area_mm2']:.0f} mm2"
-            yield f"  {name}{row['kind']} {where}: {text}"
+        for stored, sheet in zip(self.run.sheets, self.sheets, strict=True):
+            name = f"{stored.name}: " if len(self.sheets) > 1 else ""
+            for region in sheet.regions:
+                yield f"  {name}{region_text(region)}"
+
+
+def region_text(region: Region) -> str:
+    """Kind, place, size, severity and area of a region in one line."""
+    row = region.as_dict()
+    size = {
+        "wrinkle": "amplitude {amplitude_mm:.2f} mm, wavelength {wavelength_mm:.0f} mm, {crest_count} crests",
+        "locking": "shear angle {shear_angle_deg:.1f} degrees",
+    }.get(row["kind"], "gap {gap_mm:.2f} mm")
+    x, y, z = row["place_mm"]
+    text = f"{size.format(**row)}, {row['severity']:.2g} times the limit, {row['area_mm2']:.0f} mm2"
+    return f"{row['kind']} at ({x:.0f}, {y:.0f}, {z:.0f}) mm: {text}"
 
 
 def judge_run(run: StoredRun, limits: Limits) -> JudgedRun:
@@ -91,20 +102,29 @@ def judge_run(run: StoredRun, limits: Limits) -> JudgedRun:
 
 
 def _judge(run: StoredRun, sheet: StoredSheet, limits: Limits) -> Judgement:
-    law = run.fabric(sheet).shear
+    return Judgement(sheet.formed, limits, tool_distance(run, sheet), own_locking_angle(run.fabric(sheet)))
+
+
+def own_locking_angle(fabric: Fabric) -> float | None:
+    """Where the shear law of a fabric locks [degrees]; None if it does not."""
+    law = fabric.shear
     angle = getattr(law, "locking_angle", None) if law.locking_slope else None
-    own = None if angle is None else math.degrees(angle)
-    return Judgement(sheet.formed, limits, tool_distance(run, sheet), own)
+    return None if angle is None else math.degrees(angle)
 
 
 def tool_distance(run: StoredRun, sheet: StoredSheet) -> Distance | None:
     """Distance to the nearest tool of a sheet at the end of its run; None without tools."""
-    if not sheet.tools:
+    return distance_to([(run.tools[place], float(run.tool_displacement[place])) for place in sheet.tools])
+
+
+def distance_to(tools: Sequence[tuple[Tool, float]]) -> Distance | None:
+    """Distance to the nearest of tools at their displacements [m]; None without tools."""
+    if not tools:
         return None
-    tools = [(ToolDistance(run.tools[place]), float(run.tool_displacement[place])) for place in sheet.tools]
+    sampled = [(ToolDistance(tool), displacement) for tool, displacement in tools]
 
     def distance(points: np.ndarray) -> np.ndarray:
-        return np.min([tool(points, displacement)[0] for tool, displacement in tools], axis=0)
+        return np.min([tool(points, displacement)[0] for tool, displacement in sampled], axis=0)
 
     return distance
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...run.frame import Frame, Outcome, RunInfo
-from ..film import Film
+from ..film.film import Film
 from ..writer import Writer
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from ...run.frame import Frame, Outcome, RunInfo
-from ..series import ParaViewSeries
+from ..paraview.series import ParaViewSeries
 from ..writer import Writer
 
 
 class ParaViewWriter(Writer):
-    """``paraview/``: about 30 frames, and the final state in double precision (``weavesim.output.ParaViewSeries``)."""
+    """``paraview/``: every frame with its tools, and the final state in double precision; see
+    ``weavesim.output.ParaViewSeries``.
+    """
 
     name = "paraview"
     title = "ParaView series"

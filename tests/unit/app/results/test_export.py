@@ -54,3 +54,33 @@ def test_bad_input_is_told_before_anything_is_written(export_command, folder, tm
 def test_a_folder_that_is_no_run(export_command, tmp_path):
     code, _, err = export_command(tmp_path, "--to", "csv")
     assert code == 2 and "it has no results.h5" in err
+
+
+def test_a_flat_pattern_with_its_waste(export_command, folder, tmp_path):
+    pytest.importorskip("ezdxf")
+    (tmp_path / "edge.csv").write_text("x,y\n5,5\n25,5\n25,15\n5,15\n")
+    code, out, err = export_command(
+        folder, "--flat", tmp_path / "flat.dxf", "--trim", tmp_path / "trim.dxf", "--part-edge", tmp_path / "edge.csv",
+        "--edge-unit", "mm",
+    )  # fmt: skip
+    assert code == 0, err
+    assert "blank 6.0 cm2, part 2.0 cm2, waste 4.0 cm2 (66.7%)" in out
+    assert {path.name for path in tmp_path.iterdir()} == {"edge.csv", "flat.dxf", "trim.dxf", "flat.json"}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ([], "nothing to write; give formats (--to csv), or a drawing"),
+        (["--flat", "a.dxf", "--part-edge", "no.csv"], "edge of the part no.csv"),
+        (
+            ["--flat", "a.dxf", "--part-edge", "no.csv", "--edge-unit", "kg"],
+            "edge unit 'kg': a unit of length is needed",
+        ),
+        (["--flat", "a.dxf", "--edge-unit", "mm"], "they have an effect only with --part-edge"),
+        (["--flat", "a.dxf", "--opening", "die"], "opening of die: there is no such tool"),
+    ],
+)
+def test_a_flat_pattern_that_cannot_be_made_is_told(export_command, folder, options, message):
+    code, _, err = export_command(folder, *options)
+    assert code == 2 and message in err

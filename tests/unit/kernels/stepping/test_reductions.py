@@ -5,7 +5,7 @@ import pytest
 import warp as wp
 
 from weavesim.engine.launches import TILE_THREAD_COUNT
-from weavesim.kernels.stepping.step import MAXIMUM_GROUP, partial_maximum_kernel
+from weavesim.kernels.stepping.step import MAXIMUM_GROUP, group_maximum_kernel, partial_maximum_kernel
 from weavesim.kernels.stepping.tools import SUM_GROUP, partial_sum_kernel
 
 COUNTS = [1, 255, 1024, 1025, 5000]
@@ -22,6 +22,10 @@ def partial_maxima(values, precision, device):
     wp.launch_tiled(
         kernel, dim=[len(maxima)], block_dim=TILE_THREAD_COUNT, inputs=[given], outputs=[maxima], device=device
     )
+    by_loop = wp.empty_like(maxima)
+    kernel = group_maximum_kernel(precision.real)
+    wp.launch(kernel, dim=len(maxima), inputs=[given], outputs=[by_loop], device=device)
+    np.testing.assert_array_equal(by_loop.numpy(), maxima.numpy())
     return maxima.numpy()
 
 

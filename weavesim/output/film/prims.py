@@ -1,4 +1,4 @@
-"""Prims of a film: meshes, tools, materials, camera and light in USD."""
+"""Prims of a film: meshes, tools, materials and variants in USD."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..tools.shapes import Triangles
-    from ..tools.tool import Tool
+    from ...tools.shapes import Triangles
+    from ...tools.tool import Tool
 
 _LARGEST_SMOOTH_ANGLE = 35.0
 
@@ -28,6 +28,7 @@ def usd_errors() -> Iterator[None]:
 
 
 def define_mesh(stage: Any, path: str, faces: np.ndarray) -> Any:
+    """A mesh without points yet; every face has as many corners as the others."""
     from pxr import UsdGeom, Vt
 
     mesh = UsdGeom.Mesh.Define(stage, path)
@@ -40,27 +41,57 @@ def define_mesh(stage: Any, path: str, faces: np.ndarray) -> Any:
     return mesh
 
 
-def define_tool(stage: Any, name: str, tool: Tool, triangles: Triangles, opacity: float) -> Any:
-    """A tool as /World/tools/NAME, a transform that holds its mesh."""
+def set_points(mesh: Any, points: np.ndarray) -> None:
+    """Points that do not change, (n, 3), with their extent."""
+    from pxr import Vt
+
+    bounds = np.array([points.min(axis=0), points.max(axis=0)], dtype=np.float32)
+    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points, dtype=np.float32)))
+    mesh.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(bounds))
+
+
+def define_tool(stage: Any, name: str, tool: Tool, triangles: Triangles) -> FilmedTool:
+    """A tool as the mesh /World/tools/NAME: one prim, since programs name objects after the prim of the mesh."""
     from pxr import Gf, Sdf, UsdGeom, Vt
 
     vertices, faces = triangles
-    bounds = np.array([vertices.min(axis=0), vertices.max(axis=0)], dtype=np.float32)
     UsdGeom.Scope.Define(stage, "/World/tools")
-    transform = UsdGeom.Xform.Define(stage, f"/World/tools/{name}")
-    mesh = define_mesh(stage, f"/World/tools/{name}/surface", faces)
-    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(vertices.astype(np.float32)))
-    mesh.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(bounds))
+    path = f"/World/tools/{name}"
+    mesh = define_mesh(stage, path, faces)
+    set_points(mesh, vertices)
     mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_corner_normals(vertices, faces)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
     mesh.CreateDisplayColorAttr([Gf.Vec3f(*tool.colour)])
-    shader = _preview_surface(stage, f"/World/materials/{name}", roughness=0.35)
+    shader = _preview_surface(stage, f"/World/materials/{name}", roughness=0.45)
     shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*tool.colour))
-    shader.CreateInput("opacity", Sdf.ValueTypeNames.Float).Set(opacity)
-    if opacity < 1.0:
-        mesh.CreateDisplayOpacityAttr([opacity])
     bind(mesh, f"/World/materials/{name}")
-    return transform
+    mesh.GetPrim().SetDocumentation(f"tool {tool.name}; metres")
+    return FilmedTool(mesh, shader, vertices)
+
+
+class FilmedTool:
+    """One tool in the film.
+
+    Attributes:
+        mesh: its prim.
+        height: of its middle at the start, along z [m].
+    """
+
+    def __init__(self, mesh: Any, shader: Any, vertices: np.ndarray) -> None:
+        self.mesh, self._shader = mesh, shader
+        self.height = 0.5 * float(vertices[:, 2].min() + vertices[:, 2].max())
+
+    @property
+    def path(self) -> str:
+        """Of its prim."""
+        return str(self.mesh.GetPath())
+
+    def set_opacity(self, opacity: float) -> None:
+        """From 0 to 1, for programs with materials and for those without."""
+        from pxr import Sdf
+
+        self._shader.CreateInput("opacity", Sdf.ValueTypeNames.Float).Set(opacity)
+        self.mesh.CreateDisplayOpacityAttr([opacity])
 
 
 def _preview_surface(stage: Any, path: str, roughness: float) -> Any:
@@ -76,17 +107,35 @@ def _preview_surface(stage: Any, path: str, roughness: float) -> Any:
     return shader
 
 
-def sheet_material(stage: Any) -> str:
+def _connect_colours(stage: Any, path: str, shader: Any, name: str) -> None:
+    """Let an input of a shader read the primvar ``displayColor``."""
     from pxr import Gf, Sdf, UsdShade
 
-    path = "/World/materials/sheet"
-    shader = _preview_surface(stage, path, roughness=0.7)
     reader = UsdShade.Shader.Define(stage, f"{path}/colour")
     reader.CreateIdAttr("UsdPrimvarReader_float3")
     reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("displayColor")
     reader.CreateInput("fallback", Sdf.ValueTypeNames.Float3).Set(Gf.Vec3f(0.5))
     reader.CreateOutput("result", Sdf.ValueTypeNames.Float3)
-    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(reader.ConnectableAPI(), "result")
+    shader.CreateInput(name, Sdf.ValueTypeNames.Color3f).ConnectToSource(reader.ConnectableAPI(), "result")
+
+
+def sheet_material(stage: Any) -> str:
+    """The material of sheets, in the colours of the field."""
+    path = "/World/materials/sheet"
+    _connect_colours(stage, path, _preview_surface(stage, path, roughness=0.8), "diffuseColor")
+    return path
+
+
+def legend_material(stage: Any) -> str:
+    """A material that shines in the colours of its mesh, whatever the lights are."""
+    from pxr import Gf, Sdf
+
+    path = "/World/materials/legend"
+    shader = _preview_surface(stage, path, roughness=1.0)
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(0.0))
+    shader.CreateInput("useSpecularWorkflow", Sdf.ValueTypeNames.Int).Set(1)
+    shader.CreateInput("specularColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(0.0))
+    _connect_colours(stage, path, shader, "emissiveColor")
     return path
 
 
@@ -95,7 +144,7 @@ def plain_material(stage: Any, name: str, colour: tuple[float, float, float]) ->
     from pxr import Gf, Sdf
 
     path = f"/World/materials/{name}"
-    shader = _preview_surface(stage, path, roughness=0.7)
+    shader = _preview_surface(stage, path, roughness=0.8)
     shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*colour))
     return path
 
@@ -116,31 +165,11 @@ def in_variant(stage: Any, set_name: str, variant: str) -> Iterator[None]:
 
 
 def bind(mesh: Any, material_path: str) -> None:
+    """Give a mesh a material."""
     from pxr import UsdShade
 
     material = UsdShade.Material.Get(mesh.GetPrim().GetStage(), material_path)
     UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
-
-
-def define_camera(stage: Any, lower: np.ndarray, upper: np.ndarray, name: str = "camera") -> None:
-    """A camera above one corner that sees the sphere around ``lower`` and ``upper``."""
-    from pxr import Gf, UsdGeom
-
-    camera = UsdGeom.Camera.Define(stage, f"/World/{name}")
-    focal_length, aperture = 50.0, (36.0, 24.0)  # tenths of a stage unit, as USD defines it; only the ratio matters
-    centre, radius = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
-    distance = 1.05 * radius / np.sin(np.arctan(0.5 * min(aperture) / focal_length))
-    azimuth, elevation = np.deg2rad((-60.0, 38.0))
-    outward = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
-    eye = centre + distance * outward
-    view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(*eye.tolist()), Gf.Vec3d(*centre.tolist()), Gf.Vec3d(0, 0, 1))
-    camera.ClearXformOpOrder()
-    camera.AddTransformOp().Set(view.GetInverse())
-    camera.CreateFocalLengthAttr(focal_length)
-    camera.CreateHorizontalApertureAttr(aperture[0])
-    camera.CreateVerticalApertureAttr(aperture[1])
-    camera.CreateFocusDistanceAttr(float(distance))
-    camera.CreateClippingRangeAttr(Gf.Vec2f(0.01 * distance, 10.0 * distance))
 
 
 def define_views(stage: Any, sheets: Sequence[str], above: Sequence[str], below: Sequence[str], gap: float) -> None:
@@ -163,18 +192,8 @@ def define_views(stage: Any, sheets: Sequence[str], above: Sequence[str], below:
                 move.Set(Gf.Vec3d(0.0, 0.0, factor * float(up)))
 
 
-def define_light(stage: Any) -> None:
-    from pxr import Gf, UsdGeom, UsdLux
-
-    UsdGeom.Scope.Define(stage, "/World/lights")
-    UsdLux.DomeLight.Define(stage, "/World/lights/sky").CreateIntensityAttr(0.7)
-    sun = UsdLux.DistantLight.Define(stage, "/World/lights/sun")
-    sun.CreateIntensityAttr(2.0)
-    sun.CreateAngleAttr(3.0)
-    sun.AddRotateXYZOp().Set(Gf.Vec3f(-35.0, 20.0, 0.0))
-
-
 def node_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Unit normals of the nodes of quadrilaterals, (node_count, 3)."""
     a, b, c, d = (position[corner].T for corner in quads.T)
     (x1, y1, z1), (x2, y2, z2) = c - a, d - b
     corners = quads.T.ravel()

@@ -1,7 +1,7 @@
 """The table of a fabric: the same in any width, and plain about what nobody said."""
 
 from weavesim import Origin, glass_polypropylene
-from weavesim.app.fabric_table import fabric_table, rows_of, summary_of
+from weavesim.measures.fabric_table import fabric_table, rows_of, summary_of
 
 
 def test_a_narrow_terminal_has_the_same_table(monkeypatch):

@@ -1,0 +1,246 @@
+"""The page of a run: numbers that come back, texts that stay texts, and what it says first."""
+
+import base64
+import json
+import re
+import zlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.support.made_run import made_info, made_run
+from weavesim.output import ResultFolder
+from weavesim.output.run_page.judged_part import verdict_of
+from weavesim.output.run_page.packing import packed_series, rounded
+from weavesim.output.run_page.provenance import provenance_rows
+from weavesim.output.run_page.recorder import FrameRecorder
+from weavesim.output.run_page.scene import clustered, scene_of
+from weavesim.output.run_page.setup_rows import setup_tables
+from weavesim.output.run_page.values import Row, number, rows_of, text_of, words
+from weavesim.output.run_page.writing import in_script
+from weavesim.process.strokes import Stroke
+from weavesim.run.frame import Outcome
+
+
+def unpacked(series, frame_count):
+    """What the page makes of a packed series, (frame_count, n component_count)."""
+    low, step = np.array(series["low"]), np.array(series["step"])
+    planes = np.frombuffer(zlib.decompress(base64.b64decode(series["data"])), np.uint8).reshape(2, -1)
+    change = (planes[0].astype(np.uint16) + (planes[1].astype(np.uint16) << 8)).reshape(frame_count, -1)
+    code = np.cumsum(change, axis=0, dtype=np.uint16).reshape(frame_count, -1, len(low))
+    values = np.where(code == 65535, np.nan, low + step * code)
+    values = 10.0**values if series["logarithmic"] else values
+    return values.reshape(frame_count, -1)
+
+
+# ---------------------------------------------------------------------------------------------------------- numbers
+
+
+def test_a_series_comes_back_within_half_a_step():
+    rng = np.random.default_rng(1)
+    values = rng.normal(size=(5, 40, 3)) * (1.0, 100.0, 1.0e-3) + (0.0, 5.0, 1.0)
+    series = packed_series(values)
+    back = unpacked(series, 5).reshape(values.shape)
+    assert np.abs(back - values).max(axis=(0, 1)) == pytest.approx(0.5 * np.array(series["step"]), rel=0.3)
+    assert np.array(series["step"]) == pytest.approx(np.ptp(values, axis=(0, 1)) / 65534)
+
+
+def test_what_is_not_finite_stays_so_and_widens_no_range():
+    values = np.array([[1.0, np.nan, 3.0], [2.0, np.inf, 2.5]])
+    series = packed_series(values)
+    assert series["low"] == [1.0] and series["step"][0] == pytest.approx(2.0 / 65534)
+    back = unpacked(series, 2)
+    assert np.isnan(back[:, 1]).all() and back[:, [0, 2]] == pytest.approx(values[:, [0, 2]], abs=2e-5)
+
+
+def test_small_numbers_of_a_logarithmic_series_keep_their_digits():
+    values = np.array([[1.0e-9, 1.0e-3], [3.0e-7, 0.0]])
+    back = unpacked(packed_series(values, logarithmic=True), 2)
+    assert back[:, 0] == pytest.approx(values[:, 0], rel=2e-4) and back[1, 1] == pytest.approx(1.0e-9, rel=1e-3)
+
+
+def test_equal_numbers_need_no_data():
+    series = packed_series(np.full((3, 7), 2.5))
+    assert series["data"] == "" and series["low"] == [2.5]
+
+
+def test_rounded_numbers_are_those_of_json():
+    assert rounded(np.array([1.234567, np.nan, -1.0e-9])) == [1.2346, None, -1.0e-9]
+
+
+# ----------------------------------------------------------------------------------------------------------- frames
+
+
+def test_frames_are_thinned_evenly_and_the_last_is_there():
+    info, frames = made_run(0.03, frame_count=12)
+    size = 4 * (frames[0].position.size + 5 * info.sheet.blank.element_count)
+    recorder = FrameRecorder(limit=5 * size)
+    recorder.start(info)
+    for frame in frames:
+        recorder.frame(frame)
+    assert recorder.places == [0, 4, 8, 11] and recorder.stride == 4 and recorder.frame_count == 12
+    assert np.array_equal(recorder.positions(0)[-1], frames[-1].position.astype(np.float32))
+
+
+def test_the_view_has_every_field_in_units_for_readers(coarse_run):
+    info, frames = coarse_run
+    recorder, folder_history = _recorded(info, frames)
+    scene = scene_of(info, recorder, folder_history)
+    fields = {field["name"]: field for field in scene["sheets"][0]["fields"]}
+    assert list(fields)[:2] == ["shear_angle", "thickness"] and fields["thickness"]["unit"] == "mm"
+    thickness = unpacked(fields["thickness"]["values"], len(frames))
+    assert thickness[-1] == pytest.approx(1e3 * frames[-1].fields["thickness"], abs=1e-4)
+    angle = unpacked(fields["shear_angle"]["values"], len(frames))
+    assert angle[-1] == pytest.approx(np.rad2deg(frames[-1].fields["shear_angle"]), abs=2e-3)
+    assert [tool["name"] for tool in scene["tools"]] == ["punch", "die", "blank holder"]
+
+
+def _recorded(info, frames):
+    from weavesim.output.history import History
+
+    recorder, history = FrameRecorder(), History()
+    for observer in (recorder, history):
+        observer.start(info)
+        for frame in frames:
+            observer.frame(frame)
+    return recorder, history
+
+
+def test_a_fine_tool_gets_fewer_triangles_within_its_bounds():
+    import trimesh
+
+    ball = trimesh.creation.icosphere(subdivisions=5, radius=0.1)
+    vertices, faces = clustered(np.asarray(ball.vertices), np.asarray(ball.faces), 3000)
+    assert 500 < len(faces) <= 3000
+    assert np.linalg.norm(vertices, axis=1) == pytest.approx(0.1, rel=0.02)
+
+
+# ------------------------------------------------------------------------------------------------------------ words
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (0.0612, "m", "61.2\u202fmm"), (0.0, "m", "0\u202fmm"), (12.0, "m", "12\u202fm"),
+        (31.8e9, "Pa", "31.8\u202fGPa"),
+        (0.5, "rad", "28.65°"), (1.7e-6, "s", "1.7\u202fµs"), (0.0, "s", "0\u202fs"), (0.2, "1", "0.2"),
+        (15210583.0, "1/s", "15\u202f210\u202f583\u202f1/s"), (4.7e-16, "m^4", "0.00047\u202fmm⁴"),
+        (-3.0e-7, "", "−3·10⁻⁷"), (float("nan"), "m", "–"),
+    ],
+)  # fmt: skip
+def test_numbers_have_units_that_readers_expect(value, unit, text):
+    assert number(value, unit) == text
+
+
+def test_values_are_words_and_no_python():
+    stroke = Stroke(times=tuple(np.linspace(0.0, 0.1, 50)), displacements=tuple(np.linspace(0.0, 0.06, 50)))
+    rows = {row.label: row.text for row in rows_of(stroke)}
+    assert rows["times"] == "50 values, 0\u202fs to 0.1\u202fs"
+    assert rows["displacements"] == "50 values, 0\u202fmm to 60\u202fmm"
+    assert text_of((0.0, 0.0, -9.81), "m/s^2") == "(0, 0, −9.81)\u202fm/s²"
+    assert text_of({"warp_axial": True, "n": 3}) == "warp axial yes, n 3" and words("ForceDriven") == "force driven"
+
+
+def test_a_set_up_is_told_without_python():
+    from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
+
+    setup = double_dome(DoubleDomeParameters(mesh_size=0.02))
+    info = replace(made_info(setup.sheets[0].blank), setup=setup, duration=setup.duration)
+    tables = dict(setup_tables(info))
+    assert {"Run", "Motion and contact", "Sheet", "Tool: punch", "Tool: die"} <= set(tables)
+    rows = {row.label: row.text for row in tables["Tool: punch"]}
+    assert rows["radius"] == "60\u202fmm" and rows["friction"] == "0.2" and rows["shape"] == "dome punch"
+    every = " ".join(f"{row.label} {row.text}" for items in tables.values() for row in items)
+    assert not re.search(r"array\(|\w+=|None|True|False|<\w|np\.|\w\(\w+", every)
+
+
+def test_provenance_names_the_command_and_every_hash():
+    record = {
+        "started": "2026-01-02T03:04:05+00:00", "host": "here", "command": ["weavesim", "double-dome", "--out", "a b"],
+        "versions": {"weavesim": "1.2", "numpy": "2.0"}, "commit": "abc", "setup_hash": "123",
+        "input_files": {"punch": {"path": "/p.stl", "bytes": 9, "sha256": "fed"}}, "device": "cpu",
+        "precision": "float32", "processor": "a processor", "system": "a system",
+    }  # fmt: skip
+    rows = provenance_rows(record, "run-1")
+    text = {row.label: row.text for row in rows}
+    assert (
+        text["started"] == "2026-01-02 03:04:05 UTC on here" and text["command"] == "weavesim double-dome --out 'a b'"
+    )
+    assert text["commit"] == "abc" and text["SHA-256"] == "fed" and text["set-up, SHA-256"] == "123"
+    assert text["machine"] == "a processor, a system" and Row("run", "run-1") in rows
+    assert provenance_rows({}, "run-1") == [Row("run", "run-1")]
+
+
+@pytest.mark.parametrize(
+    ("summary", "outcome", "word", "tone"),
+    [
+        ({"verdict": "trusted"}, "finished", "trusted", "good"),
+        ({"verdict": "doubtful", "doubts": [{"level": "warning"}]}, "finished", "doubtful", "doubtful"),
+        ({"verdict": "do not use", "doubts": [{"level": "do not use"}]}, "finished", "do not use", "bad"),
+        ({"verdict": "trusted"}, "interrupted", "trusted", "doubtful"),
+        ({}, "running", "running", "open"), ({}, "finished", "not judged", "open"),
+    ],
+)  # fmt: skip
+def test_the_verdict_says_how_the_run_ended(summary, outcome, word, tone):
+    found = verdict_of(summary, outcome, None)
+    assert (found["word"], found["tone"]) == (word, tone)
+    assert ("did not reach its end" in found["text"]) == (outcome == "interrupted")
+
+
+# ------------------------------------------------------------------------------------------------------------- page
+
+
+def written(folder_path, info, frames, summary=None, outcome=Outcome.FINISHED, **options):
+    """The page of a run of these frames."""
+    folder = ResultFolder(folder_path, writers=["report"], **options)
+    folder.start(info)
+    for frame in frames:
+        folder.frame(frame)
+    folder.finish(outcome)
+    folder.write(summary or {})
+    return (folder_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_no_name_of_a_run_becomes_html(tmp_path, coarse_run):
+    evil = "</script><script>alert(1)</script><i>&"
+    info, frames = coarse_run
+    sheet = replace(info.sheet, fabric=info.sheet.fabric.model_copy(update={"name": evil}))
+    doubts = [{"guard": "x", "level": "warning", "text": evil, "advice": evil, "message": evil}]
+    page = written(
+        tmp_path, replace(info, sheets=(sheet,)), frames, {"doubts": doubts, "notes": [evil], "verdict": evil}
+    )
+    assert "<script>alert" not in page and "<i>&" not in page
+    data = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)[1]
+    assert json.loads(data)["scene"]["sheets"][0]["fabric"] == evil
+    assert in_script("</a>\u2028") == "\\u003c/a>\\u2028"
+
+
+def test_the_page_asks_for_nothing(tmp_path, coarse_run):
+    page = written(tmp_path, *coarse_run)
+    own = re.sub(r"<script.*?</script>|<style>.*?</style>", "", page, flags=re.DOTALL)
+    assert not re.search(r"""(?:src|href)=["'](?!data:|#)""", own) and "@import" not in page
+    assert "three.js authors" in page and "Leon Sorokin" in page  # their licences ask for it
+    assert len(page) < 4_000_000
+
+
+def test_the_forces_are_those_of_the_whole_part(tmp_path, coarse_run):
+    info, frames = coarse_run
+    page = written(tmp_path, info, frames, {"peak_tool_force_n": {"punch": 300.0}})
+    assert info.sheet.symmetry.share == 0.25
+    force = 4.0 * abs(float(frames[-1].tool_reaction[0, 2]))
+    row = re.search(r"<tr><th>punch</th><td>(.*?)</td><td>(.*?)</td>", page)
+    assert row[1] == number(force, "N") and row[2] == number(1200.0, "N")
+
+
+def test_a_run_that_was_stopped_at_once_has_a_page(tmp_path, coarse_run):
+    info, frames = coarse_run
+    page = written(tmp_path, info, frames[:1], outcome=Outcome.INTERRUPTED)
+    assert "did not reach its end (interrupted)" in page and 'data-charts="forces' in page
+
+
+def test_two_plies_are_two_sheets(tmp_path, stack):
+    page = written(tmp_path, *stack)
+    data = json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL)[1])
+    assert [sheet["name"] for sheet in data["scene"]["sheets"]] == [sheet.name for sheet in stack[0].sheets]
+    assert [sheet["level"] for sheet in data["scene"]["sheets"]] == list(stack[0].levels)

@@ -1,0 +1,294 @@
+"""The report's page as its readers open it: in a browser, without a network, wide and narrow."""
+
+import io
+import json
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+from PIL import Image
+
+from weavesim.output import ResultFolder
+from weavesim.run.frame import Outcome
+
+DOUBTS = [
+    {"guard": "test", "level": "warning", "text": "something at a place", "advice": "look there", "sheet": None,
+     "place": [0.1, 0.05], "time": 0.01, "message": "something at a place: look there"},
+]  # fmt: skip
+
+
+def write(path, run, summary=None, outcome=Outcome.FINISHED, writers=("report", "results"), **options):
+    """A folder of results of these frames."""
+    info, frames = run
+    folder = ResultFolder(path, writers=list(writers))
+    folder.start(info)
+    for frame in frames:
+        folder.frame(frame)
+    folder.finish(outcome)
+    folder.write(summary or {}, **options)
+    assert not folder.warnings
+    return path / "report.html"
+
+
+@pytest.fixture(scope="module")
+def limits(tmp_path_factory):
+    """Limits that the made part does not keep."""
+    path = tmp_path_factory.mktemp("limits") / "limits.toml"
+    path.write_text("locking_angle = 20.0\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory, coarse_run, limits):
+    """Page of a run with a doubt, and its folder."""
+    path = tmp_path_factory.mktemp("page")
+    summary = {"doubts": DOUBTS, "verdict": "doubtful"}
+    return write(path, with_forces(coarse_run), summary, setup={"limits": str(limits)}), path
+
+
+def with_forces(run):
+    """With the forces of the yarns in all frames, which the judgement of a part needs."""
+    info, frames = run
+    taut = {name: np.full(info.sheet.blank.element_count, 5.0) for name in ("warp_force", "weft_force")}
+    return info, [replace(f, sheets=(replace(f.sheet, fields=f.sheet.fields | taut),)) for f in frames]
+
+
+@pytest.fixture(scope="module")
+def page(browser, finished):
+    """That page, open, at rest; tests leave it as they like."""
+    with browser.open(finished[0]) as opened:
+        opened.page.evaluate("weavesim.ready")
+        yield opened
+
+
+def nodes(page, sheet=0):
+    """Positions of the drawn nodes, (node_count, 3) [m]."""
+    return 1e-3 * np.array(page.page.evaluate(f"Array.from(weavesim.page.sheets[{sheet}].nodes)")).reshape(-1, 3)
+
+
+def slide(page, frame):
+    """Move the slider as a reader does, and wait."""
+    page.page.locator("#frame").fill(str(frame))
+    page.page.wait_for_function(f"weavesim.page.frame === {frame}")
+
+
+def pixels(page):
+    """The picture in three dimensions, (height, width, 3)."""
+    page.page.evaluate("weavesim.page.view.drawNow()")
+    return np.asarray(Image.open(io.BytesIO(page.picture(selector="#picture"))).convert("RGB")).astype(int)
+
+
+def coloured(image):
+    """How many pixels have a colour."""
+    return int((np.ptp(image, axis=2) > 40).sum())
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_it_opens_without_an_error_or_a_request(browser, finished, width):
+    with browser.open(finished[0], width=width) as opened:
+        opened.page.evaluate("weavesim.ready")
+        assert opened.errors == [] and opened.requests == []
+        image = pixels(opened)
+        assert coloured(image) > 0.1 * image.shape[0] * image.shape[1]
+        # nothing is wider than the window
+        assert opened.page.evaluate("document.documentElement.scrollWidth") <= width
+        charts = opened.page.locator(".chart canvas").count()
+        assert charts >= 9
+
+
+def test_the_slider_moves_the_nodes_to_those_of_the_frame(page, coarse_run, finished):
+    _, frames = coarse_run
+    with h5py.File(finished[1] / "results.h5") as file:
+        last = file["sheets/0/nodes/position"][()]
+    slide(page, len(frames) - 1)
+    assert np.abs(nodes(page) - last).max() < 1e-5
+    for frame in (0, 5):
+        slide(page, frame)
+        assert np.abs(nodes(page) - frames[frame].position).max() < 1e-5
+        drawn = np.array(page.page.evaluate("Array.from(weavesim.page.sheets[0].geometry.attributes.position.array)"))
+        quads = coarse_run[0].sheet.blank.quads
+        assert np.abs(1e-3 * drawn.reshape(-1, 4, 3) - frames[frame].position[quads]).max() < 1e-5
+    assert f"stroke {1e3 * frames[5].stroke:.2f}".rstrip("0") in page.page.locator("#frame-text").inner_text()
+    # tools go with it
+    punch = page.page.evaluate("weavesim.page.view.tools[0].mesh.position.toArray()")
+    assert punch == pytest.approx([0.0, 0.0, -1e3 * frames[5].tool_displacement[0]], abs=1e-6)
+
+
+def test_the_menu_recolours(page, coarse_run):
+    slide(page, len(coarse_run[1]) - 1)
+    images = {}
+    for field in ("shear_angle", "thickness", "warp_stretch"):
+        page.page.locator("#field").select_option(field)
+        page.page.wait_for_function(f"weavesim.page.field.name === '{field}'")
+        page.page.evaluate("weavesim.page.recolour()")
+        images[field] = pixels(page)
+        assert field.replace("_", " ") in page.page.locator("#legend").inner_text()
+    assert all(coloured(image) > 10_000 for image in images.values())
+    assert np.abs(images["shear_angle"] - images["warp_stretch"]).max() > 100
+    # the middle of the colours of the table is the colour of the element
+    values = coarse_run[1][-1].fields["warp_stretch"]
+    shown = page.page.evaluate("Array.from(weavesim.page.shown[0])")
+    assert shown == pytest.approx(values.tolist(), abs=1e-6)
+    page.page.locator("#field").select_option("shear_angle")
+
+
+def test_a_click_reads_the_value_of_the_file(page, coarse_run, finished):
+    slide(page, len(coarse_run[1]) - 1)
+    page.page.evaluate("weavesim.page.view.look('top')")
+    element = int(np.argmax(np.abs(coarse_run[1][-1].fields["shear_angle"])))
+    # where the centre of the element is on the screen
+    place = page.page.evaluate(
+        """(element) => {
+            const { view, sheets } = weavesim.page;
+            view.drawNow();
+            const point = new THREE.Vector3(...sheets[0].centre(element)).project(view.camera);
+            const area = view.canvas.getBoundingClientRect();
+            return [area.left + (0.5 + 0.5 * point.x) * area.width, area.top + (0.5 - 0.5 * point.y) * area.height];
+        }""",
+        element,
+    )
+    page.page.mouse.click(*place)
+    page.page.wait_for_function("(element) => weavesim.page.probe.last?.element === element", arg=element)
+    read = page.page.evaluate("weavesim.page.probe.last")
+    with h5py.File(finished[1] / "results.h5") as file:
+        values = {name: item[element] for name, item in file["sheets/0/elements"].items()}
+        flat = file["sheets/0/reference/material_coordinates"][()][coarse_run[0].sheet.blank.quads[element]]
+    assert read["values"]["shear_angle"] == pytest.approx(values["shear_angle_deg"], abs=2e-3)
+    assert read["values"]["thickness"] == pytest.approx(1e3 * values["thickness"], abs=1e-4)
+    stretch = min(values["warp_stretch"], values["weft_stretch"])
+    assert read["values"]["yarn_compression"] == pytest.approx(100.0 * max(1.0 - stretch, 0.0), abs=1e-3)
+    lower, upper = 1e3 * flat.min(axis=0), 1e3 * flat.max(axis=0)
+    assert np.all(read["flat"] >= lower) and np.all(read["flat"] <= upper)
+    said = page.page.locator("#probe").inner_text()
+    assert f"element {element}" in said and f"{abs(values['shear_angle_deg']):.1f}" in said
+    page.page.get_by_role("button", name="Clear").click()
+
+
+def test_a_mirrored_copy_tells_its_own_material_point(page, coarse_run):
+    slide(page, 0)
+    page.page.evaluate("weavesim.page.view.look('top')")
+    area = page.page.locator("#picture").bounding_box()
+    # the quarter is at the upper right; this is at the lower left
+    page.page.mouse.click(area["x"] + 0.4 * area["width"], area["y"] + 0.6 * area["height"])
+    page.page.wait_for_function("document.querySelector('#probe').innerText.includes('(mirrored)')")
+    flat = page.page.evaluate("weavesim.page.probe.last.flat")
+    assert flat[0] < 0.0 and flat[1] < 0.0
+    page.page.get_by_role("button", name="Clear").click()
+
+
+def test_a_region_of_the_verdict_is_one_click_away(page, finished, limits):
+    assert page.page.locator("#verdict").inner_text().lower().startswith("verdict")
+    button = page.page.locator("[data-region='0']")
+    assert "locking" in button.inner_text()
+    page.page.locator("#field").select_option("thickness")
+    slide(page, 3)
+    button.click()
+    page.page.wait_for_function("weavesim.page.view.pin.visible && weavesim.page.view.regionLines.visible")
+    assert page.page.locator("#field").input_value() == "shear_angle"
+    read = page.page.evaluate("weavesim.page.probe.last")
+    assert read["values"]["shear_angle"] == pytest.approx(
+        page.page.evaluate("weavesim.page.extremes().most.value"), abs=1e-4
+    )
+    # a doubt with a place too
+    page.page.locator("[data-element]").first.click()
+    page.page.wait_for_function("Math.abs(weavesim.page.probe.last.flat[0] - 100) < 10")
+    page.page.evaluate("weavesim.page.region = null; weavesim.page.probe.choose(null)")
+
+
+def test_a_section_is_that_of_the_sheet(page, coarse_run):
+    frames = coarse_run[1]
+    slide(page, len(frames) - 1)
+    page.page.locator("#cut").select_option("y")
+    page.page.locator("#section svg path").first.wait_for(state="attached")
+    cut = page.page.evaluate("weavesim.page.section.pieces[0].segments.flat()")
+    cut = 1e-3 * np.array(cut)
+    position = frames[-1].position
+    on_line = position[np.abs(position[:, 1]) < 1e-9]
+    order = np.argsort(on_line[:, 0])
+    inside = cut[np.abs(cut[:, 0]) < on_line[:, 0].max()]
+    height = np.interp(np.abs(inside[:, 0]), on_line[order, 0], on_line[order, 2])
+    assert len(inside) > 20 and np.abs(inside[:, 2] - height).max() < 2e-5
+    assert np.abs(cut[:, 1]).max() < 2e-5 and cut[:, 0].min() < -0.1
+    # half of the picture is gone
+    page.page.evaluate("weavesim.page.view.look('top')")
+    half = coloured(pixels(page))
+    page.page.locator("#cut").select_option("none")
+    assert half < 0.7 * coloured(pixels(page))
+
+
+def test_tools_and_mirrored_parts_can_be_switched(page, coarse_run):
+    slide(page, len(coarse_run[1]) - 1)
+    page.page.evaluate("weavesim.page.view.look('top')")
+    whole = coloured(pixels(page))
+    page.page.get_by_label("whole part, mirrored").uncheck()
+    assert page.page.evaluate("weavesim.page.sheets[0].copies.filter((copy) => copy.visible).length") == 1
+    page.page.get_by_label("whole part, mirrored").check()
+    page.page.evaluate("weavesim.page.view.look('top')")
+    assert coloured(pixels(page)) == pytest.approx(whole, rel=0.02)
+    before = pixels(page)
+    page.page.get_by_label("punch").check()
+    assert np.abs(pixels(page) - before).max() > 20
+    page.page.get_by_label("punch").uncheck()
+    page.page.get_by_label("yarn directions").check()
+    assert np.abs(pixels(page) - before).max() > 60
+    page.page.get_by_label("yarn directions").uncheck()
+    assert page.errors == []
+
+
+def test_it_prints(browser, finished, tmp_path):
+    with browser.open(finished[0]) as opened:
+        opened.page.evaluate("weavesim.ready")
+        paper = opened.page.pdf(path=tmp_path / "page.pdf", prefer_css_page_size=True)
+        assert paper.startswith(b"%PDF") and paper.count(b"/Type /Page\n") + paper.count(b"/Type /Page ") < 25
+        opened.page.emulate_media(media="print")
+        assert not opened.page.locator("#controls").is_visible() and opened.page.locator("#picture").is_visible()
+
+
+def test_plies_can_be_taken_apart(browser, tmp_path, stack):
+    with browser.open(write(tmp_path, stack)) as opened:
+        opened.page.evaluate("weavesim.ready")
+        assert opened.errors == [] and opened.page.evaluate("weavesim.page.sheets.length") == 2
+        whole = coloured(pixels(opened))
+        for sheet in stack[0].sheets:
+            opened.page.get_by_label(sheet.name, exact=True).uncheck()
+        assert coloured(pixels(opened)) < 0.02 * whole
+        opened.page.get_by_label(stack[0].sheets[0].name, exact=True).check()
+        assert coloured(pixels(opened)) > 0.2 * whole
+        opened.page.get_by_label("sheets apart").fill("1")
+        heights = opened.page.evaluate("weavesim.page.sheets.map((sheet) => sheet.group.position.z)")
+        assert np.argsort(heights).tolist() == np.argsort(stack[0].levels).tolist() and max(heights) > 1.0
+
+
+def test_a_run_that_was_stopped_at_once_has_a_page(browser, tmp_path, coarse_run):
+    info, frames = coarse_run
+    with browser.open(write(tmp_path, (info, frames[:1]), outcome=Outcome.INTERRUPTED)) as opened:
+        opened.page.evaluate("weavesim.ready")
+        assert opened.errors == [] and "did not reach its end" in opened.page.locator("#verdict").inner_text()
+
+
+def test_without_webgl_there_are_pictures(browser, tmp_path, coarse_run):
+    path = write(tmp_path, coarse_run, writers=["pictures", "report"])
+    text = path.read_text(encoding="utf-8")
+    path.write_text(
+        text.replace("<head>", "<head><script>HTMLCanvasElement.prototype.getContext = () => null;</script>", 1),
+        encoding="utf-8",
+    )
+    with browser.open(path) as opened:
+        opened.page.wait_for_selector("body.no-view")
+        assert opened.page.locator(".fallback img").first.is_visible()
+
+
+def test_names_of_a_run_are_texts(browser, tmp_path, coarse_run):
+    info, frames = coarse_run
+    name = "<img src=x onerror=alert(1)>"
+    sheet = replace(info.sheet, fabric=info.sheet.fabric.model_copy(update={"name": name}), name=name)
+    named = [replace(frame, sheets=(replace(frame.sheet, name=name),)) for frame in frames[:3]]
+    doubts = [{**DOUBTS[0], "text": name, "advice": name}]
+    page = write(tmp_path, (replace(info, sheets=(sheet,)), named), {"doubts": doubts, "verdict": "doubtful"})
+    with browser.open(page) as opened:
+        opened.page.evaluate("weavesim.ready")
+        opened.page.evaluate("weavesim.page.probe.choose({ sheet: weavesim.page.sheets[0], element: 3 })")
+        opened.page.locator("#cut").select_option("y")
+        assert opened.page.locator("img[src=x]").count() == 0 and opened.errors == [] and opened.requests == []
+        assert json.loads(opened.page.locator("#data").text_content())["scene"]["sheets"][0]["name"] == name

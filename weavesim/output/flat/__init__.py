@@ -1,0 +1,1 @@
+"""Flat patterns of formed parts: which part of a flat blank becomes the part."""

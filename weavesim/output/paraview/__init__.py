@@ -1,0 +1,1 @@
+"""The frames of a run for ParaView and PyVista."""

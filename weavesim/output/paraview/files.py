@@ -1,0 +1,166 @@
+"""Files of VTK in XML: unstructured grids, and the blocks and the times that name them."""
+
+from __future__ import annotations
+
+import sys
+import zlib
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from ..files import replacing
+
+_VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uint8": "UInt8"}
+_VTK_CELLS = {3: 5, 4: 9}
+_BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
+
+# Arrays of one file by section; ``Packed`` ones are the same in many files.
+Arrays = Mapping[str, "np.ndarray | Packed"]
+
+
+class Packed:
+    """An array that many files repeat, compressed once.
+
+    Args:
+        values: (count,) or (count, component_count).
+    """
+
+    def __init__(self, values: np.ndarray) -> None:
+        self.dtype, self.ndim, self.shape = values.dtype, values.ndim, values.shape
+        self.block = _block(values, 6)
+
+
+class Grid:
+    """Cells of a mesh, which do not change.
+
+    Args:
+        faces: (face_count, 3) or (face_count, 4).
+        cell_data: arrays that do not change either, by name.
+        point_data: the same.
+    """
+
+    def __init__(
+        self,
+        faces: np.ndarray,
+        cell_data: Mapping[str, np.ndarray] | None = None,
+        point_data: Mapping[str, np.ndarray] | None = None,
+    ) -> None:
+        self._count, corners = faces.shape
+        self._cells: dict[str, Packed] = {
+            "connectivity": Packed(faces.astype(np.int32)),
+            "offsets": Packed(np.arange(corners, corners * self._count + 1, corners, dtype=np.int32)),
+            "types": Packed(np.full(self._count, _VTK_CELLS[corners], dtype=np.uint8)),
+        }
+        self._cell_data = {name: Packed(values) for name, values in (cell_data or {}).items()}
+        self._point_data = {name: Packed(values) for name, values in (point_data or {}).items()}
+
+    def write(
+        self,
+        path: Path,
+        points: np.ndarray,
+        point_data: Mapping[str, np.ndarray] | None = None,
+        cell_data: Mapping[str, np.ndarray] | None = None,
+        run_id: str = "",
+    ) -> None:
+        """Write a VTU file, with all numbers as binary data after the XML.
+
+        What changes is stored as it is, which is fast; what does not has been compressed before.
+
+        Args:
+            path: of the file.
+            points: (node_count, 3).
+            point_data, cell_data: by name, (count,) or (count, component_count); float32, float64, int32 or uint8.
+            run_id: goes into a comment, which every reader of XML skips.
+        """
+        sections: tuple[tuple[str, Arrays], ...] = (
+            ("Points", {"Points": points}),
+            ("Cells", self._cells),
+            ("PointData", {**(point_data or {}), **self._point_data}),
+            ("CellData", {**(cell_data or {}), **self._cell_data}),
+        )
+        declarations, blocks = _appended(sections)
+        lines = [
+            '<?xml version="1.0"?>',
+            *([run_comment(run_id)] if run_id else []),
+            f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{_BYTE_ORDER}" header_type="UInt64" '
+            'compressor="vtkZLibDataCompressor">',
+            f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{self._count}">',
+            *declarations,
+        ]
+        lines += ["</Piece></UnstructuredGrid>", '<AppendedData encoding="raw">', "_"]
+        with replacing(path) as temporary, open(temporary, "wb") as file:
+            file.write("\n".join(lines).encode())
+            file.writelines(blocks)
+            file.write(b"\n</AppendedData>\n</VTKFile>\n")
+
+
+def run_comment(run_id: str) -> str:
+    """A comment in XML that tells the run."""
+    return f"<!-- weavesim run {run_id} -->"
+
+
+def blocks_text(blocks: Mapping[str, str | Mapping[str, str]], run_id: str) -> str:
+    """Text of a VTM file: named blocks in other files.
+
+    Args:
+        blocks: file of each, by name; or the files of a group of blocks.
+        run_id: goes into a comment.
+    """
+    return (
+        f'<?xml version="1.0"?>\n{run_comment(run_id)}\n'
+        '<VTKFile type="vtkMultiBlockDataSet" version="1.0" byte_order="LittleEndian">\n'
+        f"  <vtkMultiBlockDataSet>\n{_entries(blocks, '    ')}\n  </vtkMultiBlockDataSet>\n</VTKFile>\n"
+    )
+
+
+def _entries(blocks: Mapping[str, str | Mapping[str, str]], indent: str) -> str:
+    lines = []
+    for index, (name, content) in enumerate(blocks.items()):
+        if isinstance(content, str):
+            lines.append(f'{indent}<DataSet index="{index}" name={quoteattr(name)} file={quoteattr(content)}/>')
+        else:
+            lines.append(f'{indent}<Block index="{index}" name={quoteattr(name)}>')
+            lines += [_entries(content, indent + "  "), f"{indent}</Block>"]
+    return "\n".join(lines)
+
+
+def times_text(files: Iterable[tuple[float, str]], run_id: str) -> str:
+    """Text of a PVD file: (time [s], file) of each frame."""
+    entries = "\n".join(f'    <DataSet timestep="{time!r}" file={quoteattr(file)}/>' for time, file in files)
+    return (
+        f'<?xml version="1.0"?>\n{run_comment(run_id)}\n'
+        '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
+        f"  <Collection>\n{entries}\n  </Collection>\n</VTKFile>\n"
+    )
+
+
+def _appended(sections: Iterable[tuple[str, Arrays]]) -> tuple[list[str], list[bytes]]:
+    """Lines of XML that declare all arrays, and the blocks of bytes after the XML that they refer to."""
+    lines: list[str] = []
+    blocks: list[bytes] = []
+    offset = 0
+    for section, arrays in sections:
+        lines.append(f"<{section}>")
+        for name, values in arrays.items():
+            shape = "" if values.ndim == 1 or section == "Cells" else f' NumberOfComponents="{values.shape[1]}"'
+            lines.append(
+                f'<DataArray type="{_VTK_TYPES[values.dtype.name]}" Name={_quoted(name)}{shape} '
+                f'format="appended" offset="{offset}"/>'
+            )
+            block = values.block if isinstance(values, Packed) else _block(values, 0)
+            blocks.append(block)
+            offset += len(block)
+        lines.append(f"</{section}>")
+    return lines, blocks
+
+
+_quoted = cache(quoteattr)
+
+
+def _block(values: np.ndarray, level: int) -> bytes:
+    """One block of zlib with VTK's header: how many blocks, their size, that of a last partial one, and compressed."""
+    compressed = zlib.compress(np.ascontiguousarray(values).tobytes(), level)
+    return np.array([1, values.nbytes, 0, len(compressed)], dtype=np.uint64).tobytes() + compressed

@@ -1,0 +1,102 @@
+"""Fabrics on the page: their curves, every number with its source, and what is assumed."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...measures.fabric_curves import CurveSet, bending_curves, shear_curves, tension_curves, thickness_curves
+from ...measures.fabric_table import rows_of, summary_of
+from .packing import rounded
+
+# A band may rise to this multiple of the curves within the data before it leaves the chart.
+BAND_ROOM = 1.8
+
+if TYPE_CHECKING:
+    from ...fabric.fabric import Fabric
+    from ...run.frame import RunInfo
+
+
+def fabrics_of(info: RunInfo) -> list[dict[str, Any]]:
+    """Each fabric of a run once: name, what is known of its numbers, rows, sources and charts."""
+    found: list[tuple[Fabric, list[str]]] = []
+    for sheet in info.sheets:
+        for fabric, sheets in found:
+            if fabric is sheet.fabric or fabric == sheet.fabric:
+                sheets.append(sheet.name)
+                break
+        else:
+            found.append((sheet.fabric, [sheet.name]))
+    return [_fabric(fabric, sheets, len(info.sheets) > 1) for fabric, sheets in found]
+
+
+def _fabric(fabric: Fabric, sheets: Sequence[str], several: bool) -> dict[str, Any]:
+    rows, sources = rows_of(fabric)
+    curves = _curves(fabric)
+    return {
+        "name": fabric.name,
+        "sheets": ", ".join(sheets) if several else "",
+        "summary": summary_of(fabric),
+        "source": fabric.source,
+        "assumed": list(fabric.assumed),
+        "rows": [
+            {"table": row.table.replace("_", " "), "name": row.cells[0].replace("_", " "), "value": row.cells[1],
+             "unit": row.cells[2], "trusted": row.cells[3], "assumed": row.cells[4], "source": row.cells[5],
+             "meaning": row.meaning}
+            for row in rows
+        ],
+        "sources": sources,
+        "charts": [_chart(one) for one in curves],
+        "has_tension": any(one.name == "tension" for one in curves),
+    }  # fmt: skip
+
+
+def _curves(fabric: Fabric) -> list[CurveSet]:
+    """Those of the tension need the kernel of the unit cell, which is not compiled for a page."""
+    from ...fabric.response import responds_at_once
+
+    # which ends of ranges a band leaves out is no news of the run
+    logger = logging.getLogger("weavesim.measures.fabric_curves")
+    level = logger.level
+    logger.setLevel(logging.WARNING)
+    try:
+        tension = [tension_curves(fabric)] if responds_at_once(fabric.unit_cell) else []
+        return [shear_curves(fabric), *tension, bending_curves(fabric), *thickness_curves(fabric)]
+    finally:
+        logger.setLevel(level)
+
+
+def _chart(curves: CurveSet) -> dict[str, Any]:
+    lines = [{"label": line.label, "x": rounded(line.x), "y": rounded(line.y)} for line in curves.lines]
+    return {
+        "title": curves.title,
+        "xLabel": curves.x_label,
+        "yLabel": curves.y_label,
+        "lines": lines,
+        "band": [rounded(part) for part in curves.band] if curves.band is not None else None,
+        "trusted": list(curves.trusted) if curves.trusted is not None else None,
+        "measuredTo": curves.measured_to,
+        "note": curves.note,
+        "yRange": list(_ordinates(curves)),
+    }
+
+
+def _ordinates(curves: CurveSet) -> tuple[float, float]:
+    """Least and largest ordinate that is shown: of the curves within the data, not of what is extrapolated."""
+    first = curves.lines[0]
+    end = (curves.measured_to or float(first.x[-1])) * (1.0 + 1.0e-9)
+    within = np.concatenate([line.y[line.x <= end] for line in curves.lines])
+    least, most = float(within.min()), float(within.max())
+    low, high = least, most
+    if curves.band is not None:
+        x, below, above = curves.band
+        low, high = min(low, float(below[x <= end].min())), max(high, float(above[x <= end].max()))
+    if curves.y_label.startswith("thickness"):
+        margin = 0.1 * (high - low) or 0.1 * high
+        return max(low - margin, 0.0), high + margin
+    if most <= least:
+        return least - 1.0, least + 1.0
+    return 1.1 * min(least, 0.0), min(1.05 * high, BAND_ROOM * most) if most > 0.0 else 0.0

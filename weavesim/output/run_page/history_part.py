@@ -1,0 +1,117 @@
+"""Forces and energies of the whole part over the stroke, for the charts of the page."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...run.frame import RunInfo
+from ...run.ledger import SUMS, SUPPLIED
+from ..history import History
+from .packing import rounded
+
+# An energy is drawn if it ever exceeds this share of the largest.
+_SHOWN_SHARE = 0.004
+
+
+def tool_copies(info: RunInfo) -> list[float]:
+    """By what the force of each tool on the computed part is multiplied to be that on the whole."""
+    found = [1.0] * len(info.tools)
+    for sheet in info.sheets:
+        for place in sheet.tools:
+            found[place] = 1.0 / sheet.symmetry.share
+    return found
+
+
+def energy_copies(info: RunInfo) -> float | None:
+    """The same of energies; None if the sheets are different shares of their wholes."""
+    shares = {sheet.symmetry.share for sheet in info.sheets}
+    return 1.0 / shares.pop() if len(shares) == 1 else None
+
+
+def charts_of(
+    info: RunInfo, history: History, places: list[int], largest_angle: list[list[float]]
+) -> list[dict[str, Any]]:
+    """Charts over the stroke, or over time without one.
+
+    Args:
+        info: about the run.
+        history: of its frames.
+        places: the frames of ``largest_angle``.
+        largest_angle: largest and 99th percentile of the shear angle [degrees] in each of them.
+    """
+    by_stroke = bool(history.frame_count) and float(np.ptp(history.stroke)) > 0.0
+    x = 1.0e3 * (history.stroke if by_stroke else history.time)
+    label = "stroke [mm]" if by_stroke else "time [ms]"
+    charts = [*_forces(info, history), *_drives(history), *_energies(info, history)]
+    found = [{"xLabel": label, "x": rounded(x), **chart} for chart in charts if chart["lines"]]
+    if largest_angle:
+        found.append({"xLabel": label, "x": rounded(x[places]), **_angles(largest_angle)})
+    return found
+
+
+def _line(label: str, values: np.ndarray, *, dashed: bool = False) -> dict[str, Any]:
+    return {"label": label, "y": rounded(values), "dashed": dashed}
+
+
+def _forces(info: RunInfo, history: History) -> list[dict[str, Any]]:
+    lines = []
+    for k, (tool, copies) in enumerate(zip(info.tools, tool_copies(info), strict=True)):
+        name = history.tool_names[k].replace("_", " ")
+        force = np.abs(history.tool_reaction[:, k] @ np.asarray(tool.axis, dtype=float))
+        lines.append(_line(name, copies * force))
+        wanted = np.abs(history.tool_wanted[:, k])
+        if np.isfinite(wanted).any():
+            lines.append(_line(f"{name}, wanted", copies * wanted, dashed=True))
+    return [
+        {
+            "name": "forces", "title": "Force on each tool, whole part", "yLabel": "force along the tool's axis [N]",
+            "lines": lines,
+        }
+    ]  # fmt: skip
+
+
+def _drives(history: History) -> list[dict[str, Any]]:
+    lines = [_line(name.replace("_", " "), history.drive_force[:, k]) for k, name in enumerate(history.drive_names)]
+    lines += [
+        _line(f"gripper {name.replace('_', ' ')}", history.gripper_force[:, k])
+        for k, name in enumerate(history.gripper_names)
+    ]
+    return [
+        {"name": "drives", "title": "Forces of supports and grippers, computed part", "yLabel": "force [N]",
+         "lines": lines}
+    ]  # fmt: skip
+
+
+def _energies(info: RunInfo, history: History) -> list[dict[str, Any]]:
+    book, copies = history.energies, energy_copies(info)
+    factor, part = (1.0, "computed parts") if copies is None else (copies, "whole part")
+    size = {name: float(np.abs(values).max(initial=0.0)) for name, values in book.items()}
+    largest = max(size.values(), default=0.0) or 1.0
+    names = [name for name in book if name not in (*SUPPLIED, *SUMS) and size[name] > _SHOWN_SHARE * largest]
+    names.sort(key=lambda name: -size[name])
+    lines = [_line(name.replace("_", " "), factor * book[name]) for name in names]
+    if "supplied" in book:
+        lines.insert(0, _line("supplied work", factor * book["supplied"], dashed=True))
+    ratios = []
+    for name, over, label in (
+        ("kinetic", "internal", "kinetic over internal"), ("hourglass", "internal", "hourglass over internal"),
+        ("damping_loss", "supplied", "damping loss over supplied"),
+        ("balance_error", "supplied", "balance error over supplied"),
+    ):  # fmt: skip
+        if name in book and over in book:
+            base = np.where(np.abs(book[over]) > 1.0e-3 * size[over], np.abs(book[over]), np.nan)
+            values = 100.0 * np.abs(book[name]) / base
+            ratios.append(_line(label, np.where(values > 0.0, values, np.nan)))
+    return [
+        {"name": "energies", "title": f"Stored and lost energies, {part}", "yLabel": "energy [J]", "lines": lines},
+        {"name": "ratios", "title": "Ratios of energies that judge the run", "yLabel": "ratio [%]", "lines": ratios,
+         "logarithmic": True},
+    ]  # fmt: skip
+
+
+def _angles(largest_angle: list[list[float]]) -> dict[str, Any]:
+    values = np.array(largest_angle, dtype=float)
+    lines = [_line("largest", values[:, 0]), _line("99th percentile", values[:, 1])]
+    return {"name": "angles", "title": "Shear angle", "yLabel": "shear angle [°]", "lines": lines}

@@ -1,0 +1,129 @@
+"""What the viewer of the page draws: sheets with their fields, tools, frames."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...measures.angles import yarn_components
+from ..colours import DISTINCT_COLOURS
+from .packing import packed, packed_series
+from .recorder import FrameRecorder
+from .shown_fields import JUDGED_FIELDS, ShownField, in_order, shown_field
+
+if TYPE_CHECKING:
+    from ...run.frame import RunInfo, SheetInfo
+    from ...tools.tool import Tool
+    from ..history import History
+
+# Tools are for looking at: finer ones are shown by fewer triangles.
+LARGEST_TRIANGLE_COUNT = 40_000
+
+
+def scene_of(
+    info: RunInfo, recorder: FrameRecorder, history: History, judged: Sequence[Mapping[str, np.ndarray]] = ()
+) -> dict[str, Any]:
+    """Everything that the viewer draws, as values for JSON.
+
+    Args:
+        info: about the run.
+        recorder: of its frames.
+        history: of its frames.
+        judged: of each sheet, fields of the last frame by names of ``JUDGED_FIELDS``, in SI units.
+    """
+    places = recorder.places
+    sheets = [
+        _sheet(info, k, recorder, judged[k] if k < len(judged) else {})
+        for k in range(len(info.sheets) if places else 0)
+    ]
+    return {
+        "frameCount": recorder.frame_count,
+        "frames": {
+            "index": [int(history.index[place]) for place in places],
+            "time": [float(history.time[place]) for place in places],
+            "stroke": [float(history.stroke[place]) for place in places],
+        },
+        "sheets": sheets,
+        "tools": _tools(info, recorder) if places else [],
+    }
+
+
+def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    sheet: SheetInfo = info.sheets[place]
+    blank, values = sheet.blank, recorder.fields(place)
+    fields = []
+    for name in in_order(list(values)):
+        field = shown_field(name)
+        fields.append(_field(field, values[name]))
+    for field in JUDGED_FIELDS:
+        if field.name in judged:
+            fields.append(_field(field, judged[field.name][None]))
+    return {
+        "name": sheet.name,
+        "fabric": sheet.fabric.name,
+        "thickness": 1.0e3 * sheet.fabric.thickness,
+        "level": info.levels[place],
+        "world": sheet.world,
+        "copies": [list(factors) for factors in sheet.symmetry.mirror_factors],
+        "colour": DISTINCT_COLOURS[place % len(DISTINCT_COLOURS)],
+        "nodeCount": blank.node_count,
+        "elementCount": blank.element_count,
+        "quads": packed(blank.quads.astype(np.uint32)),
+        "flat": packed((1.0e3 * blank.material_coordinates).astype(np.float32)),
+        "yarns": packed(np.stack(yarn_components(blank), axis=1).astype(np.float32)),
+        # millimetres: numbers of the page are those that readers see
+        "position": packed_series(1.0e3 * recorder.positions(place)),
+        "fields": fields,
+    }
+
+
+def _field(field: ShownField, values: np.ndarray) -> dict[str, Any]:
+    return field.as_dict() | {"values": packed_series(field.factor * values, logarithmic=field.logarithmic)}
+
+
+def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
+    rest = float(np.mean(np.concatenate([sheet.blank.node_position[:, 2] for sheet in info.sheets])))
+    displacement = recorder.tool_displacement
+    found = []
+    for k, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
+        vertices, faces = _drawn(tool)
+        height = vertices[:, 2]
+        found.append(
+            {
+                "name": name.replace("_", " "),
+                "axis": [float(x) for x in tool.axis],
+                "colour": [float(x) for x in tool.colour],
+                "above": bool(0.5 * (height.min() + height.max()) > rest),
+                "sheets": [place for place, sheet in enumerate(info.sheets) if k in sheet.tools],
+                "displacement": (1.0e3 * displacement[:, k]).tolist(),
+                "vertices": packed((1.0e3 * vertices).astype(np.float32)),
+                "faces": packed(faces.astype(np.uint32)),
+            }
+        )
+    return found
+
+
+def _drawn(tool: Tool) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles for drawing; of a fine mesh a coarser one."""
+    vertices, faces = tool.display_triangles()
+    if len(faces) > LARGEST_TRIANGLE_COUNT:
+        vertices, faces = clustered(vertices, faces, LARGEST_TRIANGLE_COUNT)
+    return vertices, faces
+
+
+def clustered(vertices: np.ndarray, faces: np.ndarray, largest_count: int) -> tuple[np.ndarray, np.ndarray]:
+    """A coarser mesh: vertices in one cell of a grid become one; at most about ``largest_count`` triangles."""
+    size = float(np.ptp(vertices, axis=0).max()) or 1.0
+    cells = 4.0 * np.sqrt(largest_count)
+    while True:
+        key = np.floor((vertices - vertices.min(axis=0)) / (size / cells)).astype(np.int64)
+        _, place, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
+        place = place.ravel()
+        middle = np.stack([np.bincount(place, vertices[:, k]) / count for k in range(3)], axis=1)
+        coarse = place[faces]
+        coarse = coarse[(coarse != np.roll(coarse, 1, axis=1)).all(axis=1)]
+        if len(coarse) <= largest_count:
+            return middle, coarse
+        cells *= 0.8

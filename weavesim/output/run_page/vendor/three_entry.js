@@ -1,0 +1,27 @@
+// What the viewer uses of three.js; README.md says how three.min.js is made of it.
+export {
+  AmbientLight,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  ColorManagement,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  LinearSRGBColorSpace,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+  OrthographicCamera,
+  Plane,
+  Raycaster,
+  REVISION,
+  Scene,
+  SphereGeometry,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+export { OrbitControls } from "three/addons/controls/OrbitControls.js";

@@ -1,0 +1,79 @@
+"use strict";
+// Numbers of the page: see packing.py, which packs them.
+const weavesim = {};
+
+weavesim.bytes = async (text) => {
+  const raw = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+};
+
+weavesim.array = async (text, Kind) => new Kind((await weavesim.bytes(text)).buffer);
+
+// Values of all frames; `frame(k)` are those of one, in the unit of readers, not a number where there is none.
+weavesim.Series = class {
+  constructor(low, step, logarithmic, codes, frameCount, width) {
+    Object.assign(this, { low, step, logarithmic, codes, frameCount, width });
+  }
+
+  static async of(packed, frameCount, width) {
+    let codes = null;
+    if (packed.data) {
+      const bytes = await weavesim.bytes(packed.data);
+      const count = bytes.length / 2;
+      codes = new Uint16Array(count);
+      for (let i = 0; i < count; i += 1) codes[i] = bytes[i] | (bytes[count + i] << 8);
+      // differences from the frame before, modulo 2^16
+      for (let i = width; i < count; i += 1) codes[i] += codes[i - width];
+    }
+    return new weavesim.Series(packed.low, packed.step, packed.logarithmic, codes, frameCount, width);
+  }
+
+  value(frame, place) {
+    const component = place % this.low.length;
+    const code = this.codes === null ? 0 : this.codes[frame * this.width + place];
+    if (code === 65535) return NaN;
+    const value = this.low[component] + this.step[component] * code;
+    return this.logarithmic ? 10 ** value : value;
+  }
+
+  frame(frame) {
+    const found = new Float32Array(this.width);
+    for (let place = 0; place < this.width; place += 1) found[place] = this.value(frame, place);
+    return found;
+  }
+};
+
+weavesim.text = (value, digits = 4) => {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-4) {
+    const [mantissa, exponent] = value.toExponential(Math.min(digits - 1, 2)).split("e");
+    const raised = String(Number(exponent)).replace(/[-0-9]/g, (sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]);
+    return `${mantissa}·10${raised}`.replace(/^-/, "−");
+  }
+  return String(Number(value.toPrecision(digits))).replace(/^-/, "−");
+};
+
+weavesim.withUnit = (value, unit, digits) =>
+  weavesim.text(value, digits) + (unit === "" || unit === "°" ? unit : `\u202f${unit}`);
+
+// Builds an element; children are elements or texts, so that no text is ever taken for HTML.
+weavesim.make = (name, attributes = {}, ...children) => {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (value === true) made.setAttribute(key, "");
+    else if (value !== false && value !== null && value !== undefined) made.setAttribute(key, value);
+  }
+  made.append(...children.filter((child) => child !== null && child !== undefined));
+  return made;
+};
+
+weavesim.save = (name, content, kind) => {
+  const address = URL.createObjectURL(content instanceof Blob ? content : new Blob([content], { type: kind }));
+  const link = weavesim.make("a", { href: address, download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(address), 1000);
+};

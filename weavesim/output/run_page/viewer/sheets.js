@@ -1,0 +1,229 @@
+"use strict";
+// One sheet of the run: its nodes in every frame, its fields, and what is drawn of it, with its mirrored copies.
+weavesim.Sheet = class {
+  static async of(given, frameCount) {
+    const sheet = new weavesim.Sheet();
+    Object.assign(sheet, { given, name: given.name, frameCount, series: new Map(), frame: -1 });
+    [sheet.quads, sheet.flat, sheet.yarns] = await Promise.all([
+      weavesim.array(given.quads, Uint32Array),
+      weavesim.array(given.flat, Float32Array),
+      weavesim.array(given.yarns, Float32Array),
+    ]);
+    sheet.positions = await weavesim.Series.of(given.position, frameCount, 3 * given.nodeCount);
+    sheet.nodes = new Float32Array(3 * given.nodeCount);
+    return sheet;
+  }
+
+  get elementCount() {
+    return this.given.elementCount;
+  }
+
+  field(name) {
+    return this.given.fields.find((field) => field.name === name);
+  }
+
+  // The series of a field, unpacked at its first use; null if the sheet has no such field.
+  async values(name) {
+    const field = this.field(name);
+    if (!field) return null;
+    if (!this.series.has(name)) {
+      const frames = field.lastOnly ? 1 : this.frameCount;
+      this.series.set(name, weavesim.Series.of(field.values, frames, this.elementCount));
+    }
+    return this.series.get(name);
+  }
+
+  // Values of one frame, for colours: sizes of what has a sign that says little. Not a number where there are none.
+  shown(series, field, frame) {
+    if (series === null || (field.lastOnly && frame !== this.frameCount - 1)) {
+      return new Float32Array(this.elementCount).fill(NaN);
+    }
+    const values = series.frame(field.lastOnly ? 0 : frame);
+    if (field.absolute) for (let i = 0; i < values.length; i += 1) values[i] = Math.abs(values[i]);
+    return values;
+  }
+
+  build(clip) {
+    const count = this.elementCount;
+    const uv = new Float32Array(8 * count);
+    const index = new Uint32Array(6 * count);
+    for (let e = 0; e < count; e += 1) {
+      for (let k = 0; k < 4; k += 1) {
+        const node = this.quads[4 * e + k];
+        uv[8 * e + 2 * k] = this.flat[2 * node];
+        uv[8 * e + 2 * k + 1] = this.flat[2 * node + 1];
+      }
+      index.set([4 * e, 4 * e + 1, 4 * e + 2, 4 * e, 4 * e + 2, 4 * e + 3], 6 * e);
+    }
+    this.geometry = new THREE.BufferGeometry();
+    const attribute = (name, array, size, normalised = false) =>
+      this.geometry.setAttribute(name, new THREE.BufferAttribute(array, size, normalised));
+    attribute("position", new Float32Array(12 * count), 3);
+    attribute("normal", new Float32Array(12 * count), 3);
+    attribute("color", new Uint8Array(12 * count).fill(190), 3, true);
+    attribute("uv", uv, 2);
+    this.geometry.setIndex(new THREE.BufferAttribute(index, 1));
+    this.surface = new THREE.MeshLambertMaterial({
+      vertexColors: true, side: THREE.DoubleSide, clippingPlanes: clip,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+    });
+    this.meshLines = this.lines(this.edges(), 0x303540, 0.35, clip);
+    this.warpLines = this.lines(new Uint32Array(0), 0x000000, 0.8, clip);
+    this.weftLines = this.lines(new Uint32Array(0), 0xffffff, 0.9, clip);
+    for (const lines of [this.warpLines, this.weftLines]) lines.geometry.setIndex(null);
+    this.meshLines.visible = this.warpLines.visible = this.weftLines.visible = false;
+    this.group = new THREE.Group();
+    this.copies = this.given.copies.map(([x, y]) => {
+      const mesh = new THREE.Mesh(this.geometry, this.surface);
+      const copy = new THREE.Group();
+      copy.scale.set(x, y, 1);
+      copy.add(mesh, ...[this.meshLines, this.warpLines, this.weftLines].map((lines) => {
+        const own = new THREE.LineSegments(lines.geometry, lines.material);
+        own.userData.of = lines;
+        return own;
+      }));
+      mesh.userData = { sheet: this, factors: [x, y] };
+      this.group.add(copy);
+      return copy;
+    });
+  }
+
+  // Shows or hides lines in every copy.
+  sync() {
+    for (const copy of this.copies) {
+      for (const child of copy.children) if (child.userData.of) child.visible = child.userData.of.visible;
+    }
+  }
+
+  lines(index, colour, opacity, clip) {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(0), 3));
+    geometry.setIndex(new THREE.BufferAttribute(index, 1));
+    const material = new THREE.LineBasicMaterial({ color: colour, transparent: true, opacity, clippingPlanes: clip });
+    return new THREE.LineSegments(geometry, material);
+  }
+
+  // Every side of an element once, as pairs of nodes.
+  edges() {
+    const seen = new Set();
+    const found = [];
+    for (let e = 0; e < this.elementCount; e += 1) {
+      for (let k = 0; k < 4; k += 1) {
+        const a = this.quads[4 * e + k];
+        const b = this.quads[4 * e + ((k + 1) % 4)];
+        const key = Math.min(a, b) * this.given.nodeCount + Math.max(a, b);
+        if (!seen.has(key)) {
+          seen.add(key);
+          found.push(a, b);
+        }
+      }
+    }
+    return new Uint32Array(found);
+  }
+
+  // Moves all nodes to those of a frame.
+  move(frame) {
+    if (frame === this.frame) return;
+    this.frame = frame;
+    this.nodes = this.positions.frame(frame);
+    const normal = this.normals();
+    const position = this.geometry.attributes.position;
+    const target = this.geometry.attributes.normal;
+    for (let i = 0; i < this.quads.length; i += 1) {
+      const node = 3 * this.quads[i];
+      for (let c = 0; c < 3; c += 1) {
+        position.array[3 * i + c] = this.nodes[node + c];
+        target.array[3 * i + c] = normal[node + c];
+      }
+    }
+    position.needsUpdate = target.needsUpdate = true;
+    this.geometry.computeBoundingSphere();
+    this.moveLines();
+  }
+
+  moveLines() {
+    if (this.meshLines.visible) {
+      this.meshLines.geometry.setAttribute("position", new THREE.BufferAttribute(this.nodes, 3));
+      this.meshLines.geometry.computeBoundingSphere();
+    }
+    if (this.warpLines.visible) {
+      [this.warpLines, this.weftLines].forEach((lines, yarn) => {
+        lines.geometry.setAttribute("position", new THREE.BufferAttribute(this.yarnLines(yarn), 3));
+        lines.geometry.computeBoundingSphere();
+      });
+    }
+  }
+
+  // Normals of the nodes: the mean of the elements around each.
+  normals() {
+    const found = new Float32Array(this.nodes.length);
+    const x = this.nodes;
+    for (let e = 0; e < this.elementCount; e += 1) {
+      const [a, b, c, d] = [0, 1, 2, 3].map((k) => 3 * this.quads[4 * e + k]);
+      const [px, py, pz] = [x[c] - x[a], x[c + 1] - x[a + 1], x[c + 2] - x[a + 2]];
+      const [qx, qy, qz] = [x[d] - x[b], x[d + 1] - x[b + 1], x[d + 2] - x[b + 2]];
+      const n = [py * qz - pz * qy, pz * qx - px * qz, px * qy - py * qx];
+      for (const node of [a, b, c, d]) for (let k = 0; k < 3; k += 1) found[node + k] += n[k];
+    }
+    for (let i = 0; i < found.length; i += 3) {
+      const length = Math.hypot(found[i], found[i + 1], found[i + 2]) || 1;
+      for (let k = 0; k < 3; k += 1) found[i + k] /= length;
+    }
+    return found;
+  }
+
+  // A short line along the warp (0) or weft (1) of each element, or of every second, third, ... of a fine mesh.
+  yarnLines(yarn) {
+    const every = Math.max(1, Math.ceil(this.elementCount / 12000));
+    const count = Math.ceil(this.elementCount / every);
+    const found = new Float32Array(6 * count);
+    const x = this.nodes;
+    for (let i = 0; i < count; i += 1) {
+      const e = i * every;
+      const [a, b, c, d] = [0, 1, 2, 3].map((k) => 3 * this.quads[4 * e + k]);
+      const [p, q] = [this.yarns[4 * e + 2 * yarn], this.yarns[4 * e + 2 * yarn + 1]];
+      const along = [0, 1, 2].map((k) => p * (x[a + k] - x[c + k]) + q * (x[b + k] - x[d + k]));
+      const size = Math.hypot(...[0, 1, 2].map((k) => x[c + k] - x[a + k]));
+      const reach = (0.3 * size * Math.sqrt(every)) / (Math.hypot(...along) || 1);
+      for (let k = 0; k < 3; k += 1) {
+        const centre = 0.25 * (x[a + k] + x[b + k] + x[c + k] + x[d + k]);
+        found[6 * i + k] = centre - reach * along[k];
+        found[6 * i + 3 + k] = centre + reach * along[k];
+      }
+    }
+    return found;
+  }
+
+  colour(values, colours) {
+    const attribute = this.geometry.attributes.color;
+    colours.fill(values, attribute.array, 4);
+    attribute.needsUpdate = true;
+  }
+
+  centre(element, source = this.nodes, width = 3) {
+    return Array.from({ length: width }, (_, c) =>
+      [0, 1, 2, 3].reduce((sum, k) => sum + 0.25 * source[width * this.quads[4 * element + k] + c], 0));
+  }
+
+  flatCentre(element) {
+    return this.centre(element, this.flat, 2);
+  }
+
+  // Sides of a set of elements that only one of them has, as pairs of points.
+  outline(elements) {
+    const sides = new Map();
+    for (const e of elements) {
+      for (let k = 0; k < 4; k += 1) {
+        const [a, b] = [this.quads[4 * e + k], this.quads[4 * e + ((k + 1) % 4)]];
+        const key = `${Math.min(a, b)} ${Math.max(a, b)}`;
+        if (sides.has(key)) sides.set(key, null);
+        else sides.set(key, [a, b]);
+      }
+    }
+    const found = [];
+    for (const side of sides.values()) {
+      if (side) for (const node of side) found.push(...this.nodes.slice(3 * node, 3 * node + 3));
+    }
+    return new Float32Array(found);
+  }
+};

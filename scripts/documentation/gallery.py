@@ -92,7 +92,7 @@ EXHIBITS = (
         "stack",
         "Two plies at 0 and 45 degrees",
         "Formed together over a ball, with friction between them, and drawn apart ([stacks.md](stacks.md)).",
-        ("weavesim stack --punch-speed 0.5",),
+        ("weavesim stack --lay-up 0/45 --mesh-size 0.0075",),
         ("out/stack/pictures/stack.png",),
     ),
     Exhibit(

@@ -79,8 +79,8 @@ def change(rows: wp.array2d(dtype=wp.float64), row: int, k: int, value: wp.float
 
 
 @cache
-def grip_kernel(real: type):
-    """Kernel, launched after the elements: add the forces of the springs to one corner of their nodes, book works.
+def grip_function(real: type):
+    """Function that adds the force of spring k to one corner of its node, and books works.
 
     Work of a step is that of the mean of the forces at its ends.
     """
@@ -94,10 +94,10 @@ def grip_kernel(real: type):
             result[c] = wp.float64(rounded) + wp.float64(rest)
         return result
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def pull(
+    @wp.func
+    def pull_node(
         # In
-        first: wp.int32,
+        k: wp.int32,
         grips: Grips,
         motion: wp.array(dtype=real),
         clock: wp.array(dtype=wp.float64),
@@ -105,7 +105,6 @@ def grip_kernel(real: type):
         corner_force: wp.array(dtype=real),  # flat, rows: see CornerRow
         kept: wp.array2d(dtype=wp.float64),  # rows: see GripRow
     ):
-        k = first + wp.tid()
         half = wp.float64(0.5)
         grip = grips.grip[k]
         time = clock[ClockEntry.time]
@@ -132,5 +131,26 @@ def grip_kernel(real: type):
             lost = half * last * last / grip.stiffness
         kept[GripRow.work, k] = kept[GripRow.work, k] + gained
         kept[GripRow.loss, k] = kept[GripRow.loss, k] + lost
+
+    return pull_node
+
+
+@cache
+def grip_kernel(real: type):
+    """Kernel, launched after the elements: the springs of all gripped nodes."""
+    pull_node = grip_function(real)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def pull(
+        # In
+        first: wp.int32,
+        grips: Grips,
+        motion: wp.array(dtype=real),
+        clock: wp.array(dtype=wp.float64),
+        # Out
+        corner_force: wp.array(dtype=real),
+        kept: wp.array2d(dtype=wp.float64),
+    ):
+        pull_node(first + wp.tid(), grips, motion, clock, corner_force, kept)
 
     return pull

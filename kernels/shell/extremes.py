@@ -18,8 +18,8 @@ from .kinematics import (
 
 
 @cache
-def element_extremes_kernel(real: type, lane_count: int, flat: bool):
-    """Kernel, launched once per block of steps: extremes of stretches, shear angle and curvatures.
+def element_extremes_function(real: type, lane_count: int, flat: bool):
+    """Function for the extremes of stretches, shear angle and curvatures of a block of elements.
 
     ``flat``: as in ``SheetTraits``.
     """
@@ -28,16 +28,15 @@ def element_extremes_kernel(real: type, lane_count: int, flat: bool):
     positions, vectors = vectors_functions(*layout)
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, flat, False)
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def element_extremes(
+    @wp.func
+    def extremes_of_block(
         # In
-        first: wp.int32,
+        block: wp.int32,
         elements: Elements,
         motion: wp.array(dtype=real),
         # Out
         extremes: wp.array2d(dtype=lanes),  # rows: see ExtremeRow
     ):
-        block = first + wp.tid()
         shape = shape_functions(elements, block, Shape())
         x, means = positions(elements, block, shape, motion)
         m = stretch_membrane(x.by1, x.by2)
@@ -50,5 +49,25 @@ def element_extremes_kernel(real: type, lane_count: int, flat: bool):
         warp, weft = magnitude(b.k11) / m.m11, magnitude(b.k22) / m.m22
         extremes[ExtremeRow.warp_curvature, block] = larger(extremes[ExtremeRow.warp_curvature, block], warp)
         extremes[ExtremeRow.weft_curvature, block] = larger(extremes[ExtremeRow.weft_curvature, block], weft)
+
+    return extremes_of_block
+
+
+@cache
+def element_extremes_kernel(real: type, lane_count: int, flat: bool):
+    """Kernel, launched once per block of steps: extremes of every element."""
+    lanes, Elements = lane_types(real, lane_count).lanes, element_struct(real, lane_count)
+    extremes_of_block = element_extremes_function(real, lane_count, flat)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def element_extremes(
+        # In
+        first: wp.int32,
+        elements: Elements,
+        motion: wp.array(dtype=real),
+        # Out
+        extremes: wp.array2d(dtype=lanes),
+    ):
+        extremes_of_block(first + wp.tid(), elements, motion, extremes)
 
     return element_extremes

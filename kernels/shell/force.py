@@ -149,8 +149,8 @@ def expect_what_is_read_late(elements: Any, block: int, cell_report: Any):
 
 
 @cache
-def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
-    """Kernel, launched once per step: nodal forces and couples of every element."""
+def element_force_function(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
+    """Function for the nodal forces and couples of one block of elements."""
     lanes, layout = lane_types(real, lane_count).lanes, (real, lane_count)
     Sheet, Shape, Resultants = sheet_struct(*layout, cell, traits), shape_struct(*layout), resultants_struct(*layout)
     Vectors = vectors_struct(*layout)
@@ -161,10 +161,10 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
     take_back, follows_thickness = take_back_function(real, cell), traits.follows_thickness
     store_forces, store_couples = store_corners_function(follows_thickness), store_corners_function(True)
 
-    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
-    def element_forces(
+    @wp.func
+    def forces_of_block(
         # In
-        first_block: wp.int32,
+        block: wp.int32,
         sheet: Sheet,
         motion: wp.array(dtype=real),
         clock: wp.array(dtype=wp.float64),
@@ -174,7 +174,6 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         slip: wp.array2d(dtype=lanes),  # rows: see SlipRow; not touched without friction inside the sheet
         corner_force: wp.array2d(dtype=lanes),  # rows: see CornerRow
     ):
-        block = first_block + wp.tid()
         elements = sheet.elements
         laws = sheet.laws
         expect_what_is_read_late(elements, block, cell_report)
@@ -208,5 +207,30 @@ def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: She
         store_forces(corner_force, CornerRow.force, block, weights, forces, thickness)
         couples = couple_conjugates(area, x, r, h, Vectors())
         store_couples(corner_force, CornerRow.couple, block, weights, couples, m.angle)
+
+    return forces_of_block
+
+
+@cache
+def element_force_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
+    """Kernel, launched once per step: nodal forces and couples of every element."""
+    lanes, Sheet = lane_types(real, lane_count).lanes, sheet_struct(real, lane_count, cell, traits)
+    forces_of_block = element_force_function(real, lane_count, cell, traits)
+
+    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
+    def element_forces(
+        # In
+        first_block: wp.int32,
+        sheet: Sheet,
+        motion: wp.array(dtype=real),
+        clock: wp.array(dtype=wp.float64),
+        # Out
+        cell_unknowns: wp.array2d(dtype=lanes),
+        cell_report: wp.array2d(dtype=lanes),
+        slip: wp.array2d(dtype=lanes),
+        corner_force: wp.array2d(dtype=lanes),
+    ):
+        block = first_block + wp.tid()
+        forces_of_block(block, sheet, motion, clock, cell_unknowns, cell_report, slip, corner_force)
 
     return element_forces

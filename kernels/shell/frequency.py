@@ -181,8 +181,8 @@ def press_directors(size: Any, bounds: Any, inverse_density: Any):
 
 
 @cache
-def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
-    """Square of each element's highest frequency, bounded from above [1/s^2].
+def element_frequency_function(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
+    """Function for the squares of the highest frequencies of a block of elements, bounded from above [1/s^2].
 
     The bound is the largest eigenvalue of a 2 x 2 matrix of norms: of the second derivatives with respect to positions,
     to directors, and to both, each over the lumped masses. In a flat element the first splits into motions in the
@@ -197,10 +197,10 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
     sheet_tangent, measure = sheet_tangent_function(cell, traits), sizes_function(*layout, traits.flat)
     couple, widening = coupled_function(traits), device_law(traits.bending).widening
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def element_frequencies(
+    @wp.func
+    def frequencies_of_block(
         # In
-        first: wp.int32,
+        block: wp.int32,
         sheet: Sheet,
         bounds: StepBounds,
         motion: wp.array(dtype=real),
@@ -210,7 +210,6 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         # Out
         squared_frequency: wp.array(dtype=lanes),
     ):
-        block = first + wp.tid()
         elements = sheet.elements
         laws = sheet.laws
         shape = shape_functions(elements, block, Shape())
@@ -248,5 +247,31 @@ def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits:
         size = press_directors(size, bounds, inverse_density)
         largest = couple(laws, bending, slope, shape, b, size, in_plane, across)
         squared_frequency[block] = real(4.0) * inverse_density * largest + lanes(bounds.contact_frequency)
+
+    return frequencies_of_block
+
+
+@cache
+def element_frequency_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
+    """Kernel, launched once per block of steps: squares of the highest frequencies of every element."""
+    lanes, Sheet = lane_types(real, lane_count).lanes, sheet_struct(real, lane_count, cell, traits)
+    StepBounds = step_bounds_struct(real)
+    frequencies_of_block = element_frequency_function(real, lane_count, cell, traits)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def element_frequencies(
+        # In
+        first: wp.int32,
+        sheet: Sheet,
+        bounds: StepBounds,
+        motion: wp.array(dtype=real),
+        cell_unknowns: wp.array2d(dtype=lanes),
+        inertia: wp.array2d(dtype=lanes),
+        clock: wp.array(dtype=wp.float64),
+        # Out
+        squared_frequency: wp.array(dtype=lanes),
+    ):
+        block = first + wp.tid()
+        frequencies_of_block(block, sheet, bounds, motion, cell_unknowns, inertia, clock, squared_frequency)
 
     return element_frequencies

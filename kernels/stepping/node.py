@@ -28,8 +28,8 @@ from .tool_contact import meet_tools_function
 
 
 @cache
-def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
-    """Kernel, launched once per step: forces, contact, new velocities, positions and directors."""
+def node_motion_function(real: type, lane_count: int, traits: NodeTraits):
+    """Function for one block of nodes: forces, contact, new velocities, positions and directors."""
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     Nodes, NodeLaws = node_struct(real, lane_count), node_laws_struct(real)
@@ -78,10 +78,10 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         present.half_thickness = lanes(laws.half_thickness)
         return present
 
-    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
-    def node_motion(
+    @wp.func
+    def move_block(
         # In
-        first_block: wp.int32,
+        block: wp.int32,
         nodes: Nodes,
         laws: NodeLaws,
         around: Surroundings,
@@ -91,7 +91,6 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         touch: Touch,
         works: wp.array2d(dtype=lanes),  # rows: see NodeWorkRow
     ):
-        block = first_block + wp.tid()
         present = present_block(block, nodes, laws, around.clock, motion, works)
         force, couple, angle, thickness = gather_corners(block, nodes, corners)
         if wp.static(traits.touched):
@@ -131,5 +130,31 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
         if wp.static(traits.loaded):
             power = dot(applied_force, middle) + real(0.5) * dot(applied_couple, spin_sum)
             works[NodeWorkRow.load_work, block] = works[NodeWorkRow.load_work, block] + present.mean_step * power
+
+    return move_block
+
+
+@cache
+def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
+    """Kernel, launched once per step: all of that for every block."""
+    layout, lanes = (real, lane_count), lane_types(real, lane_count).lanes
+    Nodes, NodeLaws = node_struct(*layout), node_laws_struct(real)
+    Surroundings, Touch = surroundings_struct(*layout), touch_struct(*layout)
+    move_block = node_motion_function(real, lane_count, traits)
+
+    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
+    def node_motion(
+        # In
+        first_block: wp.int32,
+        nodes: Nodes,
+        laws: NodeLaws,
+        around: Surroundings,
+        corners: wp.array(dtype=real),
+        # Out
+        motion: wp.array2d(dtype=lanes),
+        touch: Touch,
+        works: wp.array2d(dtype=lanes),
+    ):
+        move_block(first_block + wp.tid(), nodes, laws, around, corners, motion, touch, works)
 
     return node_motion

@@ -54,19 +54,18 @@ def group_maximum_kernel(real: type):
 
 
 @cache
-def fold_works_kernel(real: type, lane_count: int):
-    """Kernel of one thread per block of nodes: add the works of the last steps to the sums, and start again."""
+def fold_works_function(real: type, lane_count: int):
+    """Function for one block of nodes: add the works of the last steps to the sums, and start again."""
     lanes = lane_types(real, lane_count).lanes
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def fold_works(
+    @wp.func
+    def fold_works_of_block(
         # In
-        first_block: wp.int32,
+        block: wp.int32,
         # Out
         works: wp.array2d(dtype=lanes),  # rows: see NodeWorkRow
         sums: wp.array2d(dtype=wp.float64),
     ):
-        block = first_block + wp.tid()
         for row in range(works.shape[0]):
             recent = works[row, block]
             total = sums[row, block]
@@ -75,7 +74,40 @@ def fold_works_kernel(real: type, lane_count: int):
             sums[row, block] = total
             works[row, block] = lanes()
 
+    return fold_works_of_block
+
+
+@cache
+def fold_works_kernel(real: type, lane_count: int):
+    """Kernel of one thread per block of nodes: all of that for every block."""
+    lanes = lane_types(real, lane_count).lanes
+    fold_works_of_block = fold_works_function(real, lane_count)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def fold_works(
+        # In
+        first_block: wp.int32,
+        # Out
+        works: wp.array2d(dtype=lanes),
+        sums: wp.array2d(dtype=wp.float64),
+    ):
+        fold_works_of_block(first_block + wp.tid(), works, sums)
+
     return fold_works
+
+
+@wp.func
+def choose_step(largest: Any, safety: wp.float64, largest_step: wp.float64, clock: wp.array(dtype=wp.float64)):
+    """The next time step, from the ``largest`` squared frequency [1/s^2]: see ``set_step_kernel``."""
+    stable = safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest))
+    old = clock[ClockEntry.step]
+    new = old
+    if not wp.min(stable, largest_step) >= old:  # a NaN shrinks the step too, and so stops the run
+        new = wp.min(wp.float64(STEP_MARGIN) * stable, largest_step)
+    elif stable > wp.float64(STEP_SLACK) * old:
+        new = wp.min(wp.float64(STEP_GROWTH) * old, largest_step)
+    clock[ClockEntry.step] = new
+    clock[ClockEntry.mean_step] = wp.float64(0.5) * (old + new)
 
 
 @cache
@@ -96,17 +128,18 @@ def set_step_kernel(real: type):
         largest = real(0.0)
         for i in range(maxima.shape[0]):
             largest = wp.where(maxima[i] <= largest, largest, maxima[i])
-        stable = safety * wp.float64(2.0) / wp.sqrt(wp.float64(largest))
-        old = clock[ClockEntry.step]
-        new = old
-        if not wp.min(stable, largest_step) >= old:  # a NaN shrinks the step too, and so stops the run
-            new = wp.min(wp.float64(STEP_MARGIN) * stable, largest_step)
-        elif stable > wp.float64(STEP_SLACK) * old:
-            new = wp.min(wp.float64(STEP_GROWTH) * old, largest_step)
-        clock[ClockEntry.step] = new
-        clock[ClockEntry.mean_step] = wp.float64(0.5) * (old + new)
+        choose_step(largest, safety, largest_step, clock)
 
     return set_step
+
+
+@wp.func
+def goes_on(clock: wp.array(dtype=wp.float64), target: wp.float64):
+    """Whether a state is finite and before ``target`` [s]."""
+    step = clock[ClockEntry.step]
+    # comparisons with NaN are false
+    alive = step > wp.float64(0.0) and wp.isfinite(step)
+    return alive and clock[ClockEntry.time] < target
 
 
 @wp.kernel(module="unique", enable_backward=False)
@@ -122,7 +155,4 @@ def check_clock(
 ):
     """Single thread; the interval ends with the first block that reaches the target, or if the state is not finite."""
     block_count[0] = block_count[0] + done
-    step = clock[ClockEntry.step]
-    # comparisons with NaN are false
-    alive = step > wp.float64(0.0) and wp.isfinite(step)
-    running[0] = wp.where(alive and clock[ClockEntry.time] < target[0] and block_count[0] < largest_block_count, 1, 0)
+    running[0] = wp.where(goes_on(clock, target[0]) and block_count[0] < largest_block_count, 1, 0)

@@ -26,15 +26,15 @@ def piecewise_cubic(
 
 
 @cache
-def support_motion_kernel(real: type):
-    """Kernel of a single thread per step, before the nodes move.
+def support_motion_function(real: type):
+    """Function for the increments of all drives in the next step.
 
     An increment is rounded to the precision of the run, and the drive's displacement is the sum of rounded increments:
     the next one corrects the rounding error, so that the sum does not drift from the curve.
     """
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def support_motion(
+    @wp.func
+    def move_drives(
         # In
         first_piece: wp.array(dtype=wp.int32),  # of each drive, and the number of all pieces
         start: wp.array(dtype=wp.float64),  # of each piece [s]
@@ -50,5 +50,26 @@ def support_motion_kernel(real: type):
             change = real(goal - displacement[k])
             increment[k] = change
             displacement[k] = displacement[k] + wp.float64(change)
+
+    return move_drives
+
+
+@cache
+def support_motion_kernel(real: type):
+    """Kernel of a single thread per step, before the nodes move."""
+    move_drives = support_motion_function(real)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def support_motion(
+        # In
+        first_piece: wp.array(dtype=wp.int32),
+        start: wp.array(dtype=wp.float64),
+        piece: wp.array(dtype=wp.vec4d),
+        clock: wp.array(dtype=wp.float64),
+        # Out
+        displacement: wp.array(dtype=wp.float64),
+        increment: wp.array(dtype=real),
+    ):
+        move_drives(first_piece, start, piece, clock, displacement, increment)
 
     return support_motion

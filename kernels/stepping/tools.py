@@ -200,6 +200,53 @@ def wait_for_block():
     """On a GPU, wait for the other threads of the block."""
 
 
+@wp.func
+def move_tool(
+    # In
+    k: wp.int32,
+    total: wp.vec3d,  # force of the sheets on it [N]
+    drives: ToolDrives,
+    clock: wp.array(dtype=wp.float64),
+    # Out
+    displacement: wp.array(dtype=wp.float64),
+    velocity: wp.array(dtype=wp.float64),
+    kept: wp.array2d(dtype=wp.float64),  # rows: see ToolDriveRow
+    books: ToolBooks,
+):
+    """Move tool ``k`` by one step, and book works; the clock is advanced later."""
+    step = clock[ClockEntry.step]
+    next_time = clock[ClockEntry.time] + step
+    drive = drives.drive[k]
+    along = wp.dot(total, drives.axis[k])
+    old = displacement[k]
+    old_velocity = velocity[k]
+    drive_force = wp.float64(0.0)
+    new = old
+    if drive.kind == FORCE:
+        drive_force = curve_value(drives.curve_time, drives.curve_value, drive, clock[ClockEntry.time])
+        mean_step = clock[ClockEntry.mean_step]
+        gained = mean_step * (drive_force + along) / drive.mass
+        carries = along * drive_force < wp.float64(0.0)
+        carrying = wp.where(carries, kept[ToolDriveRow.carrying, k] + mean_step, wp.float64(0.0))
+        kept[ToolDriveRow.carrying, k] = carrying
+        share = damper_share(drive, carrying)
+        new_velocity, lost = damped(drive, old_velocity, gained, share, mean_step)
+        velocity[k] = new_velocity
+        add(books.work, ToolWorkRow.damping, k, lost)
+        new = old + step * velocity[k]
+    else:
+        at = stroke_time(drives, drive, kept[ToolDriveRow.stroke_time, k], next_time, step, along)
+        kept[ToolDriveRow.stroke_time, k] = at
+        new = curve_value(drives.curve_time, drives.curve_value, drive, at)
+        velocity[k] = (new - old) / step
+    displacement[k] = new
+    # forces are at the current instant, between two half steps: as for a node, the travel is the mean of both
+    travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
+    add(books.work, ToolWorkRow.on_sheet, k, -along * travel)
+    add(books.work, ToolWorkRow.driving, k, drive_force * travel)
+    watch_tool(books.watch, k, step, drive_force, total, along)
+
+
 @cache
 def tool_motion_kernel(real: type):
     """Kernel of one block of threads per step, between the node kernel and the next step; of one thread on a CPU."""
@@ -222,37 +269,9 @@ def tool_motion_kernel(real: type):
         next_time = clock[ClockEntry.time] + step
         thread = wp.tid()
         for k in range(thread, drives.drive.shape[0], drives.thread_count):
-            drive = drives.drive[k]
             total = total_force(reactions, k)
             total_reaction[k] = total
-            along = wp.dot(total, drives.axis[k])
-            old = displacement[k]
-            old_velocity = velocity[k]
-            drive_force = wp.float64(0.0)
-            new = old
-            if drive.kind == FORCE:
-                drive_force = curve_value(drives.curve_time, drives.curve_value, drive, clock[ClockEntry.time])
-                mean_step = clock[ClockEntry.mean_step]
-                gained = mean_step * (drive_force + along) / drive.mass
-                carries = along * drive_force < wp.float64(0.0)
-                carrying = wp.where(carries, kept[ToolDriveRow.carrying, k] + mean_step, wp.float64(0.0))
-                kept[ToolDriveRow.carrying, k] = carrying
-                share = damper_share(drive, carrying)
-                new_velocity, lost = damped(drive, old_velocity, gained, share, mean_step)
-                velocity[k] = new_velocity
-                add(books.work, ToolWorkRow.damping, k, lost)
-                new = old + step * velocity[k]
-            else:
-                at = stroke_time(drives, drive, kept[ToolDriveRow.stroke_time, k], next_time, step, along)
-                kept[ToolDriveRow.stroke_time, k] = at
-                new = curve_value(drives.curve_time, drives.curve_value, drive, at)
-                velocity[k] = (new - old) / step
-            displacement[k] = new
-            # forces are at the current instant, between two half steps: as for a node, the travel is the mean of both
-            travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
-            add(books.work, ToolWorkRow.on_sheet, k, -along * travel)
-            add(books.work, ToolWorkRow.driving, k, drive_force * travel)
-            watch_tool(books.watch, k, step, drive_force, total, along)
+            move_tool(k, total, drives, clock, displacement, velocity, kept, books)
         wait_for_block()
         if thread == 0:
             clock[ClockEntry.time] = next_time

@@ -13,6 +13,7 @@ LEAST_LENGTH = 60
 BETWEEN_NODES = "verification/contact/test_between_nodes.py"
 SHELL = "verification/element/test_energies.py"
 PLIES = "verification/contact/test_plies.py"
+WORLDS = "unit/engine/worlds/test_world_stepper.py"
 SELF_CONTACT = "verification/contact/test_self_contact.py"
 # Modules whose test has another name, with the file that tests them.
 TESTED_ELSEWHERE = {
@@ -64,6 +65,10 @@ TESTED_ELSEWHERE = {
     "kernels/plies/normals.py": PLIES,
     "kernels/plies/own_search.py": SELF_CONTACT,
     "kernels/plies/within.py": SELF_CONTACT,
+    "kernels/worlds/arguments.py": WORLDS,
+    "kernels/worlds/clocks.py": WORLDS,
+    "kernels/worlds/sheets.py": WORLDS,
+    "weavesim/engine/worlds/world_launches.py": WORLDS,
     "weavesim/run/interface_ledger.py": PLIES,
     "weavesim/run/guards/plies/interfaces.py": "unit/process/test_friction.py",
     "kernels/contact/mesh_distance.py": "unit/tools/test_mesh_shape.py",

@@ -65,7 +65,7 @@ class SheetKernels:
 
 
 @dataclass(frozen=True)
-class _SheetArguments:
+class SheetArguments:
     """Arguments of the launches of one sheet, on one state."""
 
     sheet: Any
@@ -86,14 +86,19 @@ class Launches:
     Args:
         model: constants.
         state: what the launches read and write.
+
+    Attributes:
+        sheet_kernels, arguments, node_laws: of every sheet.
+        tool_books: what is booked of the tools.
+        squared_frequency: of the elements of every sheet, at the last refresh [1/s^2].
     """
 
     def __init__(self, model: Model, state: State) -> None:
         self.model, self.state = model, state
         real, device = model.real, model.device
-        self._kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
-        self._arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
-        self._node_laws = [sheet.node_laws() for sheet in model.sheets]
+        self.sheet_kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
+        self.arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
+        self.node_laws = [sheet.node_laws() for sheet in model.sheets]
         self._surface = {
             index: SurfaceContact(sheet, state.sheets[index], self._reaction(sheet)[:, sheet.block_count :])
             for index, sheet in enumerate(model.sheets)
@@ -103,8 +108,8 @@ class Launches:
         self._sums = self._reaction_sums()
         # sums are in double precision
         self._tool_motion = tool_motion_kernel(wp.float64 if len(self._sums) > 1 else real)
-        self._tool_books = ToolBooks()
-        self._tool_books.work, self._tool_books.watch = state.tool_work, state.tool_watch
+        self.tool_books = ToolBooks()
+        self.tool_books.work, self.tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)
         self.loads = LoadLaunches(model, state)
         self._partial_maximum = (partial_maximum_kernel if device.is_cuda else group_maximum_kernel)(real)
@@ -158,7 +163,7 @@ class Launches:
         around.ply_force = lanes_view(own.contact_force, sheet.lane_count)
         return around
 
-    def _of_sheet(self, index: int) -> _SheetArguments:
+    def _of_sheet(self, index: int) -> SheetArguments:
         sheet, own = self.model.sheets[index], self.state.sheets[index]
         lane_count = sheet.lane_count
         touch = touch_struct(sheet.real, lane_count)()
@@ -166,9 +171,9 @@ class Launches:
         touch.gap, touch.depth = own.gap, lanes_view(own.depth, lane_count)
         touch.thickness, touch.moved = lanes_view(own.thickness, lane_count), own.moved
         touch.reaction = self._reaction(sheet)[:, : sheet.block_count]
-        return _SheetArguments(
+        return SheetArguments(
             sheet=sheet.device_sheet(lane_count),
-            stable_sheet=sheet.device_sheet(self._kernels[index].frequency_lane_count),
+            stable_sheet=sheet.device_sheet(self.sheet_kernels[index].frequency_lane_count),
             around=self._surroundings(sheet, own),
             touch=touch,
             motion=sheet.motion_layout.view(own.motion),
@@ -188,14 +193,14 @@ class Launches:
 
     def element_forces(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Corner forces of sheet ``index``, in ``count`` blocks of elements from ``first``."""
-        sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self._arguments[index]
+        sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self.arguments[index]
         wp.launch(
-            self._kernels[index].forces,
+            self.sheet_kernels[index].forces,
             dim=sheet.element_count // sheet.lane_count if count is None else count,
             inputs=[first, arguments.sheet, own.motion, self.state.clock],
             outputs=[arguments.cell_unknowns, arguments.cell_report, arguments.slip, arguments.corner_force],
             device=sheet.device,
-            block_dim=block_size(self._kernels[index].forces, sheet.device),
+            block_dim=block_size(self.sheet_kernels[index].forces, sheet.device),
         )
 
     def meet_between_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
@@ -204,19 +209,19 @@ class Launches:
         Nothing where only nodes meet tools; else after ``element_forces`` of these, and before their nodes move.
         """
         if index in self._surface:
-            arguments = self._arguments[index]
-            self._surface[index].launch(first, count, self._node_laws[index], arguments.around, arguments.corner_force)
+            arguments = self.arguments[index]
+            self._surface[index].launch(first, count, self.node_laws[index], arguments.around, arguments.corner_force)
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""
-        sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self._arguments[index]
+        sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self.arguments[index]
         wp.launch(
-            self._kernels[index].nodes,
+            self.sheet_kernels[index].nodes,
             dim=sheet.block_count if count is None else count,
-            inputs=[first, sheet.nodes, self._node_laws[index], arguments.around, own.corner_force],
+            inputs=[first, sheet.nodes, self.node_laws[index], arguments.around, own.corner_force],
             outputs=[arguments.motion, arguments.touch, arguments.node_work],
             device=sheet.device,
-            block_dim=block_size(self._kernels[index].nodes, sheet.device),
+            block_dim=block_size(self.sheet_kernels[index].nodes, sheet.device),
         )
 
     def move_supports(self) -> None:
@@ -249,7 +254,7 @@ class Launches:
             inputs=[tools.drives, self._sums[-1]],
             outputs=[
                 state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_drive,
-                self._tool_books,
+                self.tool_books,
             ],
             device=device,
         )  # fmt: skip
@@ -258,17 +263,17 @@ class Launches:
 
     def frequency_block_count(self, index: int) -> int:
         """Blocks of elements of ``element_frequencies``."""
-        return self.model.sheets[index].element_count // self._kernels[index].frequency_lane_count
+        return self.model.sheets[index].element_count // self.sheet_kernels[index].frequency_lane_count
 
     def element_frequencies(self, index: int, first: int, count: int) -> None:
         """Bounds of the highest frequencies of sheet ``index``, in ``count`` blocks of elements from ``first``."""
         sheet, own = self.model.sheets[index], self.state.sheets[index]
-        lane_count = self._kernels[index].frequency_lane_count
+        lane_count = self.sheet_kernels[index].frequency_lane_count
         wp.launch(
-            self._kernels[index].frequencies,
+            self.sheet_kernels[index].frequencies,
             dim=count,
             inputs=[
-                first, self._arguments[index].stable_sheet, sheet.step_bounds, own.motion,
+                first, self.arguments[index].stable_sheet, sheet.step_bounds, own.motion,
                 lanes_view(own.cell_unknowns, lane_count), lanes_view(sheet.step_inertia, lane_count), self.state.clock,
             ],
             outputs=[lanes_view(self.squared_frequency[index], lane_count)],
@@ -277,7 +282,7 @@ class Launches:
 
     def fold_works(self, index: int, thread: int = 0, thread_count: int = 1) -> None:
         """Add the works of the last steps of sheet ``index`` to their sums: the share of one thread."""
-        own, arguments = self.state.sheets[index], self._arguments[index]
+        own, arguments = self.state.sheets[index], self.arguments[index]
         folded = [(arguments.node_work, own.node_work_sum)]
         if index in self._surface:
             folded.append((self._surface[index].works, own.sample_work_sum))
@@ -289,7 +294,7 @@ class Launches:
         """Extremes so far of sheet ``index``, in ``count`` blocks of elements from ``first``."""
         sheet, own = self.model.sheets[index], self.state.sheets[index]
         wp.launch(
-            self._kernels[index].extremes,
+            self.sheet_kernels[index].extremes,
             dim=count,
             inputs=[first, sheet.elements, own.motion],
             outputs=[lanes_view(own.extremes, sheet.lane_count)],
@@ -320,9 +325,9 @@ class Launches:
 
     def set_damping(self, rate: float | None) -> None:
         """Set one rate [1/s] for all nodes and directors, from the next recording on; None uses ``Dynamics``."""
-        self._node_laws = [sheet.node_laws() for sheet in self.model.sheets]
+        self.node_laws = [sheet.node_laws() for sheet in self.model.sheets]
         if rate is not None:
-            for laws in self._node_laws:
+            for laws in self.node_laws:
                 laws.damping = laws.director_damping = rate
 
     @property
@@ -330,7 +335,7 @@ class Launches:
         """All kernels launched here, each once."""
         own = [
             kernel
-            for kernels in self._kernels
+            for kernels in self.sheet_kernels
             for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes)
         ]
         own += [surface.kernel for surface in self._surface.values()]

@@ -150,7 +150,7 @@ class Model:
         """Every array of constants."""
         for sheet in self.sheets:
             for struct in (sheet.elements, sheet.nodes):
-                yield from _arrays_in(struct)
+                yield from arrays_in(struct)
             yield from (sheet.step_inertia, sheet.held, sheet.drive_direction)
         for values in (self.tools, self.drives):
             yield from (array for array in vars(values).values() if isinstance(array, wp.array))
@@ -160,7 +160,7 @@ class Model:
         """Arrays of laws and unit cells: the same for any mesh."""
         for sheet in self.sheets:
             for struct in (sheet.laws, sheet.cell):
-                yield from _arrays_in(struct)
+                yield from arrays_in(struct)
 
 
 def _damping_ratio(interface: Interface | SelfContact, sheet: SheetModel) -> float:
@@ -201,11 +201,11 @@ def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
     return samples
 
 
-def _arrays_in(struct: Any) -> Iterator[wp.array]:
+def arrays_in(struct: Any) -> Iterator[wp.array]:
     """Arrays of a Warp struct and of its nested structs."""
     for name in struct._cls.vars:
         value = getattr(struct, name)
         if isinstance(value, wp.array):
             yield value
         elif hasattr(value, "_cls"):
-            yield from _arrays_in(value)
+            yield from arrays_in(value)

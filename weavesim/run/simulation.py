@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Generator, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from typing import Any
 
@@ -25,7 +25,7 @@ from .ledger import Ledger
 from .sheet_ledger import Penetration
 from .start import Prepared, prepare
 from .verdict import Judged, summary
-from .watch.watch import Watch
+from .watch.watch import WATCH_COUNT, Watch
 
 logger = logging.getLogger(__name__)
 
@@ -42,6 +42,7 @@ class Simulation:
     Args:
         setup: of the run.
         run_id: of a run that is resumed; a new one by default.
+        watch_count: states that the guards look at, evenly spaced in time.
 
     Attributes:
         setup: as given.
@@ -52,9 +53,9 @@ class Simulation:
         stepping_time, wall_time: of the run, all its parts together [s].
     """
 
-    def __init__(self, setup: Setup, *, run_id: str | None = None) -> None:
+    def __init__(self, setup: Setup, *, run_id: str | None = None, watch_count: int = WATCH_COUNT) -> None:
         self.setup = setup
-        self._run_id = run_id
+        self._run_id, self._watch_count = run_id, watch_count
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
         self.interrupted_by: str | None = None
@@ -130,7 +131,7 @@ class Simulation:
     def watch(self) -> Watch:
         """What the guards saw, whatever the frames were."""
         if self._watch is None:
-            self._watch = Watch(self.prepare())
+            self._watch = Watch(self.prepare(), self._watch_count)
             self._watch.look(self.prepare().frame)
         return self._watch
 
@@ -138,6 +139,11 @@ class Simulation:
     def penetration(self) -> Penetration:
         """The deepest penetration so far."""
         return self.watch.penetration
+
+    def computed_on(self, device: str) -> None:
+        """Tell observers and results that the steps are done on ``device``, not on that of the set-up."""
+        prepared = self.prepare()
+        self._prepared = replace(prepared, info=replace(prepared.info, device=device))
 
     # --- the run -----------------------------------------------------------------------------------------------------
 
@@ -199,6 +205,23 @@ class Simulation:
             RunError: the state became non-finite (the message names the element and the likely cause), or this
                 simulation has been run before.
         """
+        with closing(self.course(observers, checkpoints=checkpoints)) as course:
+            try:
+                target, interrupted = next(course)
+                while True:
+                    target, interrupted = course.send(self._advance_to(target, interrupted))
+            except StopIteration as end:
+                outcome: Outcome = end.value
+                return outcome
+
+    def course(
+        self, observers: Sequence[Observer] = (), *, checkpoints: Checkpoints | None = None
+    ) -> Generator[tuple[float, Interruption], bool, Outcome]:
+        """The run for whoever steps it: see ``run``.
+
+        Yields up to which time the state is to be advanced [s], and what notes the signals that stop it earlier. It
+        wants to know whether the run goes on, and, if the state is no longer finite, ``failed``.
+        """
         if self.history:
             raise RunError("this simulation has been run: make a new one, since runs start from the undeformed blank")
         self.prepare()
@@ -216,7 +239,7 @@ class Simulation:
                 if self._checkpoints is not None:
                     self._checkpoints.begin(self._checkpoints.job or Job(self.setup, self.info.run_id))
                 self._take(self.frame, observers)
-            self.outcome = self._run_frames(observers, interrupted)
+            self.outcome = yield from self._run_frames(observers, interrupted)
             try:
                 self._report_doubts()
             except Exception as error:  # the results are still worth having
@@ -229,12 +252,14 @@ class Simulation:
             raise RunError(self.failure)
         return self.outcome
 
-    def _run_frames(self, observers: Sequence[Observer], interrupted: Interruption) -> Outcome:
+    def _run_frames(
+        self, observers: Sequence[Observer], interrupted: Interruption
+    ) -> Generator[tuple[float, Interruption], bool, Outcome]:
         setup, watch = self.setup, self.watch
         while not self._ends():
             index = self.frame.index + 1
             target = setup.duration * index / setup.frame_count
-            running = self._advance_to(min(target, watch.next_time), interrupted)
+            running = yield min(target, watch.next_time), interrupted
             if self.failure:
                 return Outcome.NOT_FINITE
             if not running:

@@ -18,6 +18,9 @@ class LoadLaunches:
     Args:
         model: constants.
         state: what the launches read and write.
+
+    Attributes:
+        grips: of the grippers of every sheet that has some, by its index.
     """
 
     def __init__(self, model: Model, state: State) -> None:
@@ -31,16 +34,16 @@ class LoadLaunches:
             for index, sheet in enumerate(model.sheets)
             if sheet.pressures
         }
-        self._grips = {index: device_grips(sheet) for index, sheet in enumerate(model.sheets) if sheet.grippers}
+        self.grips = {index: device_grips(sheet) for index, sheet in enumerate(model.sheets) if sheet.grippers}
 
     @property
     def kernels(self) -> list[wp.Kernel]:
         """All kernels launched here."""
-        return [*([self._pressing] if self._pressures else []), *([self._pulling] if self._grips else [])]
+        return [*([self._pressing] if self._pressures else []), *([self._pulling] if self.grips else [])]
 
     def apply(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Add to the corner forces of sheet ``index``, in ``count`` blocks of elements from ``first``."""
-        if index not in self._pressures and index not in self._grips:
+        if index not in self._pressures and index not in self.grips:
             return
         sheet, own, clock = self._model.sheets[index], self._state.sheets[index], self._state.clock
         block_count = sheet.element_count // sheet.lane_count if count is None else count
@@ -52,8 +55,8 @@ class LoadLaunches:
                 outputs=[sheet.corners.view(own.corner_force), own.pressure_work],
                 device=sheet.device,
             )
-        if index in self._grips:
-            grips = self._grips[index]
+        if index in self.grips:
+            grips = self.grips[index]
             first_grip, grip_count = grips.within(first * sheet.lane_count, block_count * sheet.lane_count)
             if grip_count:
                 wp.launch(

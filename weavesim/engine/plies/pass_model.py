@@ -19,6 +19,7 @@ from ...process.interfaces import Interface
 from ...process.self_contact import SelfContact
 from ..layout import RowLayout
 from ..sheet_model import REFRESH_INTERVAL, TANGENTIAL_RATIO, SheetModel
+from .connectivity import distance_from, free_edge_nodes
 from .facet_tables import FacetTables
 from .feet import Feet, find_feet
 from .normals import normal_layout
@@ -138,10 +139,18 @@ class PassModel:
         return contact_name(self.interface, self.slave.name)
 
     def _edge_shares(self, share: float) -> np.ndarray:
-        """Share of every node: at least a half near a free edge, where both passes are needed."""
+        """Share of every node: at least a half near a free edge of either sheet, where both passes are needed.
+
+        Of the other sheet's edge, where it is at the start counts: a share that changed in contact would be a jump.
+        """
         size = math.sqrt(mean_facet_area(self.slave))
         band = max(size, 2.0 * self.thickness)
-        near = np.clip((band + size - self._own_facets.edge_distance) / size, 0.0, 1.0)
+        distance = self._own_facets.edge_distance
+        if not self.is_own:
+            blank = self.master.blank
+            edge = blank.node_position[free_edge_nodes(blank, self.master.symmetry)]
+            distance = np.minimum(distance, distance_from(self.slave.blank.node_position, edge))
+        near = np.clip((band + size - distance) / size, 0.0, 1.0)
         return share + (max(share, 0.5) - share) * near
 
     # --- device constants --------------------------------------------------------------------------------------------

@@ -20,13 +20,14 @@ CONDITION_INTERVAL = 4
 
 
 class Watch:
-    """Shows the guards about ``WATCH_COUNT`` states of a run, and keeps their numbers.
+    """Shows the guards about a hundred states of a run, and keeps their numbers.
 
     A run with one frame looks at the same states as a run with a thousand: each ends the first block of steps at or
     after its time.
 
     Args:
         prepared: the run; its state is read.
+        count: states to look at.
 
     Attributes:
         history: time, stroke and every entry of the energy ledger of all states so far.
@@ -36,7 +37,8 @@ class Watch:
         stacks: conditions of the sheets of every world that has several, at the same times.
     """
 
-    def __init__(self, prepared: Prepared) -> None:
+    def __init__(self, prepared: Prepared, count: int = WATCH_COUNT) -> None:
+        self._count = count
         self._duration, self._state = prepared.info.duration, prepared.state
         self._ledger, self._guards = prepared.ledger, prepared.guards
         self.extremes = Extremes(prepared.model)
@@ -50,7 +52,7 @@ class Watch:
     @property
     def next_time(self) -> float:
         """When to look again [s]."""
-        return self._duration * self._next / WATCH_COUNT
+        return self._duration * self._next / self._count
 
     def look(self, frame: Frame, last: bool = False) -> None:
         """Look at a frame that the ledger has just taken; the same state is looked at once.
@@ -60,7 +62,7 @@ class Watch:
             last: whether the run ends here.
         """
         new = frame.step_count != self._last_step
-        following = max(self._next, math.floor(WATCH_COUNT * frame.time / self._duration) + 1)
+        following = max(self._next, math.floor(self._count * frame.time / self._duration) + 1)
         if last or (new and following // CONDITION_INTERVAL > self._next // CONDITION_INTERVAL):
             for condition, sheet in zip(self.conditions, frame.sheets, strict=True):
                 condition.look(sheet, frame.time)

@@ -1,0 +1,1 @@
+"""Many worlds that never meet, stepped in one launch."""

@@ -1,0 +1,55 @@
+"""Which runs can be stepped in the same launches, and what keeps others apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...tools.sampling import mesh_parts
+from ..model import Model
+from ..setup import Setup
+
+
+def obstacles(setup: Setup) -> list[str]:
+    """What keeps a run from sharing launches with any other, in words; empty if nothing does."""
+    return list(_obstacles(setup))
+
+
+def _obstacles(setup: Setup) -> Iterator[str]:
+    if len(setup.sheets) > 1:
+        yield f"it has {len(setup.sheets)} sheets"
+    if any(sheet.self_contact is not None for sheet in setup.sheets):
+        yield "its sheet may touch itself"
+    if setup.sheets[0].pressures:
+        yield "there is pressure on its sheet"
+    if mesh_parts(setup.tools):
+        yield "its tools are triangle meshes"
+    if setup.worlds[0].dynamics.contact_samples == "surface":
+        yield 'it meets tools between nodes too (contact_samples = "surface")'
+
+
+def likeness(model: Model) -> dict[str, object]:
+    """What runs that share launches have in common, by its name for the user."""
+    sheet = model.sheet
+    return {
+        "precision": model.precision.value,
+        "number of elements": sheet.element_count,
+        "number of nodes": sheet.node_count,
+        "kind of unit cell": sheet.cell_law,
+        "kinds of laws of the sheet": sheet.sheet_traits,
+        "kinds of tools, loads and supports": sheet.node_traits,
+        "number of tools": model.tools.count,
+        "number of drives": model.drives.count,
+        "number of gripped nodes": sum(len(gripper.nodes) for gripper in sheet.grippers),
+    }
+
+
+def differences(first: Model, other: Model) -> list[str]:
+    """What keeps two runs from sharing launches, in words; empty if nothing does."""
+    own, others = likeness(first), likeness(other)
+    plain = (int, str)
+    return [
+        f"their {name} {'differ' if name.startswith('kinds') else 'differs'}"
+        + (f" ({value} and {others[name]})" if isinstance(value, plain) else "")
+        for name, value in own.items()
+        if value != others[name]
+    ]

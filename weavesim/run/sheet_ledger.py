@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import astuple, dataclass
 
 import numpy as np
@@ -75,11 +76,15 @@ class SheetLedger:
 
     Attributes:
         internal: names of the elastic energies of unit cell and sheet; their sum is the entry ``internal``.
+        name: of the sheet.
+        tools: that it may touch.
     """
 
     def __init__(self, model: Model, index: int, state: State) -> None:
         self._model, self._index, self._state = model.sheets[index], index, state
         sheet = self._model
+        self.name = sheet.name
+        self.tools = model.setup.tools[sheet.places.tools.start : sheet.places.tools.stop]
         self._kernel = element_ledger_kernel(sheet.real, sheet.cell_law, sheet.sheet_traits)
         self._device_sheet = sheet.device_sheet(1)
         self._energy_names = (*sheet.cell_law.energy_names, *SheetEnergy.names())
@@ -214,6 +219,21 @@ class SheetLedger:
             "contact": 0.5 * float((stiffness * np.square(penetration)).sum()),
             "friction_spring": 0.5 * TANGENTIAL_RATIO * float((stiffness * np.square(friction)).sum()),
         }
+
+    def friction_arguments(self, tool: int) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Where the law of one of its tools was used at nodes, and at samples: flat places, smallest, largest so far.
+
+        (k, 2) [m], (k,) and (k,), in the unit of the kernels; nothing without friction laws.
+        """
+        sheet, flat = self._model, self._model.blank.material_coordinates
+        if not sheet.node_traits.friction_laws:
+            return
+        low, high = self._own.friction_argument.numpy()[2 * tool : 2 * tool + 2, : len(flat)]
+        yield flat, low, high
+        if count := len(sheet.samples.places):
+            rows = self._own.sample_friction_argument.numpy()[2 * tool : 2 * tool + 2]
+            rows = rows.reshape(2, count, sheet.element_count)[..., : sheet.blank.element_count]
+            yield flat[sheet.blank.quads].mean(axis=1), rows[0].min(axis=0), rows[1].max(axis=0)
 
     # --- distances to the tools --------------------------------------------------------------------------------------
 

@@ -39,6 +39,7 @@ from .fabric_command import fabric_application
 from .jobs import add_commands
 from .results.compare import compare_command
 from .results.export import export_command
+from .results.film import film_command
 from .results.kinematic import kinematic_command
 from .results.verdict import verdict_command
 from .results.view import view_command
@@ -60,6 +61,7 @@ application = typer.Typer(
 
 application.add_typer(fabric_application, name="fabric")
 application.command("export")(export_command)
+application.command("film")(film_command)
 application.command("verdict")(verdict_command)
 application.command("kinematic")(kinematic_command)
 application.command("compare")(compare_command)

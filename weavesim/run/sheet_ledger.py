@@ -23,7 +23,7 @@ from ..kernels.rows import (
     ThicknessRow,
 )
 from ..kernels.shell.energy import element_ledger_kernel
-from ..sheet.samples import surface_points
+from ..sheet.samples import surfaces
 from .fields import complete
 from .frame import SheetFrame
 from .watch.tool_gaps import ToolGaps
@@ -203,7 +203,7 @@ class SheetLedger:
         """Energies of the springs of contact and friction, at nodes and at the samples between them."""
         sheet, node_count, element_count = self._model, len(position), self._model.blank.element_count
         sample_count = len(sheet.samples.places)
-        points = [position, *(self._surface(position, director, place) for place in sheet.samples.places)]
+        points = [position, *self._surfaces(position, director, sheet.samples.places)]
         half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
@@ -237,10 +237,10 @@ class SheetLedger:
 
     # --- distances to the tools --------------------------------------------------------------------------------------
 
-    def _surface(self, position: np.ndarray, director: np.ndarray, place: np.ndarray) -> np.ndarray:
-        """Surface of every element at one place, (element_count, 3) [m]."""
+    def _surfaces(self, position: np.ndarray, director: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """Surface of every element at each of ``places`` (k, 2): (k, element_count, 3) [m]."""
         quads = self._model.blank.quads
-        return surface_points(position[quads], director[quads], np.broadcast_to(place, (len(quads), 2)))[0]
+        return surfaces(position[quads], director[quads], places) if len(places) else np.empty((0, len(quads), 3))
 
     def penetration(self, frame: SheetFrame) -> Penetration:
         """Deepest penetration of a frame just taken."""
@@ -253,7 +253,7 @@ class SheetLedger:
             at_elements = 0.5 * frame.fields["thickness"]
             sharing = np.bincount(quads.ravel())
             at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
-        points = [position, *(self._surface(position, frame.director, place) for place in JUDGED_PLACES)]
+        points = [position, *self._surfaces(position, frame.director, JUDGED_PLACES)]
         distance = self._judged_gaps(np.concatenate([*points, position[quads].mean(axis=1)]))
         half = np.concatenate([at_nodes, np.tile(at_elements, len(JUDGED_PLACES) + 1)])
         depth = (half - distance).max(axis=0)

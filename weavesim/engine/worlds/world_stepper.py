@@ -9,9 +9,11 @@ import warp as wp
 
 from ...device import load_kernel
 from ...kernels.rows import ClockEntry
+from ..compilation import compile_missing
 from ..replay import Replay
 from ..sheet_model import REFRESH_INTERVAL
 from ..stepper import Stepper
+from .world_kernels import WorldKernelSet
 from .world_launches import WorldLaunches
 
 
@@ -41,7 +43,9 @@ class WorldStepper:
 
     def load(self) -> None:
         """Load the kernels; those that are not cached are compiled."""
-        for kernel in [*self._launches.kernels, *self._replay.kernels]:
+        kernel_set = WorldKernelSet.of(self._steppers[0].model.setup, str(self._device))
+        compile_missing(kernel_set)
+        for kernel in kernel_set.kernels():
             load_kernel(kernel, self._device)
 
     def start(self) -> None:

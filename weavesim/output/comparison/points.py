@@ -208,7 +208,7 @@ def _under(sheet: StoredSheet, space: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 def write_point_comparison(folder: Path, comparison: PointComparison, ending: str = "") -> list[Path]:
     """Write ``comparison.json``, ``.csv`` and ``.png``; returns the files."""
-    from ..pictures.measured_points import points_picture
+    from ..pictures.comparison import points_picture
     from ..pictures.style import write_picture
 
     files = [folder / f"comparison{ending}.{kind}" for kind in ("json", "csv", "png")]

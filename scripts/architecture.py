@@ -50,6 +50,7 @@ ROOMS = {
     "output": ("writers, pictures, report", "#1f8a70"),
     "calibration": ("fabrics from tests", "#1f8a70"),
     "job": ("runs as files", "#5b3fb5"),
+    "study": ("many runs of a job", "#5b3fb5"),
     "app": ("command line, progress", "#5b3fb5"),
     "scenes": ("problems as values", "#5b3fb5"),
     "scripts": ("what a person runs", "#5b3fb5"),

@@ -5,7 +5,7 @@ import weavesim
 # From bottom to top. "base" stands for the modules outside the folders: errors, checks, the device, ...
 ORDER = (
     "kernels", "base", "tables", "meshes", "fabric", "process", "sheet", "tools", "measures", "engine", "run", "output",
-    "calibration", "job", "app", "scenes", "scripts",
+    "calibration", "job", "study", "app", "scenes", "scripts",
 )  # fmt: skip
 # Modules at the top of weavesim/ that hand on what lies above them.
 DOORS = {"weavesim", "weavesim.__main__"}

@@ -49,7 +49,9 @@ WITHOUT_QUANTITY = {
     "CusickDrapeParameters.seed", "CalibrationOptions.held_uncertainty", "CalibrationOptions.knots",
     "CalibrationOptions.noise", "GrippersParameters.gripped_share",
     "GrippersParameters.gripper_count", "CalibrationOptions.seed", "CalibrationOptions.starts", "SpringTable.direction",
-    "SolverTable.threads", "ToolTable.axis",
+    "SolverTable.threads", "ToolTable.axis", "MeasureTable.at_least", "MeasureTable.at_most", "NoiseTable.points",
+    "NoiseTable.repeats", "StudyTable.batch", "StudyTable.budget", "StudyTable.field_points", "StudyTable.retries",
+    "StudyTable.risk", "StudyTable.samples", "StudyTable.scenarios", "StudyTable.seed", "VaryTable.count",
 }  # fmt: skip
 
 

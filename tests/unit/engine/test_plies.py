@@ -45,6 +45,19 @@ def test_every_node_has_an_element_and_a_distance_from_the_edge():
     assert free_edge_distance(BLANK, Symmetry(("x",))).max() > distance.max()
 
 
+def test_nodes_near_a_free_edge_of_either_sheet_take_at_least_half_of_the_stiffness():
+    """A coarse ply over a smaller fine one: its nodes take little inside, and a half along the fine one's edge."""
+    lower, upper = square(0.02, 0.0025), square(0.05, 0.005, THICKNESS)
+    run = Simulation(stack_setup([ply("lower", lower), ply("upper", upper)], Coulomb(0.2), duration=1e-4))
+    (coarse,) = [each for each in run.model.passes if each.place.slave == 1]
+    position = upper.node_position
+    share = coarse.stiffness / (coarse.area_stiffness * 0.0025**2)
+    middle = np.abs(position[:, :2]).max(axis=1)
+    assert share[middle < 0.006] == pytest.approx(1.0 / 17.0)
+    assert share[np.abs(middle - 0.02) < 1e-9] == pytest.approx(0.5)
+    assert share[np.abs(middle - 0.03) < 0.002].max() < 0.2
+
+
 def test_feet_on_a_sphere_stand_at_the_right_height():
     """Known answer A: corners and normals on a sphere, the gap within 0.5 um (10 um with corners moved by 0.25 h)."""
     radius, height = 0.05, 5e-4

@@ -55,14 +55,21 @@ def home_elements(blank: Blank) -> np.ndarray:
     return home
 
 
-def free_edge_distance(blank: Blank, symmetry: Symmetry) -> np.ndarray:
-    """Distance of every node of the flat blank from the nearest node of a free edge, (node_count,) [m]."""
-    from scipy.spatial import KDTree
-
+def free_edge_nodes(blank: Blank, symmetry: Symmetry) -> np.ndarray:
+    """Nodes of free edges, ascending (k,)."""
     neighbours = edge_neighbours(blank, symmetry)
     element, edge = np.nonzero(neighbours == int(FREE_EDGE))
-    nodes = np.unique(np.concatenate([blank.quads[element, edge], blank.quads[element, (edge + 1) % 4]]))
+    return np.unique(np.concatenate([blank.quads[element, edge], blank.quads[element, (edge + 1) % 4]]))
+
+
+def free_edge_distance(blank: Blank, symmetry: Symmetry) -> np.ndarray:
+    """Distance of every node of the flat blank from the nearest node of a free edge, (node_count,) [m]."""
     flat = blank.material_coordinates
-    if not len(nodes):
-        return np.full(blank.node_count, np.inf)
-    return KDTree(flat[nodes]).query(flat)[0]
+    return distance_from(flat, flat[free_edge_nodes(blank, symmetry)])
+
+
+def distance_from(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Distance of ``points`` (n, d) from the nearest of ``others`` (k, d), (n,); infinite where there are none."""
+    from scipy.spatial import KDTree
+
+    return KDTree(others).query(points)[0] if len(others) else np.full(len(points), np.inf)

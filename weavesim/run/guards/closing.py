@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
+from ..watch.remembered import geometry_key, remembered
 from ..watch.tool_distance import ToolDistances
 from .guard import Doubt, Guard, Level, Start
 
@@ -49,9 +50,8 @@ class ClosingGap(Guard):
             for a, b in pairs:
                 tools = world.tools[a], world.tools[b]
                 closes = any(_closes(*each) for each in _together(start, number, (a, b)))
-                if closes and on_both_sides(start, world, first, a, b):
-                    gap, time = smallest_gap(start, number, first, (a, b), _closes)
-                    yield from self._judged(tools, gap, time, thickness, _error(start, tools))
+                if closes and (found := _gap_around(start, number, first, (a, b))):
+                    yield from self._judged(tools, *found, thickness, _error(start, tools))
             first += len(world.tools)
 
     def _judged(
@@ -89,6 +89,23 @@ def _closes(a: Tool, b: Tool) -> bool:
     if any(tool.motion.by_force or tool.motion.limiting_force for tool in (a, b)):
         return False
     return any(len(set(tool.motion.curve()[1])) > 1 for tool in (a, b))
+
+
+def _gap_around(start: Start, number: int, first: int, pair: tuple[int, int]) -> tuple[float, float] | None:
+    """``smallest_gap`` of two tools of a world, if the sheets are between them."""
+    world = start.model.setup.worlds[number]
+    tools = world.tools[pair[0]], world.tools[pair[1]]
+    # stages may move them otherwise
+    key = geometry_key(start.model, tools) if len(start.phases) == 1 else None
+    if key is not None:
+        displacement = (float(start.frame.tool_displacement[first + k]) for k in pair)
+        key = ("gap", world.name, *displacement, *key)
+
+    def find() -> tuple[float, float] | None:
+        between = on_both_sides(start, world, first, *pair)
+        return smallest_gap(start, number, first, pair, _closes) if between else None
+
+    return remembered(key, find)
 
 
 def on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> bool:

@@ -207,7 +207,10 @@ def _nearest(
     if not (np.isfinite(up).any() or np.isfinite(down).any()):
         return None
     every = np.concatenate([up, down])
-    every = every[np.isfinite(every)]
+    # a sheet that winds around the other lies on both sides of it: only where they are nearest tells the order
+    far = np.abs(every) > np.nanmin(np.abs(every)) + distance
+    up, down = (np.where(away, np.nan, each) for away, each in zip(np.split(far, [len(up)]), (up, down), strict=True))
+    every = every[np.isfinite(every) & ~far]
     share = float((every < 0.0).mean())
     sizes, backward = (up, down) if ordered else (np.abs(up), np.abs(down))
     smallest = np.nanmin(np.concatenate([sizes, backward]))

@@ -152,6 +152,26 @@ def test_plies_in_the_other_order_are_refused():
             started(**given).prepare()
 
 
+@pytest.mark.parametrize("upside_down", [False, True])
+def test_a_plate_within_a_ring_lies_below_it_though_the_far_side_is_below_the_plate(upside_down):
+    fabric = glass_polypropylene()
+    angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    nodes = np.array([[0.03 * np.sin(a), y, 0.03 * np.cos(a)] for a in angle for y in (-0.004, 0.004)])
+    first = np.arange(24)
+    ahead = np.roll(first, -1)
+    ring = Blank.from_mesh(nodes, np.column_stack([2 * first, 2 * ahead, 2 * ahead + 1, 2 * first + 1]))
+    plate = Blank.rectangle((-0.002, -0.002), (0.002, 0.002), 0.004, height=0.03 - fabric.thickness - 3e-4)
+    names = ("ring", "plate") if upside_down else ("plate", "ring")
+    world = World((Sheet(plate, fabric, "plate"), Sheet(ring, fabric, "ring")), interfaces=(Interface(*names),))
+    solver = Solver(threads=1, lane_count=1, precision="float64")
+    run = Simulation(Setup("start", (world,), duration=1e-5, frame_count=1, solver=solver, accept_unusual=True))
+    if upside_down:
+        with pytest.raises(InputError, match="starts below .* exchange the two names"):
+            run.prepare()
+    else:
+        assert of_start(run) == []
+
+
 def test_sheets_that_touch_without_an_interface_are_doubted():
     thickness = glass_polypropylene().thickness
     for height in (thickness, 0.5 * thickness, 0.0, -thickness):

@@ -1,0 +1,93 @@
+"""``weavesim study`` from its options to its files."""
+
+import csv
+import json
+from pathlib import Path
+
+import h5py
+import pytest
+from typer.testing import CliRunner
+
+from tests.support.studies import write_small_job
+from weavesim.app.command_line import application
+from weavesim.errors import InputError
+from weavesim.study.table import RunTable
+
+runner = CliRunner()
+
+
+def invoked(*arguments):
+    return runner.invoke(application, ["study", *map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory) -> tuple[Path, str]:
+    """Folder of a study of three runs and two repeats, and what the command said."""
+    folder = tmp_path_factory.mktemp("study")
+    job = write_small_job(folder)
+    result = invoked(
+        job, "--vary", "spring.corner.stiffness=0.5 N/mm:2 N/mm:3", "--measure", "max_shear_p99",
+        "--least", "step_count", "--noise", 2, "--fields", "--jobs", 1, "--set", "output.frame_count=2",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    return folder / "study", result.output
+
+
+def test_a_study_leaves_table_page_and_the_best_run(done):
+    folder, said = done
+    rows = list(csv.DictReader((folder / "runs.csv").open()))
+    assert [row["role"] for row in rows] == ["design"] * 3 + ["noise"] * 6
+    assert float(rows[0]["spring.corner.stiffness [N/mm]"]) == 0.5
+    told = json.loads((folder / "study.json").read_text())
+    assert told["run_count"] == 9 and told["measures"]["max_shear_p99"]["noise"]["degrees"] == 6
+    page = (folder / "study.html").read_text()
+    assert 'href="best/report.html"' in page and (folder / "best" / "report.html").is_file()
+    assert not list((folder / "best").glob("*.usdc"))
+    assert "9 runs of 3 points, 9 of 9 finished; 0 were known before" in said
+    assert "in the study" not in said  # the best run has the same numbers once more
+
+
+def test_fields_are_at_common_points(done):
+    with h5py.File(done[0] / "fields.h5") as file:
+        assert file["sheets/0/position"].shape == (9, len(file["sheets/0/points"]), 3)
+        assert file["inputs/spring.corner.stiffness"].attrs["unit"] == "N/mm"
+        assert set(file["measures"]) == {"max_shear_p99_deg", "step_count"}
+
+
+def test_the_same_command_computes_nothing_again(done):
+    folder, _ = done
+    before = (folder / "runs.csv").read_bytes()
+    result = invoked(
+        folder.parent / "small.toml", "--vary", "spring.corner.stiffness=0.5 N/mm:2 N/mm:3", "--measure",
+        "max_shear_p99", "--least", "step_count", "--noise", 2, "--jobs", 1, "--set", "output.frame_count=2",
+        "--no-best",
+    )  # fmt: skip
+    assert "9 were known before" in result.output
+    assert (folder / "runs.csv").read_bytes() == before
+    with RunTable(folder / "study.sqlite") as table:
+        assert len(table.attempts()) == 9
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ([], "it is a job, not a study"),
+        (["--vary", "spring.corner.stiffness=1:2:3"], "--measure: at least one"),
+        (["--vary", "spring.corner.stiffness=2:1:3", "--measure", "step_count"], "it is empty"),
+        (["--vary", "spring.corner.stiffness=1:2:3", "--measure", "x", "--jobs", "2", "--scheduler", "tcp://a:1"],
+         "--jobs: has no effect"),
+        (["--vary", "spring.corner.stiffness=1:2:3", "--measure", "x", "--method", "sobol"], "samples: is required"),
+    ],
+)  # fmt: skip
+def test_bad_options_are_told(tmp_path, arguments, text):
+    result = invoked(write_small_job(tmp_path), *arguments)
+    assert isinstance(result.exception, InputError) and text in str(result.exception)
+    assert not (tmp_path / "study").exists()
+
+
+def test_options_beside_a_study_file_are_refused(tmp_path):
+    write_small_job(tmp_path)
+    path = tmp_path / "s.toml"
+    path.write_text('job = "small.toml"\n[[vary]]\nkey = "a"\nrange = [1, 2]\n[[measure]]\nname = "x"\n')
+    result = invoked(path, "--samples", 3)
+    assert "--samples: have no effect with a study file" in str(result.exception)

@@ -1,0 +1,63 @@
+"""Studies on a scheduler with worker processes, of which one is killed, and the scheduler restarted."""
+
+import threading
+
+import pytest
+
+from tests.support.clusters import Cluster, free_port
+from tests.support.processes import wait_for
+from tests.support.studies import Silence, conducted, made, slow
+from weavesim.errors import InputError
+from weavesim.study.execution.cluster import ClusterExecutor
+from weavesim.study.record import write_runs
+from weavesim.study.subject import FunctionSubject
+from weavesim.study.table import RunTable
+
+pytest.importorskip("distributed", reason="Dask runs studies on clusters: pip install 'weavesim[cluster]'")
+
+
+def disturbed(study, subject, folder, *, kill_at, restart_at):
+    """The results of a study on four workers that is disturbed after so many runs; the texts that were said."""
+    progress = Silence()
+    with Cluster(folder, 4) as cluster:
+
+        def disturb():
+            wait_for(lambda: progress.done >= kill_at)
+            cluster.kill(cluster.workers[1])
+            wait_for(lambda: progress.done >= restart_at)
+            cluster.restart()
+
+        thread = threading.Thread(target=disturb)
+        thread.start()
+        executor = ClusterExecutor(cluster.address)
+        results = conducted(study, subject, folder / "cluster.sqlite", executor, progress)
+        thread.join()
+        assert cluster.workers[1].poll() is None  # everything was disturbed before the end
+    return results, progress
+
+
+def check_same(folder, study, subject, results, progress, count):
+    """The same table as that of a serial study, and no run lost or counted twice."""
+    serial = conducted(study, subject, folder / "serial.sqlite")
+    for name, found in (("cluster", results), ("serial", serial)):
+        write_runs(folder / f"{name}.csv", found)
+    assert (folder / "cluster.csv").read_bytes() == (folder / "serial.csv").read_bytes()
+    assert progress.done == progress.total == count
+    with RunTable(folder / "cluster.sqlite") as one, RunTable(folder / "serial.sqlite") as other:
+        assert list(one.rows()) == list(other.rows())
+        assert one.run_count() == other.run_count() == count
+        finished = [key for key, _, outcome in one.attempts() if outcome == "finished"]
+        assert len(finished) == len(set(finished)) == count
+
+
+@pytest.mark.slow
+def test_a_killed_worker_and_a_restarted_scheduler_change_nothing(tmp_path):
+    study, subject = made({"x": (1.0, 2.0)}, ["root"], counts={"x": 48}), FunctionSubject(slow)
+    results, progress = disturbed(study, subject, tmp_path, kill_at=6, restart_at=16)
+    check_same(tmp_path, study, subject, results, progress, 48)
+
+
+def test_no_scheduler_is_told(monkeypatch):
+    monkeypatch.setattr("weavesim.study.execution.cluster.FIRST_WAIT", 0.5)
+    with pytest.raises(InputError, match="no scheduler answers"):
+        ClusterExecutor(f"tcp://127.0.0.1:{free_port()}")

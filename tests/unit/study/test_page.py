@@ -1,0 +1,82 @@
+"""The page in a browser: all charts, nothing from the network, no complaints."""
+
+import pytest
+
+from tests.support.studies import bowl, conducted, ishigami, made, noisy
+from weavesim.errors import InputError
+from weavesim.study.page.charts import charts
+from weavesim.study.page.page import check_page, write_page
+from weavesim.study.schema import MeasureTable, NoiseTable, VaryTable
+from weavesim.study.subject import FunctionSubject
+
+
+@pytest.fixture(scope="module")
+def factorial(tmp_path_factory):
+    study = made({"x": (0.0, 10.0)}, ["line", "chance"], counts={"x": 8}, noise=NoiseTable(repeats=4), name="A <study>")
+    path = tmp_path_factory.mktemp("study") / "t.sqlite"
+    return conducted(study, FunctionSubject(noisy, repeats=True), path)
+
+
+@pytest.fixture(scope="module")
+def optimised(tmp_path_factory):
+    measures = [MeasureTable(name="depth", goal="least"), MeasureTable(name="across", goal="least")]
+    study = made({"x": (0.0, 10.0), "y": (0.0, 10.0)}, measures, method="optimise", budget=20)
+    return conducted(study, FunctionSubject(bowl), tmp_path_factory.mktemp("study") / "t.sqlite")
+
+
+def names(results):
+    return [name for name, _, _ in charts(results)]
+
+
+def test_a_study_has_the_charts_that_it_has_something_for(factorial, optimised, tmp_path):
+    assert names(factorial) == ["parallel", "response-0", "response-1", "sensitivity"]
+    assert names(optimised) == ["parallel", "response-0", "response-1", "pareto", "history", "sensitivity"]
+    study = made({"x": (-3.0, 3.0), "y": (-3.0, 3.0), "z": (-3.0, 3.0)}, ["f"], method="sobol", samples=8)
+    found = conducted(study, FunctionSubject(ishigami), tmp_path / "t.sqlite")
+    (figure,) = [figure for name, _, figure in charts(found) if name == "sensitivity"]
+    assert [bar.name for bar in figure.data] == ["f first", "f total"]
+    assert figure.data[0].error_y.array is not None
+
+
+def test_error_bars_are_the_noise(factorial):
+    figures = {name: figure for name, _, figure in charts(factorial)}
+    response, repeats = figures["response-0"].data
+    assert len(response.x) == 8 and set(response.error_y.array) == {factorial.noise(factorial.measures[0]).deviation}
+    assert repeats.name == "repeats" and len(repeats.x) == 12
+
+
+def test_bars_of_a_robust_study_are_its_scatter(tmp_path):
+    study = made({"x": (0.0, 10.0)}, [MeasureTable(name="depth", goal="least")], method="optimise", budget=4,
+                 scatter=(VaryTable(key="y", range=(6.0, 8.0)),))  # fmt: skip
+    found = conducted(study, FunctionSubject(bowl), tmp_path / "t.sqlite")
+    figures = {name: figure for name, _, figure in charts(found)}
+    assert figures["response-0"].data[0].error_y.array[0] > 0.0
+
+
+def test_the_page_in_a_browser(factorial, optimised, browser, tmp_path):
+    for results, count in ((factorial, 4), (optimised, 6)):
+        path = tmp_path / "study.html"
+        write_page(path, results, best="best/report.html")
+        with browser.open(path) as opened:
+            page = opened.page
+            page.wait_for_selector(".plotly .main-svg", state="attached")
+            assert page.locator("figure").count() == page.locator(".js-plotly-plot").count() == count
+            assert page.locator("figure .plotly .main-svg").first.bounding_box()["height"] > 300
+            rows = page.locator("#points tbody tr")
+            assert rows.count() == len(results.points)
+            heading = page.locator("#points th").nth(len(results.controlled) + 1)
+            heading.click()
+            low = float(rows.first.locator("td").nth(len(results.controlled) + 1).inner_text())
+            heading.click()
+            assert float(rows.first.locator("td").nth(len(results.controlled) + 1).inner_text()) >= low
+            if results is optimised:
+                assert page.locator("#best-run").get_attribute("href") == "best/report.html"
+            else:
+                assert page.title() == "A <study>" and page.locator(".errorbar").count() > 0
+            assert not opened.errors and not opened.requests
+
+
+def test_a_page_without_plotly_is_refused_before_anything_runs(monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(InputError, match="weavesim\\[study\\]"):
+        check_page()

@@ -1,0 +1,137 @@
+"""Contact of plies at a free edge, and of a stack that is turned (docs/plies.md)."""
+
+import numpy as np
+import pytest
+
+from tests.support.stacked_plies import THICKNESS, pass_rows, ply, square, stack_setup
+from weavesim import Drive, NodalLoads, Observer, Sheet, Simulation, Support
+from weavesim.fabric.bending import IsotropicBending
+from weavesim.fabric.cell import LinearMembrane
+from weavesim.fabric.fabric import Fabric, Stabilisation
+from weavesim.fabric.shear import LinearShear
+from weavesim.process import Coulomb
+from weavesim.process.strokes import SmoothStroke, Stroke
+from weavesim.run.watch.crossing_record import CrossingRecord
+from weavesim.sheet.blank import Blank
+
+# Stages of the turned stack: pressed, shifted, turned, and a rest [s].
+STAGE, TURNING = 5.0e-4, 3.0e-3
+PRESSURE, SHIFT = 1.0e4, 2.0e-7
+# Thickness of the strips [m], load at the tip [N/m], speed of the pull [m/s].
+THIN, TIP_LOAD, SPEED = 3.0e-4, 4.0, 1.0
+
+
+def turned(blank: Blank, sunk: float, carried: float) -> Support:
+    """All nodes: pressed down by ``sunk`` [m], shifted by ``carried`` [m] along x, and turned by 90 degrees."""
+    start = 2.5 * STAGE
+    time = np.append(np.linspace(0.0, start, 26)[:-1], np.linspace(start, start + TURNING, 400))
+    angle = 0.5 * np.pi * np.clip((time - start) / TURNING, 0.0, 1.0)
+    x, y, none = (*blank.node_position[:, :2].T, np.zeros(blank.node_count))
+    drives = [
+        Drive(Stroke(time, np.cos(angle) - 1.0), np.column_stack([x, y, none])),
+        Drive(Stroke(time, np.sin(angle)), np.column_stack([-y, x, none])),
+    ]
+    if sunk:
+        moved = carried * np.clip(time / STAGE - 1.0, 0.0, 1.0)
+        drives.append(Drive(Stroke(time, sunk * np.clip(time / STAGE, 0.0, 1.0)), (0.0, 0.0, -1.0)))
+        drives.append(Drive(Stroke(time, moved * np.cos(angle)), (1.0, 0.0, 0.0)))
+        drives.append(Drive(Stroke(time, moved * np.sin(angle)), (0.0, 1.0, 0.0)))
+    return Support(f"nodes {sunk:g}", np.arange(blank.node_count), tuple(drives))
+
+
+def test_the_friction_of_a_stuck_stack_turns_with_it(manual):
+    """Known answer G: two plies that stick are turned by a right angle about their normal, pressed as before."""
+    lower, upper = square(0.02, 0.005), square(0.02, 0.005, THICKNESS, angle=20.0)
+    probe = Simulation(stack_setup([ply("lower", lower), ply("upper", upper)], Coulomb(0.5), duration=1e-3))
+    depth = PRESSURE / probe.model.passes[0].area_stiffness
+    sheets = [
+        ply("lower", lower, supports=(turned(lower, 0.0, 0.0),)),
+        ply("upper", upper, supports=(turned(upper, depth, SHIFT),)),
+    ]
+    run = Simulation(stack_setup(sheets, Coulomb(0.5), duration=3.0 * STAGE + TURNING, frame_count=18))
+    drags: list[np.ndarray] = []
+
+    class Watch(Observer):
+        def frame(self, frame):
+            passes = enumerate(run.model.passes)
+            drags.append(sum(each.place.side * pass_rows(run, k)["drag"].sum(axis=1) for k, each in passes))
+
+    run.run([Watch()])
+    # the fourth frame is that at the end of the shift
+    before, after = drags[4], drags[-1]
+    size = np.linalg.norm(before)
+    assert size > 0.5
+    (x, y, _), (u, v, _) = before, after
+    angle = np.degrees(np.arctan2(x * v - y * u, x * u + y * v))
+    growth = np.linalg.norm(after) / size - 1.0
+    assert angle == pytest.approx(90.0, abs=1.0)
+    assert abs(growth) < 1e-3
+    case = manual(
+        "Contact", "Friction turns with a stack",
+        known="Two plies that stick under 10 kPa are turned together by a right angle about their normal: the force of "
+        "their friction turns along, and keeps its size.",
+    )  # fmt: skip
+    case.table(["force before [N]", "turned by [degrees]", "change of size"], [[size, angle, f"{growth:+.1e}"]])
+
+
+def pulled_back(size: float) -> tuple[Simulation, CrossingRecord]:
+    """A strip that hangs over the free edge of another with a load at its tip, and is pulled back over it.
+
+    Args:
+        size: of the elements over the thickness.
+    """
+    step = size * THIN
+    fabric = Fabric(
+        name="strip", areal_density=0.5, thickness=THIN,
+        unit_cell=LinearMembrane(warp_stiffness=2.0e4, weft_stiffness=2.0e4),
+        bending=IsotropicBending(modulus=4.0e7), transverse_shear_modulus=2.0e6, shear=LinearShear(modulus=4.0e6),
+        stabilisation=Stabilisation(),
+    )  # fmt: skip
+    below = Blank.rectangle((-24.0 * THIN, 0.0), (0.0, 5.0 * step), step)
+    above = Blank.rectangle((-16.0 * THIN, step), (12.0 * THIN, 4.0 * step), step, height=THIN)
+    x = above.node_position[:, 0]
+    tip = np.flatnonzero(x > x.max() - 1e-9)
+    width = np.full(len(tip), step)
+    width[[0, -1]] *= 0.5
+    force = np.zeros((above.node_count, 3))
+    force[tip, 2] = -TIP_LOAD * width
+    start, way = 6.0e-3, 14.0 * THIN
+    pull = Drive(SmoothStroke.ramped(way, SPEED, 0.1, start_time=start), (-1.0, 0.0, 0.0))
+    upper = Sheet(
+        above, fabric, name="upper", supports=(Support("grip", np.flatnonzero(x < x.min() + 1e-9), (pull,)),),
+        loads=NodalLoads(force, None, (0.0, 4.0e-3), (0.0, 1.0)),
+    )  # fmt: skip
+    lower = ply("lower", below, free=np.zeros((below.node_count, 6), dtype=bool), fabric=fabric)
+    run = Simulation(
+        stack_setup([lower, upper], Coulomb(0.0), duration=start + 1.15 * way / SPEED + 3.0e-3, frame_count=40,
+                    dynamics={"damping": 2000.0, "contact_damping_ratio": 0.2})
+    )  # fmt: skip
+    record = CrossingRecord()
+    run.run([record])
+    return run, record
+
+
+@pytest.mark.parametrize("size", [1.0, 2.0])
+def test_a_strip_is_pulled_back_over_a_free_edge(size, manual):
+    """Known answer D: it never passes through, begins its contacts without a push, and ends up on the other."""
+    run, record = pulled_back(size)
+    assert record.total == 0
+    entry = max(pass_rows(run, k)["largest_entry"].max() for k in (0, 1)) / THIN
+    assert 0.0 < entry < 0.15
+    position = run.frame.sheets[1].position
+    tip = position[run.setup.sheets[1].blank.node_position[:, 0] > 12.0 * THIN - 1e-9]
+    height = tip[:, 2].mean() / THIN
+    assert tip[:, 0].max() < 0.0 and height == pytest.approx(1.0, abs=0.05)
+    last = run.history[-1]
+    error = last["balance_error"] / last["supplied"]
+    assert abs(error) < 0.01
+    case = manual(
+        "Contact", f"A strip is pulled back over a free edge, elements of {size:g} thicknesses",
+        known="A strip hangs over the free edge of another by 12 thicknesses, a load at its tip, and is pulled back by "
+        "14: it never passes through the other, contacts begin without a force (the entry offset stays below 0.15 "
+        "thicknesses), its tip ends a thickness above the other, and the ledger closes within 1 % of the work.",
+    )  # fmt: skip
+    case.table(
+        ["crossing triangles", "largest entry / thickness", "height of the tip / thickness", "balance error / work"],
+        [[record.total, entry, height, f"{error:+.1e}"]],
+    )

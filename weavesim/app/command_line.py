@@ -33,6 +33,7 @@ from .. import __version__
 from ..device import Precision
 from ..errors import InputError, RunError
 from ..run.interruption import leaving_at_once
+from .docs_command import docs_command
 from .ending import ExitCode, closing_lines, exit_code
 from .fabric_command import fabric_application
 from .jobs import add_commands
@@ -41,7 +42,6 @@ from .results.export import export_command
 from .results.film import film_command
 from .results.kinematic import kinematic_command
 from .results.verdict import verdict_command
-from .results.view import view_command
 from .session import announce_compilation, announced, interruptible
 from .study_command import study_command
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
@@ -64,7 +64,7 @@ application.command("film")(film_command)
 application.command("verdict")(verdict_command)
 application.command("kinematic")(kinematic_command)
 application.command("compare")(compare_command)
-application.command("view")(view_command)
+application.command("docs")(docs_command)
 application.command("study")(study_command)
 add_commands(application)
 

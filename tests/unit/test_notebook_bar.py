@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from weavesim.app.notebook_bar import NotebookBar, in_notebook
 from weavesim.app.progress import ProgressBar
+from weavesim.notebook import NotebookBar, in_notebook
 from weavesim.run.frame import Outcome
 
 
@@ -76,7 +76,7 @@ def test_a_real_kernel_shows_it(tmp_path):
 
     lines = (
         f"import sys; sys.path.insert(0, {str(ROOT)!r})",
-        "from weavesim.app.notebook_bar import NotebookBar, in_notebook",
+        "from weavesim.notebook import NotebookBar, in_notebook",
         "assert in_notebook()",
         "bar = NotebookBar('run'); bar.update(0.5, 'half'); bar.line('a line'); bar.update(1.0, 'done')",
         "from weavesim.output.pictures.style import new_axes, new_figure",

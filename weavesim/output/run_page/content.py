@@ -107,20 +107,21 @@ def _frame_of_page(
     """What finished and running runs have in common."""
     title = info.name.replace("_", " ")
     scene = partial(scene_of, info, recorder, history, part.fields if part else ())
+    none: list[Any] = []
     angles = [_angles(frame) for frame in _shear_angles(recorder, info)]
     return PageContent(
         title[:1].upper() + title[1:],
         info.run_id,
         _subtitle(info, outcome),
         {},
-        fabrics=_safely("the curves of the fabric", failed, [], partial(fabrics_of, info)),
-        setup=_safely("the set-up", failed, [], partial(setup_tables, info)),
+        fabrics=_safely("the curves of the fabric", failed, none, partial(fabrics_of, info)),
+        setup=_safely("the set-up", failed, none, partial(setup_tables, info)),
         provenance=provenance_rows(record_of(folder), info.run_id),
         failures=failed,
         data={
             "run": {"name": info.name, "id": info.run_id, "outcome": outcome, "duration": info.duration},
             "scene": _safely("the view", failed, {"frameCount": 0, "sheets": [], "tools": []}, scene),
-            "charts": _safely("the charts", failed, [], partial(charts_of, info, history, recorder.places, angles)),
+            "charts": _safely("the charts", failed, none, partial(charts_of, info, history, recorder.places, angles)),
             "regions": [],
         },
     )

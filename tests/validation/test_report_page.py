@@ -30,12 +30,12 @@ DOUBTS = [
 def write(path, run, summary=None, outcome=Outcome.FINISHED, writers=("report", "results"), **options):
     """A folder of results of these frames."""
     info, frames = run
-    folder = ResultFolder(path, writers=list(writers))
+    folder = ResultFolder(path, writers=list(writers), **options)
     folder.start(info)
     for frame in frames:
         folder.frame(frame)
     folder.finish(outcome)
-    folder.write(summary or {}, **options)
+    folder.write(summary or {})
     assert not folder.warnings
     return path / "report.html"
 
@@ -53,7 +53,7 @@ def finished(tmp_path_factory, coarse_run, limits):
     """Page of a run with a doubt, and its folder."""
     path = tmp_path_factory.mktemp("page")
     summary = {"doubts": DOUBTS, "verdict": "doubtful"}
-    return write(path, with_forces(coarse_run), summary, setup={"limits": str(limits)}), path
+    return write(path, with_forces(coarse_run), summary, options={"limits": str(limits)}), path
 
 
 def with_forces(run):

@@ -7,11 +7,13 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
+from weavesim.checks import types_within
 from weavesim.job.schema import (
     GripperTable,
     InterfaceTable,
     Job,
     OutputTable,
+    PairTable,
     PlyTable,
     PressureTable,
     ProcessTable,
@@ -26,6 +28,7 @@ from weavesim.ranges import quantity_of
 SECTIONS: tuple[tuple[str, type[JobTable]], ...] = (
     ("Top of the file", Job), ("[[ply]]", PlyTable), ("[[tool]]", ToolTable), ("[[spring]]", SpringTable),
     ("[[gripper]]", GripperTable), ("[[pressure]]", PressureTable), ("[interface]", InterfaceTable),
+    ("[[interface.pair]]", PairTable),
     ("[process]", ProcessTable), ("[solver]", SolverTable), ("[output]", OutputTable),
 )  # fmt: skip
 # Tables that the file has, which have sections of their own.
@@ -68,6 +71,10 @@ def _value(field: FieldInfo) -> str:
         low, high = row.plausible
         bounds = f"usual up to {high:g}{unit}" if low == 0.0 else f"usual {low:g} to {high:g}{unit}"
         parts.append(f'{"numbers" if many else "number"}, `"{EXAMPLES[row.unit]}"`, {bounds}')
+        if "dict" in text:
+            parts.append("or a table")
+    elif any(isinstance(part, type) and issubclass(part, JobTable) for part in types_within(field.annotation)):
+        parts.append("tables")
     elif "bool" in text:
         parts.append("true or false")
     elif "dict" in text:

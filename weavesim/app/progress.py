@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import logging.handlers
+import math
 import platform
 import sys
 import textwrap
@@ -13,11 +14,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, cast
 
+import numpy as np
+
 from .. import __version__
 from ..errors import InputError
 from ..input_files import shown
 from ..measures.fabric_table import summary_of
 from ..output.folder import LOG_NAME
+from ..output.run_page.history_part import tool_copies
+from ..output.run_page.values import in_words
+from ..process.friction import in_words as friction_in_words
 from ..run.frame import Frame, Outcome, RunInfo
 from .terminal import SteadyStream
 
@@ -150,6 +156,30 @@ class ProgressBar:
         return ", ".join(parts)
 
 
+def frame_line(frame: Frame, info: RunInfo) -> str:
+    """A frame in one line: how far, forces on the whole part along the axes of the tools, largest shear angle, energy.
+
+    Every energy of every frame is in ``history.csv``.
+    """
+    parts = [f"frame {frame.index}: time {frame.time:.6g} s, stroke {1e3 * frame.stroke:.2f} mm"]
+    if info.tools:
+        tools = zip(info.tool_names, info.tools, frame.tool_reaction, tool_copies(info), strict=True)
+        forces = (f"{name} {copies * abs(float(force @ tool.axis)):.4g}" for name, tool, force, copies in tools)
+        parts.append(f"{', '.join(forces)} N on the whole part")
+    if info.supports:
+        forces = (f"{support.name} {np.linalg.norm(force):.4g}"
+                  for support, force in zip(info.supports, frame.support_force, strict=False))  # fmt: skip
+        if text := ", ".join(forces):
+            parts.append(f"{text} N")
+    angles = [sheet.fields["shear_angle"] for sheet in frame.sheets if "shear_angle" in sheet.fields]
+    if angles:
+        parts.append(f"shear up to {math.degrees(max(float(np.abs(angle).max()) for angle in angles)):.1f} degrees")
+    ratio = kinetic_ratio(frame.energies)
+    if ratio is not None:
+        parts.append(f"kinetic/internal {ratio:.2%}")
+    return "; ".join(parts)
+
+
 class _Warnings(logging.Handler):
     """Prints warnings."""
 
@@ -222,35 +252,20 @@ class RunLog:
                 f"its provenance: {summary_of(fabric)}",
             ]
         for tool in info.tools:
-            # A stroke or a mesh may contain thousands of numbers.
-            shape, motion = (textwrap.shorten(repr(part), 160) for part in (tool.shape, tool.motion))
-            lines.append(f"tool {tool.name}: {shape}, {motion}, friction {tool.friction:g}")
+            shape = textwrap.shorten(in_words(tool.shape, without=("rotation",)), 200)
+            motion = textwrap.shorten(in_words(tool.motion), 200)
+            lines.append(f"tool {tool.name}: {shape}; {motion}; {friction_in_words(tool.friction)}")
         lines += info.notes
         lines += [f"warning: {warning}" for warning in info.warnings]
         for line in lines:
             self._logger.info("%s", line)
-        self._tool_names = [tool.name for tool in info.tools]
+        self._info = info
         self._start = time.perf_counter()
 
     def frame(self, frame: Frame) -> None:
         if self._since is not None and frame.time <= self._since:
             return
-        forces = ", ".join(
-            f"{name} {1e3 * travel:.2f} mm ({x:.4g}, {y:.4g}, {z:.4g}) N"
-            for name, travel, (x, y, z) in zip(
-                self._tool_names, frame.tool_displacement, frame.tool_reaction, strict=True
-            )
-        )
-        energies = ", ".join(f"{name} {value:.4g}" for name, value in frame.energies.items())
-        self._logger.info(
-            "frame %d: step %d, time %.6g s, stroke %.3f mm; %s; energies [J]: %s",
-            frame.index,
-            frame.step_count,
-            frame.time,
-            1e3 * frame.stroke,
-            forces or "no tools",
-            energies,
-        )
+        self._logger.info("%s", frame_line(frame, self._info))
 
     def finish(self, outcome: Outcome) -> None:
         self._logger.info("%s after %.2f s", outcome.value, time.perf_counter() - self._start)

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 # Yarns within this angle of a symmetry line count as parallel to it [degrees].
 LARGEST_MISALIGNMENT = 1.0
+# Of the area: what is beyond is a few elements.
+_USUAL_SHARE = 0.99
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,16 @@ class FormedSheet:
     def shear_angle_deg(self) -> np.ndarray:
         """Absolute shear angle of each element, (element_count,) [degrees]."""
         return np.abs(np.rad2deg(self.fields["shear_angle"]))
+
+    @cached_property
+    def usual_shear_angle_deg(self) -> float:
+        """Absolute shear angle that 99 % of the area of the flat blank do not exceed [degrees]."""
+        corner = self.blank.material_coordinates[self.blank.quads]
+        (a, b), (c, d) = ((corner[:, k + 2] - corner[:, k]).T for k in (0, 1))
+        area = 0.5 * np.abs(a * d - b * c)
+        order = np.argsort(self.shear_angle_deg)
+        share = np.cumsum(area[order]) / area.sum()
+        return float(self.shear_angle_deg[order][np.searchsorted(share, _USUAL_SHARE)])
 
     @cached_property
     def point_angles_deg(self) -> np.ndarray:

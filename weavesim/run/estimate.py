@@ -16,11 +16,14 @@ from ..device import Precision, available_memory
 from ..engine.setup import Setup
 from ..errors import InputError
 from ..ranges import ACCEPTING
+from ..tools.mesh_tool import MeshShape
 
 # Elements times steps per second: of a core and of a GPU in single precision. Double precision takes twice as long.
 CORE_RATE, GPU_RATE = 15.0e6, 4.0e9
 # Smallest time of a step [s], which small meshes take.
 CORE_STEP, GPU_STEP = 15.0e-6, 20.0e-6
+# Of a node and a tool that is an open mesh, on one core [s]: triangles are searched near its borders and creases.
+OPEN_MESH_TIME = 0.7e-6
 # Time of a frame with its files [s]: of each, and per element.
 FRAME_TIME, FRAME_TIME_PER_ELEMENT = 3.0e-3, 2.0e-6
 # Largest need of memory, while a run is prepared, and need per frame of the history [bytes].
@@ -89,6 +92,7 @@ def estimate(setup: Setup, *, time_step: float | None = None, thread_count: int 
         slower = 1.0 if setup.solver.precision is Precision.SINGLE else 2.0
         rate = CORE_RATE * max(1.0, 0.8 * thread_count) if is_cpu else GPU_RATE
         per_step = max(CORE_STEP if is_cpu else GPU_STEP, slower * elements / rate)
+        per_step += open_mesh_nodes(setup) * OPEN_MESH_TIME * CORE_RATE / rate
         seconds = step_count * per_step + frames * (FRAME_TIME + FRAME_TIME_PER_ELEMENT * elements)
     return Estimate(
         elements,
@@ -98,6 +102,15 @@ def estimate(setup: Setup, *, time_step: float | None = None, thread_count: int 
         seconds,
         memory=BYTES_PER_ELEMENT * elements + BYTES_PER_FRAME * frames,
         disk=frames * (FILM_BYTES * elements + SERIES_BYTES * whole) + REPORT_BYTES,
+    )
+
+
+def open_mesh_nodes(setup: Setup) -> int:
+    """Nodes times tools that are open meshes, of all worlds."""
+    return sum(
+        sum(sheet.blank.node_count for sheet in world.sheets)
+        * sum(isinstance(tool.shape, MeshShape) and not tool.shape.mesh.surface.closed for tool in world.tools)
+        for world in setup.worlds
     )
 
 

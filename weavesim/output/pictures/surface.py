@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...measures.findings import FormedSheet
-from .sheet import projection
+from .sheet import OBLIQUE, PLAN, projection
 from .style import colour_map
+
+__all__ = ["GREY", "OBLIQUE", "PLAN", "draw_elements", "scaled_colours", "signed_colours", "view"]
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-OBLIQUE, PLAN = (-58.0, 36.0), (-90.0, 90.0)
 GREY = (0.86, 0.87, 0.9, 1.0)
 
 

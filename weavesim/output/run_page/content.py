@@ -86,7 +86,7 @@ def page_of(results: Results, recorder: FrameRecorder, folder: Path) -> PageCont
     content.forces = list(_forces(info, results.history, summary))
     content.numbers = _numbers(summary)
     content.options = [
-        Row(words(name), text_of(value)) for name, value in results.setup.items() if value not in (None, "", [], {})
+        Row(words(name), text_of(value)) for name, value in results.setup.items() if not _says_nothing(value)
     ]
     content.data["regions"] = list(part.regions) if part else []
     return content
@@ -107,20 +107,21 @@ def _frame_of_page(
     """What finished and running runs have in common."""
     title = info.name.replace("_", " ")
     scene = partial(scene_of, info, recorder, history, part.fields if part else ())
+    none: list[Any] = []
     angles = [_angles(frame) for frame in _shear_angles(recorder, info)]
     return PageContent(
         title[:1].upper() + title[1:],
         info.run_id,
         _subtitle(info, outcome),
         {},
-        fabrics=_safely("the curves of the fabric", failed, [], partial(fabrics_of, info)),
-        setup=_safely("the set-up", failed, [], partial(setup_tables, info)),
+        fabrics=_safely("the curves of the fabric", failed, none, partial(fabrics_of, info)),
+        setup=_safely("the set-up", failed, none, partial(setup_tables, info)),
         provenance=provenance_rows(record_of(folder), info.run_id),
         failures=failed,
         data={
             "run": {"name": info.name, "id": info.run_id, "outcome": outcome, "duration": info.duration},
             "scene": _safely("the view", failed, {"frameCount": 0, "sheets": [], "tools": []}, scene),
-            "charts": _safely("the charts", failed, [], partial(charts_of, info, history, recorder.places, angles)),
+            "charts": _safely("the charts", failed, none, partial(charts_of, info, history, recorder.places, angles)),
             "regions": [],
         },
     )
@@ -177,10 +178,14 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, list[Row]]]:
 
 def _rows(summary: Mapping[str, Any]) -> Iterator[Row]:
     for key, value in summary.items():
-        if key in _ELSEWHERE or value in (None, {}, [], ""):
+        if key in _ELSEWHERE or _says_nothing(value):
             continue
         name, unit = split_unit(key)
         yield Row(words(name), _text(value, unit), meaning=DESCRIPTIONS.get(key, ""))
+
+
+def _says_nothing(value: Any) -> bool:
+    return value is None or (hasattr(value, "__len__") and len(value) == 0)
 
 
 def _text(value: Any, unit: Unit) -> str:
@@ -188,6 +193,10 @@ def _text(value: Any, unit: Unit) -> str:
         return with_unit(float(value), unit)
     if isinstance(value, Mapping):
         return "; ".join(f"{words(str(key))} {_text(item, _own(str(key), unit))}" for key, item in value.items())
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, np.generic):
+        return _text(value.item(), unit)
     if isinstance(value, list | tuple) and all(isinstance(item, int | float) for item in value):
         # one unit behind all
         text = ", ".join(number(float(item)) for item in value)

@@ -134,14 +134,21 @@ def text_of(value: Any, unit: str = "") -> str:
     if isinstance(value, Enum):
         return str(value.value)
     if isinstance(value, int | np.integer) and not unit:
-        return _digits(int(value)) if abs(value) >= 10_000 else str(value)
+        return _digits(int(value)) if abs(int(value)) >= 10_000 else str(value)
     if isinstance(value, int | float | np.number):
         return number(float(value), unit)
     if isinstance(value, Mapping):
         return ", ".join(f"{words(str(key))} {text_of(item, unit)}" for key, item in value.items()) or "none"
     if isinstance(value, np.ndarray | tuple | list | set | frozenset):
         return _list(value, unit)
-    return words(value) if isinstance(value, type) else str(value)
+    return str(value)
+
+
+def in_words(value: Parameters, *, without: Sequence[str] = ()) -> str:
+    """A value with its parts in one line: "dome punch, radius 60 mm, half length 85 mm"."""
+    kind = [words(type(value).__name__)] if isinstance(value, Kinded) else []
+    parts = [f"{row.label} {row.text}".strip() for row in rows_of(value, without=without)]
+    return ", ".join([*kind, *parts])
 
 
 def _list(value: Any, unit: str) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
+from ..watch.remembered import geometry_key, remembered
 from ..watch.tool_distance import ToolDistances
 from .guard import Doubt, Guard, Level, Start
 
@@ -48,9 +49,8 @@ class ClosingGap(Guard):
             thickness = min(sheet.fabric.thickness for sheet in world.sheets)
             for a, b in pairs:
                 tools = world.tools[a], world.tools[b]
-                if _closes(*tools, start) and on_both_sides(start, world, first, a, b):
-                    gap, time = smallest_gap(start, world, first, (a, b))
-                    yield from self._judged(tools, gap, time, thickness, _error(start, tools))
+                if _closes(*tools, start) and (found := _gap_around(start, world, first, (a, b))):
+                    yield from self._judged(tools, *found, thickness, _error(start, tools))
             first += len(world.tools)
 
     def _judged(
@@ -80,6 +80,20 @@ def _closes(a: Tool, b: Tool, start: Start) -> bool:
     if any(tool.motion.by_force or tool.motion.limiting_force for tool in (a, b)):
         return False
     return any(len(set(tool.motion.curve()[1])) > 1 for tool in (a, b))
+
+
+def _gap_around(start: Start, world: World, first: int, pair: tuple[int, int]) -> tuple[float, float] | None:
+    """``smallest_gap`` of two tools, if the sheets are between them."""
+    tools = world.tools[pair[0]], world.tools[pair[1]]
+    key = geometry_key(start.model, tools)
+    if key is not None:
+        displacement = (float(start.frame.tool_displacement[first + k]) for k in pair)
+        key = ("gap", world.name, *displacement, *key)
+
+    def find() -> tuple[float, float] | None:
+        return smallest_gap(start, world, first, pair) if on_both_sides(start, world, first, *pair) else None
+
+    return remembered(key, find)
 
 
 def on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> bool:

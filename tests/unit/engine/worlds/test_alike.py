@@ -10,6 +10,7 @@ from weavesim.engine.setup import World
 from weavesim.engine.worlds.alike import differences, obstacles
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.process.dynamics import Dynamics
+from weavesim.process.friction import ViscousFilm
 from weavesim.process.pressure import Pressure
 from weavesim.process.self_contact import SelfContact
 from weavesim.sheet.blank import Blank
@@ -46,6 +47,9 @@ def mesh_table():
     return Tool("table", shape)
 
 
+FILM = ViscousFilm(0.1, 1e-3)
+
+
 @pytest.mark.parametrize(
     ("given", "why"),
     [
@@ -58,6 +62,7 @@ def mesh_table():
             "there is pressure on its sheet",
         ),
         (lambda: setup(tools=(mesh_table(),)), "its tools are triangle meshes"),
+        (lambda: setup(tools=(TABLE.model_copy(update={"friction": FILM}),)), "more than one coefficient"),
         (lambda: setup(tools=(TABLE,), dynamics=Dynamics(contact_samples="surface")), "between nodes too"),
     ],
 )

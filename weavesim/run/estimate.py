@@ -31,7 +31,7 @@ BYTES_PER_ELEMENT, BYTES_PER_FRAME = 2000.0, 2000.0
 # Disk: per frame, of the film for a computed element and of the ParaView series for one of the whole part; and of the
 # pictures and the report [bytes].
 FILM_BYTES, SERIES_BYTES, REPORT_BYTES = 90.0, 90.0, 5.0e6
-# The page keeps the frames of a run in memory and then in its file, per element and frame, up to a largest size [bytes].
+# The page keeps frames in memory and then in its file, per element and frame, up to a largest size [bytes].
 PAGE_MEMORY, PAGE_BYTES, LARGEST_PAGE_MEMORY = 70.0, 15.0, 64.0e6
 # Beyond these a user is asked.
 LARGEST_STEP_COUNT = 1.0e8

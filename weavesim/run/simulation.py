@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
-from functools import cached_property
 from importlib import import_module
 from typing import Any
 
 from ..device import exclusive
-from ..engine.model import Model, hash_of_run
+from ..engine.model import Model
 from ..engine.setup import Setup
 from ..engine.state import State
 from ..engine.stepper import Stepper
@@ -23,11 +22,11 @@ from .checkpoint.checkpoints import Checkpoints
 from .checkpoint.job import Job
 from .diagnosis import Failure, find_failure
 from .frame import Frame, Observer, Outcome, RunInfo
-from .guards import Doubt, Level, verdict_of
+from .guards import Doubt, Level, report_new, verdict_of
 from .interruption import Interruption, interruption
 from .ledger import Ledger
 from .sheet_ledger import Penetration
-from .staging.advance import in_stage, next_stage, stage_memory
+from .staging.advance import begin_stage
 from .staging.course import Course
 from .start import Prepared, prepare
 from .verdict import RUN_FINDINGS, Judged, summary
@@ -94,11 +93,6 @@ class Simulation:
             with exclusive():
                 self._prepared = prepare(self.setup, self._run_id)
         return self._prepared
-
-    @property
-    def identity(self) -> dict[str, object]:
-        """Properties that a checkpoint must share with this run to continue it."""
-        return {**self.model.identity, "setup": hash_of_run(self.setup)}
 
     @property
     def model(self) -> Model:
@@ -254,7 +248,7 @@ class Simulation:
                 self._take(self.frame, observers)
             self.outcome = yield from self._run_frames(observers, interrupted)
             try:
-                self._report_doubts()
+                report_new(self.doubts(), self.prepare().guards.first, self.warnings)
             except Exception as error:  # the results are still worth having
                 self.warnings.append(f"the result could not be judged: {type(error).__name__}: {error}")
                 logger.warning("%s", self.warnings[-1], exc_info=error)
@@ -284,7 +278,7 @@ class Simulation:
                 frame = self.ledger.frame(index)
             if frame.time >= watch.next_time or not running:
                 if running:
-                    stages.look(frame.energies, self.mass)
+                    stages.look(frame.energies, self.model)
                 watch.look(frame, last=not running)
             ends_here = stages.is_reached and running
             if frame.time < target and running and not ends_here:
@@ -308,33 +302,13 @@ class Simulation:
             return False
         if self.stages.is_last:
             return True
-        self._begin_stage()
+        begin_stage(self)
         return False
 
-    def _begin_stage(self) -> None:
-        stages = self.stages
-        stages.finish(self.frame, self.model.setup)
-        self.watch.look(self.frame, last=True)
-        self._prepared = next_stage(self.prepare(), self.setup, stages, self.frame)
-        self.watch.begin_stage(self.ledger, stages.begin, stages.duration)
-        logger.info("%s: stage %s begins at %.6g s", self.name, stages.name, self.frame.time)
-        self.checkpoint()
-
-    def recall_stage(self, memory: Mapping[str, Any]) -> None:
-        """Be in the stage that ``stage_memory`` found; the state is that of the start still."""
-        self.stages.recall(memory["course"])
-        if self.setup.stages:
-            self._prepared = in_stage(self.prepare(), self.setup, self.stages, memory["carried"])
-            self.watch.begin_stage(self.ledger, self.stages.begin, self.stages.duration)
-
-    def stage_memory(self) -> dict[str, Any]:
-        """Where the run is in its stages, for a checkpoint."""
-        return stage_memory(self.prepare(), self.stages)
-
-    @cached_property
-    def mass(self) -> float:
-        """Of all sheets, without what scaling adds [kg]."""
-        return sum(sheet.fabric.areal_density * float(sheet.geometry.area.sum()) for sheet in self.model.sheets)
+    def enter(self, prepared: Prepared) -> None:
+        """Go on in a stage, whose model is on the state of this run."""
+        self._prepared = prepared
+        self.watch.begin_stage(self.ledger, self.stages.begin, self.stages.duration)
 
     def _finish(self, observer: Observer) -> None:
         observer.finish(self.outcome or Outcome.INTERRUPTED)
@@ -424,15 +398,3 @@ class Simulation:
             *((doubt.level.label, shown(doubt.message), "") for doubt in self.doubts()),
         ]  # fmt: skip
         return table(f"Simulation {self.name}", rows) + found(RUN_FINDINGS, Judged(self))._repr_html_()
-
-    def _report_doubts(self) -> None:
-        """Add the doubts that are new since the start to ``warnings`` and the log."""
-        known = set(self.prepare().guards.first)
-        for doubt in self.doubts():
-            if doubt in known:
-                continue
-            if doubt.level > Level.NOTE:
-                self.warnings.append(doubt.message)
-                logger.warning("%s", doubt.message)
-            else:
-                logger.info("%s", doubt.message)

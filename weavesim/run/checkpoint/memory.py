@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..staging.advance import recall_stage, stage_memory
 from .container import Content, DamageError
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def memory_of(simulation: Simulation) -> Content:
     memory = {
         "watch": simulation.watch.memory(),
         "guards": simulation.prepare().guards.memory(),
-        "stages": simulation.stage_memory(),
+        "stages": stage_memory(simulation),
         "wall_time": simulation.wall_time,
         "stepping_time": simulation.stepping_time,
     }
@@ -63,7 +64,7 @@ def recall(simulation: Simulation, content: Content) -> None:
     values, arrays = content
     state = {name.removeprefix(_STATE): array for name, array in arrays.items() if name.startswith(_STATE)}
     memory = put_together(values["memory"], arrays)
-    simulation.recall_stage(memory["stages"])
+    recall_stage(simulation, memory["stages"])
     try:
         simulation.state.take(state, values["step_count"])
     except ValueError as error:

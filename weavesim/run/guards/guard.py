@@ -246,3 +246,16 @@ class Guards:
 def verdict_of(doubts: Iterable[Doubt]) -> str:
     """ "trusted", "doubtful" or "do not use"."""
     return VERDICTS[max((doubt.level for doubt in doubts), default=Level.NOTE)]
+
+
+def report_new(doubts: Iterable[Doubt], known: Iterable[Doubt], warnings: list[str]) -> None:
+    """Add doubts that were not ``known`` before the run to its ``warnings`` and the log; notes to the log alone."""
+    before = set(known)
+    for doubt in doubts:
+        if doubt in before:
+            continue
+        if doubt.level > Level.NOTE:
+            warnings.append(doubt.message)
+            logger.warning("%s", doubt.message)
+        else:
+            logger.info("%s", doubt.message)

@@ -2,60 +2,70 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...engine.model import Model
-from ...engine.setup import Setup
 from ...engine.staging.derive import stage_setup
 from ...engine.stepper import Stepper
-from ..frame import Frame
 from ..ledger import Ledger, StageBook
 from ..start import Prepared
 from .change import change_state, refuse_overlap
-from .course import Course
+
+if TYPE_CHECKING:
+    from ..simulation import Simulation
+
+logger = logging.getLogger(__name__)
 
 
-def next_stage(prepared: Prepared, setup: Setup, course: Course, frame: Frame) -> Prepared:
-    """Go on to the next stage, from the last ``frame`` of a stage, which is that of the present state.
+def begin_stage(simulation: Simulation) -> None:
+    """Go on to the next stage of a run, from the last frame of a stage, which is that of the present state.
 
-    Args:
-        prepared: the run in its present stage.
-        setup: of the whole run.
-        course: of the run, which goes on.
-        frame: the last of the stage.
+    Raises:
+        InputError, RunError: a tool that cannot begin to act where it is.
     """
+    prepared, course, frame = simulation.prepare(), simulation.stages, simulation.frame
+    course.finish(frame, prepared.model.setup)
+    simulation.watch.look(frame, last=True)
     last, before = course.acting[course.index], prepared.model
     course.go_on(frame, before.setup)
     now = course.acting[course.index]
-    model = _model(prepared, setup, course)
+    model = _model(simulation)
     change_state(prepared.state, model, last, now)
-    following = _prepared(prepared, model, course, {})
     refuse_overlap(model, prepared.state, last, now)
+    following = _prepared(simulation, model, {})
     if model.setup.solver.target_step != before.setup.solver.target_step:
         following.stepper.refresh_step()
     following.ledger.carry_on(frame.energies, frame.index)
-    return following
+    simulation.enter(following)
+    logger.info("%s: stage %s begins at %.6g s", simulation.name, course.name, frame.time)
+    simulation.checkpoint()
 
 
-def in_stage(prepared: Prepared, setup: Setup, course: Course, carried: Mapping[str, float]) -> Prepared:
-    """A prepared run in the present stage of ``course``, whose ledger goes on from ``carried``; the state stays."""
-    return _prepared(prepared, _model(prepared, setup, course), course, dict(carried))
-
-
-def stage_memory(prepared: Prepared, course: Course) -> dict[str, Any]:
+def stage_memory(simulation: Simulation) -> dict[str, Any]:
     """What a checkpoint keeps of the stages."""
-    return {"course": course.memory(), "carried": prepared.ledger.stage.carried if prepared.ledger.stage else None}
+    book = simulation.ledger.stage
+    return {"course": simulation.stages.memory(), "carried": book.carried if book else None}
 
 
-def _model(prepared: Prepared, setup: Setup, course: Course) -> Model:
-    own = stage_setup(setup, course.acting[course.index], course.begins)
-    return Model(own, prepared.model.samples)
+def recall_stage(simulation: Simulation, memory: Mapping[str, Any]) -> None:
+    """Have a prepared run be in the stage that ``stage_memory`` found; its state is that of the start still."""
+    simulation.stages.recall(memory["course"])
+    if simulation.setup.stages:
+        simulation.enter(_prepared(simulation, _model(simulation), dict(memory["carried"])))
 
 
-def _prepared(prepared: Prepared, model: Model, course: Course, carried: dict[str, float]) -> Prepared:
+def _model(simulation: Simulation) -> Model:
+    course = simulation.stages
+    own = stage_setup(simulation.setup, course.acting[course.index], course.begins)
+    return Model(own, simulation.model.samples)
+
+
+def _prepared(simulation: Simulation, model: Model, carried: dict[str, float]) -> Prepared:
+    prepared, course = simulation.prepare(), simulation.stages
     solver = model.setup.solver
     stepper = Stepper(
         model,

@@ -13,6 +13,7 @@ from ...engine.staging.derive import Begin, acting_of, first_begin, gripper_plac
 from ...process.stages import AtForce, AtRest, AtStroke, Stage
 
 if TYPE_CHECKING:
+    from ...engine.model import Model
     from ...engine.setup import Setup
     from ...engine.state import State
     from ..frame import Frame
@@ -119,11 +120,12 @@ class Course:
     def _tool(self, name: str) -> int:
         return next(k for k, tool in enumerate(self._setup.tools) if tool.name == name)
 
-    def look(self, energies: Mapping[str, float], mass: float) -> None:
-        """See whether the stage is at rest, from energies [J] and the mass of all sheets [kg] at a look at the run."""
+    def look(self, energies: Mapping[str, float], model: Model) -> None:
+        """See whether the stage is at rest, from energies [J] at a look at the run."""
         if self.stage is None or not isinstance(self.stage.end, AtRest):
             return
         self._largest_internal = max(self._largest_internal, energies["internal"])
+        mass = sum(float(sheet.node_mass.sum()) for sheet in model.sheets)
         kinetic = energies["kinetic"] + energies["tool_kinetic"]
         self._rests = self._rests + 1 if self.stage.end.reached(kinetic, self._largest_internal, mass) else 0
         if self._rests >= REST_COUNT:

@@ -42,7 +42,6 @@ from .results.export import export_command
 from .results.film import film_command
 from .results.kinematic import kinematic_command
 from .results.verdict import verdict_command
-from .results.view import view_command
 from .session import announce_compilation, announced, interruptible
 from .study_command import study_command
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
@@ -66,7 +65,6 @@ application.command("verdict")(verdict_command)
 application.command("kinematic")(kinematic_command)
 application.command("compare")(compare_command)
 application.command("docs")(docs_command)
-application.command("view")(view_command)
 application.command("study")(study_command)
 add_commands(application)
 

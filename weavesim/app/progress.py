@@ -20,6 +20,7 @@ from .. import __version__
 from ..errors import InputError
 from ..input_files import shown
 from ..measures.fabric_table import summary_of
+from ..notebook import NotebookBar, in_notebook
 from ..output.folder import LOG_NAME
 from ..output.run_page.history_part import tool_copies
 from ..output.run_page.values import in_words
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 # Without a terminal, lines are spread evenly over a run.
 LINE_COUNT = 10
+# Between two updates in a notebook [s].
+NOTEBOOK_INTERVAL = 0.5
 
 
 def kinetic_ratio(energies: dict[str, float]) -> float | None:
@@ -49,7 +52,7 @@ def clock_text(seconds: float) -> str:
 
 
 class ProgressBar:
-    """Shows stroke, time left and energies during a run; without a terminal, occasional plain lines.
+    """Shows stroke, time left and energies during a run: on a terminal or in a notebook as a bar, else in a few lines.
 
     Shows the warnings of the run too. Writes to standard error, which keeps standard output free for results.
 
@@ -66,6 +69,8 @@ class ProgressBar:
         # rich would end the program at a broken pipe
         self._console = console or Console(file=cast("IO[str]", SteadyStream(sys.stderr)), highlight=False)
         self._progress: Progress | None = None
+        self._notebook: NotebookBar | None = None
+        self._next_show = 0.0
         self._task: TaskID | None = None
         self._handler: logging.Handler | None = None
         self._name = "weavesim"
@@ -91,13 +96,17 @@ class ProgressBar:
         self._name = info.name.replace("_", " ")
         self._duration = info.duration
         self._start = time.perf_counter()
+        if in_notebook():
+            self._notebook = NotebookBar(self._name)
         for warning in info.warnings:
             self._print(f"warning: {warning}")
         if info.parts:
             self._print(info.parts[-1])
         elif info.expected:
             self._print(str(info.expected))
-        if self._console.is_terminal:
+        if self._notebook is not None:
+            self._notebook.update(0.0, f"preparing {info.element_count} elements")
+        elif self._console.is_terminal:
             self._progress = Progress(
                 TextColumn("{task.description}"),
                 BarColumn(),
@@ -118,6 +127,12 @@ class ProgressBar:
             self._start = time.perf_counter()
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, completed=frame.time, state=self._state(frame))
+            return
+        if self._notebook is not None:
+            now = time.perf_counter()
+            if now >= self._next_show or frame.time >= self._duration:
+                self._next_show = now + NOTEBOOK_INTERVAL
+                self._notebook.update(frame.time / self._duration, self._state(frame))
             return
         if frame.time < self._begin:
             return
@@ -143,6 +158,9 @@ class ProgressBar:
             self._handler = None
 
     def _print(self, text: str) -> None:
+        if self._notebook is not None:
+            self._notebook.line(text)
+            return
         self._console.print(f"{self._name}: {text}", markup=False, soft_wrap=True)
 
     def _state(self, frame: Frame) -> str:

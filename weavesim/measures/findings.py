@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
+from ..notebook import shown, table
 from ..sheet.symmetry import AXES, WHOLE, Symmetry
 from .angles import shear_angle_at
 from .border import Outline, border_draw_in, draw_in, integrated_yarn_stretch, outline
 from .proximity import close_pairs
-from .units import DEGREES, MILLIMETRES, PURE, Unit
+from .units import DEGREES, MILLIMETRES, PURE, Unit, split_unit
 from .zigzag import Checkerboard, checkerboard
 
 if TYPE_CHECKING:
@@ -52,9 +53,20 @@ class Finding:
         return self.unit.named(self.name)
 
 
+class Numbers(dict[str, Any]):
+    """Numbers of a result by key, which notebooks show as a table with their units."""
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for key, value in self.items():
+            name, unit = split_unit(key)
+            rows.append((name, shown(value), unit.symbol))
+        return table("Numbers", rows)
+
+
 def found(
     findings: tuple[Finding, ...], subject: Any, failed: Callable[[str, Exception], object] | None = None
-) -> dict[str, Any]:
+) -> Numbers:
     """Numbers of ``subject`` by key, without those that have no meaning for it.
 
     Args:
@@ -63,7 +75,7 @@ def found(
         failed: called with the key and the exception of a finding that fails, which then is left out; without it the
             exception is raised.
     """
-    values = {}
+    values = Numbers()
     for finding in findings:
         try:
             values[finding.key] = finding.compute(subject)
@@ -71,7 +83,7 @@ def found(
             if failed is None:
                 raise
             failed(finding.key, error)
-    return {key: value for key, value in values.items() if value is not None}
+    return Numbers({key: value for key, value in values.items() if value is not None})
 
 
 @dataclass(frozen=True, eq=False)

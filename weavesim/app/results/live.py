@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from functools import cached_property
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
@@ -11,6 +12,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from ...errors import InputError
+from ..terminal import say
 
 PAGE_NAME = "report.html"
 # Other machines cannot reach it.
@@ -32,7 +34,7 @@ class LiveServer:
     """
 
     def __init__(self, folder: Path, port: int = 0) -> None:
-        self.folder = folder
+        self.folder, self._serves = folder, False
         try:
             self._server = ThreadingHTTPServer((ADDRESS, port), _handler(folder))
         except OSError as error:
@@ -48,12 +50,40 @@ class LiveServer:
 
     def serve(self) -> None:
         """Serve until ``close``."""
+        self._serves = True
         self._server.serve_forever(poll_interval=0.2)
 
     def close(self) -> None:
         """Stop."""
-        self._server.shutdown()
+        if self._serves:  # else it would wait for an end that never comes
+            self._server.shutdown()
         self._server.server_close()
+
+
+def show_live(folder: Path, port: int, opens: bool) -> None:
+    """Serve the run of a folder until Ctrl-C.
+
+    Args:
+        folder: of the run, which may begin later.
+        port: 0 takes a free one.
+        opens: open a browser.
+
+    Raises:
+        InputError: there is no such folder, or the port is taken.
+    """
+    import webbrowser
+
+    if not folder.is_dir():
+        raise InputError(f"run {folder}: it is no folder; give the folder of a run, its --out")
+    server = LiveServer(folder, port)
+    say(f"{server.address} shows {folder} until Ctrl-C")
+    if opens and not webbrowser.open(server.address):
+        say("No browser could be opened here: open that address yourself.")
+    try:
+        with suppress(KeyboardInterrupt):
+            server.serve()
+    finally:
+        server.close()
 
 
 def state_of(folder: Path) -> dict[str, Any]:

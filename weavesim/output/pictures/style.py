@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,9 +53,16 @@ def write_picture(figure: Figure, path: str | Path, run_id: str = "") -> None:
 
     PNG files tell the ``run_id`` in their text "weavesim run".
     """
+    _lay_out(figure)
+    with replacing(Path(path)) as temporary:
+        metadata = {"weavesim run": run_id} if run_id and Path(path).suffix == ".png" else None
+        figure.savefig(temporary, dpi=_RESOLUTION, facecolor="white", metadata=metadata)
+
+
+def _lay_out(figure: Figure) -> None:
+    """Find the places of everything, once: savefig would draw everything twice for it."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    # layout is done here: savefig would draw everything twice for it
     FigureCanvasAgg(figure)
     figure.set_dpi(_RESOLUTION)
     if (engine := figure.get_layout_engine()) is not None:
@@ -61,10 +70,7 @@ def write_picture(figure: Figure, path: str | Path, run_id: str = "") -> None:
         if _titles_are_cut(figure):  # axes of equal scales took their final heights only while it was done
             engine.execute(figure)
         figure.set_layout_engine(None)
-    _fit_texts(figure)
-    with replacing(Path(path)) as temporary:
-        metadata = {"weavesim run": run_id} if run_id and Path(path).suffix == ".png" else None
-        figure.savefig(temporary, dpi=_RESOLUTION, facecolor="white", metadata=metadata)
+        _fit_texts(figure)
 
 
 def _titles_are_cut(figure: Figure) -> bool:
@@ -123,11 +129,28 @@ def _thin_out(axes: Axes, renderer: Any) -> None:
 
 
 def new_figure(width: float, height: float) -> Figure:
+    """An empty figure in the common style; sizes in inches."""
     from matplotlib import rc_context
-    from matplotlib.figure import Figure
 
     with rc_context(_STYLE):
-        return Figure(figsize=(width, height), layout="constrained")
+        return _kind()(figsize=(width, height), layout="constrained")
+
+
+@cache
+def _kind() -> type[Figure]:
+    """The class of all figures, made when Matplotlib is needed."""
+    from matplotlib.figure import Figure
+
+    class Picture(Figure):
+        """A figure that notebooks show by themselves: without pyplot they would print its name."""
+
+        def _repr_png_(self) -> bytes:
+            data = BytesIO()
+            _lay_out(self)
+            self.savefig(data, dpi=100, facecolor="white", format="png")
+            return data.getvalue()
+
+    return Picture
 
 
 def new_axes(figure: Figure, *place: Any, **settings: Any) -> Axes:

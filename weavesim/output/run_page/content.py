@@ -73,7 +73,8 @@ def page_of(results: Results, recorder: FrameRecorder, folder: Path) -> PageCont
     summary, info = results.whole_summary, results.info
     outcome = str(summary.get("outcome") or Outcome.FINISHED.value)
     failed: list[str] = []
-    part: JudgedPart | None = _safely("the judgement of the part", failed, None, partial(judge, results))
+    options = record_of(folder).get("options") or {}
+    part: JudgedPart | None = _safely("the judgement of the part", failed, None, partial(judge, results, options))
     pictures = [picture for picture in results.pictures if picture[0].stem not in _DRAWN_ANEW]
     content = _frame_of_page(info, results.history, recorder, folder, outcome, failed, part)
     content.verdict = verdict_of(summary, outcome, part)
@@ -107,20 +108,21 @@ def _frame_of_page(
     """What finished and running runs have in common."""
     title = info.name.replace("_", " ")
     scene = partial(scene_of, info, recorder, history, part.fields if part else ())
+    none: list[Any] = []
     angles = [_angles(frame) for frame in _shear_angles(recorder, info)]
     return PageContent(
         title[:1].upper() + title[1:],
         info.run_id,
         _subtitle(info, outcome),
         {},
-        fabrics=_safely("the curves of the fabric", failed, [], partial(fabrics_of, info)),
-        setup=_safely("the set-up", failed, [], partial(setup_tables, info)),
+        fabrics=_safely("the curves of the fabric", failed, none, partial(fabrics_of, info)),
+        setup=_safely("the set-up", failed, none, partial(setup_tables, info)),
         provenance=provenance_rows(record_of(folder), info.run_id),
         failures=failed,
         data={
             "run": {"name": info.name, "id": info.run_id, "outcome": outcome, "duration": info.duration},
             "scene": _safely("the view", failed, {"frameCount": 0, "sheets": [], "tools": []}, scene),
-            "charts": _safely("the charts", failed, [], partial(charts_of, info, history, recorder.places, angles)),
+            "charts": _safely("the charts", failed, none, partial(charts_of, info, history, recorder.places, angles)),
             "regions": [],
         },
     )

@@ -8,7 +8,7 @@ import urllib.request
 import pytest
 from filelock import FileLock
 
-from weavesim.app.results.live import LiveServer, state_of
+from weavesim.app.results.live import LiveServer, show_live, state_of
 from weavesim.errors import InputError
 from weavesim.output import ResultFolder
 from weavesim.output.claim.lock import LOCK_NAME, is_locked
@@ -103,3 +103,18 @@ def test_a_run_leaves_its_progress_in_its_folder(tmp_path, coarse_run):
     folder.write({})
     assert state_of(tmp_path)["state"] == "finished"
     assert "progress.json" in json.loads((tmp_path / "run.json").read_text())["files"]
+
+
+def test_it_is_shown_until_ctrl_c(tmp_path, monkeypatch, capsys):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", lambda address: bool(opened.append(address)))
+
+    def serve(server):
+        assert opened == [server.address]
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(LiveServer, "serve", serve)
+    show_live(tmp_path, 0, opens=True)
+    assert "until Ctrl-C" in capsys.readouterr().out and len(opened) == 1
+    with pytest.raises(InputError, match="it is no folder"):
+        show_live(tmp_path / "nowhere", 0, opens=False)

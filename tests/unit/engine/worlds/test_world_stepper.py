@@ -99,6 +99,32 @@ def test_a_world_waits_where_it_has_reached_its_target():
     assert [stepper.state.time >= END for stepper in steppers] == [True] * 3
 
 
+def test_an_interval_of_one_launch_ends_there_too(together):
+    """On a CPU the loop is recorded as on a GPU, and replayed natively."""
+    steppers = [started(world(number)) for number in range(3)]
+    worlds = WorldStepper(wp.get_device("cpu"), steppers)
+    worlds.launches_intervals = True
+    worlds.start()
+    for target, found in zip((HALF_WAY, END), together, strict=True):
+        worlds.advance_to(np.full(3, target))
+        assert [(stepper.step_count, bits(stepper.state)) for stepper in steppers] == found
+
+
+@pytest.mark.gpu
+def test_a_gpu_steps_worlds_as_it_steps_each_alone():
+    steppers = [started(world(number)) for number in range(3)]
+    worlds = WorldStepper(wp.get_device("cuda:0"), steppers)
+    worlds.load()
+    worlds.start()
+    worlds.advance_to(np.full(3, END))
+    for number, stepper in enumerate(steppers):
+        alone = started(world(number, device="cuda:0"))
+        alone.advance_to(END)
+        assert abs(stepper.step_count - alone.step_count) <= 20
+        here, there = (each.model.sheet.read_motion(each.state.sheet.motion)[0] for each in (stepper, alone))
+        np.testing.assert_allclose(here, there, atol=1e-6)
+
+
 def test_a_world_that_is_lost_stops_alone():
     steppers = [started(world(number)) for number in range(2)]
     motion = steppers[0].state.sheet.motion.numpy().copy()

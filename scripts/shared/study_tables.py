@@ -1,0 +1,30 @@
+"""Tables of a study file, and of the measures of a run, for docs/studies.md."""
+
+from __future__ import annotations
+
+from scripts.shared.job_tables import sections
+from weavesim.measures.findings import Finding
+from weavesim.study.measures import SQUARE_MILLIMETRES, STUDY_FINDINGS
+from weavesim.study.schema import MeasureTable, NoiseTable, StudyTable, VaryTable
+
+SECTIONS = (
+    ("Top of the file", StudyTable), ("[[vary]]", VaryTable), ("[[measure]]", MeasureTable), ("[noise]", NoiseTable),
+)  # fmt: skip
+
+
+def tables() -> str:
+    """The keys, and the measures that only studies have."""
+    rows = [f"| `{_key(finding)}` | {finding.unit.symbol} | {finding.description} |" for finding in STUDY_FINDINGS]
+    head = "### Measures\n\nBesides all numbers of a summary ([results.md](results.md)):\n\n"
+    return (
+        sections(SECTIONS, frozenset({"scatter", "limits"}))
+        + "\n"
+        + head
+        + "| measure | unit | what it is |\n|---|---|---|\n"
+        + "\n".join(rows)
+        + "\n"
+    )
+
+
+def _key(finding: Finding) -> str:
+    return f"{finding.name}_mm2" if finding.unit is SQUARE_MILLIMETRES else finding.key

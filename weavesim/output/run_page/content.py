@@ -193,7 +193,9 @@ def _text(value: Any, unit: Unit) -> str:
     if isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool) and unit.symbol):
         return with_unit(float(value), unit)
     if isinstance(value, Mapping):
-        return "; ".join(f"{words(str(key))} {_text(item, _own(str(key), unit))}" for key, item in value.items())
+        return "; ".join(f"{_label(str(key))} {_text(item, _own(str(key), unit))}" for key, item in value.items())
+    if isinstance(value, list | tuple) and value and all(isinstance(item, Mapping) for item in value):
+        return " | ".join(_text(item, unit) for item in value)
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, np.generic):
@@ -205,9 +207,15 @@ def _text(value: Any, unit: Unit) -> str:
     return text_of(value)
 
 
+def _label(key: str) -> str:
+    """The name of an entry without its unit, in words; names of things keep their capitals."""
+    name, unit = split_unit(key.lower())
+    return words(key[: len(name)] if unit.symbol else key)
+
+
 def _own(key: str, unit: Unit) -> Unit:
     """Unit of an entry: that of its own name, or else that of the whole."""
-    own = split_unit(key)[1]
+    own = split_unit(key.lower())[1]
     return own if own.symbol else unit
 
 

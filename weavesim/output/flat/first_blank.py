@@ -88,6 +88,6 @@ def with_margin(outline: np.ndarray, margin: float) -> np.ndarray:
     inside = Outline(outline)
     # a line at a time: distances to all sides are an array
     distance = np.array([inside.nearest(line)[0] for line in grid])
-    lines = contour_generator(x, y, distance).lines(-margin)
+    lines = [np.asarray(line) for line in contour_generator(x, y, distance).lines(-margin)]
     largest = max(lines, key=lambda line: abs(plan_area(line)))
     return largest[:-1] if plan_area(largest) > 0.0 else largest[:-1][::-1]

@@ -73,8 +73,8 @@ class WorldLaunches:
         self._maxima = wp.zeros((count, group_count), dtype=real, device=device)
         self._sums = self._reaction_sums([state.reaction for state in states]) if tool_count else []
         self._no_reactions = wp.zeros((0, 0), dtype=self._model.types.vec3, device=device)
-        self._safety = wp.array(np.array(safety, dtype=np.float64), dtype=wp.float64, device=device)
-        self._largest_step = wp.array(np.array(largest_step, dtype=np.float64), dtype=wp.float64, device=device)
+        self._safety: wp.array = wp.array(np.array(safety), dtype=wp.float64, device=device)
+        self._largest_step: wp.array = wp.array(np.array(largest_step), dtype=wp.float64, device=device)
         self.target = wp.zeros(count, dtype=wp.float64, device=device)
         self.running = wp.ones(count, dtype=wp.int32, device=device)
         self.block_count = wp.zeros(count, dtype=wp.int32, device=device)

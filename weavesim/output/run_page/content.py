@@ -73,7 +73,8 @@ def page_of(results: Results, recorder: FrameRecorder, folder: Path) -> PageCont
     summary, info = results.whole_summary, results.info
     outcome = str(summary.get("outcome") or Outcome.FINISHED.value)
     failed: list[str] = []
-    part: JudgedPart | None = _safely("the judgement of the part", failed, None, partial(judge, results))
+    options = record_of(folder).get("options") or {}
+    part: JudgedPart | None = _safely("the judgement of the part", failed, None, partial(judge, results, options))
     pictures = [picture for picture in results.pictures if picture[0].stem not in _DRAWN_ANEW]
     content = _frame_of_page(info, results.history, recorder, folder, outcome, failed, part)
     content.verdict = verdict_of(summary, outcome, part)

@@ -61,11 +61,16 @@ class JudgedPart:
         return "; ".join(parts) or "none"
 
 
-def judge(results: Results) -> JudgedPart | None:
-    """Judge the sheets of a run at its last frame by the limits that its user gave; None for a run without tools."""
+def judge(results: Results, options: Mapping[str, Any]) -> JudgedPart | None:
+    """Judge the sheets of a run at its last frame by the limits that its user gave; None for a run without tools.
+
+    Args:
+        results: of the run.
+        options: given by the user, of which ``limits`` may name a file.
+    """
     if not results.info.tools:
         return None
-    limits = _limits(results.setup)
+    limits = _limits(options)
     sheets, regions, fields = [], [], []
     for place, sheet in enumerate(results.sheets):
         judgement = Judgement(

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from scripts.shared.job_tables import sections
-from weavesim.measures.findings import Finding
-from weavesim.study.measures import SQUARE_MILLIMETRES, STUDY_FINDINGS
+from weavesim.study.measures import STUDY_FINDINGS
 from weavesim.study.schema import MeasureTable, NoiseTable, StudyTable, VaryTable
 
 SECTIONS = (
@@ -14,7 +13,7 @@ SECTIONS = (
 
 def tables() -> str:
     """The keys, and the measures that only studies have."""
-    rows = [f"| `{_key(finding)}` | {finding.unit.symbol} | {finding.description} |" for finding in STUDY_FINDINGS]
+    rows = [f"| `{finding.name}` | {finding.unit.symbol} | {finding.description} |" for finding in STUDY_FINDINGS]
     head = "### Measures\n\nBesides all numbers of a summary ([results.md](results.md)):\n\n"
     return (
         sections(SECTIONS, frozenset({"scatter", "limits"}))
@@ -24,7 +23,3 @@ def tables() -> str:
         + "\n".join(rows)
         + "\n"
     )
-
-
-def _key(finding: Finding) -> str:
-    return f"{finding.name}_mm2" if finding.unit is SQUARE_MILLIMETRES else finding.key

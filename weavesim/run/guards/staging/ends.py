@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from ...process.stages import AtForce, AtRest, AtStroke, StageEnd
-from .guard import Doubt, Guard, Level, Start
+from ....process.stages import AtForce, AtRest, AtStroke, StageEnd
+from ..guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
-    from ..verdict import Judged
+    from ...verdict import Judged
 
 # What a stroke may be short of unnoticed [mm].
 LEAST_LACK = 1.0e-3

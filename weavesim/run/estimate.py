@@ -30,7 +30,9 @@ FRAME_TIME, FRAME_TIME_PER_ELEMENT = 3.0e-3, 2.0e-6
 BYTES_PER_ELEMENT, BYTES_PER_FRAME = 2000.0, 2000.0
 # Disk: per frame, of the film for a computed element and of the ParaView series for one of the whole part; and of the
 # pictures and the report [bytes].
-FILM_BYTES, SERIES_BYTES, REPORT_BYTES = 90.0, 90.0, 3.0e6
+FILM_BYTES, SERIES_BYTES, REPORT_BYTES = 90.0, 90.0, 5.0e6
+# The page keeps frames in memory and then in its file, per element and frame, up to a largest size [bytes].
+PAGE_MEMORY, PAGE_BYTES, LARGEST_PAGE_MEMORY = 70.0, 15.0, 64.0e6
 # Beyond these a user is asked.
 LARGEST_STEP_COUNT = 1.0e8
 LONGEST_TIME = 24.0 * 3600.0
@@ -94,14 +96,17 @@ def estimate(setup: Setup, *, time_step: float | None = None, thread_count: int 
         per_step = max(CORE_STEP if is_cpu else GPU_STEP, slower * elements / rate)
         per_step += open_mesh_nodes(setup) * OPEN_MESH_TIME * CORE_RATE / rate
         seconds = step_count * per_step + frames * (FRAME_TIME + FRAME_TIME_PER_ELEMENT * elements)
+    on_page = min(PAGE_MEMORY * frames * elements, LARGEST_PAGE_MEMORY)
     return Estimate(
         elements,
         frames,
         step_count,
         time_step,
         seconds,
-        memory=BYTES_PER_ELEMENT * elements + BYTES_PER_FRAME * frames,
-        disk=frames * (FILM_BYTES * elements + SERIES_BYTES * whole) + REPORT_BYTES,
+        memory=BYTES_PER_ELEMENT * elements + BYTES_PER_FRAME * frames + on_page,
+        disk=frames * (FILM_BYTES * elements + SERIES_BYTES * whole)
+        + on_page * PAGE_BYTES / PAGE_MEMORY
+        + REPORT_BYTES,
     )
 
 

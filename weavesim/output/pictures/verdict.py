@@ -14,7 +14,13 @@ from .surface import GREY, OBLIQUE, PLAN, draw_elements
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COLOURS = {"wrinkle": "#d1495b", "bridging": "#edae49", "locking": "#5b3fb5", "gap": "#2b8a9c"}
+COLOURS = {
+    "wrinkle": "#d1495b",
+    "bridging": "#edae49",
+    "locking": "#5b3fb5",
+    "gap": "#2b8a9c",
+    "self-contact": "#3f7d20",
+}
 
 
 def verdict_picture(names: Sequence[str], judged: Sequence[Judgement]) -> Figure:

@@ -164,6 +164,8 @@ def _list(value: Any, unit: str) -> str:
         readable, factor = _readable(size, unit)
         text = ", ".join(_digits(float(x) * factor) for x in numbers)
         return _after(f"({text})" if len(items) > 1 else text, readable)
+    if numbers.ndim == 2 and numbers.size <= 9:
+        return ", ".join(_list(row, unit) for row in items)
     finite = numbers[np.isfinite(numbers)]
     if not finite.size:
         return f"{numbers.size} values"

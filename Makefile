@@ -5,6 +5,10 @@
 #   make verify     run the verification studies and rebuild docs/verification.md (about 20 minutes)
 #   make render     install Blender as a Python module in .venv-render (1 GB, Python 3.11), and render the film with it
 #   make soak       kill, damage and exhaust it for hours; SOAK="--part kills --count 200" takes one part (scripts/soaking/soak.py)
+#   make site       build the documentation as a site, without a network: build/site/html/index.html
+#   make gallery    make the pictures of the documentation anew (minutes), and notebooks likewise: make notebooks
+#   make audit      look at bounds and licences of all dependencies, as installed
+#   make release    build source archive and wheel twice from the last commit; the bytes have to agree
 #   make lint       check style, formatting and types
 
 VENV := .venv
@@ -12,7 +16,11 @@ PYTHON_IN_VENV := $(VENV)/bin/python
 # Two workers suit two cores; more would mostly compile the same kernels once more each.
 WORKERS ?= 2
 
+<<<<<<< HEAD
+.PHONY: demo test test-fast verify soak site gallery notebooks audit release lint clean
+=======
 .PHONY: demo test test-fast verify render soak lint clean
+>>>>>>> main
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py --overwrite
@@ -38,6 +46,21 @@ render: $(VENV)/.installed-test .venv-render/.installed
 soak: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) scripts/soaking/soak.py $(SOAK)
 
+site: $(VENV)/.installed-docs
+	$(PYTHON_IN_VENV) scripts/documentation/make_site.py
+
+gallery: $(VENV)/.installed
+	$(PYTHON_IN_VENV) scripts/documentation/make_gallery.py
+
+notebooks: $(VENV)/.installed-docs
+	$(PYTHON_IN_VENV) scripts/documentation/make_notebooks.py
+
+audit: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) scripts/releasing/audit.py
+
+release: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) scripts/releasing/release.py
+
 lint: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m ruff check
 	$(PYTHON_IN_VENV) -m ruff format --check
@@ -60,4 +83,8 @@ $(VENV)/.installed: pyproject.toml
 
 $(VENV)/.installed-test: $(VENV)/.installed
 	@$(PYTHON_IN_VENV) -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	@touch $@
+
+$(VENV)/.installed-docs: $(VENV)/.installed
+	@$(PYTHON_IN_VENV) -m pip install --quiet --disable-pip-version-check --editable ".[docs]"
 	@touch $@

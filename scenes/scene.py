@@ -141,13 +141,17 @@ class Scene:
         self, parameters: RunOptions, case: str, setup: Setup, folder: ResultFolder, wanted: Wanted, **how: Any
     ) -> dict[str, Any]:
         from weavesim.app.run_into_folder import run_into_folder
+        from weavesim.output.run_page.values import rows_of
 
         def measure(simulation: Simulation) -> Mapping[str, Any]:
             return self.findings(parameters, simulation, wanted) if self.findings else {}
 
         options = dict(how["job"].options) | ({"case": case} if case else {})
+        shown = {row.label: row.text for row in rows_of(parameters)} | ({"case": case} if case else {})
         interval = parameters.checkpoint_interval
-        return run_into_folder(setup, folder, options=options, measure=measure, checkpoint_interval=interval, **how)
+        return run_into_folder(
+            setup, folder, options=options, measure=measure, checkpoint_interval=interval, shown=shown, **how
+        )
 
 
 def _begin(cases: list[tuple[ResultFolder, Job]], parameters: RunOptions) -> None:

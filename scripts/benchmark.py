@@ -23,6 +23,7 @@ import typer
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from scripts.benchmarks.against import against  # noqa: E402
+from scripts.benchmarks.batch import batch  # noqa: E402
 from scripts.benchmarks.bounds import bounds  # noqa: E402
 from scripts.benchmarks.cuda_resources import cuda  # noqa: E402
 from scripts.benchmarks.laws import cells, laws  # noqa: E402
@@ -34,7 +35,7 @@ from scripts.peers.command import peers  # noqa: E402
 
 app = typer.Typer(add_completion=False, help=__doc__, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command(hidden=True)(worker)
-for command in (rates, laws, cells, sheets, plies, against, peers, bounds, cuda, schedule):
+for command in (rates, laws, cells, sheets, batch, plies, against, peers, bounds, cuda, schedule):
     app.command()(command)
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ if (_checkout / "pyproject.toml").is_file():
 
 # ruff: noqa: F401, the imports are for type checkers
 if TYPE_CHECKING:
+    from .app.progress import ProgressBar
     from .calibration.calibration import calibrate
     from .calibration.options import CalibrationOptions
     from .calibration.record import write_calibration
@@ -100,6 +101,7 @@ if TYPE_CHECKING:
 
 # The modules of the public names; the imports above are the same list for type checkers.
 _names_in = {
+    "app.progress": ("ProgressBar",),
     "calibration.calibration": ("calibrate",),
     "calibration.options": ("CalibrationOptions",),
     "calibration.record": ("write_calibration",),

@@ -130,6 +130,12 @@ class Parameters(_Model):
         except ValidationError as error:
             raise InputError(_of_class(type(self), _problems(error, type(self).model_fields))) from None
 
+    def _repr_html_(self) -> str:
+        """A table for notebooks."""
+        from .notebook import table_of
+
+        return table_of(self)
+
     def disproportions(self) -> Iterator[str]:
         """Values that are hardly meant together, such as a tool a thousand times as large as the blank: sentences.
 

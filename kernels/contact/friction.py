@@ -33,6 +33,21 @@ def friction_law_struct(real: type):
 
 
 @cache
+def tool_friction_struct(real: type):
+    """The law of one tool: as ``friction_law_struct``, with its table among those of all tools."""
+
+    @wp.struct
+    class ToolFriction:
+        argument_kind: wp.int32
+        first: wp.int32  # entries of its table
+        last: wp.int32  # one past its end
+        viscosity: real  # for the Hersey number [Pa s]
+        film: real  # drag over speed and area, bounded for the stable step [Pa s/m]
+
+    return ToolFriction
+
+
+@cache
 def coefficient_function(real: type, lane_count: int):
     """wp.func (law, argument) -> coefficient."""
     lanes, FrictionLaw = lane_types(real, lane_count).lanes, friction_law_struct(real)

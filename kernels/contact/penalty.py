@@ -19,6 +19,8 @@ def touch_struct(real: type, lane_count: int):
         friction: wp.array2d(dtype=types.lanes)  # tangential spring of each tool [m], three rows each
         gap: wp.array2d(dtype=real)  # [tool, block]: distance before any node can touch [m]; unknown if not > 0
         depth: wp.array2d(dtype=types.lanes)  # [tool, block]: deepest that each node has been in a tool [m]
+        argument: wp.array2d(dtype=types.lanes)  # smallest and largest of each tool's friction law; none without laws
+        area: wp.array(dtype=types.lanes)  # constant: of each node in contact, for friction laws [m^2]; or none
         reaction: wp.array2d(dtype=types.vec3)  # [tool, block]: force of the sheet on the tool [N]
         thickness: wp.array2d(dtype=types.lanes)  # rows: see ThicknessRow; none for the initial thickness
         moved: wp.array2d(dtype=real)  # [row, block], rows: see MovedRow; none without contact between nodes

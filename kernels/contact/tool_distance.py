@@ -8,6 +8,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import lane_types, where_positive
+from .friction import tool_friction_struct
 from .tool_shapes import SHAPE_KINDS, part_struct, shape_kind, shape_number
 
 
@@ -30,6 +31,7 @@ def tool_struct(real: type):
 def tool_set_struct(real: type):
     """All tools and their current positions."""
     Tool, ToolPart = tool_struct(real), part_struct(real)
+    ToolFriction = tool_friction_struct(real)
 
     @wp.struct
     class Tools:
@@ -37,6 +39,9 @@ def tool_set_struct(real: type):
         part: wp.array(dtype=ToolPart)
         displacement: wp.array(dtype=wp.float64)  # along each tool's axis [m]
         velocity: wp.array(dtype=wp.float64)  # [m/s]
+        law: wp.array(dtype=ToolFriction)  # of each tool
+        argument: wp.array(dtype=real)  # tables of all laws, ascending within each
+        coefficient: wp.array(dtype=real)
 
     return Tools
 

@@ -21,6 +21,7 @@ class NodeTraits:
         rotated: whether any part is rotated.
         touched: whether other plies may touch it.
         sampled: whether tools are met between nodes too.
+        friction_laws: whether the friction of a tool is more than one coefficient.
     """
 
     follows_thickness: bool = False
@@ -30,6 +31,7 @@ class NodeTraits:
     rotated: bool = False
     touched: bool = False
     sampled: bool = False
+    friction_laws: bool = False
 
 
 @cache

@@ -10,6 +10,9 @@ from ..lanes import dot, lane_maximum, lane_sum, lane_types, larger, rows3, scal
 from ..operators import div, mul  # noqa: F401
 from ..rows import NodeWorkRow
 from .node_data import NodeTraits, node_laws_struct, present_struct
+from .tool_friction import rub_by_law_function
+
+THICKNESS_WORK = wp.constant(int(NodeWorkRow.thickness_work))
 
 
 @cache
@@ -60,6 +63,7 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
     Tools, Touch = tool_set_struct(real), touch_struct(real, lane_count)
     tool_distance = tool_distance_function(real, lane_count, traits.shape_kinds, traits.rotated)
     contact = contact_function(real, lane_count)
+    rub_by_law = rub_by_law_function(real, lane_count)
 
     @wp.func
     def power(tool_velocity: vec3, force: lanes3, total: lanes):
@@ -102,10 +106,10 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
                     spring, pressed, dashpot, drag, stretch = contact(
                         present, laws, tool.friction, tool_velocity, penetration, normal, stretch
                     )
+                    if wp.static(traits.friction_laws):
+                        drag, stretch = rub_by_law(present, laws, tools, k, tool_velocity, normal, pressed, touch)
                     if wp.static(traits.follows_thickness):
-                        works[NodeWorkRow.thickness_work, block] = (
-                            works[NodeWorkRow.thickness_work, block] + spring * present.growth
-                        )
+                        works[THICKNESS_WORK, block] = works[THICKNESS_WORK, block] + spring * present.growth
                     touch.depth[k, block] = larger(touch.depth[k, block], penetration)
                     push = pressed + drag
                     force = force + push

@@ -18,6 +18,7 @@ from weavesim.output.curves import Chart, Curves
 from weavesim.output.measured import Comparable, measured_differences
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
+from weavesim.process.friction import Friction
 from weavesim.process.loads import NodalLoads
 from weavesim.process.strokes import SmoothStroke
 from weavesim.process.supports import Drive, Support
@@ -78,8 +79,8 @@ def normal_force(parameters: SledParameters, fabric: Fabric) -> float:
     return GRAVITY * (parameters.mass + fabric.areal_density * parameters.side**2)
 
 
-def sled(parameters: SledParameters, fabric: Fabric | None = None) -> Setup:
-    """The test; ``fabric`` replaces the preset and shear law in the parameters."""
+def sled(parameters: SledParameters, fabric: Fabric | None = None, friction: Friction | None = None) -> Setup:
+    """The test; ``fabric`` replaces the preset and shear law in the parameters, ``friction`` their coefficient."""
     fabric = fabric or chosen_fabric(parameters)
     half = 0.5 * parameters.side
     blank = Blank.rectangle((-half, -half), (half, half), parameters.mesh_size, height=0.5 * fabric.thickness)
@@ -95,7 +96,7 @@ def sled(parameters: SledParameters, fabric: Fabric | None = None) -> Setup:
     loads = NodalLoads(force, None, (0.0, 0.5 * laying), (0.0, 1.0))
     return Setup(
         "sled", sheets=(Sheet(blank, fabric, supports=(support,), loads=loads),),
-        tools=(Tool("table", Plane(), friction=parameters.friction),),
+        tools=(Tool("table", Plane(), friction=parameters.friction if friction is None else friction),),
         dynamics=Dynamics(
             gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING
         ),

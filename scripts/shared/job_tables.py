@@ -7,11 +7,13 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
+from weavesim.checks import types_within
 from weavesim.job.schema import (
     GripperTable,
     InterfaceTable,
     Job,
     OutputTable,
+    PairTable,
     PlyTable,
     PressureTable,
     ProcessTable,
@@ -26,26 +28,31 @@ from weavesim.ranges import quantity_of
 SECTIONS: tuple[tuple[str, type[JobTable]], ...] = (
     ("Top of the file", Job), ("[[ply]]", PlyTable), ("[[tool]]", ToolTable), ("[[spring]]", SpringTable),
     ("[[gripper]]", GripperTable), ("[[pressure]]", PressureTable), ("[interface]", InterfaceTable),
+    ("[[interface.pair]]", PairTable),
     ("[process]", ProcessTable), ("[solver]", SolverTable), ("[output]", OutputTable),
 )  # fmt: skip
-# Tables that the file has, which have sections of their own.
-OWN_SECTION = {title.strip("[]") for title, _ in SECTIONS}
 
 
 def tables() -> str:
     """All sections, one row per key."""
+    return sections(SECTIONS)
+
+
+def sections(listed: tuple[tuple[str, type[JobTable]], ...], elsewhere: frozenset[str] = frozenset()) -> str:
+    """Tables of keys, one section for each class; those of the first that are tables ``elsewhere`` are left out."""
     parts = []
-    for title, table in SECTIONS:
+    own = {title.strip("[]") for title, _ in listed} | elsewhere
+    for title, table in listed:
         text = (table.__doc__ or "").split("`")[0].strip().rstrip(".")
         heading = f"### `{title}`\n\n{text}.\n" if title.startswith("[") else f"### {title}\n"
-        rows = list(_rows(table))
+        rows = list(_rows(table, own if table is listed[0][1] else set()))
         parts.append("\n".join([heading, "| key | value | default | meaning |", "|---|---|---|---|", *rows]) + "\n")
     return "\n".join(parts)
 
 
-def _rows(table: type[JobTable]) -> Iterator[str]:
+def _rows(table: type[JobTable], elsewhere: set[str]) -> Iterator[str]:
     for name, field in table.model_fields.items():
-        if table is Job and name in OWN_SECTION:
+        if name in elsewhere:
             continue
         if table is not SpringTable and issubclass(table, SpringTable) and name in SpringTable.model_fields:
             continue
@@ -68,6 +75,12 @@ def _value(field: FieldInfo) -> str:
         low, high = row.plausible
         bounds = f"usual up to {high:g}{unit}" if low == 0.0 else f"usual {low:g} to {high:g}{unit}"
         parts.append(f'{"numbers" if many else "number"}, `"{EXAMPLES[row.unit]}"`, {bounds}')
+        if "dict" in text:
+            parts.append("or a table")
+    elif any(isinstance(part, type) and issubclass(part, JobTable) for part in types_within(field.annotation)):
+        parts.append("tables")
+    elif "typing.Any" in text and "dict" not in text:
+        parts.append("values, with units or in SI" if many else "value, with its unit or in SI")
     elif "bool" in text:
         parts.append("true or false")
     elif "dict" in text:

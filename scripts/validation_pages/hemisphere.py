@@ -57,7 +57,7 @@ def hemisphere_page() -> tuple[str, list[str]]:
         table(header, rows),
         "Folds are maxima of the rim's distance from the vertical axis, less that of a cloth that lies on the ball "
         "without folds; the amplitude is half the range of that difference. Close pairs are nodes and elements that "
-        "come closer than half the thickness without being neighbours: there is no self-contact yet, so they pass "
+        "come closer than half the thickness without being neighbours: the scene has no self-contact, so they pass "
         "through each other. The largest shear angles agree between the meshes. The folds of the soft, shear-stiff "
         "cloth do not: wrinkling is unstable, so their number depends on mesh, unevenness and damping, and they are as "
         "sharp as the mesh allows.",

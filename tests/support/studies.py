@@ -75,6 +75,11 @@ def noisy(x: float, repeat: int = 0) -> dict[str, float]:
     return {"line": 2.0 * x + deviation * scatter, "chance": deviation * scatter, "constant": 1.0}
 
 
+def root_of(x: float) -> dict[str, float]:
+    """A number with all digits."""
+    return {"root": math.sqrt(x)}
+
+
 def slow(x: float) -> dict[str, float]:
     """A number with all digits, after a fifth of a second."""
     time.sleep(0.2)

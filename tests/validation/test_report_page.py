@@ -2,31 +2,42 @@
 
 import io
 import json
+import threading
 from dataclasses import replace
+from itertools import islice
 
 import h5py
 import numpy as np
 import pytest
+from filelock import FileLock
 from PIL import Image
 
+from weavesim.app.results.live import LiveServer
 from weavesim.output import ResultFolder
+from weavesim.output.claim.lock import LOCK_NAME
+from weavesim.output.history import History
+from weavesim.output.run_page.content import page_so_far
+from weavesim.output.run_page.progress import ProgressRecord
+from weavesim.output.run_page.recorder import FrameRecorder
+from weavesim.output.run_page.writing import write_page
+from weavesim.output.writers import pictures
 from weavesim.run.frame import Outcome
 
 DOUBTS = [
     {"guard": "test", "level": "warning", "text": "something at a place", "advice": "look there", "sheet": None,
-     "place": [0.1, 0.05], "time": 0.01, "message": "something at a place: look there"},
+     "place_m": [0.1, 0.05], "time_s": 0.01, "message": "something at a place: look there"},
 ]  # fmt: skip
 
 
 def write(path, run, summary=None, outcome=Outcome.FINISHED, writers=("report", "results"), **options):
     """A folder of results of these frames."""
     info, frames = run
-    folder = ResultFolder(path, writers=list(writers))
+    folder = ResultFolder(path, writers=list(writers), **options)
     folder.start(info)
     for frame in frames:
         folder.frame(frame)
     folder.finish(outcome)
-    folder.write(summary or {}, **options)
+    folder.write(summary or {})
     assert not folder.warnings
     return path / "report.html"
 
@@ -44,7 +55,7 @@ def finished(tmp_path_factory, coarse_run, limits):
     """Page of a run with a doubt, and its folder."""
     path = tmp_path_factory.mktemp("page")
     summary = {"doubts": DOUBTS, "verdict": "doubtful"}
-    return write(path, with_forces(coarse_run), summary, setup={"limits": str(limits)}), path
+    return write(path, with_forces(coarse_run), summary, options={"limits": str(limits)}), path
 
 
 def with_forces(run):
@@ -267,7 +278,9 @@ def test_a_run_that_was_stopped_at_once_has_a_page(browser, tmp_path, coarse_run
         assert opened.errors == [] and "did not reach its end" in opened.page.locator("#verdict").inner_text()
 
 
-def test_without_webgl_there_are_pictures(browser, tmp_path, coarse_run):
+def test_without_webgl_there_are_pictures(browser, tmp_path, coarse_run, monkeypatch):
+    drawn = pictures.wanted_pictures
+    monkeypatch.setattr(pictures, "wanted_pictures", lambda results: islice(drawn(results), 1))
     path = write(tmp_path, coarse_run, writers=["pictures", "report"])
     text = path.read_text(encoding="utf-8")
     path.write_text(
@@ -292,3 +305,43 @@ def test_names_of_a_run_are_texts(browser, tmp_path, coarse_run):
         opened.page.locator("#cut").select_option("y")
         assert opened.page.locator("img[src=x]").count() == 0 and opened.errors == [] and opened.requests == []
         assert json.loads(opened.page.locator("#data").text_content())["scene"]["sheets"][0]["name"] == name
+
+
+def test_a_run_in_progress_is_kept_up_with(browser, tmp_path, coarse_run):
+    """The page grows while it is open, in the view that the reader has chosen."""
+    info, frames = coarse_run
+    recorder, history, record = FrameRecorder(), History(), ProgressRecord(tmp_path, info)
+    for observer in (recorder, history, record):
+        observer.start(*([] if observer is record else [info]))
+    server = LiveServer(tmp_path)
+    thread = threading.Thread(target=server.serve, daemon=True)
+    thread.start()
+
+    def go_on(some):
+        for frame in some:
+            recorder.frame(frame)
+            history.frame(frame)
+            record.frame(frame)
+        write_page(tmp_path / "report.html", page_so_far(info, history, recorder, tmp_path))
+
+    try:
+        with browser.open(server.address) as opened, FileLock(tmp_path / LOCK_NAME):
+            assert "waits for the run" in opened.page.content()
+            go_on(frames[:3])
+            opened.page.wait_for_function("typeof weavesim !== 'undefined' && weavesim.page !== undefined")
+            opened.page.evaluate("weavesim.ready")
+            assert opened.page.evaluate("weavesim.page.frameCount") == 3
+            opened.page.locator("#field").select_option("thickness")
+            opened.page.evaluate("weavesim.page.view.look('side')")
+            opened.page.wait_for_function("document.getElementById('live').innerText.includes('running')")
+            go_on(frames[3:8])
+            opened.page.wait_for_function("weavesim.page.frameCount === 8 && weavesim.page.frame === 7")
+            assert np.abs(nodes(opened) - frames[7].position).max() < 1e-5
+            assert opened.page.locator("#field").input_value() == "thickness"
+            assert opened.page.evaluate("weavesim.page.view.camera.position.x") > 100.0
+            record.finish(Outcome.FINISHED)
+            opened.page.wait_for_function("document.getElementById('live').innerText.includes('finished')")
+            assert "punch" in opened.page.locator("#live").inner_text() and opened.errors == []
+    finally:
+        server.close()
+        thread.join()

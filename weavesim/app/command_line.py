@@ -33,11 +33,13 @@ from .. import __version__
 from ..device import Precision
 from ..errors import InputError, RunError
 from ..run.interruption import leaving_at_once
+from .docs_command import docs_command
 from .ending import ExitCode, closing_lines, exit_code
 from .fabric_command import fabric_application
 from .jobs import add_commands
 from .results.compare import compare_command
 from .results.export import export_command
+from .results.film import film_command
 from .results.kinematic import kinematic_command
 from .results.verdict import verdict_command
 from .session import announce_compilation, announced, interruptible
@@ -58,9 +60,11 @@ application = typer.Typer(
 
 application.add_typer(fabric_application, name="fabric")
 application.command("export")(export_command)
+application.command("film")(film_command)
 application.command("verdict")(verdict_command)
 application.command("kinematic")(kinematic_command)
 application.command("compare")(compare_command)
+application.command("docs")(docs_command)
 application.command("study")(study_command)
 add_commands(application)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import logging.handlers
+import math
 import platform
 import sys
 import textwrap
@@ -13,11 +14,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, cast
 
+import numpy as np
+
 from .. import __version__
 from ..errors import InputError
 from ..input_files import shown
 from ..measures.fabric_table import summary_of
+from ..notebook import NotebookBar, in_notebook
 from ..output.folder import LOG_NAME
+from ..output.run_page.history_part import tool_copies
+from ..output.run_page.recorder import stage_of
+from ..output.run_page.values import in_words
+from ..process.friction import in_words as friction_in_words
 from ..run.frame import Frame, Outcome, RunInfo
 from .terminal import SteadyStream
 
@@ -27,6 +35,8 @@ if TYPE_CHECKING:
 
 # Without a terminal, lines are spread evenly over a run.
 LINE_COUNT = 10
+# Between two updates in a notebook [s].
+NOTEBOOK_INTERVAL = 0.5
 
 
 def kinetic_ratio(energies: dict[str, float]) -> float | None:
@@ -43,7 +53,7 @@ def clock_text(seconds: float) -> str:
 
 
 class ProgressBar:
-    """Shows stroke, time left and energies during a run; without a terminal, occasional plain lines.
+    """Shows stroke, time left and energies during a run: on a terminal or in a notebook as a bar, else in a few lines.
 
     Shows the warnings of the run too. Writes to standard error, which keeps standard output free for results.
 
@@ -60,6 +70,8 @@ class ProgressBar:
         # rich would end the program at a broken pipe
         self._console = console or Console(file=cast("IO[str]", SteadyStream(sys.stderr)), highlight=False)
         self._progress: Progress | None = None
+        self._notebook: NotebookBar | None = None
+        self._next_show = 0.0
         self._task: TaskID | None = None
         self._handler: logging.Handler | None = None
         self._name = "weavesim"
@@ -85,13 +97,17 @@ class ProgressBar:
         self._name = info.name.replace("_", " ")
         self._duration = info.duration
         self._start = time.perf_counter()
+        if in_notebook():
+            self._notebook = NotebookBar(self._name)
         for warning in info.warnings:
             self._print(f"warning: {warning}")
         if info.parts:
             self._print(info.parts[-1])
         elif info.expected:
             self._print(str(info.expected))
-        if self._console.is_terminal:
+        if self._notebook is not None:
+            self._notebook.update(0.0, f"preparing {info.element_count} elements")
+        elif self._console.is_terminal:
             self._progress = Progress(
                 TextColumn("{task.description}"),
                 BarColumn(),
@@ -112,6 +128,12 @@ class ProgressBar:
             self._start = time.perf_counter()
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, completed=frame.time, state=self._state(frame))
+            return
+        if self._notebook is not None:
+            now = time.perf_counter()
+            if now >= self._next_show or frame.time >= self._duration:
+                self._next_show = now + NOTEBOOK_INTERVAL
+                self._notebook.update(frame.time / self._duration, self._state(frame))
             return
         if frame.time < self._begin:
             return
@@ -137,6 +159,9 @@ class ProgressBar:
             self._handler = None
 
     def _print(self, text: str) -> None:
+        if self._notebook is not None:
+            self._notebook.line(text)
+            return
         self._console.print(f"{self._name}: {text}", markup=False, soft_wrap=True)
 
     def _state(self, frame: Frame) -> str:
@@ -148,6 +173,31 @@ class ProgressBar:
         if ratio is not None:
             parts.append(f"kinetic/internal {ratio:.2%}")
         return ", ".join(parts)
+
+
+def frame_line(frame: Frame, info: RunInfo) -> str:
+    """A frame in one line: how far, forces on the whole part along the axes of the tools, largest shear angle, energy.
+
+    Every energy of every frame is in ``history.csv``.
+    """
+    stage = f"{stage_of(frame)}, " if stage_of(frame) else ""
+    parts = [f"frame {frame.index}: {stage}time {frame.time:.6g} s, stroke {1e3 * frame.stroke:.2f} mm"]
+    if info.tools:
+        tools = zip(info.tool_names, info.tools, frame.tool_reaction, tool_copies(info), strict=True)
+        forces = (f"{name} {copies * abs(float(force @ tool.axis)):.4g}" for name, tool, force, copies in tools)
+        parts.append(f"{', '.join(forces)} N on the whole part")
+    if info.supports:
+        forces = (f"{support.name} {np.linalg.norm(force):.4g}"
+                  for support, force in zip(info.supports, frame.support_force, strict=False))  # fmt: skip
+        if text := ", ".join(forces):
+            parts.append(f"{text} N")
+    angles = [sheet.fields["shear_angle"] for sheet in frame.sheets if "shear_angle" in sheet.fields]
+    if angles:
+        parts.append(f"shear up to {math.degrees(max(float(np.abs(angle).max()) for angle in angles)):.1f} degrees")
+    ratio = kinetic_ratio(frame.energies)
+    if ratio is not None:
+        parts.append(f"kinetic/internal {ratio:.2%}")
+    return "; ".join(parts)
 
 
 class _Warnings(logging.Handler):
@@ -222,35 +272,20 @@ class RunLog:
                 f"its provenance: {summary_of(fabric)}",
             ]
         for tool in info.tools:
-            # A stroke or a mesh may contain thousands of numbers.
-            shape, motion = (textwrap.shorten(repr(part), 160) for part in (tool.shape, tool.motion))
-            lines.append(f"tool {tool.name}: {shape}, {motion}, friction {tool.friction:g}")
+            shape = textwrap.shorten(in_words(tool.shape, without=("rotation",)), 200)
+            motion = textwrap.shorten(in_words(tool.motion), 200)
+            lines.append(f"tool {tool.name}: {shape}; {motion}; {friction_in_words(tool.friction)}")
         lines += info.notes
         lines += [f"warning: {warning}" for warning in info.warnings]
         for line in lines:
             self._logger.info("%s", line)
-        self._tool_names = [tool.name for tool in info.tools]
+        self._info = info
         self._start = time.perf_counter()
 
     def frame(self, frame: Frame) -> None:
         if self._since is not None and frame.time <= self._since:
             return
-        forces = ", ".join(
-            f"{name} {1e3 * travel:.2f} mm ({x:.4g}, {y:.4g}, {z:.4g}) N"
-            for name, travel, (x, y, z) in zip(
-                self._tool_names, frame.tool_displacement, frame.tool_reaction, strict=True
-            )
-        )
-        energies = ", ".join(f"{name} {value:.4g}" for name, value in frame.energies.items())
-        self._logger.info(
-            "frame %d: step %d, time %.6g s, stroke %.3f mm; %s; energies [J]: %s",
-            frame.index,
-            frame.step_count,
-            frame.time,
-            1e3 * frame.stroke,
-            forces or "no tools",
-            energies,
-        )
+        self._logger.info("%s", frame_line(frame, self._info))
 
     def finish(self, outcome: Outcome) -> None:
         self._logger.info("%s after %.2f s", outcome.value, time.perf_counter() - self._start)

@@ -32,6 +32,7 @@ def run_into_folder(
     job: Job | None = None,
     checkpoint_interval: float = INTERVAL,
     resumes: bool = False,
+    shown: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """Run a set-up and write its results to ``folder``, however the run ends.
 
@@ -41,12 +42,13 @@ def run_into_folder(
     Args:
         setup: of the run.
         folder: for the results.
-        options: given by the user, by name, for the report.
+        options: given by the user, by name, for the record of the run.
         measure: returns the scene's own summary entries after the run.
         before: called when nothing is left to be refused, just before the run.
         job: tells whoever resumes the run where it came from; by default a set-up with its options.
         checkpoint_interval: wall time between two checkpoints [s]; 0 writes none.
         resumes: go on from the last checkpoint of ``job`` in the folder, or from the start where there is none yet.
+        shown: the options in words and with their units, for the report; by default as they are.
 
     Returns:
         The summary as written.
@@ -95,7 +97,9 @@ def run_into_folder(
             finally:
                 if simulation.history:
                     folder.add(log.path)
-                    summary = folder.write(_numbers(simulation, folder, log, measure), setup=options)
+                    summary = folder.write(
+                        _numbers(simulation, folder, log, measure), setup=options if shown is None else shown
+                    )
                     if simulation.outcome is Outcome.FINISHED and not summary["missing"]:
                         folder.sync()
                         checkpoints.remove()

@@ -53,7 +53,7 @@ def study_command(
     files_from: FilesFrom = None,
     out: Annotated[Path | None, typer.Option(help="folder for the results [default: study, beside FILE]")] = None,
     jobs: Annotated[
-        int | None, typer.Option(min=1, help="runs at a time on this machine [default: one for each core]")
+        int | None, typer.Option(min=1, help="processes on this machine [default: one for each core; for a GPU one]")
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(help="address of a Dask scheduler whose workers compute, such as tcp://host:8786")
@@ -191,6 +191,7 @@ def _prepared(
     from ..study.execution.cluster import ClusterExecutor
     from ..study.execution.executor import HereExecutor
     from ..study.execution.processes import ProcessExecutor
+    from ..study.execution.together import TogetherExecutor
     from ..study.job_subject import JobSubject
     from ..study.schema import NoiseTable
 
@@ -204,8 +205,9 @@ def _prepared(
         # its workers have as many threads as their own machine allows
         return subject, ClusterExecutor(scheduler, study.table.retries)
     cores = available_threads()
-    # a GPU computes one run after the other
-    width = jobs or (cores if file.job.solver.device == "cpu" else 1)
+    if file.job.solver.device != "cpu" and jobs is None:
+        return subject, TogetherExecutor()
+    width = jobs or cores
     subject = subject.with_threads(max(1, cores // width))
     return subject, HereExecutor() if width == 1 else ProcessExecutor(width, study.table.retries)
 

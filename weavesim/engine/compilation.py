@@ -15,7 +15,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Self
+from typing import Protocol, Self
 
 import warp as wp
 
@@ -56,6 +56,15 @@ from .setup import Setup
 from .traits import node_traits, sheet_traits
 
 logger = logging.getLogger(__name__)
+
+
+class Kernels(Protocol):
+    """Kernels for one device, as a value that can be sent to another process."""
+
+    @property
+    def device(self) -> str: ...
+
+    def kernels(self) -> list[wp.Kernel]: ...
 
 
 @dataclass(frozen=True)
@@ -216,7 +225,7 @@ def mesh_kernels() -> list[wp.Kernel]:
     return [mesh_distance_kernel, sampled_distance_kernel, fill_tiles_kernel, doubt_cells_kernel]
 
 
-def missing(kernel_set: KernelSet | MeshKernelSet) -> list[int]:
+def missing(kernel_set: Kernels) -> list[int]:
     """Indices of the set's kernels that are not in the cache, found without compiling anything.
 
     Raises:
@@ -244,7 +253,7 @@ def side_by_side(announce: Callable[[int], None]) -> Iterator[None]:
         _announce.reset(token)
 
 
-def compile_missing(kernel_set: KernelSet | MeshKernelSet) -> None:
+def compile_missing(kernel_set: Kernels) -> None:
     """Before a run, log how many kernels are not in the cache, and compile them in parallel within ``side_by_side``.
 
     Raises:
@@ -260,7 +269,7 @@ def compile_missing(kernel_set: KernelSet | MeshKernelSet) -> None:
         _compile(kernel_set, indices, available_threads())
 
 
-def compile_kernels(kernel_set: KernelSet | MeshKernelSet, process_count: int | None = None) -> float:
+def compile_kernels(kernel_set: Kernels, process_count: int | None = None) -> float:
     """Compile the kernels that are not in the cache yet.
 
     Args:
@@ -285,7 +294,7 @@ def compile_kernels(kernel_set: KernelSet | MeshKernelSet, process_count: int | 
     return time.perf_counter() - started
 
 
-def _compile(kernel_set: KernelSet | MeshKernelSet, indices: list[int], process_count: int) -> None:
+def _compile(kernel_set: Kernels, indices: list[int], process_count: int) -> None:
     """Compile in processes that end when this one ends, in whatever way, or when it is interrupted.
 
     What they fail to do is left to ``load_kernel``, which also says why.
@@ -333,6 +342,6 @@ def _end_with(watched: Connection) -> None:
     os._exit(1)
 
 
-def _load(kernel_set: KernelSet | MeshKernelSet, index: int) -> None:
+def _load(kernel_set: Kernels, index: int) -> None:
     initialise()
     load_kernel(kernel_set.kernels()[index], resolve_device(kernel_set.device))

@@ -33,6 +33,7 @@ from .plies.ply_launches import PlyLaunches
 from .sheet_model import SheetModel
 from .state import SheetState, State
 from .surface.contact import SurfaceContact
+from .surface.friction import set_friction
 from .tiles import chunks
 
 # A single thread reduces up to this number of entries; more of them are reduced in tiles first.
@@ -153,7 +154,8 @@ class Launches:
         around.clock = state.clock
         tools = tool_set_struct(sheet.real)()
         tools.part = self.model.tools.part
-        tools.tool = sheet.places.tools.of(self.model.tools.tool)
+        tools.tool, tools.law = map(sheet.places.tools.of, (self.model.tools.tool, self.model.tools.law))
+        tools.argument, tools.coefficient = self.model.tools.argument, self.model.tools.coefficient
         tools.displacement, tools.velocity = map(sheet.places.tools.of, (state.tool_displacement, state.tool_velocity))
         around.tools = tools
         supports = support_struct(sheet.real, sheet.lane_count)()
@@ -170,6 +172,7 @@ class Launches:
         touch.friction = sheet.friction_layout.view(own.friction)
         touch.gap, touch.depth = own.gap, lanes_view(own.depth, lane_count)
         touch.thickness, touch.moved = lanes_view(own.thickness, lane_count), own.moved
+        set_friction(touch, sheet, own.friction_argument, samples=False)
         touch.reaction = self._reaction(sheet)[:, : sheet.block_count]
         return SheetArguments(
             sheet=sheet.device_sheet(lane_count),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any
@@ -11,6 +12,7 @@ import warp as wp
 from ..device import initialise, load_kernel, resolve_device
 from ..errors import InputError
 from ..process.device import build_device_drives
+from ..process.friction_device import carried_rate
 from ..process.interfaces import Interface
 from ..process.self_contact import SelfContact
 from ..sheet.sheet import Sheet
@@ -64,11 +66,11 @@ class Model:
         )
         self.reaction_count = max(sheet.places.last_reaction for sheet in self.sheets)
         self.drives = build_device_drives(setup.supports, self.device)
-        self.samples = _sampled_meshes(setup, str(self.device))
-        self.tools = build_device_tools(
-            setup.tools, self.real, str(self.device), self.samples, self._contact_stiffness()
-        )
+        self.samples = sampled_meshes(setup, str(self.device))
         self.reference_step = min(sheet.reference_step for sheet in self.sheets)
+        self.tools = build_device_tools(
+            setup.tools, self.real, str(self.device), self.samples, self.contact_stiffness(), self.carried_rates()
+        )
         own = (sheet.self_contact for sheet in setup.sheets)
         self.contacts: tuple[Interface | SelfContact, ...] = (
             *setup.interfaces,
@@ -116,12 +118,21 @@ class Model:
             for place in places
         )
 
-    def _contact_stiffness(self) -> list[float]:
+    def contact_stiffness(self) -> list[float]:
         """Of every tool with all nodes of all sheets that it may touch [N/m]."""
         result = [0.0] * len(self.setup.tools)
         for sheet in self.sheets:
             for tool in range(sheet.places.tools.start, sheet.places.tools.stop):
                 result[tool] += float(sheet.contact_stiffness.sum())
+        return result
+
+    def carried_rates(self) -> list[float]:
+        """Rate of a viscous film that the time step carries, on every tool [Pa s/m]."""
+        result = [math.inf] * len(self.setup.tools)
+        for sheet in self.sheets:
+            rate = carried_rate(float(sheet.areal_density.min()), self.reference_step)
+            for tool in range(sheet.places.tools.start, sheet.places.tools.stop):
+                result[tool] = min(result[tool], rate)
         return result
 
     @property
@@ -187,7 +198,7 @@ def _reaction_count(sheet: Sheet, world: World) -> int:
     return padded(sheet.blank.node_count, SPARE_NODE_COUNT) + elements
 
 
-def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
+def sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
     """Sampled distances of all triangle meshes among the tools, deep enough for the sheets of their world."""
     samples: dict[Any, SampledDistance] = {}
     if mesh_parts(setup.tools):

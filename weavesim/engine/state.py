@@ -31,13 +31,14 @@ from ..kernels.rows import (
 )
 from .layout import BLOCK
 from .plies.pass_state import PassState
+from .surface.friction import argument_rows
 
 if TYPE_CHECKING:
     from .model import Model
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 6
+FILE_VERSION = 7
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,8 @@ class SheetState:
     thickness: wp.array  # (rows, nodes), ThicknessRow; (rows, 0) for contact with the initial thickness [m]
     friction: wp.array  # flat, ``SheetModel.friction_layout`` [m]
     depth: wp.array  # (tools, nodes), deepest that each has been in a tool [m]
+    # (2 tools, nodes): smallest and largest argument of each tool's friction law; (2, BLOCK) without such laws
+    friction_argument: wp.array
     extremes: wp.array  # (rows, elements), ExtremeRow
     gap: wp.array  # (tools, node blocks), how far each may move before a contact is possible [m]
     holding: wp.array  # force of a support on its node, (nodes,) vec3 [N]; empty without supports
@@ -65,6 +68,7 @@ class SheetState:
     sample_thickness: wp.array  # (rows, elements), ThicknessRow; (rows, 0) for contact with the initial thickness [m]
     sample_friction: wp.array  # flat, ``Samples.layout`` [m]
     sample_depth: wp.array  # (tools, samples), as depth
+    sample_friction_argument: wp.array  # (2 tools, samples), as friction_argument
     sample_gap: wp.array  # (tools, sample blocks), as gap
     sample_reaction: wp.array  # (tools, sample blocks) vec3, force of each block of samples on each tool [N]
     contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
@@ -115,6 +119,7 @@ class SheetState:
             thickness=wp.array(thickness, dtype=real, device=device),
             friction=zeros(3 * tool_rows * model.node_count),
             depth=zeros(tool_rows, model.node_count),
+            friction_argument=wp.array(argument_rows(model, model.node_count), dtype=real, device=device),
             extremes=zeros(ExtremeRow.row_count(), model.element_count),
             gap=zeros(tool_rows, model.block_count),
             holding=zeros(model.node_count if model.supports else 0, dtype=model.types.vec3),
@@ -125,6 +130,7 @@ class SheetState:
             sample_thickness=wp.array(sample_thickness, dtype=real, device=device),
             sample_friction=zeros(3 * tool_rows * samples),
             sample_depth=zeros(tool_rows, samples),
+            sample_friction_argument=wp.array(argument_rows(model, samples), dtype=real, device=device),
             sample_gap=zeros(tool_rows, sample_blocks),
             sample_reaction=zeros(tool_rows, sample_blocks, dtype=model.types.vec3),
             contact_force=zeros(3, model.node_count if touched else BLOCK),

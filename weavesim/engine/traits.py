@@ -9,6 +9,7 @@ from ..fabric.fabric import Fabric
 from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.node_data import NodeTraits
 from ..process.dynamics import Dynamics
+from ..process.friction import Coulomb, law_of
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
 from ..tools.shapes import IDENTITY, shape_kinds
@@ -37,4 +38,5 @@ def node_traits(sheet: Sheet, world: World) -> NodeTraits:
         touched=sheet.self_contact is not None
         or any(sheet.name in (interface.lower, interface.upper) for interface in world.interfaces),
         sampled=bool(world.tools) and world.dynamics.contact_samples == "surface",
+        friction_laws=any(not isinstance(law_of(tool.friction), Coulomb) for tool in world.tools),
     )

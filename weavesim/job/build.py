@@ -8,13 +8,15 @@ from ..engine.setup import Setup, Solver
 from ..errors import InputError
 from ..fabric.fabric import Fabric
 from ..process.dynamics import Dynamics
-from ..process.friction import Coulomb
+from ..process.friction import law_of
 from ..process.interfaces import Interface
+from ..process.self_contact import SelfContact
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import Symmetry
 from ..tools.shapes import Shape
 from ..tools.tool import Tool
 from .blanks.plies import blank_of, fabric_of, outline_of, plies_of
+from .friction import friction_of
 from .loads import Loads
 from .placing import Box, axis_of, motion_of, reach, start_shift
 from .read import JobFile
@@ -78,6 +80,7 @@ class Builder:
                 damping=job.process.damping,
                 director_damping=job.process.director_damping,
                 contact_thickness=job.process.contact_thickness,
+                contact_samples=job.process.contact_samples,
             ),
             duration=self._duration(tools),
             frame_count=output.frame_count,
@@ -147,17 +150,32 @@ class Builder:
             blank,
             self.fabrics[k],
             name=ply.name,
-            pressures=loads.pressures(ply.name),
+            self_contact=self._self_contact() if ply.self_contact else None,
+            pressures=loads.pressures(ply.name, blank),
             grippers=loads.grippers(ply.name, blank, self.outlines[k].loops.outline),
         )
+
+    def _self_contact(self) -> SelfContact:
+        value = self.file.job.interface.friction
+        return SelfContact(law_of(friction_of(self.file, ["interface", "friction"], value, of_tool=False)))
 
     def _interfaces(self) -> tuple[Interface, ...]:
         """Between neighbours."""
         table, names = self.file.job.interface, [ply.name for _, ply in self.plies]
-        return tuple(
-            Interface(lower, upper, Coulomb(table.friction), passes=table.passes)
-            for lower, upper in zip(names[:-1], names[1:], strict=True)
-        )
+        usual = law_of(friction_of(self.file, ["interface", "friction"], table.friction, of_tool=False))
+        found = {pair: Interface(*pair, usual, passes=table.passes) for pair in zip(names[:-1], names[1:], strict=True)}
+        for index, own in enumerate(table.pair):
+            keys, pair = ["interface", "pair", index], (own.lower, own.upper)
+            if pair not in found:
+                known = ", ".join(f"{lower} / {upper}" for lower, upper in found)
+                self.file.refuse(
+                    keys, f"lower = {own.lower!r}, upper = {own.upper!r}: no neighbours; there are {known}"
+                )
+            law = usual
+            if own.friction is not None:
+                law = law_of(friction_of(self.file, [*keys, "friction"], own.friction, of_tool=False))
+            found[pair] = Interface(*pair, law, passes=own.passes or table.passes)
+        return tuple(found.values())
 
     def _tool(self, k: int, share: float) -> Tool:
         tool = self.file.job.tool[k]
@@ -171,7 +189,7 @@ class Builder:
                 tool.name,
                 shape,
                 motion,
-                friction=tool.friction,
+                friction=friction_of(self.file, ["tool", k, "friction"], tool.friction, of_tool=True),
                 axis=(float(axis[0]), float(axis[1]), float(axis[2])),
                 colour=COLOURS[k % len(COLOURS)],
             )

@@ -12,6 +12,7 @@ from ..process.grippers import Gripper
 from ..process.pressure import Pressure
 from ..process.strokes import Fixed, Motion, Stroke
 from ..sheet.blank import Blank
+from ..sheet.outline import Outline, checked_outline
 from .placing import RAMP_SHARE
 from .read import JobFile
 from .schema import GripperTable, SpringTable
@@ -43,14 +44,28 @@ class Loads:
     def __init__(self, file: JobFile, names: Sequence[str]) -> None:
         self._file, self._names = file, list(names)
 
-    def pressures(self, ply: str) -> tuple[Pressure, ...]:
-        """On a ply."""
+    def pressures(self, ply: str, blank: Blank) -> tuple[Pressure, ...]:
+        """On a ply with this mesh."""
         found = []
         for index, table in enumerate(self._file.job.pressure):
             if self._ply("pressure", index, table.ply) == ply:
                 times = (table.delay, table.delay + table.ramp)
-                found.append(Pressure(table.face, (0.0, table.pressure), times))
+                elements = None if table.patch is None else self._patch(index, table.patch, blank)
+                found.append(Pressure(table.face, (0.0, table.pressure), times, elements))
         return tuple(found)
+
+    def _patch(self, index: int, corners: Sequence[tuple[float, float]], blank: Blank) -> np.ndarray:
+        """Elements whose middles on the flat ply lie within a patch."""
+        keys = ["pressure", index, "patch"]
+        try:
+            outline = Outline(checked_outline(np.array(corners)))
+        except InputError as error:
+            self._file.refuse(keys, f"patch: {str(error).removeprefix('fitted mesh: ')}")
+        middle = blank.material_coordinates[blank.quads].mean(axis=1)
+        elements = np.flatnonzero(outline.nearest(middle)[0] >= 0.0)
+        if not len(elements):
+            self._file.refuse(keys, "patch: no element of the ply has its middle in it; make it larger, or move it")
+        return elements
 
     def grippers(self, ply: str, blank: Blank, outline: np.ndarray) -> tuple[Gripper, ...]:
         """At a ply with this mesh and these corners of its outline."""

@@ -170,8 +170,12 @@ def _check_whole(file: JobFile) -> None:
                     [kind, index, "name"],
                     f"name = {name!r}: another [[{kind}]] has it; results tell them apart by it, give each its own",
                 )
-    if "interface" in file.values and len(job.ply) < 2 and all(ply.layup is None for ply in job.ply):
-        file.refuse(["interface"], "has no effect with a single ply; leave it out")
+    if (
+        "interface" in file.values
+        and len(job.ply) < 2
+        and all(ply.layup is None and not ply.self_contact for ply in job.ply)
+    ):
+        file.refuse(["interface"], "has no effect with a single ply that does not touch itself; leave it out")
     names = [tool.name for tool in job.tool]
     for index, tool in enumerate(job.tool):
         for key in ("offset_of", "ring_of"):

@@ -11,6 +11,7 @@ from ..device import LARGEST_THREAD_COUNT, Precision
 from ..names import FileName, Label
 from ..ranges import Quantity
 from ..sheet.lay_up_code import angles_of
+from .friction import LAWS, FrictionValue
 from .tables import JobTable
 from .units import length_unit
 
@@ -69,6 +70,9 @@ class PlyTable(JobTable):
     centre: Point = Field(default=(0.0, 0.0), description="where the origin of the outline lies")
     turn: Annotated[Finite, Quantity("angle")] = Field(
         default=0.0, description="turns the outline about its origin, counter-clockwise; the yarns stay"
+    )
+    self_contact: bool = Field(
+        default=False, description="whether it may touch itself, as in folds, with the friction of `[interface]`"
     )
     height: Coordinate | None = Field(
         default=None, description="z of its middle; without it, the plies lie on the tools below them"
@@ -158,9 +162,7 @@ class ToolTable(JobTable):
         default=None, description="along its axis, of the whole tool; instead of a stroke"
     )
     mass: Annotated[Positive, Quantity("mass")] = Field(default=2.0, description="what the force moves")
-    friction: Annotated[NotNegative, Quantity("friction")] = Field(
-        default=0.2, description="Coulomb coefficient between tool and sheet"
-    )
+    friction: FrictionValue = Field(default=0.2, description=f"between tool and sheet: {LAWS}")
 
     @field_validator("unit")
     @classmethod
@@ -266,19 +268,30 @@ class PressureTable(JobTable):
     ply: str | None = Field(default=None, description="that it acts on; the only one if left out")
     face: Literal["top", "bottom"] = Field(description="that it pushes against")
     pressure: Annotated[Finite, Quantity("pressure")] = Field(description="per current area; a negative one pulls")
+    patch: tuple[Point, ...] | None = Field(
+        default=None, description="corners of the part of the flat ply that it acts on; all of it if left out"
+    )
     delay: Annotated[NotNegative, Quantity("time")] = Field(default=0.0, description="when it begins")
     ramp: Annotated[Positive, Quantity("time")] = Field(default=2.0e-3, description="time until it is reached")
+
+
+class PairTable(JobTable):
+    """Contact of one pair of neighbours, where it differs from `[interface]`. `[[interface.pair]]`."""
+
+    lower: str = Field(description="name of the lower ply")
+    upper: str = Field(description="name of the ply upon it")
+    friction: FrictionValue | None = Field(default=None, description="of this pair; as in `[interface]` if left out")
+    passes: Literal["both", "one"] | None = Field(default=None, description="the same")
 
 
 class InterfaceTable(JobTable):
     """Contact between neighbouring plies. `[interface]`."""
 
-    friction: Annotated[NotNegative, Quantity("friction")] = Field(
-        default=0.2, description="Coulomb coefficient between plies"
-    )
+    friction: FrictionValue = Field(default=0.2, description=f"between plies: {LAWS}")
     passes: Literal["both", "one"] = Field(
         default="both", description="whether the nodes of either ply meet the other, or only those of the finer one"
     )
+    pair: tuple[PairTable, ...] = Field(default=(), description="[[interface.pair]]: pairs that differ")
 
 
 class ProcessTable(JobTable):
@@ -296,6 +309,9 @@ class ProcessTable(JobTable):
     )
     contact_thickness: Literal["initial", "current"] = Field(
         default="initial", description="thickness of the sheet where it meets tools"
+    )
+    contact_samples: Literal["nodes", "surface"] = Field(
+        default="nodes", description="whether tools are met at the nodes only, or on the surface between them too"
     )
     hold: Annotated[NotNegative, Quantity("time")] = Field(
         default=2.0e-3, description="time at the end, after the last stroke"

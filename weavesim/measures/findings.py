@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
+from ..notebook import shown, table
 from ..sheet.symmetry import AXES, WHOLE, Symmetry
 from .angles import shear_angle_at
 from .border import Outline, border_draw_in, draw_in, integrated_yarn_stretch, outline
 from .proximity import close_pairs
-from .units import DEGREES, MILLIMETRES, PURE, Unit
+from .units import DEGREES, MILLIMETRES, PURE, Unit, split_unit
 from .zigzag import Checkerboard, checkerboard
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 # Yarns within this angle of a symmetry line count as parallel to it [degrees].
 LARGEST_MISALIGNMENT = 1.0
+# Of the area: what is beyond is a few elements.
+_USUAL_SHARE = 0.99
 
 
 @dataclass(frozen=True)
@@ -50,9 +53,20 @@ class Finding:
         return self.unit.named(self.name)
 
 
+class Numbers(dict[str, Any]):
+    """Numbers of a result by key, which notebooks show as a table with their units."""
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for key, value in self.items():
+            name, unit = split_unit(key)
+            rows.append((name, shown(value), unit.symbol))
+        return table("Numbers", rows)
+
+
 def found(
     findings: tuple[Finding, ...], subject: Any, failed: Callable[[str, Exception], object] | None = None
-) -> dict[str, Any]:
+) -> Numbers:
     """Numbers of ``subject`` by key, without those that have no meaning for it.
 
     Args:
@@ -61,7 +75,7 @@ def found(
         failed: called with the key and the exception of a finding that fails, which then is left out; without it the
             exception is raised.
     """
-    values = {}
+    values = Numbers()
     for finding in findings:
         try:
             values[finding.key] = finding.compute(subject)
@@ -69,7 +83,7 @@ def found(
             if failed is None:
                 raise
             failed(finding.key, error)
-    return {key: value for key, value in values.items() if value is not None}
+    return Numbers({key: value for key, value in values.items() if value is not None})
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +112,16 @@ class FormedSheet:
     def shear_angle_deg(self) -> np.ndarray:
         """Absolute shear angle of each element, (element_count,) [degrees]."""
         return np.abs(np.rad2deg(self.fields["shear_angle"]))
+
+    @cached_property
+    def usual_shear_angle_deg(self) -> float:
+        """Absolute shear angle that 99 % of the area of the flat blank do not exceed [degrees]."""
+        corner = self.blank.material_coordinates[self.blank.quads]
+        (a, b), (c, d) = ((corner[:, k + 2] - corner[:, k]).T for k in (0, 1))
+        area = 0.5 * np.abs(a * d - b * c)
+        order = np.argsort(self.shear_angle_deg)
+        share = np.cumsum(area[order]) / area.sum()
+        return float(self.shear_angle_deg[order][np.searchsorted(share, _USUAL_SHARE)])
 
     @cached_property
     def point_angles_deg(self) -> np.ndarray:

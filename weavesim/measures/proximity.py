@@ -21,8 +21,8 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
     """
     if not distance > 0.0:
         raise InputError(f"distance of close pairs is {distance} m; it must be positive")
-    node, element = _near_pairs(position, quads, distance)
-    far = ~np.isin(element * len(position) + node, _neighbour_keys(quads, len(position)))
+    node, element = near_pairs(position, quads, distance)
+    far = ~np.isin(element * len(position) + node, neighbour_keys(quads, len(position)))
     element, node = element[far], node[far]
     if len(node) == 0:
         return 0
@@ -36,7 +36,7 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
     return int((gap < distance).sum())
 
 
-def _near_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
+def near_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and elements of all pairs that may be closer than ``distance``."""
     corners = position[quads]
     centre = corners.mean(axis=1)
@@ -69,7 +69,7 @@ def join(left: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.ndar
     return np.repeat(left, count), np.repeat(first, count) + within
 
 
-def _neighbour_keys(quads: np.ndarray, node_count: int) -> np.ndarray:
+def neighbour_keys(quads: np.ndarray, node_count: int) -> np.ndarray:
     """Keys element * node_count + node of all nodes connected to a corner of the element by at most two edges."""
     edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]).astype(np.int64)
     itself = np.repeat(np.arange(node_count), 2).reshape(-1, 2)

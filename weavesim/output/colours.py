@@ -9,9 +9,9 @@ import numpy as np
 # Shear angles are always shown on this range, so that pictures of different runs can be compared [degrees].
 LARGEST_SHOWN_ANGLE = 60.0
 
-# Of lines and sheets that are told apart by colour, as encoded sRGB.
+# Of lines and sheets that are told apart by colour, encoded sRGB: also by those who are blind for red, green or blue.
 DISTINCT_COLOURS = (
-    "#5b3fb5", "#e07a1f", "#1f8a70", "#d1495b", "#3b82c4", "#a05d1a", "#7a7f8a", "#b5479b", "#5a8f29",
+    "#5b3fb5", "#e07a1f", "#8da7f7", "#901308", "#38185f", "#9d6785", "#7e74e1", "#e6a3a7", "#5b0019",
 )  # fmt: skip
 
 # Inverse of the OKLab colour space (B. Ottosson, 2020): to cone responses, and from their cubes to linear sRGB.

@@ -80,6 +80,20 @@ class Tabulated(Friction):
         return np.array(getattr(self, self.arguments_name)), np.array(self.coefficients)
 
 
+def law_of(friction: Friction | float) -> Friction:
+    """A law; a number is the coefficient of ``Coulomb``."""
+    return friction if isinstance(friction, Friction) else Coulomb(float(friction))
+
+
+def in_words(friction: Friction | float) -> str:
+    """For logs and reports."""
+    if not isinstance(friction, Friction):
+        return f"friction {friction:g}"
+    _, coefficients = friction.table()
+    low, high = float(coefficients.min()), float(coefficients.max())
+    return f"{type(friction).__name__} {low:g}" + ("" if low == high else f" to {high:g}")
+
+
 class PressureFriction(Tabulated):
     """A coefficient that depends on the pressure.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import astuple, dataclass
 
 import numpy as np
@@ -22,7 +23,7 @@ from ..kernels.rows import (
     ThicknessRow,
 )
 from ..kernels.shell.energy import element_ledger_kernel
-from ..sheet.samples import surface_points
+from ..sheet.samples import surfaces
 from .fields import complete
 from .frame import SheetFrame
 from .watch.tool_gaps import ToolGaps
@@ -75,11 +76,15 @@ class SheetLedger:
 
     Attributes:
         internal: names of the elastic energies of unit cell and sheet; their sum is the entry ``internal``.
+        name: of the sheet.
+        tools: that it may touch.
     """
 
     def __init__(self, model: Model, index: int, state: State) -> None:
         self._model, self._index, self._state = model.sheets[index], index, state
         sheet = self._model
+        self.name = sheet.name
+        self.tools = model.setup.tools[sheet.places.tools.start : sheet.places.tools.stop]
         self._kernel = element_ledger_kernel(sheet.real, sheet.cell_law, sheet.sheet_traits)
         self._device_sheet = sheet.device_sheet(1)
         self._energy_names = (*sheet.cell_law.energy_names, *SheetEnergy.names())
@@ -198,7 +203,7 @@ class SheetLedger:
         """Energies of the springs of contact and friction, at nodes and at the samples between them."""
         sheet, node_count, element_count = self._model, len(position), self._model.blank.element_count
         sample_count = len(sheet.samples.places)
-        points = [position, *(self._surface(position, director, place) for place in sheet.samples.places)]
+        points = [position, *self._surfaces(position, director, sheet.samples.places)]
         half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
@@ -215,12 +220,27 @@ class SheetLedger:
             "friction_spring": 0.5 * TANGENTIAL_RATIO * float((stiffness * np.square(friction)).sum()),
         }
 
+    def friction_arguments(self, tool: int) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Where the law of one of its tools was used at nodes, and at samples: flat places, smallest, largest so far.
+
+        (k, 2) [m], (k,) and (k,), in the unit of the kernels; nothing without friction laws.
+        """
+        sheet, flat = self._model, self._model.blank.material_coordinates
+        if not sheet.node_traits.friction_laws:
+            return
+        low, high = self._own.friction_argument.numpy()[2 * tool : 2 * tool + 2, : len(flat)]
+        yield flat, low, high
+        if count := len(sheet.samples.places):
+            rows = self._own.sample_friction_argument.numpy()[2 * tool : 2 * tool + 2]
+            rows = rows.reshape(2, count, sheet.element_count)[..., : sheet.blank.element_count]
+            yield flat[sheet.blank.quads].mean(axis=1), rows[0].min(axis=0), rows[1].max(axis=0)
+
     # --- distances to the tools --------------------------------------------------------------------------------------
 
-    def _surface(self, position: np.ndarray, director: np.ndarray, place: np.ndarray) -> np.ndarray:
-        """Surface of every element at one place, (element_count, 3) [m]."""
+    def _surfaces(self, position: np.ndarray, director: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """Surface of every element at each of ``places`` (k, 2): (k, element_count, 3) [m]."""
         quads = self._model.blank.quads
-        return surface_points(position[quads], director[quads], np.broadcast_to(place, (len(quads), 2)))[0]
+        return surfaces(position[quads], director[quads], places) if len(places) else np.empty((0, len(quads), 3))
 
     def penetration(self, frame: SheetFrame) -> Penetration:
         """Deepest penetration of a frame just taken."""
@@ -233,7 +253,7 @@ class SheetLedger:
             at_elements = 0.5 * frame.fields["thickness"]
             sharing = np.bincount(quads.ravel())
             at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
-        points = [position, *(self._surface(position, frame.director, place) for place in JUDGED_PLACES)]
+        points = [position, *self._surfaces(position, frame.director, JUDGED_PLACES)]
         distance = self._judged_gaps(np.concatenate([*points, position[quads].mean(axis=1)]))
         half = np.concatenate([at_nodes, np.tile(at_elements, len(JUDGED_PLACES) + 1)])
         depth = (half - distance).max(axis=0)

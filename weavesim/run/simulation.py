@@ -7,6 +7,7 @@ import time
 from collections.abc import Generator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
+from importlib import import_module
 from typing import Any
 
 from ..device import exclusive
@@ -15,6 +16,8 @@ from ..engine.setup import Setup
 from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..errors import RunError
+from ..measures.findings import found
+from ..notebook import shown, table
 from .checkpoint.checkpoints import Checkpoints
 from .checkpoint.job import Job
 from .diagnosis import Failure, find_failure
@@ -24,7 +27,7 @@ from .interruption import Interruption, interruption
 from .ledger import Ledger
 from .sheet_ledger import Penetration
 from .start import Prepared, prepare
-from .verdict import Judged, summary
+from .verdict import RUN_FINDINGS, Judged, summary
 from .watch.watch import WATCH_COUNT, Watch
 
 logger = logging.getLogger(__name__)
@@ -347,6 +350,31 @@ class Simulation:
     def trusted(self) -> bool:
         """Whether there is no doubt beyond a note."""
         return all(doubt.level == Level.NOTE for doubt in self.doubts())
+
+    # --- notebooks ---------------------------------------------------------------------------------------------------
+
+    def plot(self, field: str = "shear_angle", sheet: str | None = None) -> Any:
+        """A picture of the last frame, which notebooks show: a Matplotlib figure.
+
+        Args:
+            field: of the elements, such as "thickness".
+            sheet: by name; not needed if there is only one.
+
+        Raises:
+            InputError: an unknown field or sheet.
+        """
+        # drawing stands above this room, which only looks it up
+        return import_module("weavesim.output.pictures.surface").picture_of(self.info, self.frame, field, sheet)
+
+    def _repr_html_(self) -> str:
+        if not self.history:
+            return table(f"Simulation {self.name}", [("setup", shown(self.setup), "")], "it has not been run")
+        rows = [
+            ("outcome", shown(self.outcome), ""), ("time", shown(self.frame.time), "s"),
+            ("wall_time", shown(self.wall_time), "s"), ("verdict", shown(self.verdict), ""),
+            *((doubt.level.label, shown(doubt.message), "") for doubt in self.doubts()),
+        ]  # fmt: skip
+        return table(f"Simulation {self.name}", rows) + found(RUN_FINDINGS, Judged(self))._repr_html_()
 
     def _report_doubts(self) -> None:
         """Add the doubts that are new since the start to ``warnings`` and the log."""

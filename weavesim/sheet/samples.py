@@ -42,6 +42,8 @@ def corner_shares(places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return 0.25 * share, 0.25 * by_u, 0.25 * by_v
 
 
+# Of an interpolated director, as in kernels/stepping/surface_point.py.
+SHORTEST_DIRECTOR = 0.1
 # The surface moves a little more than the patch does, as it is bent: of the squares, up to directors that differ by 60
 # degrees within an element, and for elements that shear or stretch.
 SWAY_MARGIN = 1.25
@@ -72,6 +74,31 @@ def sample_motion(corners: np.ndarray, places: np.ndarray) -> tuple[float, float
     return SWAY_MARGIN * float(sway), TURNING_MARGIN * float(turning)
 
 
+def surfaces(corners: np.ndarray, directors: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """``surface_points`` of all elements at each of ``places`` (k, 2): (k, n, 3) [m], to the bit."""
+    shares = corner_shares(places)
+    # one component after the other, (4, 3, n): several times as fast
+    x, d = (np.ascontiguousarray(values.transpose(1, 2, 0)) for values in (corners, directors))
+
+    def at(weight: np.ndarray, values: np.ndarray) -> np.ndarray:
+        total = weight[:, 0, None, None] * values[0]
+        for corner in range(1, 4):
+            total += weight[:, corner, None, None] * values[corner]
+        return total
+
+    def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        product = a * b
+        return product[:, 0] + product[:, 1] + product[:, 2]
+
+    rest = 0.5 * (1.0 - np.square(places))
+    sagitta = rest[:, :1] * dot(at(shares[1], x), at(shares[1], d))
+    sagitta += rest[:, 1:] * dot(at(shares[2], x), at(shares[2], d))
+    director = at(shares[0], d)
+    length = np.maximum(np.sqrt(dot(director, director)), SHORTEST_DIRECTOR)
+    offset = (sagitta / length)[:, None] * director
+    return (at(shares[0], x) + offset).transpose(0, 2, 1)
+
+
 def surface_points(corners: np.ndarray, directors: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points of elements on the surface that their directors describe, and their offsets from the bilinear patch.
 
@@ -95,7 +122,6 @@ def surface_points(corners: np.ndarray, directors: np.ndarray, places: np.ndarra
     sagitta = rest[:, 0] * (at(by_u, corners) * at(by_u, directors)).sum(axis=1)
     sagitta += rest[:, 1] * (at(by_v, corners) * at(by_v, directors)).sum(axis=1)
     director = at(share, directors)
-    # as in kernels/stepping/surface_point.py
-    length = np.maximum(np.linalg.norm(director, axis=1), 0.1)
+    length = np.maximum(np.linalg.norm(director, axis=1), SHORTEST_DIRECTOR)
     offset = (sagitta / length)[:, None] * director
     return at(share, corners) + offset, offset

@@ -138,7 +138,7 @@ def factor_of(table: VaryTable, *, scattered: bool = False) -> Factor:
     keys = (table.key,) if isinstance(table.key, str) else table.key
     if not keys or not all(key.strip() and "=" not in key for key in keys):
         raise InputError(f"key = {table.key!r}: a key of the job is needed, such as tools.ring.force")
-    common = {"name": table.name or keys[0], "keys": keys, "count": table.count, "scattered": scattered}
+    common: dict[str, Any] = {"name": table.name or keys[0], "keys": keys, "count": table.count, "scattered": scattered}
     if table.values is not None:
         unit, numbers = _common_unit(table.values)
         given = tuple(numbers) if numbers else tuple(_plain(value) for value in table.values)

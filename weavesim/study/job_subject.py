@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -65,33 +65,42 @@ class JobTask:
         verdicts: list[str] = []
         for case, setup in self.setups:
             prefix = f"{case}." if case else ""
-            simulation, summary = self._run(case, setup)
-            verdicts.append(str(summary.get("verdict", "")))
-            own = {**study_numbers(simulation, self.limits), **summary}
-            numbers |= {f"{prefix}{name}": value for name, value in flattened(own).items()}
-            if self.points:
-                fields |= {f"{prefix}{name}": values for name, values in fields_at(simulation, self.points).items()}
+            found = self._run(setup)
+            verdicts.append(found.verdict)
+            numbers |= {f"{prefix}{name}": value for name, value in found.numbers.items()}
+            fields |= {f"{prefix}{name}": values for name, values in found.fields.items()}
         order = [VERDICTS[level] for level in sorted(VERDICTS)]
         worst = max(verdicts, key=lambda verdict: order.index(verdict) if verdict in order else len(order))
         return Found(verdict=worst, numbers=numbers, fields=fields)
 
-    def _run(self, case: str, setup: Setup) -> tuple[Simulation, Mapping[str, Any]]:
-        if self.threads is not None and setup.solver.threads is None and setup.solver.device == "cpu":
-            solver = setup.solver.model_copy(update={"threads": self.threads})
-            setup = setup.model_copy(update={"solver": solver})
+    def found(self, simulation: Simulation, folder: ResultFolder, wanted: Wanted) -> Found:
+        """What one run found, with ``folder`` as its observer."""
+        scene, given = _loaded(self.scene), dict(simulation.summary())
+        if scene is not None and scene.findings is not None:
+            given |= scene.findings(self.parameters, simulation, wanted)
+        summary = folder.write(given)
+        fields = fields_at(simulation, self.points) if self.points else {}
+        numbers = flattened({**study_numbers(simulation, self.limits), **summary})
+        return Found(verdict=str(summary.get("verdict", "")), numbers=numbers, fields=fields)
+
+    def observed(self, setup: Setup, path: str) -> tuple[ResultFolder, Wanted]:
+        """An observer that writes nothing but the summary to a folder for the time being, and what it shows."""
         scene, wanted = _loaded(self.scene), Wanted()
         if scene is not None and scene.wanted is not None:
             wanted = scene.wanted(self.parameters, setup)
+        return ResultFolder(path, writers=(), **vars(wanted)), wanted
+
+    def _run(self, setup: Setup) -> Found:
+        if self.threads is not None and setup.solver.threads is None and setup.solver.device == "cpu":
+            solver = setup.solver.model_copy(update={"threads": self.threads})
+            setup = setup.model_copy(update={"solver": solver})
         with tempfile.TemporaryDirectory(prefix="weavesim-") as path, interruption() as interrupted:
-            folder = ResultFolder(path, writers=(), **vars(wanted))
+            folder, wanted = self.observed(setup, path)
             simulation = Simulation(setup)
             simulation.run([folder])
             if simulation.outcome is not Outcome.FINISHED:
                 raise Interrupted(interrupted.signal) if interrupted.signal else KeyboardInterrupt
-            given = dict(simulation.summary())
-            if scene is not None and scene.findings is not None:
-                given |= scene.findings(self.parameters, simulation, wanted)
-            return simulation, folder.write(given)
+            return self.found(simulation, folder, wanted)
 
 
 def _loaded(scene: str) -> Any:

@@ -241,7 +241,7 @@ def _inputs(factors: Sequence[Factor], trial: Trial) -> dict[str, Any]:
 
 def _packed(fields: Mapping[str, np.ndarray]) -> bytes:
     with closing(io.BytesIO()) as stream:
-        np.savez_compressed(stream, **fields)
+        np.savez_compressed(stream, **dict[str, Any](fields))
         return stream.getvalue()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -11,9 +12,12 @@ import numpy as np
 import warp as wp
 
 from ..errors import InputError
+from ..kernels.contact.friction import tool_friction_struct
 from ..kernels.contact.tool_distance import tool_struct
 from ..kernels.contact.tool_shapes import part_struct, shape_kind, shape_number
 from ..kernels.stepping.tools import FORCE, STROKE, ToolDrive, ToolDrives
+from ..process.friction import law_of
+from ..process.friction_device import argument_kind, viscous_rates
 from .sampling import SampledDistance, Samples
 from .shapes import Shape
 
@@ -31,6 +35,8 @@ class DeviceTools:
         drives: ``kernels.stepping.tools.ToolDrives``: how all of them move.
         initial_displacement, initial_velocity: along each axis at time zero, (tool_count,) [m], [m/s].
         samples: keeps alive the sampled volumes that ``part`` refers to.
+        law: ``kernels.contact.friction.tool_friction_struct(real)``, (tool_count,): friction laws.
+        argument, coefficient: their tables, one after the other.
     """
 
     tool: wp.array
@@ -39,6 +45,9 @@ class DeviceTools:
     initial_displacement: np.ndarray
     initial_velocity: np.ndarray
     samples: tuple[SampledDistance, ...]
+    law: wp.array
+    argument: wp.array
+    coefficient: wp.array
 
     @property
     def count(self) -> int:
@@ -55,6 +64,7 @@ def build_device_tools(
     device: str,
     samples: Samples = MappingProxyType({}),
     stiffness: Sequence[float] = (),
+    carried: Sequence[float] = (),
 ) -> DeviceTools:
     """Arrays for ``node_motion_kernel`` and ``tool_motion_kernel``.
 
@@ -64,12 +74,14 @@ def build_device_tools(
         device: name in Warp.
         samples: of all meshes among the tools' parts, on the same device; see ``sample_meshes``.
         stiffness: largest stiffness of each tool's contact [N/m]; none for tools on their own, which get no damper.
+        carried: rate of a viscous film on each tool that the time step carries [Pa s/m]; none for tools on their own.
 
     Raises:
         InputError: a part is of an unknown kind, or lacks one of its dimensions.
     """
     parts = [part for tool in tools for part in tool.shape.parts()]
     curves = [tool.motion.curve() for tool in tools]
+    tables = [law_of(tool.friction).table() for tool in tools]
 
     start = np.array([_at_start(tool, *curve) for tool, curve in zip(tools, curves, strict=True)]).reshape(-1, 2)
 
@@ -89,6 +101,9 @@ def build_device_tools(
         initial_displacement=start[:, 0],
         initial_velocity=start[:, 1],
         samples=tuple(samples.values()),
+        law=array(_laws(tools, real, carried or [math.inf] * len(tools)), tool_friction_struct(real)),
+        argument=array(np.concatenate([np.empty(0), *(arguments for arguments, _ in tables)]), real),
+        coefficient=array(np.concatenate([np.empty(0), *(values for _, values in tables)]), real),
     )
 
 
@@ -101,11 +116,26 @@ def _tool_data(tools: Sequence[Tool], real: type, samples: Samples) -> list[Any]
         data.first_part = first_part
         data.part_count = len(parts)
         data.axis = tool.axis
-        data.friction = tool.friction
+        # of one coefficient; laws are read from their tables
+        data.friction = law_of(tool.friction).table()[1][0]
         # sampled distances are truncated at their reach, and outside the box they are only a lower bound
         reaches = [samples[part.surface].reach for part in parts if part.surface is not None]
         data.blind_distance = max(reaches, default=0.0)
         first_part += len(parts)
+        result.append(data)
+    return result
+
+
+def _laws(tools: Sequence[Tool], real: type, carried: Sequence[float]) -> list[Any]:
+    """Friction of every tool as a Warp ``ToolFriction``."""
+    result: list[Any] = []
+    first = 0
+    for tool, rate in zip(tools, carried, strict=True):
+        friction, data = law_of(tool.friction), tool_friction_struct(real)()
+        data.argument_kind = argument_kind(friction)
+        data.first, data.last = first, first + len(friction.table()[1])
+        data.viscosity, data.film = viscous_rates(friction, rate)
+        first = data.last
         result.append(data)
     return result
 

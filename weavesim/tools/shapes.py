@@ -253,7 +253,7 @@ class DomePunch(_Dome):
 
 
 class DomeOpening(Shape):
-    """A plate, solid z < 0, with a vertical opening around the segment |x| <= half_length and a rounded upper edge.
+    """A plate, solid z < 0, with a vertical opening around a segment of the x axis and a rounded upper edge.
 
     Attributes:
         radius: distance of the opening's wall from the segment [m].

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from pydantic import SerializeAsAny, field_validator
+from pydantic import Discriminator, SerializeAsAny, Tag, field_validator
 
 from ..checks import NotNegative, Parameters, Share
 from ..names import Label
+from ..process.friction import Friction, YarnAngleFriction
 from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
 from ..ranges import Quantity
@@ -23,6 +25,10 @@ if TYPE_CHECKING:
 LEAST_FACING = 0.05
 
 
+def _kind_of_friction(value: object) -> str:
+    return "law" if isinstance(value, Friction | Mapping) else "number"
+
+
 class Tool(Parameters):
     """A rigid body that moves along one axis and may touch the sheet on either face.
 
@@ -30,7 +36,7 @@ class Tool(Parameters):
         name: "punch", "die", "blank_holder", or any other.
         shape: at zero displacement.
         motion: along ``axis``.
-        friction: Coulomb coefficient between tool and sheet.
+        friction: between tool and sheet: a Coulomb coefficient, or a law (docs/plies.md).
         axis: direction of the motion, scaled to length one.
         colour: for drawing: red, green and blue from 0 to 1.
     """
@@ -40,9 +46,22 @@ class Tool(Parameters):
     name: Label
     shape: SerializeAsAny[Shape]
     motion: SerializeAsAny[Motion] = Fixed()
-    friction: Annotated[NotNegative, Quantity("friction")] = 0.2
+    friction: Annotated[
+        Annotated[NotNegative, Quantity("friction"), Tag("number")] | Annotated[SerializeAsAny[Friction], Tag("law")],
+        Discriminator(_kind_of_friction),
+    ] = 0.2
     axis: UnitVector = (0.0, 0.0, 1.0)
     colour: tuple[Share, Share, Share] = (0.62, 0.65, 0.70)
+
+    @field_validator("friction")
+    @classmethod
+    def _knows_its_argument(cls, value: Friction | float) -> Friction | float:
+        if isinstance(value, YarnAngleFriction):
+            raise ValueError(
+                "YarnAngleFriction depends on the angle between the warps of two plies, and a tool has no yarns: give "
+                "a coefficient, or one of Coulomb, PressureFriction, StribeckFriction, ViscousFilm"
+            )
+        return value
 
     @field_validator("motion")
     @classmethod

@@ -1,7 +1,11 @@
 """The commands for jobs, as a user types them."""
 
 import json
+import re
+import shutil
+import subprocess
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -187,3 +191,26 @@ def test_the_hour_of_a_newcomer(tmp_path, monkeypatch):
     assert 30.0 < summary["max_shear_angle_deg"] < 75.0
     left = call("export", tmp_path / "tray" / "out", "--to", "calculix")
     assert left.exit_code == 0, left.output
+    if shutil.which("ccx"):
+        assert _bent_by_calculix(tmp_path / "tray" / "out" / "export") > 0.0
+
+
+def _bent_by_calculix(folder):
+    """Deflection of the exported part under its weight times ten, held around its border [m]."""
+    import meshio
+
+    (deck,) = folder.glob("*_calculix.inp")
+    points = meshio.read(deck).points
+    elements = re.search(r"\*ELEMENT, TYPE=\w+, ELSET=(\w+)", deck.read_text())[1]
+    # the corner nodes and those in the middles of the sides; the flange is held
+    flange = np.flatnonzero(points[:, 2] > points[:, 2].max() - 1e-3) + 1
+    lines = [f"*INCLUDE, INPUT={deck.name}", "*NSET, NSET=FLANGE", *(f"{label}," for label in flange)]
+    lines += ["*NSET, NSET=ALLNODES, GENERATE", f"1, {len(points)}, 1", "*BOUNDARY", "FLANGE, 1, 6", "*STEP", "*STATIC"]
+    lines += ["*DLOAD", f"{elements}, GRAV, 98.1, 0., 0., -1.", "*NODE PRINT, NSET=ALLNODES", "U", "*END STEP", ""]
+    (folder / "run.inp").write_text("\n".join(lines))
+    done = subprocess.run(["ccx", "run"], cwd=folder, capture_output=True, text=True, timeout=300)
+    assert "Job finished" in done.stdout, done.stdout[-2000:]
+    rows = [line.split() for line in (folder / "run.dat").read_text().splitlines()]
+    down = np.array([float(row[3]) for row in rows if len(row) == 4])
+    assert np.isfinite(down).all() and np.abs(down).max() < 0.01
+    return float(-down.min())

@@ -102,7 +102,17 @@ def test_the_state_moves():
     own = {
         f"sheets/{k}/{name}"
         for k in range(3)
-        for name in ("slip", "holding", "friction", "gap", "depth", "thickness", "pressure_work", "grip")
+        for name in (
+            "slip",
+            "holding",
+            "friction",
+            "gap",
+            "depth",
+            "thickness",
+            "pressure_work",
+            "grip",
+            "friction_argument",
+        )
     } | {name for name in before if "/sample_" in name or name.endswith("/moved")}
     unmoved = {f"sheets/{k}/{name}" for k in range(3) for name in ("node_work", "contact_force", "awake")}
     assert still <= own | {"reaction", "tool_force"} | unmoved

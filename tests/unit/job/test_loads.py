@@ -127,3 +127,27 @@ def test_several_plies_need_their_names(tmp_path):
     assert [sheet.name for sheet in setup.sheets] == ["ply", "top"]
     with pytest.raises(InputError, match="ply: is required, one of ply, top"):
         setup_with(tmp_path, second + SPRING)
+
+
+def test_pressure_on_a_patch(tmp_path):
+    patch = '[["0 mm", "-80 mm"], ["100 mm", "-80 mm"], ["100 mm", "80 mm"], ["0 mm", "80 mm"]]'
+    text = f'\n[[pressure]]\nface = "top"\npressure = "1 kPa"\npatch = {patch}\n'
+    sheet = setup_with(tmp_path, text).sheet
+    (pressure,) = sheet.pressures
+    middle = sheet.blank.material_coordinates[sheet.blank.quads].mean(axis=1)
+    assert np.array_equal(pressure.elements, np.flatnonzero(middle[:, 0] > 0.0))
+
+
+@pytest.mark.parametrize(
+    ("patch", "message"),
+    [
+        ('[["0 mm", "0 mm"], ["1 mm", "0 mm"], ["0 mm", "1 mm"]]', "patch: no element of the ply has its middle in it"),
+        ('[["0 mm", "0 mm"], ["1 mm", "0 mm"]]', "(k, 2) finite coordinates, k > 2, are needed"),
+        ("[[0, 0], [0.05, 0.05], [0.05, 0], [0, 0.05]]", "sides 0 and 2 of the outline cross"),
+    ],
+)
+def test_a_broken_patch_is_refused(tmp_path, patch, message):
+    text = f'\n[[pressure]]\nface = "top"\npressure = "1 kPa"\npatch = {patch}\n'
+    with pytest.raises(InputError) as error:
+        setup_with(tmp_path, text)
+    assert message in str(error.value) and "[[pressure]]" in str(error.value)

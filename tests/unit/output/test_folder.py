@@ -67,7 +67,7 @@ def test_everything_is_there_and_nothing_else(finished):
     path, _ = finished
     assert {file.name for file in path.iterdir()} == {
         "double_dome.usdc", "paraview", "pictures", "shear_angle.csv", "draw_in.csv", "history.csv", "report.html",
-        "summary.json", "run.json", "results.h5", ".weavesim.lock",
+        "progress.json", "summary.json", "run.json", "results.h5", ".weavesim.lock",
     }  # fmt: skip
     assert {file.name for file in (path / "pictures").iterdir()} == {
         "formed_sheet.png", "point_angles.png", "draw_in.png", "sections.png", "tool_forces.png", "energies.png",

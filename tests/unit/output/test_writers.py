@@ -32,7 +32,7 @@ def test_every_sheet_has_its_files(finished):
     per_sheet = {f"{name}_{sheet}.csv" for name in ("draw_in", "shear_angle") for sheet in ("upper", "lower")}
     assert {file.name for file in path.iterdir()} == per_sheet | {
         "stack.usdc", "paraview", "pictures", "history.csv", "sheets.csv", "report.html", "summary.json",
-        "run.json", "results.h5", ".weavesim.lock",
+        "progress.json", "run.json", "results.h5", ".weavesim.lock",
     }  # fmt: skip
     drawn = {f"{name}_{sheet}.png" for name in ("formed_sheet", "point_angles", "draw_in", "sections")
              for sheet in ("upper", "lower")}  # fmt: skip

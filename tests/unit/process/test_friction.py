@@ -6,7 +6,7 @@ import pytest
 from tests.support.folded_strips import fold_blank
 from tests.support.sheet import plain_fabric
 from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
-from weavesim import Blank, InputError, SelfContact, Setup, Sheet, Simulation
+from weavesim import Blank, InputError, Plane, SelfContact, Setup, Sheet, Simulation, Tool
 from weavesim.process import (
     Coulomb,
     Friction,
@@ -58,6 +58,28 @@ def test_bad_laws_are_refused(make, message):
 def test_bad_interfaces_are_refused(change, message):
     with pytest.raises(InputError, match=message):
         stack_setup(PLIES, Coulomb(0.2), duration=1e-3, **change)
+
+
+@pytest.mark.parametrize(
+    ("friction", "message"),
+    [
+        (YarnAngleFriction((0.0, 90.0), (0.2, 0.3)), "a tool has no yarns"),
+        (-0.1, "friction = -0.1: at least 0 is needed"),
+        ("much", "a number is needed, not a text"),
+        ({"kind": "Coulom", "coefficient": 0.2}, "kind = 'Coulom': one of Coulomb"),
+        ({"kind": "PressureFriction", "pressures": [1.0], "coefficients": [0.2]}, "at least two"),
+    ],
+)
+def test_bad_friction_of_a_tool_is_refused(friction, message):
+    with pytest.raises(InputError, match=message):
+        Tool("table", Plane(), friction=friction)
+
+
+def test_a_law_of_a_tool_survives_json_and_a_number_stays_one():
+    for friction in (0.25, StribeckFriction((0.0, 1.0), (0.2, 0.3), 100.0)):
+        tool = Tool("table", Plane(), friction=friction)
+        again = Tool.from_json(tool.to_json())
+        assert again == tool and type(again.friction) is type(friction)
 
 
 def test_interfaces_survive_json():

@@ -1,5 +1,6 @@
 """Steps, time, memory and disk are estimated before a run, and absurd ones are asked about."""
 
+import numpy as np
 import pytest
 
 from tests.support.runs import one_sheet_setup, small_run
@@ -8,6 +9,9 @@ from weavesim.fabric.presets import glass_polypropylene
 from weavesim.run import estimate as module
 from weavesim.run.estimate import check_bounds, check_room, duration_text, estimate
 from weavesim.sheet.blank import Blank
+from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.shapes import Plane
+from weavesim.tools.tool import Tool
 
 
 def setup(**given):
@@ -24,6 +28,16 @@ def test_what_is_estimated():
     assert found.seconds == pytest.approx(1.0e6 * module.CORE_STEP, rel=0.1)
     assert str(found).startswith("about 1,000,000 steps of 1 us, 15 s, ") and "MB of memory" in str(found)
     assert estimate(setup()).seconds is None and "steps" not in str(estimate(setup()))
+
+
+def test_open_meshes_cost_more_than_built_in_shapes():
+    """Surfaces as CAD programs export them: triangles are searched near their borders."""
+    vertices = np.array([(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)])
+    plate = Tool("plate", MeshShape.from_triangles(vertices, np.array([(0, 1, 2), (0, 2, 3)]), side=(0.0, 0.0, 1.0)))
+    table = Tool("table", Plane())
+    alone = estimate(setup(tools=(table,)), time_step=1.0e-6).seconds
+    with_mesh = estimate(setup(tools=(table, plate)), time_step=1.0e-6).seconds
+    assert with_mesh - alone == pytest.approx(1.0e6 * 25 * module.OPEN_MESH_TIME)
 
 
 @pytest.mark.parametrize(

@@ -52,3 +52,10 @@ def test_simulations_of_both_versions_say_how_large_they_are():
     blank = SimpleNamespace(element_count=7)
     assert element_count(SimpleNamespace(blank=blank)) == 7
     assert element_count(SimpleNamespace(setup=SimpleNamespace(sheets=[SimpleNamespace(blank=blank)]))) == 7
+
+
+@pytest.mark.slow
+def test_a_batch_gets_the_bits_of_single_runs():
+    text = benchmark("batch", "--count", "3", "--checked", "2", "--share", "0.02", "--looks", "2")
+    assert "3 variants of 322 elements, 0 not finished" in text
+    assert text.count("same bits") == 2

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from weavesim.sheet.samples import corner_shares, sample_motion, sample_places, samples_per_side, surface_points
+from weavesim.sheet.samples import (
+    corner_shares,
+    sample_motion,
+    sample_places,
+    samples_per_side,
+    surface_points,
+    surfaces,
+)
 
 SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 RADIUS, SIZE = 0.05, 0.005
@@ -91,3 +98,14 @@ def test_no_motion_strains_samples_more_than_its_bound(side_count):
     largest = [4.0 * np.linalg.eigvalsh(g.T @ g / len(places))[-1] for g in rows]
     assert 0.5 * sway < largest[0] <= sway
     assert 0.2 * turning < largest[1] <= turning
+
+
+@pytest.mark.parametrize("count", [1, 7, 300])
+def test_surfaces_at_many_places_are_those_at_each(count):
+    rng = np.random.default_rng(count)
+    corners, directors = rng.normal(size=(2, count, 4, 3))
+    places = np.array([(0.0, 0.0), (-1.0, 0.3), (0.5, 0.5)])
+    found = surfaces(corners, directors, places)
+    for own, place in zip(found, places, strict=True):
+        expected = surface_points(corners, directors, np.broadcast_to(place, (count, 2)))[0]
+        np.testing.assert_array_equal(own, expected)

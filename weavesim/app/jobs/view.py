@@ -9,6 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
+from ...errors import InputError
+from ..results.live import show_live
 from ..terminal import say
 from .folders import read_record, read_summary
 
@@ -25,8 +27,19 @@ def view_command(
     open_: Annotated[
         bool, typer.Option("--open/--no-open", help="open the report in a browser, or only say where it is")
     ] = True,
+    live: Annotated[
+        bool, typer.Option("--live", help="keep up with a run in progress, until Ctrl-C; the run may begin later")
+    ] = False,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="of --live, on this machine only; 0 takes a free one")
+    ] = 0,
 ) -> None:
     """Show what a run found: its verdict, its main numbers and files; and open its report."""
+    if live:
+        show_live(out, port, open_)
+        return
+    if port:
+        raise InputError("--port: has no effect without --live; leave it out")
     record, summary = read_record(out), read_summary(out)
     for line in description(out, record, summary):
         say(line)

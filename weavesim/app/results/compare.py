@@ -1,48 +1,123 @@
-"""``weavesim compare``: a run beside another run, or beside a scan."""
+"""``weavesim compare``: a run beside another run, a scan, or measured points."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ...errors import InputError
 from ..terminal import say
 
+if TYPE_CHECKING:
+    from ...output.stored.file import StoredRun, StoredSheet
+
 
 def compare_command(
     first: Annotated[Path, typer.Argument(help="folder of a run", metavar="A")],
-    second: Annotated[Path, typer.Argument(help="folder of another run, or a scan: .stl, .ply, .obj", metavar="B")],
-    unit_scale: Annotated[float, typer.Option(help="metres per unit of a scan")] = 1.0,
+    second: Annotated[
+        Path,
+        typer.Argument(
+            help="folder of another run, a scan (.stl, .ply, .obj), or a table of measured points (.csv)", metavar="B"
+        ),
+    ],
+    unit: Annotated[
+        str | None, typer.Option(help="of lengths in a scan or table, such as mm [default: its own]")
+    ] = None,
+    unit_scale: Annotated[float | None, typer.Option(help="metres per unit, in place of --unit")] = None,
+    sheet: Annotated[str | None, typer.Option(help="sheet that was measured [default: all]")] = None,
     out: Annotated[Path | None, typer.Option(help="folder for the files [default: A]")] = None,
 ) -> None:
-    """Compare a run with another one or with a scan, at the same points of the flat blank (docs/outputs.md)."""
-    from ...output.comparison.runs import compare_scan, compare_sheets, write_comparison
+    """Compare a run with another one, a scan or measured points, on the same material (docs/outputs.md)."""
+    from ...output.comparison.points import TABLES
     from ...output.files import check_writable
     from ...output.stored.file import read_results
-    from ...ranges import argument
 
     run = read_results(first)
-    scale = argument("unit_scale", unit_scale, "unit scale")
+    scale = _scale(unit, unit_scale)
+    names = [each.name for each in run.sheets]
+    if sheet is not None and sheet not in names:
+        raise InputError(f"compare: sheet {sheet!r}: {first} has {', '.join(names)}")
+    chosen = [each for each in run.sheets if sheet in (None, each.name)]
+    if second.is_dir() and (sheet is not None or scale is not None):
+        raise InputError("compare: --sheet and --unit are for scans and measured points; leave them out for two runs")
     if second.is_dir():
-        other = read_results(second)
-        if len(other.sheets) != len(run.sheets):
-            raise InputError(f"compare: {first} has {len(run.sheets)} sheets, {second} has {len(other.sheets)}")
-        pairs = zip(run.sheets, other.sheets, strict=True)
-        found = [compare_sheets(own, sheet, f"{second.name or second} {sheet.name}") for own, sheet in pairs]
+        found = _with_run(run, second)
+    elif second.suffix.lower() in TABLES:
+        found = _with_points(chosen, second, scale)
     else:
-        found = [compare_scan(sheet, second, scale) for sheet in run.sheets]
+        found = _with_scan(chosen, second, scale)
     folder = first if out is None else out
     check_writable(folder)
-    for place, comparison in enumerate(found):
-        numbers = comparison.numbers()
-        names = {"distance_mm": "distance [mm]", "shear_angle_deg": "shear angle [degrees]"}
-        for key, name in names.items():
-            if (entry := numbers.get(key)) and "mean_absolute" in entry:
-                say(
-                    f"{comparison.sheet.name}: {name} {entry['mean_absolute']:.3g} on average, at most "
-                    f"{entry['largest_absolute']:.3g}, over {entry['compared_share']:.0%} of the sheet"
-                )
-        files = write_comparison(folder, comparison, "" if len(found) == 1 else f"_{place}")
+    for place, (numbers, write) in enumerate(found):
+        for line in _lines(numbers):
+            say(line)
+        files = write(folder, "" if len(found) == 1 else f"_{place}")
         say(f"wrote {', '.join(file.name for file in files)} to {folder}")
+
+
+# Numbers of a comparison, and what writes its files into a folder, with an ending of their names.
+_Found = tuple[dict[str, Any], Callable[[Path, str], list[Path]]]
+
+
+def _scale(unit: str | None, unit_scale: float | None) -> float | None:
+    """Metres per unit."""
+    from ...job.units import length_unit
+    from ...ranges import argument
+
+    if unit is not None and unit_scale is not None:
+        raise InputError("compare: --unit and --unit-scale: one of them is needed, both are given")
+    if unit_scale is not None:
+        return argument("unit_scale", unit_scale, "unit scale")
+    try:
+        return None if unit is None else length_unit(unit)
+    except ValueError as error:
+        raise InputError(f"compare: unit {unit!r}: {error}") from None
+
+
+def _with_run(run: StoredRun, folder: Path) -> list[_Found]:
+    from ...output.comparison.runs import compare_sheets, write_comparison
+    from ...output.stored.file import read_results
+
+    other = read_results(folder)
+    if len(other.sheets) != len(run.sheets):
+        raise InputError(f"compare: {run.folder} has {len(run.sheets)} sheets, {folder} has {len(other.sheets)}")
+    pairs = zip(run.sheets, other.sheets, strict=True)
+    found = (compare_sheets(own, each, f"{folder.name or folder} {each.name}") for own, each in pairs)
+    return [(each.numbers(), partial(_write, write_comparison, each)) for each in found]
+
+
+def _with_points(sheets: Sequence[StoredSheet], path: Path, scale: float | None) -> list[_Found]:
+    from ...output.comparison.points import compare_points, read_points, write_point_comparison
+
+    points = read_points(path, metres_per_unit=scale)
+    for note in points.notes:
+        say(f"note: {note}")
+    found = [compare_points(sheet, points) for sheet in sheets]
+    return [(each.numbers(), partial(_write, write_point_comparison, each)) for each in found]
+
+
+def _with_scan(sheets: Sequence[StoredSheet], path: Path, scale: float | None) -> list[_Found]:
+    from ...output.comparison.runs import compare_scan, write_comparison
+
+    found = [compare_scan(sheet, path, scale) for sheet in sheets]
+    return [(each.numbers(), partial(_write, write_comparison, each)) for each in found]
+
+
+def _write(write: Callable[[Path, Any, str], list[Path]], found: Any, folder: Path, ending: str) -> list[Path]:
+    return write(folder, found, ending)
+
+
+def _lines(numbers: dict[str, Any]) -> Iterator[str]:
+    """What a user is told: every difference."""
+    for key, entry in numbers.items():
+        if isinstance(entry, dict) and "mean_absolute" in entry:
+            name = key.replace("_deg", " [degrees]").replace("_mm", " [mm]").replace("_", " ")
+            whole = f"{numbers['point_count']} points" if "point_count" in numbers else "the sheet"
+            yield (
+                f"{numbers['sheet']}: {name} {entry['mean_absolute']:.3g} on average, at most "
+                f"{entry['largest_absolute']:.3g}, over {entry['compared_share']:.0%} of {whole}"
+            )

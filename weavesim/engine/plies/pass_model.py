@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 import warp as wp
 
-from ...kernels.contact.friction import HERSEY, NO_ARGUMENT, PRESSURE, YARN_ANGLE, friction_law_struct
+from ...kernels.contact.friction import friction_law_struct
 from ...kernels.plies.data import contact_law_struct, slaves_struct
 from ...kernels.plies.own_search import SLOT_COUNT
 from ...kernels.plies.search import search_struct
 from ...kernels.rows import PLY_RECORD_LENGTH, PlyRow
-from ...process.friction import Friction, PressureFriction, StribeckFriction, ViscousFilm, YarnAngleFriction
+from ...process.friction_device import argument_kind, carried_rate, viscous_rates, viscous_share
 from ...process.interfaces import Interface
 from ...process.self_contact import SelfContact
 from ..layout import RowLayout
@@ -24,8 +24,6 @@ from .facet_tables import FacetTables
 from .feet import Feet, find_feet
 from .normals import normal_layout
 
-# Rate of a film, or of the slope of a Stribeck curve, over what the step can carry.
-LARGEST_VISCOUS_SHARE = 0.1
 # Nodes within this share of an element's size of a facet are listed with it.
 SKIN_SHARE = 0.3
 # Of the thickness: nearer on the flat blank, points of one sheet are neighbours.
@@ -37,11 +35,6 @@ LARGEST_FARTHEST = 1.5
 NEVER = 1.0e30
 # Slots of a list of candidates, over the mean number of nodes within its box.
 SPARE_SLOTS = 3.0
-_ARGUMENT_KINDS: dict[type[Friction], int] = {
-    PressureFriction: int(PRESSURE),
-    YarnAngleFriction: int(YARN_ANGLE),
-    StribeckFriction: int(HERSEY),
-}
 
 
 @dataclass(frozen=True)
@@ -191,25 +184,20 @@ class PassModel:
     def _friction(self):
         friction, law = self.interface.friction, friction_law_struct(self.real)()
         argument, coefficient = friction.table()
-        law.argument_kind = _ARGUMENT_KINDS.get(type(friction), int(NO_ARGUMENT))
+        law.argument_kind = argument_kind(friction)
         law.argument = wp.array(argument, dtype=self.real, device=self.device)
         law.coefficient = wp.array(coefficient, dtype=self.real, device=self.device)
-        law.film, law.viscosity = 0.0, 0.0
-        slowest = self.reference_step / (LARGEST_VISCOUS_SHARE * self.reduced_density)
-        if isinstance(friction, ViscousFilm):
-            law.film = friction.viscosity / (friction.thickness + friction.viscosity * slowest)
-        if isinstance(friction, StribeckFriction):
-            slope = max(0.0, float(np.max(np.diff(coefficient) / np.diff(argument))))
-            law.viscosity = friction.viscosity / (1.0 + friction.viscosity * slope * slowest)
+        law.viscosity, law.film = viscous_rates(friction, self._carried_rate)
         return law
+
+    @property
+    def _carried_rate(self) -> float:
+        return carried_rate(self.reduced_density, self.reference_step)
 
     @property
     def viscous_share(self) -> float:
         """Share of the viscosity that the time step can carry: 1, or less where it is reduced."""
-        law, friction = self._friction(), self.interface.friction
-        if isinstance(friction, ViscousFilm):
-            return law.film * friction.thickness / friction.viscosity
-        return law.viscosity / friction.viscosity if isinstance(friction, StribeckFriction) else 1.0
+        return viscous_share(self.interface.friction, self._carried_rate)
 
     def search(self):
         """Constants of the search, as a new struct."""

@@ -14,6 +14,7 @@ from ...kernels.stepping.surface_contact import surface_contact_kernel
 from ..layout import lanes_view
 from ..sheet_model import SheetModel
 from ..state import SheetState
+from .friction import set_friction
 
 
 class SurfaceContact:
@@ -73,6 +74,7 @@ def _sampled(sheet: SheetModel, own: SheetState, reaction: wp.array) -> Any:
     touch.friction = sheet.samples.layout.view(own.sample_friction)
     touch.gap, touch.reaction = own.sample_gap, own.sample_reaction
     touch.depth, touch.thickness = (lanes_view(a, lane_count) for a in (own.sample_depth, own.sample_thickness))
+    set_friction(touch, sheet, own.sample_friction_argument, samples=True)
     sampled = sampled_struct(sheet.real, lane_count)()
     sampled.touch, sampled.reaction = touch, reaction
     sampled.memory, sampled.works = (lanes_view(a, lane_count) for a in (own.sample_memory, own.sample_work))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...tools.sampling import mesh_parts
+from ...process.friction import Coulomb, law_of
 from ..model import Model
 from ..setup import Setup
 
@@ -21,8 +21,8 @@ def _obstacles(setup: Setup) -> Iterator[str]:
         yield "its sheet may touch itself"
     if setup.sheets[0].pressures:
         yield "there is pressure on its sheet"
-    if mesh_parts(setup.tools):
-        yield "its tools are triangle meshes"
+    if any(not isinstance(law_of(tool.friction), Coulomb) for tool in setup.tools):
+        yield "the friction of a tool is more than one coefficient"
     if setup.worlds[0].dynamics.contact_samples == "surface":
         yield 'it meets tools between nodes too (contact_samples = "surface")'
 

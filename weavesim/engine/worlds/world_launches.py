@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import warp as wp
 from ...device import block_size
 from ...kernels.rows import ClockEntry
 from ...kernels.stepping.step import MAXIMUM_GROUP
-from ...kernels.stepping.tools import SUM_GROUP, partial_sum_kernel
+from ...kernels.stepping.tools import SUM_GROUP
 from ...kernels.worlds.arguments import (
     ToolArguments,
     drive_arguments,
@@ -21,27 +22,14 @@ from ...kernels.worlds.arguments import (
     node_arguments,
     record_arguments,
 )
-from ...kernels.worlds.clocks import (
-    check_worlds,
-    world_drives_kernel,
-    world_maxima_kernel,
-    world_steps_kernel,
-    world_tile_maxima_kernel,
-    world_tools_kernel,
-)
-from ...kernels.worlds.sheets import (
-    world_extremes_kernel,
-    world_forces_kernel,
-    world_frequencies_kernel,
-    world_grips_kernel,
-    world_nodes_kernel,
-    world_works_kernel,
-)
+from ...kernels.worlds.clocks import check_worlds
+from ...tools.device import build_device_tools
 from ..launches import TILE_THREAD_COUNT, Launches
 from ..layout import lanes_view
-from ..model import Model, arrays_in
+from ..model import Model, arrays_in, sampled_meshes
 from ..state import State
 from .mirror import Mirror
+from .world_kernels import WorldKernelSet
 
 
 class WorldLaunches:
@@ -71,8 +59,11 @@ class WorldLaunches:
         largest_step: Sequence[float],
     ) -> None:
         self._device, self._model = device, models[0]
+        self._kernels = WorldKernelSet.of(models[0].setup, str(device))
         count = len(models)
-        own = [Launches(model, state) for model, state in zip(models, states, strict=True)]
+        # keeps what they refer to on the device
+        self._models = [_with_tools_on(device, model) for model in models]
+        own = [Launches(model, state) for model, state in zip(self._models, states, strict=True)]
         written = [[*(array for _, array in each.state.arrays()), *each.squared_frequency] for each in own]
         structs = [_structs(each) for each in own]
         constant = [[*each.model.arrays(), *_arrays_of(given)] for each, given in zip(own, structs, strict=True)]
@@ -85,13 +76,13 @@ class WorldLaunches:
         group_count = -(-sheet.element_count // MAXIMUM_GROUP)
         self._maxima = wp.zeros((count, group_count), dtype=real, device=device)
         self._sums = self._reaction_sums([state.reaction for state in states]) if tool_count else []
-        self._safety = wp.array(np.array(safety, dtype=np.float64), dtype=wp.float64, device=device)
-        self._largest_step = wp.array(np.array(largest_step, dtype=np.float64), dtype=wp.float64, device=device)
+        self._no_reactions = wp.zeros((0, 0), dtype=self._model.types.vec3, device=device)
+        self._safety: wp.array = wp.array(np.array(safety), dtype=wp.float64, device=device)
+        self._largest_step: wp.array = wp.array(np.array(largest_step), dtype=wp.float64, device=device)
         self.target = wp.zeros(count, dtype=wp.float64, device=device)
         self.running = wp.ones(count, dtype=wp.int32, device=device)
         self.block_count = wp.zeros(count, dtype=wp.int32, device=device)
         self.running_count = wp.zeros(1, dtype=wp.int32, device=device)
-        self._make_kernels()
 
     def _reaction_sums(self, reactions: Sequence[wp.array]) -> list[wp.array]:
         """The reactions of all worlds, one row for each tool, and on a GPU sums of groups of them."""
@@ -99,34 +90,10 @@ class WorldLaunches:
         rows = self.mirror.rows(reactions, model.types.vec3, (model.tools.count * model.reaction_count,))
         # rows of a world follow those of the one before: whole blocks of entries need no padding
         values = rows.reshape((count * model.tools.count, model.reaction_count))
-        if not self._device.is_cuda:
+        if self._kernels.partial_sums is None:
             return [values]
         shape = (values.shape[0], -(-values.shape[1] // SUM_GROUP))
         return [values, wp.zeros(shape, dtype=wp.vec3d, device=self._device)]
-
-    def _make_kernels(self) -> None:
-        model, sheet = self._model, self._model.sheet
-        real, lane_count = sheet.real, sheet.lane_count
-        self._forces = world_forces_kernel(real, lane_count, sheet.cell_law, sheet.sheet_traits)
-        self._nodes = world_nodes_kernel(real, lane_count, sheet.node_traits)
-        self._of_frequencies = world_frequencies_kernel(real, lane_count, sheet.cell_law, sheet.sheet_traits)
-        self._extremes = world_extremes_kernel(real, lane_count, sheet.sheet_traits.flat)
-        self._works = world_works_kernel(real, lane_count)
-        self._tools = world_tools_kernel(wp.float64 if self._device.is_cuda else real)
-        self._partial_sums = partial_sum_kernel(real)
-        self._of_maxima = (world_tile_maxima_kernel if self._device.is_cuda else world_maxima_kernel)(real)
-        self._steps = world_steps_kernel(real)
-        self._drives = world_drives_kernel(real) if model.drives.count else None
-        self._grips = world_grips_kernel(real) if sheet.grippers else None
-
-    @property
-    def kernels(self) -> list[wp.Kernel]:
-        """All kernels that are launched."""
-        kernels = [self._forces, self._nodes, self._of_frequencies, self._extremes, self._works, self._tools]
-        kernels += [self._of_maxima, self._steps, check_worlds]
-        if len(self._sums) > 1:
-            kernels.append(self._partial_sums)
-        return [*kernels, *(kernel for kernel in (self._drives, self._grips) if kernel)]
 
     # --- launches ----------------------------------------------------------------------------------------------------
 
@@ -145,57 +112,53 @@ class WorldLaunches:
 
     def element_forces(self) -> None:
         """Corner forces of all elements."""
-        self._of_blocks(self._forces, "forces", self._element_blocks)
+        self._of_blocks(self._kernels.forces, "forces", self._element_blocks)
 
     def pull(self) -> None:
         """Add the springs of grippers to the corner forces."""
-        if self._grips:
-            self._of_blocks(self._grips, "grips", sum(len(gripper.nodes) for gripper in self._model.sheet.grippers))
+        if kernel := self._kernels.grips:
+            self._of_blocks(kernel, "grips", sum(len(gripper.nodes) for gripper in self._model.sheet.grippers))
 
     def move_nodes(self) -> None:
         """Motion of all nodes."""
-        self._of_blocks(self._nodes, "nodes", self._model.sheet.block_count)
+        self._of_blocks(self._kernels.nodes, "nodes", self._model.sheet.block_count)
 
     def move_supports(self) -> None:
         """Displacement of every drive in the next step."""
-        if self._drives:
+        if kernel := self._kernels.drives:
             inputs = [self.running, self._arguments["drives"]]
-            wp.launch(self._drives, dim=self.mirror.world_count, inputs=inputs, device=self._device)
+            wp.launch(kernel, dim=self.mirror.world_count, inputs=inputs, device=self._device)
 
     def move_tools(self) -> None:
         """Sum the reactions, move every tool, and advance the clocks."""
         if len(self._sums) > 1:
             values, sums = self._sums
             wp.launch_tiled(
-                self._partial_sums,
+                self._kernels.partial_sums,
                 dim=sums.shape,
                 block_dim=TILE_THREAD_COUNT,
                 inputs=[values],
                 outputs=[sums],
                 device=self._device,
             )
-        reactions = self._sums[-1] if self._sums else wp.zeros((0, 0), dtype=self._no_reaction, device=self._device)
+        reactions = self._sums[-1] if self._sums else self._no_reactions
         inputs = [self.running, reactions, self._arguments["tools"]]
-        wp.launch(self._tools, dim=self.mirror.world_count, inputs=inputs, device=self._device)
-
-    @property
-    def _no_reaction(self) -> type:
-        return wp.vec3d if self._device.is_cuda else self._model.types.vec3
+        wp.launch(self._kernels.tools, dim=self.mirror.world_count, inputs=inputs, device=self._device)
 
     def refresh(self, beside: Any, join: Any) -> None:
         """Extremes, works and the next step; ``beside`` and ``join`` as those of ``Replay``."""
         with beside():
-            self._of_blocks(self._extremes, "records", self._element_blocks)
-            self._of_blocks(self._works, "records", self._model.sheet.block_count)
-        self._of_blocks(self._of_frequencies, "frequencies", self._element_blocks)
+            self._of_blocks(self._kernels.extremes, "records", self._element_blocks)
+            self._of_blocks(self._kernels.works, "records", self._model.sheet.block_count)
+        self._of_blocks(self._kernels.frequencies, "frequencies", self._element_blocks)
         tiled: dict[str, Any] = {"block_dim": TILE_THREAD_COUNT} if self._device.is_cuda else {}
         launch = wp.launch_tiled if self._device.is_cuda else wp.launch
         launch(
-            self._of_maxima, dim=self._maxima.shape, inputs=[self._frequencies], outputs=[self._maxima],
+            self._kernels.maxima, dim=self._maxima.shape, inputs=[self._frequencies], outputs=[self._maxima],
             device=self._device, **tiled,
         )  # fmt: skip
         wp.launch(
-            self._steps,
+            self._kernels.steps,
             dim=self.mirror.world_count,
             inputs=[self.running, self._maxima, self._safety, self._largest_step, self.clocks],
             device=self._device,
@@ -212,6 +175,18 @@ class WorldLaunches:
             outputs=[self.block_count, self.running, self.running_count],
             device=self._device,
         )
+
+
+def _with_tools_on(device: wp.Device, model: Model) -> Model:
+    """A model whose tools refer to samples of their meshes on ``device``; its arrays stay where they are."""
+    if not model.samples:
+        return model
+    samples = sampled_meshes(model.setup, str(device))
+    result = copy(model)
+    result.tools = build_device_tools(
+        model.setup.tools, model.real, str(model.device), samples, model.contact_stiffness()
+    )
+    return result
 
 
 def _structs(own: Launches) -> dict[str, Any]:

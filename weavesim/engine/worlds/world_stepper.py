@@ -9,9 +9,11 @@ import warp as wp
 
 from ...device import load_kernel
 from ...kernels.rows import ClockEntry
+from ..compilation import compile_missing
 from ..replay import Replay
 from ..sheet_model import REFRESH_INTERVAL
 from ..stepper import Stepper
+from .world_kernels import WorldKernelSet
 from .world_launches import WorldLaunches
 
 
@@ -24,6 +26,9 @@ class WorldStepper:
     Args:
         device: that computes.
         steppers: of the runs, on the host, with one lane; started.
+
+    Attributes:
+        launches_intervals: whether all blocks up to the targets are a single launch, as is possible on a GPU.
     """
 
     def __init__(self, device: wp.Device, steppers: Sequence[Stepper]) -> None:
@@ -37,11 +42,13 @@ class WorldStepper:
         )
         self._replay = Replay(device, 1)
         self._graph: wp.Graph | None = None
-        self._whole_intervals = device.is_cuda and wp.is_conditional_graph_supported()
+        self.launches_intervals = device.is_cuda and wp.is_conditional_graph_supported()
 
     def load(self) -> None:
         """Load the kernels; those that are not cached are compiled."""
-        for kernel in [*self._launches.kernels, *self._replay.kernels]:
+        kernel_set = WorldKernelSet.of(self._steppers[0].model.setup, str(self._device))
+        compile_missing(kernel_set)
+        for kernel in kernel_set.kernels():
             load_kernel(kernel, self._device)
 
     def start(self) -> None:
@@ -90,9 +97,9 @@ class WorldStepper:
         advanced = launches.running.numpy().copy()
         if advanced.any():
             if self._graph is None:
-                self._graph = self._replay.record(self._interval if self._whole_intervals else self._block)
+                self._graph = self._replay.record(self._interval if self.launches_intervals else self._block)
             wp.capture_launch(self._graph)
-            while not self._whole_intervals and not stop() and launches.running_count.numpy()[0]:
+            while not self.launches_intervals and not stop() and launches.running_count.numpy()[0]:
                 wp.capture_launch(self._graph)
         self._read(np.flatnonzero(advanced).tolist())
 

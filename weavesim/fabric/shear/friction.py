@@ -61,9 +61,9 @@ class CrossoverFriction(Kinded):
 class ShearFriction(CrossoverFriction):
     """Friction at the crossovers with a limit that depends on the angle and increases with yarn tension.
 
-    The limit is limit(|gamma|) + crossover_friction_length * pressure; pressure is the crossover force from the unit
-    cell, per reference area. A limit that depends on tension stores no energy, so it has no counterpart in the forces
-    along the yarns: the law dissipates and never creates energy.
+    The limit is ``limit(|gamma|) + crossover_friction_length * pressure``; pressure is the crossover force from the
+    unit cell, per reference area. A limit that depends on tension stores no energy, so it has no counterpart in the
+    forces along the yarns: the law dissipates and never creates energy.
     """
 
     limit: Annotated[tuple[NotNegative, ...], Quantity("friction moment")] = Field(

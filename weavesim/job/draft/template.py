@@ -22,6 +22,8 @@ FEWEST_ELEMENTS, MOST_ELEMENTS = 40, 60
 ELEMENTS_ON_RADIUS = 5.0
 # Of the ring on the sheet under it [Pa].
 RING_PRESSURE = 20.0e3
+# Mean pressure of the press on the opening, at which its stroke waits [Pa].
+PRESS_PRESSURE = 1.0e6
 RING_TRAVEL_TIME_SHARE = 0.01
 
 
@@ -151,9 +153,11 @@ def _punch(found: Survey, choices: Choices, gap: float, speed: float) -> str:
     else:
         head = _comment("The punch, drawn closed: it starts above the sheet and goes to where it is drawn.")
         surface = f'file = "{choices.punch}"\nunit = "{found.unit}"\nup = "{found.up}"\nfaces = "down"\n'
+    force = rounded_down(max(PRESS_PRESSURE * float(np.prod(found.opening[1] - found.opening[0])), 1.0))
     return (
         f'{head}[[tool]]\nname = "punch"\n{surface}start = "touching"\nclearance = "1 mm"\nstroke = "close"\n'
         f'speed = "{speed:g} m/s"  # suggested for this fabric\n'
+        f'largest_force = "{force:g} N"  # of the press, 1 MPa on the opening: a stroke too far waits there\n'
     )
 
 

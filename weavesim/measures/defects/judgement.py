@@ -1,4 +1,4 @@
-"""Judgement of a formed sheet by limits that its user sets: wrinkles, bridging, locking, gap.
+"""Judgement of a formed sheet by limits that its user sets: wrinkles, bridging, locking, gap, self-contact.
 
 A shear angle alone predicts no wrinkle: what counts is how far the sheet deviates, where its yarns are pushed together.
 """
@@ -18,6 +18,7 @@ from ...ranges import Quantity
 from ..angles import yarn_vectors
 from ..findings import FormedSheet
 from .regions import regions
+from .touching import distance_to_others
 from .waves import waves
 
 # (points (k, 3) [m]) -> distance to the nearest of the tools (k,) [m], negative inside.
@@ -49,6 +50,9 @@ class Limits(Parameters):
     gap: Annotated[Positive, Quantity("gap")] | None = Field(
         default=None, description="largest gap to the nearest tool, anywhere [m]; not looked at by default"
     )
+    self_contact_gap: Annotated[Positive, Quantity("gap")] | None = Field(
+        default=1.0e-4, description="gap up to which parts of a sheet lie on each other, as in a fold [m]"
+    )
     least_area: Annotated[NotNegative, Quantity("gap")] = Field(
         default=0.0, description="side of a square; smaller regions are left out [m]"
     )
@@ -59,13 +63,14 @@ class Region:
     """A connected part of a sheet beyond a limit.
 
     Attributes:
-        kind: "wrinkle", "bridging", "locking" or "gap".
+        kind: "wrinkle", "bridging", "locking", "gap" or "self-contact".
         elements: (k,).
         area: current [m^2].
         place: centre of the worst element, formed (x, y, z) [m].
         flat_place: the same on the flat blank (x, y) [m].
-        largest: amplitude or gap [m], or shear angle [degrees].
-        severity: ``largest`` over its limit.
+        largest: amplitude or gap [m], or shear angle [degrees]; of self-contact the smallest gap, negative where the
+            sheet passes through itself.
+        severity: ``largest`` over its limit; of self-contact the distance at the limit over the smallest one.
         wavelength: of a wrinkle at its worst element [m].
         crest_count: crests of a wrinkle, at least half the limit high.
     """
@@ -116,7 +121,10 @@ class Judgement:
 
     @cached_property
     def fields(self) -> dict[str, np.ndarray]:
-        """Per element: gap [m], amplitude and wavelength [m], compression, tension [N/m], curvature [1/m], angle."""
+        """Per element: gap [m], amplitude and wavelength [m], compression, tension [N/m], curvature [1/m], angle.
+
+        ``self_contact_gap`` [m] is infinite where nothing is near.
+        """
         sheet, given = self.sheet, self.sheet.fields
         wave = waves(sheet.blank, sheet.position, self.limits.longest_wavelength, self._nodal_gap)
         out = {
@@ -127,6 +135,10 @@ class Judgement:
             "yarn_tension": np.maximum(given["warp_force"], given["weft_force"]),
             "shear_angle_deg": sheet.shear_angle_deg,
         }
+        if (reach := self.limits.self_contact_gap) is not None:
+            flat, thickness = sheet.blank.material_coordinates, sheet.thickness
+            apart = distance_to_others(sheet.position, flat, sheet.blank.quads, thickness, thickness + reach)
+            out["self_contact_gap"] = apart - thickness
         if self.distance is not None:
             middle, out["tool_curvature"] = self._tool_height()
             out["gap"] = middle - 0.5 * self._thickness
@@ -179,6 +191,12 @@ class Judgement:
             yield "locking", fields["shear_angle_deg"], self.locking_angle, every
         if "gap" in fields and limits.gap is not None:
             yield "gap", fields["gap"], limits.gap, every
+        if (most := limits.self_contact_gap) is not None:
+            closeness = 1.0 / np.maximum(
+                fields["self_contact_gap"] + self.sheet.thickness, 1.0e-3 * self.sheet.thickness
+            )
+            # a hair more: what is at the limit counts
+            yield "self-contact", closeness, (1.0 - 1.0e-9) / (most + self.sheet.thickness), every
 
     def _of_wrinkle(self, elements: np.ndarray, worst: int, limit: float) -> tuple[float, int]:
         """Wavelength at the worst element [m], and number of crests."""
@@ -203,8 +221,9 @@ class Judgement:
                 x, y, z = corner[worst].mean(axis=0).tolist()
                 u, v = flat[worst].tolist()
                 wavelength, crests = self._of_wrinkle(elements, worst, limit) if kind == "wrinkle" else (None, None)
+                largest = self.fields["self_contact_gap"] if kind == "self-contact" else value
                 found.append(
-                    Region(kind, elements, float(area[elements].sum()), (x, y, z), (u, v), float(value[worst]),
+                    Region(kind, elements, float(area[elements].sum()), (x, y, z), (u, v), float(largest[worst]),
                            float(value[worst] / limit), wavelength, crests)
                 )  # fmt: skip
         return tuple(sorted(found, key=lambda region: -region.severity))

@@ -55,6 +55,24 @@ class FolderLock:
             self._lock = None
 
 
+def is_locked(folder: Path) -> bool:
+    """Whether a run is writing to a folder."""
+    from filelock import FileLock, Timeout
+
+    path = folder / LOCK_NAME
+    if not path.exists():
+        return False
+    lock = FileLock(path, timeout=0, thread_local=False)
+    try:
+        lock.acquire()
+    except Timeout:
+        return True
+    except OSError:
+        return False
+    lock.release()
+    return False
+
+
 def _holder(folder: Path) -> str:
     """The run that has the lock, from its record."""
     try:

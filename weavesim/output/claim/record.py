@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
+from fnmatch import fnmatch
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -20,17 +21,20 @@ from ...device import cpu_features
 from ...run.frame import Frame, RunInfo
 from ...version import __version__
 from ..files import write_summary
+from ..pace import Pace
 from .source import processor_name, source_commit
 
 RECORD_NAME = "run.json"
 SETUP_NAME = "setup.json"
+# Files of which every frame adds some: they are recorded together from time to time, and found by this pattern too.
+NUMBERED = "paraview/frame_[0-9][0-9][0-9][0-9]*.vt[um]"
 # Packages whose versions may change a result.
 PACKAGES = ("warp-lang", "numpy", "trimesh", "meshio", "pydantic")
 _CHUNK = 1 << 20
 
 
 class RunRecord:
-    """The record of a run in its folder, written again whenever a file is added.
+    """The record of a run in its folder, written again whenever a file is added, of each frame only from time to time.
 
     Args:
         folder: of the run.
@@ -41,6 +45,7 @@ class RunRecord:
     def __init__(self, folder: Path, info: RunInfo, options: Mapping[str, Any]) -> None:
         self._folder = folder
         self._names: dict[str, None] = {}
+        self._pace = Pace()
         self._hashes: dict[str, str] = {}
         self._content: dict[str, Any] = {
             "run_id": info.run_id,
@@ -74,7 +79,11 @@ class RunRecord:
             name = path.relative_to(self._folder).as_posix()
             if name not in self._names and name != RECORD_NAME:
                 self._names[name] = None
-                self.write()
+                if not fnmatch(name, NUMBERED):
+                    self.write()
+                elif self._pace.due():
+                    self.write()
+                    self._pace.done()
 
     @property
     def names(self) -> list[str]:

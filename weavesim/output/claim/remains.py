@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...run.checkpoint.checkpoints import FOLDER_NAME, has_job, remove_checkpoints
-from .record import RECORD_NAME
+from .record import NUMBERED, RECORD_NAME
 
 # Removed first: it alone would say that a run has finished.
 SUMMARY_NAME = "summary.json"
@@ -17,7 +17,7 @@ SUMMARY_NAME = "summary.json"
 PATTERNS = (
     SUMMARY_NAME, RECORD_NAME, "setup.json", "results.h5", "history.csv", "report.html", "run.log", "draw_in*.csv",
     "sheets.csv",
-    "shear_angle*.csv", "paraview/frame_[0-9][0-9][0-9][0-9]*.vt[um]", "paraview/final_state*.vt[um]",
+    "shear_angle*.csv", NUMBERED, "paraview/final_state*.vt[um]",
     "paraview/series.pvd",
     "pictures/formed_sheet*.png", "pictures/energies.png",
 )  # fmt: skip
@@ -104,7 +104,10 @@ def _recorded(folder: Path) -> list[str]:
         return [str(p.relative_to(folder)) for pattern in (*PATTERNS, *FURTHER_PATTERNS) for p in folder.glob(pattern)]
     except (OSError, ValueError, KeyError, TypeError):  # damaged: what the patterns name
         return [str(path.relative_to(folder)) for pattern in PATTERNS for path in folder.glob(pattern)]
-    return [str(path) for path in paths if not path.is_absolute() and ".." not in path.parts and _plain(folder, path)]
+    # a killed run has not recorded its last frames
+    paths += [path.relative_to(folder) for path in folder.glob(NUMBERED)]
+    inside = [path for path in paths if not path.is_absolute() and ".." not in path.parts and _plain(folder, path)]
+    return list(dict.fromkeys(map(str, inside)))
 
 
 def _plain(folder: Path, path: Path) -> bool:

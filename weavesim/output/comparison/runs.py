@@ -16,6 +16,8 @@ from ..files import write_summary
 from ..stored.file import StoredSheet
 from ..tables import write_table
 
+# A scan is not as much larger or smaller than the sheet as this: its unit is wrong.
+LARGEST_RATIO = 20.0
 # Fields that are compared where both have them: name in files, and whether the sign is left out.
 FIELDS = {
     "shear_angle_deg": True, "warp_stretch": False, "weft_stretch": False, "thickness": False,
@@ -44,13 +46,13 @@ class Comparison:
         flat = self.sheet.blank.material_coordinates
         centre = flat[self.sheet.blank.quads].mean(axis=1)
         out: dict[str, Any] = {"sheet": self.sheet.name, "other": self.other}
-        out["distance_mm"] = _statistics(1.0e3 * self.distance, flat)
+        out["distance_mm"] = statistics(1.0e3 * self.distance, flat)
         for name, (own, other) in self.values.items():
-            out[name] = _statistics(own - other, centre)
+            out[name] = statistics(own - other, centre)
         return out
 
 
-def _statistics(difference: np.ndarray, place: np.ndarray) -> dict[str, Any]:
+def statistics(difference: np.ndarray, place: np.ndarray) -> dict[str, Any]:
     """Of the differences that there are."""
     known = np.flatnonzero(np.isfinite(difference))
     if not len(known):
@@ -77,15 +79,15 @@ def compare_sheets(sheet: StoredSheet, other: StoredSheet, name: str) -> Compari
         InputError: the flat blanks have no point in common.
     """
     own_flat, other_flat = sheet.blank.material_coordinates, other.blank.material_coordinates
-    there = _interpolated(other_flat, other.position, own_flat)
+    there = interpolated(other_flat, other.position, own_flat)
     if not np.isfinite(there).any():
         raise InputError(f"compare: the flat blanks of {sheet.name} and of {name} have no point in common")
     distance = np.linalg.norm(sheet.position - there, axis=1)
     own_centre = own_flat[sheet.blank.quads].mean(axis=1)
     other_centre = other_flat[other.blank.quads].mean(axis=1)
     # inside the other's outline
-    inside = np.isfinite(_interpolated(other_flat, other_flat, own_centre)).all(axis=1)
-    nearby = _nearest_rows(other_centre, own_centre)
+    inside = np.isfinite(interpolated(other_flat, other_flat, own_centre)).all(axis=1)
+    nearby = nearest_rows(other_centre, own_centre)
     reach = float(np.sqrt(flat_areas(other.blank).max()))
     inside &= np.linalg.norm(other_centre[nearby] - own_centre, axis=1) < reach
     values = {}
@@ -93,31 +95,41 @@ def compare_sheets(sheet: StoredSheet, other: StoredSheet, name: str) -> Compari
         if key not in sheet.values or key not in other.values:
             continue
         pair = [np.abs(s.values[key].values) if unsigned else s.values[key].values for s in (sheet, other)]
-        found = _interpolated(other_centre, pair[1], own_centre)
+        found = interpolated(other_centre, pair[1], own_centre)
         found = np.where(np.isfinite(found), found, pair[1][nearby])
         values[key] = pair[0], np.where(inside, found, np.nan)
     return Comparison(sheet, name, distance, values)
 
 
-def compare_scan(sheet: StoredSheet, path: str | Path, unit_scale: float) -> Comparison:
+def compare_scan(sheet: StoredSheet, path: str | Path, unit_scale: float | None) -> Comparison:
     """Compare with a scanned surface: distance of the nodes to its nearest point.
 
     Args:
         sheet: formed.
         path: of a mesh file of the scan, in the same place as the tools.
-        unit_scale: metres per unit of the file.
+        unit_scale: metres per unit of the file; None takes what it says itself.
 
     Raises:
-        InputError: a file that cannot be read.
+        InputError: a file that cannot be read, has no unit, or is of quite another size.
     """
     mesh = read_mesh(path, "scan")
-    mesh.check_unit(unit_scale)
+    scale = mesh.metres_per_unit if unit_scale is None else unit_scale
+    if scale is None:
+        raise InputError(f"unit: is required with {Path(path).name}, whose format does not say it: --unit mm, inch, m")
+    mesh.check_unit(scale)
     triangles, _ = mesh.triangles()
-    points, _ = nearest(unit_scale * mesh.vertices[triangles], sheet.position)
+    corners = scale * mesh.vertices[triangles]
+    ratio = float(np.linalg.norm(np.ptp(corners, axis=(0, 1))) / np.linalg.norm(np.ptp(sheet.position, axis=0)))
+    if not 1.0 / LARGEST_RATIO < ratio < LARGEST_RATIO:
+        raise InputError(
+            f"scan {Path(path).name}: it is {ratio:.3g} times as large as the sheet {sheet.name}; check its unit "
+            f"(--unit mm), {scale:g} m was taken"
+        )
+    points, _ = nearest(corners, sheet.position)
     return Comparison(sheet, f"scan {Path(path).name}", np.linalg.norm(points - sheet.position, axis=1))
 
 
-def _interpolated(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+def interpolated(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Linear between scattered places (k, 2); NaN outside their hull."""
     from scipy.interpolate import LinearNDInterpolator
 
@@ -126,7 +138,8 @@ def _interpolated(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.
     return LinearNDInterpolator(middle + (places - middle) * (1.0 + 1.0e-9), values)(at)
 
 
-def _nearest_rows(places: np.ndarray, at: np.ndarray) -> np.ndarray:
+def nearest_rows(places: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Row of the place that is nearest to each point."""
     from scipy.spatial import cKDTree
 
     return cKDTree(places).query(at)[1]

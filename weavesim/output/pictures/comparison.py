@@ -1,4 +1,4 @@
-"""Differences of a formed sheet to another one, or to a scan."""
+"""Differences of a formed sheet to another one, to a scan, or to measured points."""
 
 from __future__ import annotations
 
@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .net import add_bar
-from .style import colour_map, new_axes, new_figure
-from .surface import OBLIQUE, draw_elements, scaled_colours, signed_colours
+from .style import ACCENT, FAINT, INK, colour_map, new_axes, new_figure, words
+from .surface import GREY, OBLIQUE, PLAN, draw_elements, scaled_colours, signed_colours, view
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ..comparison.points import PointComparison
     from ..comparison.runs import Comparison
+
+# Fields that are drawn; all are in the table.
+LARGEST_COUNT = 4
 
 
 def comparison_picture(comparison: Comparison) -> Figure:
@@ -33,3 +37,49 @@ def comparison_picture(comparison: Comparison) -> Figure:
         draw_elements(axes, sheet.formed, signed_colours(difference, largest), OBLIQUE)
         add_bar(figure, [axes], "Difference [degrees]", "coolwarm", -largest, largest)
     return figure
+
+
+def points_picture(comparison: PointComparison) -> Figure:
+    """Above, each difference at its place, seen from above; below, measured against computed."""
+    drawn = list(comparison.differences())[:LARGEST_COUNT]
+    if not drawn:
+        drawn = [("", np.full(len(comparison.flat), np.nan))]
+    rows = 2 if comparison.values else 1
+    figure = new_figure(6.6 * len(drawn), 5.0 * rows)
+    for column, (name, difference) in enumerate(drawn, start=1):
+        signed = name in comparison.values
+        axes = new_axes(figure, rows, len(drawn), column, title=_title(name, signed))
+        sheet = comparison.sheet
+        colours = np.tile(np.array(GREY), (sheet.blank.element_count, 1))
+        draw_elements(axes, sheet.formed, colours, PLAN)
+        _, screen = view(PLAN)
+        known = np.isfinite(difference)
+        largest = float(np.abs(difference[known]).max(initial=1.0e-12))
+        x, y = (comparison.position[known] @ screen).T
+        low, palette = (-largest, "coolwarm") if signed else (0.0, colour_map())
+        axes.scatter(
+            x, y, c=difference[known], cmap=palette, vmin=low, vmax=largest, s=26, zorder=3, edgecolors=INK,
+            linewidths=0.4,
+        )  # fmt: skip
+        add_bar(figure, [axes], _title(name, signed), palette, low, largest)
+        if signed:
+            _against(figure, comparison, name, (rows, len(drawn), len(drawn) + column))
+    return figure
+
+
+def _title(name: str, signed: bool) -> str:
+    text = words(name).removesuffix(" deg").removesuffix(" mm")
+    unit = " [degrees]" if name.endswith("_deg") else " [mm]" if name.endswith("_mm") else ""
+    return f"{text.capitalize()}, computed less measured{unit}" if signed else f"{text.capitalize()}{unit}"
+
+
+def _against(figure: Figure, comparison: PointComparison, name: str, place: tuple[int, int, int]) -> None:
+    own, measured = comparison.values[name]
+    known = np.isfinite(own) & np.isfinite(measured)
+    axes = new_axes(figure, *place, title=f"{_title(name, False)}: {int(known.sum())} points")
+    axes.scatter(measured[known], own[known], s=22, color=ACCENT)
+    both = np.concatenate([measured[known], own[known]])
+    if len(both):
+        axes.plot([both.min(), both.max()], [both.min(), both.max()], color=FAINT, linewidth=1.0)
+    axes.set(xlabel="measured", ylabel="computed")
+    axes.set_aspect("equal", adjustable="datalim")

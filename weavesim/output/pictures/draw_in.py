@@ -8,7 +8,7 @@ import numpy as np
 
 from ...measures.border import symmetry_line, whole_outline
 from ...measures.findings import FormedSheet
-from .style import ACCENT, FAINT, GREY, INK, MEASURED, add_legend, new_axes, new_figure
+from .style import ACCENT, FAINT, INK, MEASURED, add_legend, new_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +18,9 @@ def draw_in_picture(sheet: FormedSheet, measured_outline: np.ndarray | None = No
     """Flat and formed outline in plan, and the draw-in along the outline; a measured outline (k, 2) [m] on top."""
     blank, position, symmetry, border = sheet.blank, sheet.position, sheet.symmetry, sheet.border
     figure = new_figure(12.0, 4.9)
-    grid = figure.add_gridspec(1, 2, width_ratios=(1.55, 1.0))
+    width, height = np.ptp(whole_outline(blank, blank.material_coordinates, symmetry), axis=0)
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.55 if width > 0.5 * height else 0.6, 1.0))
+    slender = min(width, height) < 0.3 * max(width, height)  # no room inside for texts
     plan = new_axes(figure, grid[0, 0], aspect="equal", title="Outline in plan", xlabel="x [mm]", ylabel="y [mm]")
     flat = 1.0e3 * whole_outline(blank, blank.material_coordinates, symmetry)
     formed = 1.0e3 * whole_outline(blank, position, symmetry)
@@ -30,10 +32,17 @@ def draw_in_picture(sheet: FormedSheet, measured_outline: np.ndarray | None = No
         line = symmetry_line(blank, along)
         end = 1.0e3 * np.array([line.of(blank.material_coordinates)[-1], line.of(position[:, :2])[-1]])
         plan.annotate("", end[1], end[0], arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.2})
-        inward = end[1] - 0.025 * np.ptp(flat[:, 0]) * np.eye(2)[axis]
-        place: Any = {"ha": "right", "va": "center"} if axis == 0 else {"ha": "center", "va": "top"}
-        plan.text(inward[0], inward[1], f"{sheet.draw_in_mm[along]:.1f} mm", weight="bold", **place)
-    add_legend(plan, loc="center")
+        sign = 1.0 if slender else -1.0  # outside or inside
+        beside = end[0 if slender else 1] + sign * 0.025 * np.ptp(flat, axis=0).max() * np.eye(2)[axis]
+        horizontal, vertical = ("left", "bottom") if slender else ("right", "top")
+        place: Any = {"ha": horizontal, "va": "center"} if axis == 0 else {"ha": "center", "va": vertical}
+        plan.text(beside[0], beside[1], f"{sheet.draw_in_mm[along]:.1f} mm", weight="bold", **place)
+    if not slender:
+        add_legend(plan, loc="center")
+    elif width > height:
+        add_legend(plan, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3)
+    else:
+        add_legend(plan, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
     start = blank.material_coordinates[border.node]
     length = 1.0e3 * np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(start, axis=0), axis=1))])
@@ -46,10 +55,9 @@ def draw_in_picture(sheet: FormedSheet, measured_outline: np.ndarray | None = No
     values[corners] = np.nan
     chart.plot(length, values, color=ACCENT)
     chart.axhline(0.0, color=FAINT, linewidth=1.0)
-    for corner in corners:
-        chart.axvline(length[corner], color=FAINT, linewidth=1.0, linestyle=(0, (4, 3)))
-        chart.text(
-            length[corner], 0.08, "corner ", transform=chart.get_xaxis_transform(), ha="right", va="bottom", color=GREY
-        )
+    for k, corner in enumerate(corners):
+        label = "corner of the flat outline" if k == 0 else None
+        chart.axvline(length[corner], color=FAINT, linewidth=1.0, linestyle=(0, (4, 3)), label=label)
+    add_legend(chart, loc="best")
     chart.margins(x=0.0)
     return figure

@@ -10,7 +10,7 @@ from ...measures.border import MaterialLine, whole_outline
 from ...measures.findings import FormedSheet
 from ...sheet.symmetry import Symmetry
 from ..colours import LARGEST_SHOWN_ANGLE
-from .style import INK, colour_map, new_axes, new_figure
+from .style import INK, colour_map, fitting_height, new_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from ...sheet.blank import Blank
 
+# Azimuth and elevation of the viewer [degrees].
+OBLIQUE, PLAN = (-58.0, 36.0), (-90.0, 90.0)
 # At most this many yarn lines across the longer side of the part.
 _LARGEST_YARN_COUNT = 50
 
@@ -35,25 +37,59 @@ def formed_sheet(sheet: FormedSheet) -> Figure:
     border = position[sheet.border.node, 2]
     turned = float(border.mean()) > float(position[:, 2].mean())  # a bowl is easier to see as a dome
     turn = np.array([1.0, -1.0, -1.0] if turned else [1.0, 1.0, 1.0])
-    figure = new_figure(13.0, 5.0)
-    grid = figure.add_gridspec(1, 2, width_ratios=(1.12, 1.0))
-    views = (
-        (grid[0, 0], "Formed sheet" + (", turned over" if turned else ""), (-58.0, 36.0), turn),
-        (grid[0, 1], "From above", (-90.0, 90.0), np.ones(3)),
-    )
-    axes = [
-        draw_view(
-            new_axes(figure, place, title=title), direction, corners * flip, segments * flip, angle_colours(angles)
-        )
-        for place, title, direction, flip in views
-    ]
+    views = (("Formed sheet" + (", turned over" if turned else ""), OBLIQUE, turn), ("From above", PLAN, np.ones(3)))
+    sizes = [np.ptp((corners * flip).reshape(-1, 3) @ projection(direction)[2], axis=0) for _, direction, flip in views]
+    ratios = [float(np.clip(height / width, 0.15, 6.0)) for width, height in sizes]
+    figure = new_figure(13.0, fitting_height(13.0, ratios, 1.5))
+    grid = figure.add_gridspec(1, 2, width_ratios=[1.0 / ratio for ratio in ratios])
+    axes = []
+    for place, (title, direction, flip) in enumerate(views):
+        axes.append(new_axes(figure, grid[0, place], title=title))
+        draw_view(axes[-1], direction, corners * flip, segments * flip, angle_colours(angles))
+        _mark_largest(axes[-1], sheet, direction, flip)
     lines_text = f"lines follow the yarns, one each {1.0e3 * spacing:g} mm" if spacing else "strokes follow the yarns"
-    add_angle_bar(figure, axes, float(angle.max()), lines_text)
+    x, y = 1.0e3 * blank.material_coordinates[blank.quads[int(angle.argmax())]].mean(axis=0)
+    add_angle_bar(
+        figure, axes, float(angle.max()), f"at ({x:.0f}, {y:.0f}) mm of the flat blank", lines_text,
+        usual=sheet.usual_shear_angle_deg,
+    )  # fmt: skip
     return figure
 
 
-def add_angle_bar(figure: Figure, axes: list[Axes], largest: float, further: str = "") -> None:
-    """The scale of shear angles below ``axes``, with the ``largest`` [degrees] marked, and ``further`` text."""
+def _mark_largest(axes: Axes, sheet: FormedSheet, direction: tuple[float, float], flip: np.ndarray) -> None:
+    """Ring and number where the shear angle is largest, on the copy that the viewer sees best."""
+    from matplotlib.patheffects import Normal, Stroke
+
+    to_eye, _, screen = projection(direction)
+    element = int(sheet.shear_angle_deg.argmax())
+    corner = np.stack([quad * flip for quad in sheet.symmetry.mirrored(sheet.position[sheet.blank.quads[[element]]])])
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    facing = np.abs(normal @ to_eye) / np.maximum(np.linalg.norm(normal, axis=1), 1.0e-300)
+    middle = corner.mean(axis=1)
+    # in plan where it was computed, whose place the text tells
+    seen = 0 if direction == PLAN else int(np.argmax(facing + middle @ to_eye / max(np.abs(middle).max(), 1.0e-300)))
+    x, y = middle[seen] @ screen
+    axes.plot(x, y, "o", markersize=11, markerfacecolor="none", markeredgecolor="white", markeredgewidth=2.6, zorder=5)
+    axes.plot(x, y, "o", markersize=11, markerfacecolor="none", markeredgecolor=INK, markeredgewidth=1.2, zorder=6)
+    axes.annotate(
+        f"{sheet.shear_angle_deg[element]:.1f}°", (x, y), (9, 7), textcoords="offset points", weight="bold", zorder=6,
+        color=INK, path_effects=[Stroke(linewidth=2.6, foreground="white"), Normal()],
+    )  # fmt: skip
+
+
+def add_angle_bar(
+    figure: Figure, axes: list[Axes], largest: float, place: str = "", further: str = "", usual: float | None = None
+) -> None:
+    """The scale of shear angles below ``axes``.
+
+    Args:
+        figure: of the axes.
+        axes: that it belongs to.
+        largest: angle, which is marked [degrees].
+        place: of the largest, in words.
+        further: text.
+        usual: angle that 99 % of the area do not exceed, marked too [degrees].
+    """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -67,8 +103,11 @@ def add_angle_bar(figure: Figure, axes: list[Axes], largest: float, further: str
         extend="max" if largest > LARGEST_SHOWN_ANGLE else "neither",
     )
     bar.outline.set_visible(False)
-    text = f"Shear angle of each element [degrees], largest {largest:.1f}°"
-    bar.set_label("   ·   ".join(filter(None, (text, further))), color=INK, fontsize=9.5)
+    text = f"Shear angle of each element [degrees], largest {largest:.1f}°" + (f" {place}" if place else "")
+    if usual is not None:
+        text += f", 99 % of the area below {usual:.1f}°"
+        bar.ax.axvline(min(usual, LARGEST_SHOWN_ANGLE), color="white", linewidth=1.6, linestyle=(0, (2, 1.5)))
+    bar.set_label("\n".join(filter(None, (text, further))), color=INK, fontsize=9.5)
     bar.ax.axvline(min(largest, LARGEST_SHOWN_ANGLE), color="white", linewidth=2.5)
     bar.ax.axvline(min(largest, LARGEST_SHOWN_ANGLE), color=INK, linewidth=1.2)
 
@@ -160,7 +199,8 @@ def draw_view(
             edgecolors=edges[order],
             linewidths=widths[order],
             joinstyle="round",
-        )
+        ),
+        autolim=False,  # limits follow; finding them from twenty thousand polygons is slow
     )
     flat = corners.reshape(-1, 3) @ screen
     margin = 0.02 * np.ptp(flat, axis=0).max()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -68,14 +68,35 @@ class PageContent:
     data: dict[str, Any] = field(default_factory=dict)
 
 
-def page_of(results: Results, recorder: FrameRecorder, folder: Path) -> PageContent:
+class ConstantParts:
+    """What does not change during a run: its fabrics and its set-up, computed at their first use."""
+
+    def __init__(self, info: RunInfo) -> None:
+        self._info = info
+
+    @cached_property
+    def fabrics(self) -> list[dict[str, Any]]:
+        """Of ``fabrics_of``."""
+        return fabrics_of(self._info)
+
+    @cached_property
+    def setup(self) -> list[tuple[str, list[Row]]]:
+        """Of ``setup_tables``."""
+        return setup_tables(self._info)
+
+
+def page_of(
+    results: Results, recorder: FrameRecorder, folder: Path, constant: ConstantParts | None = None
+) -> PageContent:
     """The page of a run that has ended, however it did."""
     summary, info = results.whole_summary, results.info
     outcome = str(summary.get("outcome") or Outcome.FINISHED.value)
     failed: list[str] = []
-    part: JudgedPart | None = _safely("the judgement of the part", failed, None, partial(judge, results))
+    options = record_of(folder).get("options") or {}
+    part: JudgedPart | None = _safely("the judgement of the part", failed, None, partial(judge, results, options))
     pictures = [picture for picture in results.pictures if picture[0].stem not in _DRAWN_ANEW]
-    content = _frame_of_page(info, results.history, recorder, folder, outcome, failed, part)
+    constant = constant or ConstantParts(info)
+    content = _frame_of_page(info, results.history, recorder, folder, outcome, failed, part, constant)
     content.verdict = verdict_of(summary, outcome, part)
     content.headline = list(_headline(summary))
     content.regions = list(part.regions) if part else []
@@ -86,15 +107,18 @@ def page_of(results: Results, recorder: FrameRecorder, folder: Path) -> PageCont
     content.forces = list(_forces(info, results.history, summary))
     content.numbers = _numbers(summary)
     content.options = [
-        Row(words(name), text_of(value)) for name, value in results.setup.items() if value not in (None, "", [], {})
+        Row(words(name), text_of(value)) for name, value in results.setup.items() if not _says_nothing(value)
     ]
     content.data["regions"] = list(part.regions) if part else []
     return content
 
 
-def page_so_far(info: RunInfo, history: History, recorder: FrameRecorder, folder: Path) -> PageContent:
+def page_so_far(
+    info: RunInfo, history: History, recorder: FrameRecorder, folder: Path, constant: ConstantParts | None = None
+) -> PageContent:
     """The page of a run that goes on."""
-    content = _frame_of_page(info, history, recorder, folder, "running", [], None)
+    constant = constant or ConstantParts(info)
+    content = _frame_of_page(info, history, recorder, folder, "running", [], None, constant)
     content.verdict = verdict_of({}, "running", None)
     content.forces = list(_forces(info, history, {}))
     return content
@@ -102,25 +126,26 @@ def page_so_far(info: RunInfo, history: History, recorder: FrameRecorder, folder
 
 def _frame_of_page(
     info: RunInfo, history: History, recorder: FrameRecorder, folder: Path, outcome: str, failed: list[str],
-    part: JudgedPart | None,
+    part: JudgedPart | None, constant: ConstantParts,
 ) -> PageContent:  # fmt: skip
     """What finished and running runs have in common."""
     title = info.name.replace("_", " ")
     scene = partial(scene_of, info, recorder, history, part.fields if part else ())
+    none: list[Any] = []
     angles = [_angles(frame) for frame in _shear_angles(recorder, info)]
     return PageContent(
         title[:1].upper() + title[1:],
         info.run_id,
         _subtitle(info, outcome),
         {},
-        fabrics=_safely("the curves of the fabric", failed, [], partial(fabrics_of, info)),
-        setup=_safely("the set-up", failed, [], partial(setup_tables, info)),
+        fabrics=_safely("the curves of the fabric", failed, none, lambda: constant.fabrics),
+        setup=_safely("the set-up", failed, none, lambda: constant.setup),
         provenance=provenance_rows(record_of(folder), info.run_id),
         failures=failed,
         data={
             "run": {"name": info.name, "id": info.run_id, "outcome": outcome, "duration": info.duration},
             "scene": _safely("the view", failed, {"frameCount": 0, "sheets": [], "tools": []}, scene),
-            "charts": _safely("the charts", failed, [], partial(charts_of, info, history, recorder.places, angles)),
+            "charts": _safely("the charts", failed, none, partial(charts_of, info, history, recorder.places, angles)),
             "regions": [],
         },
     )
@@ -138,8 +163,9 @@ def _safely(what: str, failed: list[str], otherwise: Part, make: Callable[[], Pa
 def _subtitle(info: RunInfo, outcome: str) -> str:
     fabrics = ", ".join(dict.fromkeys(sheet.fabric.name for sheet in info.sheets))
     shares = ", ".join(dict.fromkeys(SHARES[sheet.symmetry.share] for sheet in info.sheets))
+    state = "in progress" if outcome == "running" else outcome
     plies = f"{len(info.sheets)} sheets · " if len(info.sheets) > 1 else ""
-    return f"{fabrics} · {plies}{shares} computed · {info.element_count} elements · run {outcome}"
+    return f"{fabrics} · {plies}{shares} computed · {info.element_count} elements · run {state}"
 
 
 def _headline(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -177,17 +203,27 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, list[Row]]]:
 
 def _rows(summary: Mapping[str, Any]) -> Iterator[Row]:
     for key, value in summary.items():
-        if key in _ELSEWHERE or value in (None, {}, [], ""):
+        if key in _ELSEWHERE or _says_nothing(value):
             continue
         name, unit = split_unit(key)
         yield Row(words(name), _text(value, unit), meaning=DESCRIPTIONS.get(key, ""))
+
+
+def _says_nothing(value: Any) -> bool:
+    return value is None or (hasattr(value, "__len__") and len(value) == 0)
 
 
 def _text(value: Any, unit: Unit) -> str:
     if isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool) and unit.symbol):
         return with_unit(float(value), unit)
     if isinstance(value, Mapping):
-        return "; ".join(f"{words(str(key))} {_text(item, _own(str(key), unit))}" for key, item in value.items())
+        return "; ".join(f"{_label(str(key))} {_text(item, _own(str(key), unit))}" for key, item in value.items())
+    if isinstance(value, list | tuple) and value and all(isinstance(item, Mapping) for item in value):
+        return " | ".join(_text(item, unit) for item in value)
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, np.generic):
+        return _text(value.item(), unit)
     if isinstance(value, list | tuple) and all(isinstance(item, int | float) for item in value):
         # one unit behind all
         text = ", ".join(number(float(item)) for item in value)
@@ -195,9 +231,15 @@ def _text(value: Any, unit: Unit) -> str:
     return text_of(value)
 
 
+def _label(key: str) -> str:
+    """The name of an entry without its unit, in words; names of things keep their capitals."""
+    name, unit = split_unit(key.lower())
+    return words(key[: len(name)] if unit.symbol else key)
+
+
 def _own(key: str, unit: Unit) -> Unit:
     """Unit of an entry: that of its own name, or else that of the whole."""
-    own = split_unit(key)[1]
+    own = split_unit(key.lower())[1]
     return own if own.symbol else unit
 
 

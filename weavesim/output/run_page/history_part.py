@@ -17,11 +17,10 @@ _SHOWN_SHARE = 0.004
 
 def tool_copies(info: RunInfo) -> list[float]:
     """By what the force of each tool on the computed part is multiplied to be that on the whole."""
-    found = [1.0] * len(info.tools)
-    for sheet in info.sheets:
-        for place in sheet.tools:
-            found[place] = 1.0 / sheet.symmetry.share
-    return found
+    shares = [
+        [sheet.symmetry.share for sheet in info.sheets if place in sheet.tools] for place in range(len(info.tools))
+    ]
+    return [1.0 / own[0] if own else 1.0 for own in shares]
 
 
 def energy_copies(info: RunInfo) -> float | None:

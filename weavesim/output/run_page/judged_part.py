@@ -61,11 +61,16 @@ class JudgedPart:
         return "; ".join(parts) or "none"
 
 
-def judge(results: Results) -> JudgedPart | None:
-    """Judge the sheets of a run at its last frame by the limits that its user gave; None for a run without tools."""
+def judge(results: Results, options: Mapping[str, Any]) -> JudgedPart | None:
+    """Judge the sheets of a run at its last frame by the limits that its user gave; None for a run without tools.
+
+    Args:
+        results: of the run.
+        options: given by the user, of which ``limits`` may name a file.
+    """
     if not results.info.tools:
         return None
-    limits = _limits(results.setup)
+    limits = _limits(options)
     sheets, regions, fields = [], [], []
     for place, sheet in enumerate(results.sheets):
         judgement = Judgement(
@@ -141,7 +146,7 @@ def warnings_of(results: Results, summary: Mapping[str, Any]) -> list[Remark]:
 
 
 def _of_doubt(results: Results, doubt: Mapping[str, Any]) -> Remark:
-    where, place, sheet, element = [], doubt.get("place"), None, None
+    where, place, sheet, element = [], doubt.get("place_m"), None, None
     names = [one.info.name for one in results.sheets]
     if doubt.get("sheet") and len(names) > 1:
         where.append(f"sheet {doubt['sheet']}")
@@ -153,8 +158,8 @@ def _of_doubt(results: Results, doubt: Mapping[str, Any]) -> Remark:
             blank = results.sheets[sheet].info.blank
             centre = blank.material_coordinates[blank.quads].mean(axis=1)
             element = int(np.argmin(np.linalg.norm(centre - np.asarray(place, dtype=float)[:2], axis=1)))
-    if doubt.get("time") is not None:
-        where.append(f"at {number(float(doubt['time']), 's')}")
+    if doubt.get("time_s") is not None:
+        where.append(f"at {number(float(doubt['time_s']), 's')}")
     return Remark(
         str(doubt.get("level", "warning")), shown(str(doubt.get("text", ""))), shown(str(doubt.get("advice", ""))),
         ", ".join(where), sheet, element,

@@ -44,6 +44,7 @@ def scene_of(
             "index": [int(history.index[place]) for place in places],
             "time": [float(history.time[place]) for place in places],
             "stroke": [float(history.stroke[place]) for place in places],
+            "stage": recorder.stages,
         },
         "sheets": sheets,
         "tools": _tools(info, recorder) if places else [],
@@ -72,7 +73,7 @@ def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[s
         "elementCount": blank.element_count,
         "quads": packed(blank.quads.astype(np.uint32)),
         "flat": packed((1.0e3 * blank.material_coordinates).astype(np.float32)),
-        "yarns": packed(np.stack(yarn_components(blank), axis=1).astype(np.float32)),
+        "yarns": packed(yarn_components(blank).transpose(1, 0, 2).astype(np.float32)),
         # millimetres: numbers of the page are those that readers see
         "position": packed_series(1.0e3 * recorder.positions(place)),
         "fields": fields,

@@ -31,7 +31,7 @@ def setup_tables(info: RunInfo) -> list[tuple[str, list[Row]]]:
         own = f" of {world.name}" if several else ""
         tables.append((f"Motion and contact{own}", list(rows_of(world.dynamics))))
         tables += [(_sheet_heading(world, sheet, own), list(_sheet_rows(world, sheet))) for sheet in world.sheets]
-        tables += [(f"Tool: {tool.name.replace('_', ' ')}{own}", list(_tool_rows(tool))) for tool in world.tools]
+        tables += [(f"Tool: {tool.name.replace('_', ' ')}{own}", list(_tool_rows(world, tool))) for tool in world.tools]
         if world.interfaces:
             rows = [row for item in world.interfaces for row in _named_rows(item)]
             tables.append((f"Between plies{own}", rows))
@@ -79,11 +79,15 @@ def _sheet_rows(world: World, sheet: Sheet) -> Iterator[Row]:
             yield from rows_of(item, without=("name", "nodes"), depth=1)
 
 
-def _tool_rows(tool: Tool) -> Iterator[Row]:
+def _tool_rows(world: World, tool: Tool) -> Iterator[Row]:
     for row in rows_of(tool, without=("name", "colour")):
         # of a tool that is not turned nothing is said
         if not (row.label == "rotation" and np.array_equal(np.array(_rotation(tool)), np.eye(3))):
             yield row
+    if tool.motion.by_force and world.symmetry.planes:
+        yield Row(
+            "its forces", f"are those on the computed part; on the whole {1.0 / world.symmetry.share:g} times that"
+        )
 
 
 def _rotation(tool: Tool) -> object:

@@ -134,14 +134,21 @@ def text_of(value: Any, unit: str = "") -> str:
     if isinstance(value, Enum):
         return str(value.value)
     if isinstance(value, int | np.integer) and not unit:
-        return _digits(int(value)) if abs(value) >= 10_000 else str(value)
+        return _digits(int(value)) if abs(int(value)) >= 10_000 else str(value)
     if isinstance(value, int | float | np.number):
         return number(float(value), unit)
     if isinstance(value, Mapping):
         return ", ".join(f"{words(str(key))} {text_of(item, unit)}" for key, item in value.items()) or "none"
     if isinstance(value, np.ndarray | tuple | list | set | frozenset):
         return _list(value, unit)
-    return words(value) if isinstance(value, type) else str(value)
+    return str(value)
+
+
+def in_words(value: Parameters, *, without: Sequence[str] = ()) -> str:
+    """A value with its parts in one line: "dome punch, radius 60 mm, half length 85 mm"."""
+    kind = [words(type(value).__name__)] if isinstance(value, Kinded) else []
+    parts = [f"{row.label} {row.text}".strip() for row in rows_of(value, without=without)]
+    return ", ".join([*kind, *parts])
 
 
 def _list(value: Any, unit: str) -> str:
@@ -157,6 +164,8 @@ def _list(value: Any, unit: str) -> str:
         readable, factor = _readable(size, unit)
         text = ", ".join(_digits(float(x) * factor) for x in numbers)
         return _after(f"({text})" if len(items) > 1 else text, readable)
+    if numbers.ndim == 2 and numbers.size <= 9:
+        return ", ".join(_list(row, unit) for row in items)
     finite = numbers[np.isfinite(numbers)]
     if not finite.size:
         return f"{numbers.size} values"

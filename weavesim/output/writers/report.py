@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ...run.frame import Frame, RunInfo
+from ...run.frame import Frame, Outcome, RunInfo
 from ..results import Results
-from ..run_page.content import page_of, page_so_far
-from ..run_page.pace import PagePace
+from ..run_page.content import ConstantParts, page_of, page_so_far
+from ..run_page.progress import PROGRESS_NAME, PagePace, ProgressRecord
 from ..run_page.recorder import FrameRecorder
 from ..run_page.writing import write_page
 from ..writer import Writer
@@ -14,7 +14,8 @@ PAGE_NAME = "report.html"
 
 
 class ReportWriter(Writer):
-    """``report.html``: one page with a view of all frames, charts, all numbers, and the pictures and warnings."""
+    """``report.html``: one page with a view of all frames, charts, all numbers, pictures and warnings; during the run
+    ``progress.json``, how far it is (``weavesim view --live``)."""
 
     name = "report"
     title = PAGE_NAME
@@ -29,17 +30,26 @@ class ReportWriter(Writer):
         """Begin to keep frames."""
         self._info, self._recorder, self._pace = info, FrameRecorder(), PagePace()
         self._recorder.start(info)
+        self._constant = ConstantParts(info)
+        self._progress = ProgressRecord(self.folder, info)
+        self.save(PROGRESS_NAME, self._progress.start)
 
     def frame(self, frame: Frame) -> None:
         """Keep a frame; from time to time write the page so far, which ``weavesim view --live`` shows."""
         self._recorder.frame(frame)
+        self.save(PROGRESS_NAME, lambda: self._progress.frame(frame))
         if self._pace.due():
             self.save(self.title, self._write_so_far)
             self._pace.done()
 
     def _write_so_far(self) -> None:
-        write_page(self.folder / PAGE_NAME, page_so_far(self._info, self.history, self._recorder, self.folder))
+        content = page_so_far(self._info, self.history, self._recorder, self.folder, self._constant)
+        write_page(self.folder / PAGE_NAME, content)
+
+    def finish(self, outcome: Outcome) -> None:
+        """Say how the run ended."""
+        self.save(PROGRESS_NAME, lambda: self._progress.finish(outcome))
 
     def write(self, results: Results) -> None:
         """Write the page."""
-        write_page(self.folder / PAGE_NAME, page_of(results, self._recorder, self.folder))
+        write_page(self.folder / PAGE_NAME, page_of(results, self._recorder, self.folder, self._constant))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ...errors import InputError
 from ...sheet.samples import MOST_PER_SIDE
+from ..watch.remembered import geometry_key, remembered
 from ..watch.tool_distance import RESOLUTION, Deepest, ToolDistances
 from .guard import Doubt, Guard, Level, Start
 
@@ -73,7 +75,10 @@ class StartOverlap(Guard):
         for sheet, position, index in start.meetings():
             thickness, name = sheet.fabric.thickness, start.model.setup.tools[index].name
             limit = (0.5 - LARGEST_OVERLAP) * thickness - _sampling_error(start, index)
-            found = distances.deepest(index, displacement[index], position, sheet, limit)
+            key = geometry_key(start.model, (start.model.setup.tools[index],))
+            if key is not None:
+                key = ("overlap", sheet.name, float(displacement[index]), *key)
+            found = remembered(key, partial(distances.deepest, index, displacement[index], position, sheet, limit))
             overlap = 0.5 * thickness - found.distance
             if found.element is None:
                 continue

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
+from ..watch.remembered import geometry_key, remembered
 from ..watch.tool_distance import ToolDistances
 from .guard import Doubt, Guard, Level, Start
 
@@ -28,9 +29,9 @@ LARGEST_DIVISION = 60
 
 
 class ClosingGap(Guard):
-    """Two tools on either side of the sheet that leave less room for it than its thickness.
+    """Two tools on either side of the sheets that leave less room for them than their thickness.
 
-    Tools that a force moves stop at the sheet, and so do strokes with a largest force: they are left out.
+    Tools that a force moves stop at the sheet: they are left out. So do strokes with a largest force: it is only noted.
     """
 
     name = "closing_gap"
@@ -45,12 +46,11 @@ class ClosingGap(Guard):
         first = 0
         for world in start.model.setup.worlds:
             pairs = combinations(range(len(world.tools)), 2)
-            thickness = min(sheet.fabric.thickness for sheet in world.sheets)
+            thickness = stack_thickness(world)
             for a, b in pairs:
                 tools = world.tools[a], world.tools[b]
-                if _closes(*tools, start) and on_both_sides(start, world, first, a, b):
-                    gap, time = smallest_gap(start, world, first, (a, b))
-                    yield from self._judged(tools, gap, time, thickness, _error(start, tools))
+                if _closes(*tools) and (found := _gap_around(start, world, first, (a, b))):
+                    yield from self._judged(tools, *found, thickness, _error(start, tools))
             first += len(world.tools)
 
     def _judged(
@@ -59,6 +59,18 @@ class ClosingGap(Guard):
         if not gap < (1.0 - LARGEST_LACK) * thickness - error:
             return
         names = f"{tools[0].name} and {tools[1].name}"
+        if limited := [tool for tool in tools if tool.motion.limiting_force]:
+            yield self.doubt(
+                Level.NOTE,
+                f"{names} would leave {1e3 * gap:.3g} mm between them at {time:.4g} s, for {1e3 * thickness:.3g} mm of "
+                f"fabric: {limited[0].name} stops before, where its largest force of "
+                f"{limited[0].motion.limiting_force:.4g} N is reached",
+                "for a closed gap make the stroke shorter, or the gap at least the thickness",
+                time=time,
+                value=gap,
+                limit=thickness,
+            )
+            return
         advice = "make the stroke shorter, the gap at least the thickness, or give the stroke a largest_force"
         if gap + error <= 0.0:
             raise InputError(
@@ -75,11 +87,37 @@ class ClosingGap(Guard):
         )
 
 
-def _closes(a: Tool, b: Tool, start: Start) -> bool:
-    """Whether two tools move relative to each other, by prescribed strokes that nothing stops."""
-    if any(tool.motion.by_force or tool.motion.limiting_force for tool in (a, b)):
+def stack_thickness(world: World) -> float:
+    """Of the sheets that lie on each other [m]: of the thickest stack; of the thinnest sheet where none do."""
+    thickness = {sheet.name: sheet.fabric.thickness for sheet in world.sheets}
+    stack = {name: {name} for name in thickness}
+    for interface in world.interfaces:
+        both = stack[interface.lower] | stack[interface.upper]
+        stack.update(dict.fromkeys(both, both))
+    if not world.interfaces:
+        return min(thickness.values())
+    return max(sum(thickness[name] for name in names) for names in stack.values())
+
+
+def _closes(a: Tool, b: Tool) -> bool:
+    """Whether two tools move relative to each other, by prescribed strokes."""
+    if any(tool.motion.by_force for tool in (a, b)):
         return False
     return any(len(set(tool.motion.curve()[1])) > 1 for tool in (a, b))
+
+
+def _gap_around(start: Start, world: World, first: int, pair: tuple[int, int]) -> tuple[float, float] | None:
+    """``smallest_gap`` of two tools, if the sheets are between them."""
+    tools = world.tools[pair[0]], world.tools[pair[1]]
+    key = geometry_key(start.model, tools)
+    if key is not None:
+        displacement = (float(start.frame.tool_displacement[first + k]) for k in pair)
+        key = ("gap", world.name, *displacement, *key)
+
+    def find() -> tuple[float, float] | None:
+        return smallest_gap(start, world, first, pair) if on_both_sides(start, world, first, *pair) else None
+
+    return remembered(key, find)
 
 
 def on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
     from ...engine.sheet_model import SheetModel
+    from ..verdict import Judged
 
 # With fewer elements along a quarter turn of an edge, the sheet sags over it.
 LEAST_ELEMENTS_PER_QUARTER_TURN = 5.0
@@ -21,10 +23,16 @@ LEAST_ELEMENTS_PER_BENDING_LENGTH = 2.0
 
 
 class ToolRadius(Guard):
-    """Radii that the mesh cannot follow."""
+    """Radii that the mesh cannot follow: told once for all tools of one radius.
+
+    Where it is no more than a note, it is told at the end, with what it did.
+    """
 
     name = "tool_radius"
     watches = "elements along the radii of the tools"
+
+    def __init__(self) -> None:
+        self._noted: list[Doubt] = []
 
     def before(self, start: Start) -> Iterable[Doubt]:
         """Tools with few elements along a quarter turn of their smallest radius; sharp edges have their own guard.
@@ -35,19 +43,38 @@ class ToolRadius(Guard):
         for sheet, _, index in start.meetings():
             if index not in coarsest or sheet.geometry.largest_size > coarsest[index].geometry.largest_size:
                 coarsest[index] = sheet
+        alike: dict[tuple[float, float, float, str | None], list[str]] = {}
         for index, sheet in coarsest.items():
             tool, size = start.model.setup.tools[index], sheet.geometry.largest_size
             count = tool.elements_per_quarter_turn(size)
             if count < LEAST_ELEMENTS_PER_QUARTER_TURN:
-                yield self.doubt(
-                    Level.NOTE if count >= FEWEST_ELEMENTS_PER_QUARTER_TURN else Level.WARNING,
-                    f"{tool.name}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees "
-                    f"of its {tool.fillet_radius * 1e3:.3g} mm radius",
-                    "below five the sheet sags over the edge",
-                    sheet=sheet.name if len(start.model.sheets) > 1 else None,
-                    value=count,
-                    limit=LEAST_ELEMENTS_PER_QUARTER_TURN,
-                )
+                name = sheet.name if len(start.model.sheets) > 1 else None
+                alike.setdefault((count, size, tool.fillet_radius, name), []).append(tool.name)
+        self._noted = []
+        for (count, size, radius, name), tools in alike.items():
+            doubt = self.doubt(
+                Level.NOTE if count >= FEWEST_ELEMENTS_PER_QUARTER_TURN else Level.WARNING,
+                f"{', '.join(dict.fromkeys(tools))}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees of "
+                f"{'its' if len(tools) == 1 else 'their'} {radius * 1e3:.3g} mm radius",
+                "below five the sheet sags over the edge",
+                sheet=name,
+                value=count,
+                limit=LEAST_ELEMENTS_PER_QUARTER_TURN,
+            )
+            if doubt.level > Level.NOTE:
+                yield doubt
+            else:
+                self._noted.append(doubt)
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """The notes, with the depth that the middles of elements reached in a tool."""
+        for doubt in self._noted:
+            depth = run.run.penetration.at_element_centres
+            measured = (
+                f"; the middle of an element was {1e3 * depth:.2g} mm in a tool at most, which falls with the square "
+                "of their size"
+            )
+            yield replace(doubt, advice=doubt.advice + (measured if depth > 0.0 else ""))
 
 
 class SharpEdges(Guard):

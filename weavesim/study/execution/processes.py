@@ -15,6 +15,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
 from ..subject import Task, compute
+from ..table import Found
 from .executor import Result
 
 # A worker that has nothing to do any more ends by itself; one that computes is ended.
@@ -27,6 +28,7 @@ def serve(connection: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(EOFError, OSError):
         while (task := connection.recv()) is not None:
+            answer: Found | str
             try:
                 answer = compute(task)
             except Exception as error:

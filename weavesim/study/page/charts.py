@@ -64,7 +64,7 @@ def parallel_coordinates(results: StudyResults) -> go.Figure:
     import plotly.graph_objects as go
 
     points = [p for p in results.points if all(p.measure(results.key(m)) is not None for m in results.measures)]
-    dimensions = []
+    dimensions: list[dict[str, Any]] = []
     for k, factor in enumerate(results.controlled):
         if factor.is_numeric:
             dimensions.append({"label": factor.label, "values": [point.values[k] for point in points]})

@@ -78,7 +78,7 @@ def sampler_of(table: StudyTable, factor_count: int) -> Any:
     import optuna
 
     starts = max(2, min(STARTS_PER_FACTOR * factor_count, int(LARGEST_START_SHARE * (table.budget or 0))))
-    common = {"seed": table.seed, "n_startup_trials": starts}
+    common: dict[str, Any] = {"seed": table.seed, "n_startup_trials": starts}
 
     def limits(trial: Any) -> tuple[float]:
         return (trial.user_attrs.get("violation", 1.0),)

@@ -24,3 +24,14 @@ def test_what_is_no_run_and_no_scan_is_told(compare_command, folder, tmp_path):
     assert code == 2 and "it has no results.h5" in err
     code, _, err = compare_command(folder, folder, "--unit-scale", -1)
     assert code == 2 and "unit_scale" in err
+
+
+def test_measured_points(compare_command, folder, tmp_path):
+    (tmp_path / "points.csv").write_text("flat_x,flat_y,shear_angle [deg]\n10,10,2\n20,5,1\n")
+    code, out, err = compare_command(folder, tmp_path / "points.csv", "--unit", "mm", "--out", tmp_path)
+    assert code == 0, err
+    assert "shear angle [degrees] 1.5 on average, at most 2, over 100% of 2 points" in out
+    code, _, err = compare_command(folder, tmp_path / "points.csv", "--unit", "mm", "--sheet", "upper")
+    assert code == 2 and "sheet 'upper'" in err
+    code, _, err = compare_command(folder, tmp_path / "points.csv", "--unit", "mm", "--unit-scale", 1)
+    assert code == 2 and "both are given" in err

@@ -91,9 +91,11 @@ def test_a_killed_rerun_leaves_no_finished_summary(tmp_path, coarse_run):
     folder.start(info)
     assert json.loads((tmp_path / "summary.json").read_text())["outcome"] == "running"
     assert not (tmp_path / "history.csv").exists() and not list((tmp_path / "paraview").glob("*.vtu"))
-    for frame in frames[:3]:
+    for frame in frames[:4]:
         folder.frame(frame)
-    folder.release()  # as if killed
+    folder.release()  # as if killed, before the files of the last frame are recorded
+    assert (tmp_path / "paraview" / "frame_0003.vtm").exists()
+    assert "paraview/frame_0003.vtm" not in json.loads((tmp_path / "run.json").read_text())["files"]
     found = json.loads((tmp_path / "summary.json").read_text())
     assert (found["outcome"], found["frame_count"]) == ("running", 3)
     # everything that it left is known to the next run

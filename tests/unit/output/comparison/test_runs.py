@@ -68,3 +68,14 @@ def test_files_tell_the_same(tmp_path):
     difference = [float(row["shear_angle_deg_difference"]) for row in rows]
     assert np.mean(difference) == pytest.approx(told["shear_angle_deg"]["mean"])
     assert float(rows[0]["distance_mm"]) == pytest.approx(20.0)
+
+
+def test_a_scan_in_another_unit_is_told(tmp_path):
+    blank = Blank.rectangle((-0.05, -0.05), (0.05, 0.05), 0.01)
+    sheet = stored_sheet(blank, blank.node_position)
+    plate = trimesh.Trimesh([[-60, -60, 0], [60, -60, 0], [60, 60, 0], [-60, 60, 0]], [[0, 1, 2], [0, 2, 3]])
+    plate.export(tmp_path / "scan.stl")
+    with pytest.raises(InputError, match=r"it is 1.2e\+03 times as large as the sheet sheet; check its unit"):
+        compare_scan(sheet, tmp_path / "scan.stl", 1.0)
+    with pytest.raises(InputError, match="unit: is required with scan.stl"):
+        compare_scan(sheet, tmp_path / "scan.stl", None)

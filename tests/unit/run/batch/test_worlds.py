@@ -79,3 +79,13 @@ def test_a_signal_stops_all():
     assert all(np.isfinite(run.frame.position).all() for run in runs.values())
     before = Runner(VARIANTS).run_together("cpu", range(3), interrupted)
     assert [run.outcome for run in before.values()] == [None] * 3
+
+
+@pytest.mark.gpu
+def test_a_batch_on_a_gpu_is_near_that_on_the_host():
+    seen = {index: Frames() for index in range(len(VARIANTS))}
+    runs = run_batch(VARIANTS, device="cuda:0", observers=lambda index: (seen[index],))
+    for index, (run, host) in enumerate(zip(runs, run_batch(VARIANTS), strict=True)):
+        assert run.finished and run.summary["device"] == "cuda:0"
+        assert len(seen[index].all) == VARIANTS[index].frame_count + 1
+        np.testing.assert_allclose(run.frame.position, host.frame.position, atol=2e-5)

@@ -4,10 +4,16 @@ import numpy as np
 import pytest
 
 from tests.support.runs import small_run
+from weavesim.engine.setup import Setup
 from weavesim.errors import InputError
 from weavesim.fabric.presets import glass_polypropylene
+from weavesim.process.interfaces import Interface
 from weavesim.process.strokes import Fixed, ForceDriven, Stroke
+from weavesim.run.guards import Level
+from weavesim.run.guards.closing import stack_thickness
+from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.sheet import Sheet
 from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import DomeCavity, DomeOpening, DomePunch, Plane, Shape, Sphere, rotation_matrix
 from weavesim.tools.tool import Tool
@@ -146,3 +152,29 @@ def test_tools_that_meet_beside_the_sheet_only_are_left_alone():
     upper = Sphere(0.03, origin=(0.06, 0.0, 0.04))
     lower = Sphere(0.02, origin=(0.06, 0.0, -0.03))
     assert closing(closed(upper, lower, 0.03)) == []
+
+
+def test_a_press_with_a_largest_force_stops_before_and_that_is_noted():
+    upper, lower = PAIRS["two planes"]
+    run = closed(upper, lower, 0.0018, Stroke((0.0, 1e-3), (0.0, 0.0018), 500.0))
+    (doubt,) = closing(run)
+    assert doubt.level is Level.NOTE and "punch stops before, where its largest force of 500 N is reached" in doubt.text
+    assert doubt.value == pytest.approx(THICKNESS - 0.0008, abs=1e-5)
+
+
+def test_a_stack_needs_room_for_all_of_its_plies():
+    """1 mm of way, and room for one ply only."""
+    plies = tuple(
+        Sheet(Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005, height=k * THICKNESS), glass_polypropylene(), name=n)
+        for k, n in enumerate(("lower", "upper"))
+    )
+    upper = Plane(origin=(0.0, 0.0, HALF + THICKNESS + 1e-3), rotation=FACE_DOWN)
+    tools = (
+        Tool("punch", upper, Stroke((0.0, 1e-3), (0.0, 1e-3 + THICKNESS)), axis=DOWN),
+        Tool("die", Plane(origin=(0.0, 0.0, -HALF))),
+    )
+    setup = Setup("stack", sheets=plies, tools=tools, interfaces=(Interface("lower", "upper"),), duration=1e-3)
+    assert stack_thickness(setup.worlds[0]) == pytest.approx(2.0 * THICKNESS)
+    (doubt,) = (d for d in Simulation(setup).prepare().guards.first if d.guard == "closing_gap")
+    assert f"for a sheet of {2e3 * THICKNESS:.3g} mm" in doubt.text
+    assert doubt.value == pytest.approx(THICKNESS, abs=1e-5)

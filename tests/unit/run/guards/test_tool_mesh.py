@@ -8,6 +8,7 @@ import trimesh
 from tests.support.runs import small_run
 from weavesim.engine.setup import Setup, Solver, World
 from weavesim.fabric.presets import glass_polypropylene
+from weavesim.run.guards.guard import Level
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
@@ -29,8 +30,8 @@ def test_a_radius_that_the_mesh_cannot_follow_is_warned_of():
 def test_a_radius_that_it_follows_coarsely_is_a_note():
     simulation = small_run(tools=[ball(0.01)])
     assert simulation.warnings == []
-    (note,) = simulation.info.notes
-    assert note.startswith("ball: 3.1 elements of 5 mm")
+    (note,) = [doubt for doubt in simulation.doubts() if doubt.guard == "tool_radius"]
+    assert note.level == Level.NOTE and note.message.startswith("ball: 3.1 elements of 5 mm")
 
 
 def test_nothing_is_said_of_a_large_radius():
@@ -79,3 +80,20 @@ def test_of_several_sheets_the_coarsest_is_named_once():
     run = Simulation(Setup("three", (World(sheets, (far,)),), duration=1e-5, frame_count=1, solver=solver))
     (doubt,) = [doubt for doubt in run.doubts() if doubt.guard == "tool_radius"]
     assert doubt.sheet == "coarse" and "2.1 elements of 15 mm" in doubt.text
+
+
+def test_tools_of_one_radius_are_told_once_with_what_it_did():
+    blank = Blank.rectangle((0.0, 0.0), (0.06, 0.06), 0.01)
+    balls = tuple(
+        Tool(name, Sphere(0.02, origin=(0.035, 0.035, sign * 0.0204)))
+        for name, sign in (("above", 1.0), ("below", -1.0))
+    )
+    world = World((Sheet(blank, glass_polypropylene()),), balls)
+    run = Simulation(Setup("two", (world,), duration=1e-4, frame_count=1, solver=Solver(threads=1, lane_count=1)))
+    assert not any("elements of" in text for text in (*run.info.notes, *run.warnings))
+    run.run()
+    (doubt,) = [doubt for doubt in run.doubts() if doubt.guard == "tool_radius"]
+    assert doubt.level == Level.NOTE
+    assert "above, below: 3.1 elements of 10 mm along 90 degrees of their 20 mm radius" in doubt.text
+    depth = 1e3 * run.penetration.at_element_centres
+    assert depth > 0.0 and f"was {depth:.2g} mm in a tool at most" in doubt.advice

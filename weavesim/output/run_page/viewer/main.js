@@ -76,9 +76,17 @@ document.addEventListener("click", (event) => {
   else weavesim.page.chooseElement(Number(button.dataset.sheet), Number(button.dataset.element));
 });
 
+// Paper is narrower than the window: two charts side by side on A4.
+const PAPER_WIDTH = 335;
+
 window.addEventListener("beforeprint", () => {
   for (const details of document.querySelectorAll("details")) details.open = true;
   weavesim.page?.view.drawNow();
+  for (const box of document.querySelectorAll(".chart")) box.plot?.setSize({ width: PAPER_WIDTH, height: box.plot.height });
+});
+
+window.addEventListener("afterprint", () => {
+  for (const box of document.querySelectorAll(".chart")) box.plot?.setSize({ width: box.clientWidth, height: box.plot.height });
 });
 
 weavesim.ready = weavesim.open();

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....kernels.rows import PassEntry
+from ..friction.tables import BeyondTables
 from ..guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 
 # Penetration over the thickness beyond which the side of a contact is no longer sure.
 DEEPEST = 0.3
-# An argument that has not been met: the start of ``PlyRow.low``.
-NEVER = 1.0e29
 # Reduction of a viscosity that is told.
 LEAST_VISCOUS_SHARE = 0.99
 
@@ -31,8 +30,7 @@ class Interfaces(Guard):
     watches = "plies that touch: their penetration, search and friction tables"
 
     def __init__(self) -> None:
-        # (pass, friction argument, place, time) of the first use beyond a table, and the farthest
-        self._beyond: dict[str, dict[str, Any]] = {}
+        self._beyond = BeyondTables()
         self._passes: tuple[PassModel, ...] = ()
 
     def before(self, start: Start) -> Iterable[Doubt]:
@@ -54,24 +52,16 @@ class Interfaces(Guard):
             friction = model.interface.friction
             if friction.argument_name is None:
                 continue
-            arguments, _ = friction.table()
-            rows = ledger.interfaces.rows(k)
-            short = np.where(rows["low"] < NEVER, arguments[0] - rows["low"], 0.0)
-            excess = np.maximum(rows["high"] - arguments[-1], short)
-            worst = int(np.argmax(excess))
-            if excess[worst] > 1e-6 * arguments[-1]:
-                known = self._beyond.setdefault(
-                    str(k), {"time": frame.time, "place": model.slave.blank.material_coordinates[worst].tolist()}
-                )
-                known["excess"] = float(excess[worst])
+            rows, places = ledger.interfaces.rows(k), model.slave.blank.material_coordinates
+            self._beyond.note(str(k), friction, rows["low"], rows["high"], places, frame.time)
 
     def memory(self) -> Mapping[str, Any]:
         """Uses beyond tables so far."""
-        return {"beyond": self._beyond}
+        return self._beyond.memory()
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Take them back."""
-        self._beyond = dict(memory["beyond"])
+        self._beyond.recall(memory)
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Late searches, deep penetration, use beyond tables."""
@@ -101,14 +91,10 @@ class Interfaces(Guard):
                 value=deepest,
                 limit=DEEPEST * model.thickness,
             )
-        if str(k) in self._beyond:
-            beyond, friction = self._beyond[str(k)], model.interface.friction
-            arguments, _ = friction.table()
+        if beyond := self._beyond.found.get(str(k)):
             yield self.doubt(
                 Level.WARNING,
-                f"{name}: the friction table is used beyond its ends, by {beyond['excess']:.4g} "
-                f"{friction.argument_unit} of {friction.argument_name} (it covers {arguments[0]:.4g} to "
-                f"{arguments[-1]:.4g} {friction.argument_unit})",
+                f"{name}: {self._beyond.text(str(k), model.interface.friction)}",
                 "measure farther, or accept the coefficient at the end of the table",
                 sheet=model.slave.name,
                 place=tuple(beyond["place"]),

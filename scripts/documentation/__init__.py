@@ -1,0 +1,1 @@
+"""Site, gallery and notebooks of the documentation, made from ``docs/`` and the code."""

@@ -1,0 +1,259 @@
+"""A film as a movie for any player, or as pictures: drawn by PyVista, encoded by FFmpeg."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...errors import InputError
+from ..colours import LARGEST_SHOWN_ANGLE, encoded
+from ..files import replacing
+from ..pictures.style import INK, colour_map
+from .reading import FilmedField, FilmedMesh, StoredFilm
+
+if TYPE_CHECKING:
+    import pyvista
+
+INSTALL = 'install it with: pip install "weavesim[film]"'
+# Fields that are shown regardless of their sign, on the same scale in all movies.
+_ANGLE = "shear_angle_deg"
+# Shares of all values beyond which a scale does not reach: a few elements would take all of its colours.
+_SCALE = (0.002, 0.998)
+# Units that are shown as larger or smaller ones, with their factors.
+_SHOWN = {"m": ("mm", 1.0e3), "degrees": ("°", 1.0), "1": ("", 1.0)}
+_LARGEST_SIDE = 8192
+
+
+@dataclass(frozen=True)
+class Movie:
+    """What to draw of a film.
+
+    Attributes:
+        field: of the elements, with or without the unit in its name: "thickness", "shear_angle".
+        mirror: whether to draw the whole part.
+        tools: whether to draw tools.
+        back: whether to look at the other side.
+        size: width and height [pixels].
+        frames_per_second: of the movie.
+        limits: of the scale, in the unit of the film; by default from all frames.
+
+    Raises:
+        InputError: a size or a rate that no movie has, or limits that are not.
+    """
+
+    field: str = "shear_angle"
+    mirror: bool = True
+    tools: bool = True
+    back: bool = False
+    size: tuple[int, int] = (1280, 720)
+    frames_per_second: float = 24.0
+    limits: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if min(self.size) < 64 or max(self.size) > _LARGEST_SIDE or any(side % 2 for side in self.size):
+            raise InputError(
+                f"size of the movie {self.size[0]} x {self.size[1]}: even numbers from 64 to {_LARGEST_SIDE} are needed"
+            )
+        if not 0.1 <= self.frames_per_second <= 240.0:
+            raise InputError(f"frames per second {self.frames_per_second:g}: give a number from 0.1 to 240")
+        if self.limits is not None and not self.limits[0] < self.limits[1]:
+            raise InputError(f"range {self.limits[0]:g} {self.limits[1]:g}: the first number must be the smaller one")
+
+
+def write_mp4(film: StoredFilm, movie: Movie, path: Path) -> None:
+    """Draw every frame into a movie (H.264).
+
+    Raises:
+        InputError: an unknown field, or a package is missing.
+    """
+    try:
+        import imageio_ffmpeg
+    except ImportError:
+        raise InputError(f"a movie needs imageio-ffmpeg, which is not here: {INSTALL}") from None
+    pictures = drawn_frames(film, movie)
+    with replacing(path) as temporary:
+        writer = imageio_ffmpeg.write_frames(
+            str(temporary), movie.size, fps=movie.frames_per_second, codec="libx264", quality=8, macro_block_size=2
+        )
+        writer.send(None)
+        try:
+            for picture in pictures:
+                writer.send(np.ascontiguousarray(picture))
+        finally:
+            writer.close()
+
+
+def write_pictures(film: StoredFilm, movie: Movie, folder: Path) -> list[Path]:
+    """Draw every frame into a picture, ``frame_0000.png`` ...
+
+    Raises:
+        InputError: an unknown field, or a package is missing.
+    """
+    from PIL import Image
+
+    folder.mkdir(parents=True, exist_ok=True)
+    files = []
+    for index, picture in enumerate(drawn_frames(film, movie)):
+        files.append(folder / f"frame_{index:04d}.png")
+        with replacing(files[-1]) as temporary:
+            Image.fromarray(picture).save(temporary)
+    return files
+
+
+def field_of(film: StoredFilm, name: str) -> FilmedField:
+    """A field by its name, with or without the unit.
+
+    Raises:
+        InputError: there is no such field.
+    """
+    for found in film.fields.values():
+        if name in (found.name, found.name.removesuffix("_deg")):
+            return found
+    raise InputError(f"field {name!r}: the film has {', '.join(film.fields)}")
+
+
+def scale_of(film: StoredFilm, movie: Movie, field: FilmedField) -> tuple[float, float]:
+    """Smallest and largest value of the scale, in the unit of the film."""
+    if movie.limits is not None:
+        return movie.limits
+    if field.name == _ANGLE:
+        return 0.0, LARGEST_SHOWN_ANGLE
+    every = [film.values(sheet, field.name, frame) for sheet in film.sheets for frame in film.frames]
+    values = np.concatenate([part for part in every if part is not None])
+    values = values[np.isfinite(values)]
+    low, high = map(float, np.quantile(values, _SCALE)) if len(values) else (0.0, 1.0)
+    margin = 0.0 if high - low > 1.0e-9 * max(abs(low), abs(high)) else max(1.0e-3 * abs(high), 1.0e-12)
+    return low - margin, high + margin
+
+
+def drawn_frames(film: StoredFilm, movie: Movie) -> Iterator[np.ndarray]:
+    """The pictures of all frames, (height, width, 3) bytes.
+
+    Raises:
+        InputError: an unknown field, or PyVista is missing; before the first frame.
+    """
+    field = field_of(film, movie.field)
+    try:
+        import pyvista  # noqa: F401
+    except ImportError:
+        raise InputError(f"a movie needs PyVista, which is not here: {INSTALL}") from None
+    return _draw(film, movie, field, scale_of(film, movie, field))
+
+
+def _draw(film: StoredFilm, movie: Movie, field: FilmedField, scale: tuple[float, float]) -> Iterator[np.ndarray]:
+    import pyvista
+
+    unit, factor = _SHOWN.get(field.unit, (field.unit, 1.0))
+    with _quiet():
+        plotter = pyvista.Plotter(off_screen=True, window_size=list(movie.size), lighting="light kit")
+        plotter.set_background("white")
+        height = movie.size[1]
+        bar = {
+            "title": _title(field, unit), "vertical": False, "width": 0.5, "height": 0.1, "position_x": 0.25,
+            "position_y": 0.02, "title_font_size": height // 38, "label_font_size": height // 46, "color": INK,
+            "n_labels": 5, "fmt": "%.4g",
+        }  # fmt: skip
+        limits = (factor * scale[0], factor * scale[1])
+        updates = [
+            _add_sheet(plotter, film, movie, sheet, field, factor, limits, bar if place == 0 else None)
+            for place, sheet in enumerate(film.sheets)
+        ]
+        updates += [_add_tool(plotter, film, tool) for tool in film.tools if movie.tools]
+        _look(plotter, film, movie)
+        for place, frame in enumerate(film.frames):
+            for update in updates:
+                update(frame)
+            text = f"{film.name.replace('_', ' ')}    {film.times[place]:.4g} s    {1e3 * film.strokes[place]:.1f} mm"
+            plotter.add_text(text, name="clock", font_size=max(6, height // 80), color=INK, position="upper_left")
+            yield np.asarray(plotter.screenshot(return_img=True))[..., :3]
+        plotter.close()
+
+
+def _title(field: FilmedField, unit: str) -> str:
+    name = field.name.removesuffix("_deg").replace("_", " ")
+    name = f"absolute {name}" if field.name == _ANGLE else name
+    return f"{name} [{'degrees' if unit == '°' else unit}]" if unit else name
+
+
+def _add_sheet(
+    plotter: pyvista.Plotter,
+    film: StoredFilm,
+    movie: Movie,
+    sheet: FilmedMesh,
+    field: FilmedField,
+    factor: float,
+    limits: tuple[float, float],
+    bar: dict[str, Any] | None,
+) -> Callable[[float], None]:
+    """Add a sheet to a scene; returns what shows it at a time code."""
+    mirrors = sheet.mirrors if movie.mirror else sheet.mirrors[:1]
+
+    def points(frame: float) -> np.ndarray:
+        own = film.points(sheet, frame)
+        return np.concatenate([own * mirror for mirror in mirrors])
+
+    def values(frame: float) -> np.ndarray:
+        own = film.values(sheet, field.name, frame)
+        shown = np.full(len(sheet.faces), np.nan) if own is None else factor * own
+        return np.tile(np.abs(shown) if field.name == _ANGLE else shown, len(mirrors))
+
+    count = len(film.points(sheet, film.frames[0]))
+    faces = np.concatenate([sheet.faces + k * count for k in range(len(mirrors))])
+    mesh = _mesh(points(film.frames[0]), faces)
+    mesh.cell_data["value"] = values(film.frames[0])
+    plotter.add_mesh(
+        mesh, scalars="value", cmap=colour_map(), clim=list(limits), nan_color="#c8ccd4",
+        show_scalar_bar=bar is not None, scalar_bar_args=bar, ambient=0.25, diffuse=0.8, specular=0.05,
+    )  # fmt: skip
+
+    def show(frame: float) -> None:
+        mesh.points = points(frame)
+        mesh.cell_data["value"] = values(frame)
+
+    return show
+
+
+def _add_tool(plotter: pyvista.Plotter, film: StoredFilm, tool: FilmedMesh) -> Callable[[float], None]:
+    """The same for a tool."""
+    mesh = _mesh(film.points(tool, film.frames[0]), tool.faces)
+    colour = encoded(np.array(tool.colour)).tolist()
+    plotter.add_mesh(mesh, color=colour, opacity=tool.opacity, specular=0.1, ambient=0.15)
+
+    def show(frame: float) -> None:
+        mesh.points = film.points(tool, frame)
+
+    return show
+
+
+def _mesh(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
+    import pyvista
+
+    return pyvista.PolyData(points, np.insert(faces, 0, faces.shape[1], axis=1).ravel())
+
+
+def _look(plotter: pyvista.Plotter, film: StoredFilm, movie: Movie) -> None:
+    view = film.view("camera_back" if movie.back else "camera")
+    camera = plotter.camera
+    camera.position, camera.focal_point, camera.up = view.eye.tolist(), view.target.tolist(), view.up.tolist()
+    # the width of the film's own format has to be seen in narrower pictures too
+    narrow = max(1.0, 1.5 * movie.size[1] / movie.size[0])
+    camera.view_angle = float(np.rad2deg(2.0 * np.arctan(narrow * np.tan(np.deg2rad(0.5 * view.angle)))))
+    plotter.reset_camera_clipping_range()
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep VTK from telling that there is no display: it draws without one."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    before = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(before)

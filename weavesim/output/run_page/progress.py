@@ -1,0 +1,116 @@
+"""A run in progress: ``progress.json``, how far it is, and how often its page is written."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...run.frame import Frame, Outcome, RunInfo
+from ..files import write_summary
+from .history_part import tool_copies
+from .recorder import stage_of
+
+PROGRESS_NAME = "progress.json"
+# Between two writes [s].
+INTERVAL = 0.5
+# Frames that the time left is estimated from: the first wait for kernels, and those of a resumed run come at once.
+_WINDOW = 10
+
+
+class ProgressRecord:
+    """Writes the file at most twice a second, and at the end.
+
+    It holds the run's id, ``state`` ("running", or how the run ended), ``stage`` where a run has stages, the share that
+    is done, frame, time, stroke, the force of each tool along its axis on the whole part, kinetic over internal energy,
+    and the time left (null at first).
+
+    Args:
+        folder: of the run.
+        info: about the run.
+    """
+
+    def __init__(self, folder: Path, info: RunInfo) -> None:
+        self._path, self._info = folder / PROGRESS_NAME, info
+        self._copies = tool_copies(info)
+        self._seen: deque[tuple[float, float]] = deque(maxlen=_WINDOW)
+        self._begun, self._written = time.monotonic(), -np.inf
+        self._last: dict[str, Any] = {"share": 0.0, "time_s": 0.0}
+
+    def start(self) -> None:
+        """Say that the run has begun."""
+        self._write("running")
+
+    def frame(self, frame: Frame) -> None:
+        """Say how far it is."""
+        now = time.monotonic()
+        self._seen.append((now, frame.time))
+        internal = frame.energies.get("internal", 0.0)
+        self._last = {
+            "share": min(frame.time / self._info.duration, 1.0) if self._info.duration > 0.0 else 0.0,
+            "frame": frame.index,
+            "time_s": frame.time,
+            "stroke_mm": 1.0e3 * frame.stroke,
+            "tool_force_n": self._forces(frame),
+            "kinetic_over_internal": frame.energies.get("kinetic", 0.0) / internal if internal > 0.0 else None,
+            "left_s": self._left(),
+        }
+        if stage := stage_of(frame):
+            self._last["stage"] = stage
+        if now >= self._written + INTERVAL:
+            self._write("running")
+
+    def finish(self, outcome: Outcome) -> None:
+        """Say how the run ended."""
+        self._last["left_s"] = 0.0
+        self._write(outcome.value)
+
+    def _forces(self, frame: Frame) -> dict[str, float]:
+        """Of each tool along its axis, on the whole part [N]."""
+        parts = zip(self._info.tool_names, self._info.tools, frame.tool_reaction, self._copies, strict=True)
+        return {
+            name.replace("_", " "): copies * abs(float(np.dot(force, tool.axis))) for name, tool, force, copies in parts
+        }
+
+    def _left(self) -> float | None:
+        """Wall time left at the pace of the last frames [s]."""
+        (first, from_time), (last, to_time) = self._seen[0], self._seen[-1]
+        if to_time <= from_time:
+            return None
+        return (last - first) / (to_time - from_time) * max(self._info.duration - to_time, 0.0)
+
+    def _write(self, state: str) -> None:
+        self._written = time.monotonic()
+        about = {"run_id": self._info.run_id, "name": self._info.name, "state": state}
+        content = {**about, **self._last, "duration_s": self._info.duration, "elapsed_s": self._written - self._begun}
+        write_summary(self._path, content)
+
+
+# A page takes a few tenths of a second: short runs have none before their end.
+FIRST_PAGE = 10.0
+PAGE_INTERVAL = 10.0
+LARGEST_SHARE = 0.02
+
+
+class PagePace:
+    """Says when to write: ten seconds after the first frame, and then so rarely that it takes a fiftieth of the run."""
+
+    def __init__(self) -> None:
+        self._next: float | None = None
+        self._started = 0.0
+
+    def due(self) -> bool:
+        """Called for every frame: whether to write now. ``done`` has to follow."""
+        now = time.monotonic()
+        if self._next is None:
+            self._next = now + FIRST_PAGE
+        self._started = now
+        return now >= self._next
+
+    def done(self) -> None:
+        """The page has been written."""
+        now = time.monotonic()
+        self._next = now + max(PAGE_INTERVAL, (now - self._started) / LARGEST_SHARE)

@@ -1,0 +1,72 @@
+"""Friction laws of tools: viscosities that the step cannot carry, tables that are used beyond their ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from ....process.friction import law_of
+from ....process.friction_device import viscous_share
+from ..guard import Doubt, Guard, Level, Start
+from .tables import BeyondTables
+
+if TYPE_CHECKING:
+    from ...frame import Frame
+    from ...ledger import Ledger
+    from ...verdict import Judged
+
+# Reduction of a viscosity that is told.
+LEAST_VISCOUS_SHARE = 0.99
+
+
+class ToolFriction(Guard):
+    """Friction laws between sheets and tools."""
+
+    name = "tool_friction"
+    watches = "friction laws of tools: their tables and films"
+
+    def __init__(self) -> None:
+        self._beyond = BeyondTables()
+
+    def before(self, start: Start) -> Iterable[Doubt]:
+        """Viscosities that the time step cannot carry."""
+        for tool, rate in zip(start.model.setup.tools, start.model.carried_rates(), strict=True):
+            share = viscous_share(law_of(tool.friction), rate)
+            if share < LEAST_VISCOUS_SHARE:
+                yield self.doubt(
+                    Level.WARNING,
+                    f"tool {tool.name}: the time step can carry {share:.0%} of the viscosity at high speed",
+                    "take a smaller time step, or a lower viscosity",
+                    value=share,
+                )
+
+    def watch(self, frame: Frame, ledger: Ledger) -> None:
+        """Note the first use of a friction table beyond its ends."""
+        for sheet in ledger.sheets:
+            for index, tool in enumerate(sheet.tools):
+                for places, low, high in sheet.friction_arguments(index):
+                    name = f"{sheet.name}\n{tool.name}"
+                    self._beyond.note(name, law_of(tool.friction), low, high, places, frame.time)
+
+    def memory(self) -> Mapping[str, Any]:
+        """Uses beyond tables so far."""
+        return self._beyond.memory()
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take them back."""
+        self._beyond.recall(memory)
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """Uses beyond tables."""
+        for key, found in self._beyond.found.items():
+            sheet, tool = key.split("\n")
+            law = next(law_of(each.friction) for each in run.run.setup.tools if each.name == tool)
+            yield self.doubt(
+                Level.WARNING,
+                f"tool {tool}: {self._beyond.text(key, law)}",
+                "measure farther, or accept the coefficient at the end of the table",
+                sheet=sheet,
+                place=tuple(found["place"]),
+                time=float(found["time"]),
+                value=found["excess"],
+            )

@@ -19,6 +19,8 @@ SERIES = (ACCENT, WARM, "#1d7a6b", "#8a6d1d", "#2f6fb0", "#a03b6b", "#5f6b2e", "
 LARGEST_PANEL_COUNT = 24
 # Points of a panel that a browser still draws quickly one by one.
 MOST_IN_SVG = 500
+# Lines that can still be told apart, and drawn without a graphics card.
+MOST_LINES = 1000
 
 
 def charts(results: StudyResults) -> Iterator[tuple[str, str, go.Figure]]:
@@ -26,7 +28,8 @@ def charts(results: StudyResults) -> Iterator[tuple[str, str, go.Figure]]:
     if len(results.points) > 1:
         yield "parallel", (
             "Parallel coordinates: each line is a point of the study. Drag along an axis to keep only the lines that "
-            "pass there."
+            "pass there." + (f" Of {len(results.points)} points about {MOST_LINES} are shown." if
+                             len(results.points) > MOST_LINES else "")
         ), parallel_coordinates(results)  # fmt: skip
     for index, measure in enumerate(results.measures):
         noise = results.noise(measure)
@@ -66,6 +69,7 @@ def parallel_coordinates(results: StudyResults) -> go.Figure:
     import plotly.graph_objects as go
 
     points = [p for p in results.points if all(p.measure(results.key(m)) is not None for m in results.measures)]
+    points = points[:: -(-len(points) // MOST_LINES) or 1]
     dimensions: list[dict[str, Any]] = []
     for k, factor in enumerate(results.controlled):
         if factor.is_numeric:
@@ -155,7 +159,8 @@ def _marker(results: StudyResults, points: Sequence[Point], *, coloured: bool) -
     """The best point as a star, and those that are not good as rings."""
     symbols = [_symbol(results, point) for point in points]
     colour = {"color": ACCENT} if coloured else {}
-    return {"symbol": symbols, "size": [15 if symbol == "star" else 8 for symbol in symbols], **colour}
+    size = 8 if len(points) <= MOST_IN_SVG else 4
+    return {"symbol": symbols, "size": [15 if symbol == "star" else size for symbol in symbols], **colour}
 
 
 def _symbol(results: StudyResults, point: Point) -> str:

@@ -7,16 +7,20 @@ import numpy as np
 import pytest
 
 from tests.support.jobs import write_stl
-from tests.support.stored_runs import stored_run, stored_sheet
+from tests.support.stored_runs import THICKNESS, stored_run, stored_sheet
 from weavesim import InputError
 from weavesim.job.blanks.outlines import read_drawing
+from weavesim.output.comparison.kinematic import of_flat_blank
 from weavesim.output.flat import pattern as patterns
+from weavesim.output.flat.first_blank import pattern_of_net, with_margin
 from weavesim.output.flat.part_edge import border_loops, opening_of, plan_area, read_part_edge
 from weavesim.output.flat.pattern import FlatWish, flat_patterns, write_flat
 from weavesim.output.flat.trimming import flat_pattern
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.outline import Outline
 from weavesim.sheet.symmetry import Symmetry
 from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.shapes import Capsule, rotation_matrix
 from weavesim.tools.tool import Tool
 
 ezdxf = pytest.importorskip("ezdxf")
@@ -233,3 +237,34 @@ def test_several_plies_have_each_their_own_numbers(tmp_path):
     write_flat(found, wish)
     assert len(found.lines()) == 2
     assert read_drawing(tmp_path / "trim.dxf", layer="upper_ ply").outline is not None
+
+
+@pytest.mark.parametrize(("angle", "symmetry"), [(0.0, ()), (30.0, ()), (0.0, ("x", "y"))])
+def test_a_first_blank_from_a_net_on_a_cylinder(tmp_path, angle, symmetry):
+    lower = (0.0, 0.0) if symmetry else (-0.1, -0.05)
+    blank = Blank.rectangle(lower, (0.1, 0.05), 0.005, yarn_angle=angle, height=RADIUS + 0.02)
+    turned = rotation_matrix((0.0, 0.0, 1.0), 0.5 * np.pi)
+    tool = Tool("cylinder", Capsule(RADIUS - 0.5 * THICKNESS, 1.0, rotation=turned))
+    drape = of_flat_blank(blank, tool, THICKNESS)
+    edge = read_part_edge(edge_table(tmp_path / "edge.csv", around(ellipse(HALF))))
+    pattern = pattern_of_net(drape, blank, THICKNESS, "ply", edge, Symmetry(symmetry))
+    assert np.allclose(np.sum((pattern.trim[0] / HALF) ** 2, axis=1), 1.0, atol=0.03)
+    assert np.degrees(np.arctan2(pattern.warp[1], pattern.warp[0])) == pytest.approx(angle)
+
+
+def test_a_first_blank_needs_a_net_that_is_large_enough(tmp_path):
+    blank = Blank.rectangle((-0.05, -0.05), (0.05, 0.05), 0.005, height=RADIUS + 0.02)
+    turned = rotation_matrix((0.0, 0.0, 1.0), 0.5 * np.pi)
+    drape = of_flat_blank(blank, Tool("cylinder", Capsule(RADIUS, 1.0, rotation=turned)), THICKNESS)
+    edge = read_part_edge(edge_table(tmp_path / "edge.csv", around(ellipse(HALF))))
+    with pytest.raises(InputError, match="mm beyond the border of the formed sheet ply; the part needs a larger blank"):
+        pattern_of_net(drape, blank, THICKNESS, "ply", edge)
+
+
+def test_a_margin_is_a_line_at_its_distance():
+    square = np.array([(0.0, 0.0), (0.1, 0.0), (0.1, 0.06), (0.0, 0.06)])
+    line = with_margin(square, 0.02)
+    distance = -Outline(square).nearest(line)[0]
+    assert distance == pytest.approx(0.02, abs=2e-5)
+    assert plan_area(line) == pytest.approx(0.006 + 0.32 * 0.02 + np.pi * 0.02**2, rel=2e-3)
+    assert np.array_equal(with_margin(square, 0.0), square)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -55,10 +55,10 @@ def points_picture(comparison: PointComparison) -> Figure:
         _, screen = view(PLAN)
         known = np.isfinite(difference)
         largest = float(np.abs(difference[known]).max(initial=1.0e-12))
-        places: Any = comparison.position[known] @ screen
+        x, y = (comparison.position[known] @ screen).T
         low, palette = (-largest, "coolwarm") if signed else (0.0, colour_map())
         axes.scatter(
-            *places.T, c=difference[known], cmap=palette, vmin=low, vmax=largest, s=26, zorder=3, edgecolors=INK,
+            x, y, c=difference[known], cmap=palette, vmin=low, vmax=largest, s=26, zorder=3, edgecolors=INK,
             linewidths=0.4,
         )  # fmt: skip
         add_bar(figure, [axes], _title(name, signed), palette, low, largest)

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import numpy as np
 import pytest
 
 from tests.support.jobs import write_tray
@@ -39,3 +40,24 @@ def test_a_net_on_the_punch_of_a_job(kinematic_command, tmp_path):
     assert {file.name for file in (tmp_path / "net").iterdir()} == {f"kinematic.{e}" for e in ("json", "vtu", "png")}
     code, _, err = kinematic_command(job, "--tool", "hammer")
     assert code == 2 and "'hammer': choose from die, punch" in err
+
+
+def test_a_first_blank_of_a_job(kinematic_command, tmp_path):
+    from weavesim.job.blanks.outlines import read_drawing
+
+    pytest.importorskip("ezdxf")
+    job, drawing = write_tray(tmp_path), tmp_path / "blank.dxf"
+    (tmp_path / "edge.csv").write_text("x,y\n-50,-30\n50,-30\n50,30\n-50,30\n")
+    options = ["--tool", "punch", "--side", 0.01, "--out", tmp_path / "net", "--blank", drawing]
+    edge = ["--part-edge", tmp_path / "edge.csv", "--edge-unit", "mm", "--margin", 0.02]
+    code, out, err = kinematic_command(job, *options, *edge)
+    assert code == 0, err
+    assert "first blank of ply: " in out and "become the part by the net" in out
+    # the bottom of the tray is flat there
+    assert np.ptp(read_drawing(drawing, layer="ply").outline, axis=0) == pytest.approx([0.14, 0.10], abs=2e-3)
+    code, _, err = kinematic_command(job, *options)
+    assert code == 2 and "--blank needs the edge of the part" in err
+    code, _, err = kinematic_command(job, "--tool", "punch", *edge)
+    assert code == 2 and "need a drawing to write" in err
+    code, _, err = kinematic_command(tmp_path, *options, *edge)
+    assert code == 2 and "--blank is for a job" in err

@@ -20,7 +20,7 @@ PAGES: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
         "runs",
         "Runs",
         "Set-ups, simulations, frames, states and errors.",
-        ("engine", "run", "checks", "device", "errors"),
+        ("engine", "run", "app", "checks", "device", "errors"),
     ),
     ("output", "Results", "Result folders and writers.", ("output",)),
 )

@@ -25,7 +25,7 @@ from weavesim.run.frame import Outcome
 
 DOUBTS = [
     {"guard": "test", "level": "warning", "text": "something at a place", "advice": "look there", "sheet": None,
-     "place": [0.1, 0.05], "time": 0.01, "message": "something at a place: look there"},
+     "place_m": [0.1, 0.05], "time_s": 0.01, "message": "something at a place: look there"},
 ]  # fmt: skip
 
 

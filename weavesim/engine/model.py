@@ -66,10 +66,10 @@ class Model:
         )
         self.reaction_count = max(sheet.places.last_reaction for sheet in self.sheets)
         self.drives = build_device_drives(setup.supports, self.device)
-        self.samples = _sampled_meshes(setup, str(self.device))
+        self.samples = sampled_meshes(setup, str(self.device))
         self.reference_step = min(sheet.reference_step for sheet in self.sheets)
         self.tools = build_device_tools(
-            setup.tools, self.real, str(self.device), self.samples, self._contact_stiffness(), self.carried_rates()
+            setup.tools, self.real, str(self.device), self.samples, self.contact_stiffness(), self.carried_rates()
         )
         own = (sheet.self_contact for sheet in setup.sheets)
         self.contacts: tuple[Interface | SelfContact, ...] = (
@@ -118,7 +118,7 @@ class Model:
             for place in places
         )
 
-    def _contact_stiffness(self) -> list[float]:
+    def contact_stiffness(self) -> list[float]:
         """Of every tool with all nodes of all sheets that it may touch [N/m]."""
         result = [0.0] * len(self.setup.tools)
         for sheet in self.sheets:
@@ -198,7 +198,7 @@ def _reaction_count(sheet: Sheet, world: World) -> int:
     return padded(sheet.blank.node_count, SPARE_NODE_COUNT) + elements
 
 
-def _sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
+def sampled_meshes(setup: Setup, device: str) -> dict[Any, SampledDistance]:
     """Sampled distances of all triangle meshes among the tools, deep enough for the sheets of their world."""
     samples: dict[Any, SampledDistance] = {}
     if mesh_parts(setup.tools):

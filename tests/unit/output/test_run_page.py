@@ -20,7 +20,7 @@ from weavesim.output.run_page.setup_rows import setup_tables
 from weavesim.output.run_page.values import Row, number, rows_of, text_of, words
 from weavesim.output.run_page.writing import in_script
 from weavesim.process.strokes import Stroke
-from weavesim.run.frame import Outcome
+from weavesim.run.frame import Frame, Outcome
 
 
 def unpacked(series, frame_count):
@@ -94,6 +94,18 @@ def test_the_view_has_every_field_in_units_for_readers(coarse_run):
     angle = unpacked(fields["shear_angle"]["values"], len(frames))
     assert angle[-1] == pytest.approx(np.rad2deg(frames[-1].fields["shear_angle"]), abs=2e-3)
     assert [tool["name"] for tool in scene["tools"]] == ["punch", "die", "blank holder"]
+
+
+def test_frames_tell_their_stage(coarse_run):
+    class Staged(Frame):
+        stage = "pressing"
+
+    info, frames = coarse_run
+    recorder = FrameRecorder()
+    recorder.start(info)
+    for frame in (frames[0], Staged(**vars(frames[1]))):
+        recorder.frame(frame)
+    assert recorder.stages == ["", "pressing"]
 
 
 def _recorded(info, frames):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...process.friction import Coulomb, law_of
-from ...tools.sampling import mesh_parts
 from ..model import Model
 from ..setup import Setup
 
@@ -22,8 +21,6 @@ def _obstacles(setup: Setup) -> Iterator[str]:
         yield "its sheet may touch itself"
     if setup.sheets[0].pressures:
         yield "there is pressure on its sheet"
-    if mesh_parts(setup.tools):
-        yield "its tools are triangle meshes"
     if any(not isinstance(law_of(tool.friction), Coulomb) for tool in setup.tools):
         yield "the friction of a tool is more than one coefficient"
     if setup.worlds[0].dynamics.contact_samples == "surface":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -22,9 +23,10 @@ from ...kernels.worlds.arguments import (
     record_arguments,
 )
 from ...kernels.worlds.clocks import check_worlds
+from ...tools.device import build_device_tools
 from ..launches import TILE_THREAD_COUNT, Launches
 from ..layout import lanes_view
-from ..model import Model, arrays_in
+from ..model import Model, arrays_in, sampled_meshes
 from ..state import State
 from .mirror import Mirror
 from .world_kernels import WorldKernelSet
@@ -59,7 +61,9 @@ class WorldLaunches:
         self._device, self._model = device, models[0]
         self._kernels = WorldKernelSet.of(models[0].setup, str(device))
         count = len(models)
-        own = [Launches(model, state) for model, state in zip(models, states, strict=True)]
+        # keeps what they refer to on the device
+        self._models = [_with_tools_on(device, model) for model in models]
+        own = [Launches(model, state) for model, state in zip(self._models, states, strict=True)]
         written = [[*(array for _, array in each.state.arrays()), *each.squared_frequency] for each in own]
         structs = [_structs(each) for each in own]
         constant = [[*each.model.arrays(), *_arrays_of(given)] for each, given in zip(own, structs, strict=True)]
@@ -171,6 +175,18 @@ class WorldLaunches:
             outputs=[self.block_count, self.running, self.running_count],
             device=self._device,
         )
+
+
+def _with_tools_on(device: wp.Device, model: Model) -> Model:
+    """A model whose tools refer to samples of their meshes on ``device``; its arrays stay where they are."""
+    if not model.samples:
+        return model
+    samples = sampled_meshes(model.setup, str(device))
+    result = copy(model)
+    result.tools = build_device_tools(
+        model.setup.tools, model.real, str(model.device), samples, model.contact_stiffness()
+    )
+    return result
 
 
 def _structs(own: Launches) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from .draw_in import draw_in_picture
 from .sections import sections
 from .sheet import formed_sheet
 from .stack import stack_picture
-from .style import PART_NAMES, add_legend, colour_map, new_axes, new_figure, words, write_picture
+from .style import PART_NAMES, add_legend, colour_map, new_axes, new_figure, styled, words, write_picture
 
 __all__ = [
     "PART_NAMES",
@@ -22,6 +22,7 @@ __all__ = [
     "point_angles",
     "sections",
     "stack_picture",
+    "styled",
     "tool_forces",
     "words",
     "write_picture",

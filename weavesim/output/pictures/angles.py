@@ -55,7 +55,8 @@ def _draw_points(figure: Figure, cell: Any, sheet: FormedSheet) -> None:
     plan.set(xlabel="material x [mm]", ylabel="material y [mm]")
     colours = colour_map()(np.clip(sheet.shear_angle_deg / LARGEST_SHOWN_ANGLE, 0.0, 1.0))
     flat = 1.0e3 * blank.material_coordinates
-    plan.add_collection(PolyCollection(flat[blank.quads], facecolors=colours, edgecolors=colours, linewidths=0.3))
+    elements = PolyCollection(flat[blank.quads], facecolors=colours, edgecolors=colours, linewidths=0.3)
+    plan.add_collection(elements, autolim=False)
     place = 1.0e3 * np.asarray(sheet.points)
     marker: Any = {"markerfacecolor": INK, "markeredgecolor": "white", "markersize": 6}
     plan.plot(*place.T, "o-", color="white", linewidth=1.0, clip_on=False, **marker)

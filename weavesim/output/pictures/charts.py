@@ -135,6 +135,7 @@ def _every_energy(
         style = ("-", "--")[i // len(LINE_COLOURS) % 2]
         every.plot(*_against(history, values), style, color=colour[name], linewidth=1.5, label=words(name))
     every.set_ylim(1.0e-6 * largest, 2.0 * largest)
+    every.minorticks_off()  # of many decades they say nothing, and take as long to lay out as all the rest
     add_legend(every, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return every
 
@@ -153,6 +154,7 @@ def _ratios(figure: Figure, history: History, size: Mapping[str, float]) -> Axes
             values = 100.0 * np.abs(book[name]) / base
             chosen = LINE_COLOURS[len(ratios.lines)]
             ratios.plot(*_against(history, np.where(values > 0.0, values, np.nan)), color=chosen, label=label)
+    ratios.minorticks_off()
     ratios.set_ylim(1.0e-4, 1.0e5)  # the upper decades are for the legend
     add_legend(ratios, loc="upper right", bbox_to_anchor=(1.0, 1.0))
     return ratios

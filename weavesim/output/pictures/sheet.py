@@ -66,7 +66,9 @@ def _mark_largest(axes: Axes, sheet: FormedSheet, direction: tuple[float, float]
     normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
     facing = np.abs(normal @ to_eye) / np.maximum(np.linalg.norm(normal, axis=1), 1.0e-300)
     middle = corner.mean(axis=1)
-    x, y = middle[int(np.argmax(facing + middle @ to_eye / max(np.abs(middle).max(), 1.0e-300)))] @ screen
+    # in plan where it was computed, whose place the text tells
+    seen = 0 if direction == PLAN else int(np.argmax(facing + middle @ to_eye / max(np.abs(middle).max(), 1.0e-300)))
+    x, y = middle[seen] @ screen
     axes.plot(x, y, "o", markersize=11, markerfacecolor="none", markeredgecolor="white", markeredgewidth=2.6, zorder=5)
     axes.plot(x, y, "o", markersize=11, markerfacecolor="none", markeredgecolor=INK, markeredgewidth=1.2, zorder=6)
     axes.annotate(
@@ -197,7 +199,8 @@ def draw_view(
             edgecolors=edges[order],
             linewidths=widths[order],
             joinstyle="round",
-        )
+        ),
+        autolim=False,  # limits follow; finding them from twenty thousand polygons is slow
     )
     flat = corners.reshape(-1, 3) @ screen
     margin = 0.02 * np.ptp(flat, axis=0).max()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -68,7 +68,26 @@ class PageContent:
     data: dict[str, Any] = field(default_factory=dict)
 
 
-def page_of(results: Results, recorder: FrameRecorder, folder: Path) -> PageContent:
+class ConstantParts:
+    """What does not change during a run: its fabrics and its set-up, computed at their first use."""
+
+    def __init__(self, info: RunInfo) -> None:
+        self._info = info
+
+    @cached_property
+    def fabrics(self) -> list[dict[str, Any]]:
+        """Of ``fabrics_of``."""
+        return fabrics_of(self._info)
+
+    @cached_property
+    def setup(self) -> list[tuple[str, list[Row]]]:
+        """Of ``setup_tables``."""
+        return setup_tables(self._info)
+
+
+def page_of(
+    results: Results, recorder: FrameRecorder, folder: Path, constant: ConstantParts | None = None
+) -> PageContent:
     """The page of a run that has ended, however it did."""
     summary, info = results.whole_summary, results.info
     outcome = str(summary.get("outcome") or Outcome.FINISHED.value)
@@ -76,7 +95,8 @@ def page_of(results: Results, recorder: FrameRecorder, folder: Path) -> PageCont
     options = record_of(folder).get("options") or {}
     part: JudgedPart | None = _safely("the judgement of the part", failed, None, partial(judge, results, options))
     pictures = [picture for picture in results.pictures if picture[0].stem not in _DRAWN_ANEW]
-    content = _frame_of_page(info, results.history, recorder, folder, outcome, failed, part)
+    constant = constant or ConstantParts(info)
+    content = _frame_of_page(info, results.history, recorder, folder, outcome, failed, part, constant)
     content.verdict = verdict_of(summary, outcome, part)
     content.headline = list(_headline(summary))
     content.regions = list(part.regions) if part else []
@@ -93,9 +113,12 @@ def page_of(results: Results, recorder: FrameRecorder, folder: Path) -> PageCont
     return content
 
 
-def page_so_far(info: RunInfo, history: History, recorder: FrameRecorder, folder: Path) -> PageContent:
+def page_so_far(
+    info: RunInfo, history: History, recorder: FrameRecorder, folder: Path, constant: ConstantParts | None = None
+) -> PageContent:
     """The page of a run that goes on."""
-    content = _frame_of_page(info, history, recorder, folder, "running", [], None)
+    constant = constant or ConstantParts(info)
+    content = _frame_of_page(info, history, recorder, folder, "running", [], None, constant)
     content.verdict = verdict_of({}, "running", None)
     content.forces = list(_forces(info, history, {}))
     return content
@@ -103,7 +126,7 @@ def page_so_far(info: RunInfo, history: History, recorder: FrameRecorder, folder
 
 def _frame_of_page(
     info: RunInfo, history: History, recorder: FrameRecorder, folder: Path, outcome: str, failed: list[str],
-    part: JudgedPart | None,
+    part: JudgedPart | None, constant: ConstantParts,
 ) -> PageContent:  # fmt: skip
     """What finished and running runs have in common."""
     title = info.name.replace("_", " ")
@@ -115,8 +138,8 @@ def _frame_of_page(
         info.run_id,
         _subtitle(info, outcome),
         {},
-        fabrics=_safely("the curves of the fabric", failed, none, partial(fabrics_of, info)),
-        setup=_safely("the set-up", failed, none, partial(setup_tables, info)),
+        fabrics=_safely("the curves of the fabric", failed, none, lambda: constant.fabrics),
+        setup=_safely("the set-up", failed, none, lambda: constant.setup),
         provenance=provenance_rows(record_of(folder), info.run_id),
         failures=failed,
         data={
@@ -140,8 +163,9 @@ def _safely(what: str, failed: list[str], otherwise: Part, make: Callable[[], Pa
 def _subtitle(info: RunInfo, outcome: str) -> str:
     fabrics = ", ".join(dict.fromkeys(sheet.fabric.name for sheet in info.sheets))
     shares = ", ".join(dict.fromkeys(SHARES[sheet.symmetry.share] for sheet in info.sheets))
+    state = "in progress" if outcome == "running" else outcome
     plies = f"{len(info.sheets)} sheets · " if len(info.sheets) > 1 else ""
-    return f"{fabrics} · {plies}{shares} computed · {info.element_count} elements · run {outcome}"
+    return f"{fabrics} · {plies}{shares} computed · {info.element_count} elements · run {state}"
 
 
 def _headline(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -193,7 +217,9 @@ def _text(value: Any, unit: Unit) -> str:
     if isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool) and unit.symbol):
         return with_unit(float(value), unit)
     if isinstance(value, Mapping):
-        return "; ".join(f"{words(str(key))} {_text(item, _own(str(key), unit))}" for key, item in value.items())
+        return "; ".join(f"{_label(str(key))} {_text(item, _own(str(key), unit))}" for key, item in value.items())
+    if isinstance(value, list | tuple) and value and all(isinstance(item, Mapping) for item in value):
+        return " | ".join(_text(item, unit) for item in value)
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, np.generic):
@@ -205,9 +231,15 @@ def _text(value: Any, unit: Unit) -> str:
     return text_of(value)
 
 
+def _label(key: str) -> str:
+    """The name of an entry without its unit, in words; names of things keep their capitals."""
+    name, unit = split_unit(key.lower())
+    return words(key[: len(name)] if unit.symbol else key)
+
+
 def _own(key: str, unit: Unit) -> Unit:
     """Unit of an entry: that of its own name, or else that of the whole."""
-    own = split_unit(key)[1]
+    own = split_unit(key.lower())[1]
     return own if own.symbol else unit
 
 

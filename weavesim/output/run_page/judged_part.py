@@ -146,7 +146,7 @@ def warnings_of(results: Results, summary: Mapping[str, Any]) -> list[Remark]:
 
 
 def _of_doubt(results: Results, doubt: Mapping[str, Any]) -> Remark:
-    where, place, sheet, element = [], doubt.get("place"), None, None
+    where, place, sheet, element = [], doubt.get("place_m"), None, None
     names = [one.info.name for one in results.sheets]
     if doubt.get("sheet") and len(names) > 1:
         where.append(f"sheet {doubt['sheet']}")
@@ -158,8 +158,8 @@ def _of_doubt(results: Results, doubt: Mapping[str, Any]) -> Remark:
             blank = results.sheets[sheet].info.blank
             centre = blank.material_coordinates[blank.quads].mean(axis=1)
             element = int(np.argmin(np.linalg.norm(centre - np.asarray(place, dtype=float)[:2], axis=1)))
-    if doubt.get("time") is not None:
-        where.append(f"at {number(float(doubt['time']), 's')}")
+    if doubt.get("time_s") is not None:
+        where.append(f"at {number(float(doubt['time_s']), 's')}")
     return Remark(
         str(doubt.get("level", "warning")), shown(str(doubt.get("text", ""))), shown(str(doubt.get("advice", ""))),
         ", ".join(where), sheet, element,

@@ -12,6 +12,7 @@ import numpy as np
 from ...run.frame import Frame, Outcome, RunInfo
 from ..files import write_summary
 from .history_part import tool_copies
+from .recorder import stage_of
 
 PROGRESS_NAME = "progress.json"
 # Between two writes [s].
@@ -57,8 +58,8 @@ class ProgressRecord:
             "kinetic_over_internal": frame.energies.get("kinetic", 0.0) / internal if internal > 0.0 else None,
             "left_s": self._left(),
         }
-        if (stage := getattr(frame, "stage", None)) is not None:
-            self._last["stage"] = str(stage)
+        if stage := stage_of(frame):
+            self._last["stage"] = stage
         if now >= self._written + INTERVAL:
             self._write("running")
 

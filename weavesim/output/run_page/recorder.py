@@ -12,6 +12,11 @@ LARGEST_BYTES = 64_000_000
 LEFT_OUT = ("unit_cell_iterations",)
 
 
+def stage_of(frame: Frame) -> str:
+    """Name of the stage that a frame belongs to; "" in a run without stages."""
+    return str(getattr(frame, "stage", "") or "")
+
+
 class FrameRecorder:
     """Positions and fields of the frames of a run, in single precision, at most ``limit`` bytes of them.
 
@@ -50,6 +55,11 @@ class FrameRecorder:
         return [kept.place for kept in self._shown]
 
     @property
+    def stages(self) -> list[str]:
+        """Names of their stages, "" without."""
+        return [kept.stage for kept in self._shown]
+
+    @property
     def tool_displacement(self) -> np.ndarray:
         """Of the kept frames, (kept_count, tool_count) [m]."""
         return np.array([kept.tool_displacement for kept in self._shown])
@@ -75,7 +85,7 @@ class _Kept:
     """What is kept of one frame."""
 
     def __init__(self, place: int, frame: Frame) -> None:
-        self.place = place
+        self.place, self.stage = place, stage_of(frame)
         self.tool_displacement = np.array(frame.tool_displacement, dtype=float)
         self.positions = [sheet.position.astype(np.float32) for sheet in frame.sheets]
         self.fields = [

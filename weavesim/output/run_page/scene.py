@@ -44,6 +44,7 @@ def scene_of(
             "index": [int(history.index[place]) for place in places],
             "time": [float(history.time[place]) for place in places],
             "stroke": [float(history.stroke[place]) for place in places],
+            "stage": recorder.stages,
         },
         "sheets": sheets,
         "tools": _tools(info, recorder) if places else [],

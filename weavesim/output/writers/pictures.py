@@ -46,7 +46,8 @@ class PicturesWriter(Writer):
 
 
 def _draw(picture: Picture, path: Path, run_id: str) -> None:
-    pictures.write_picture(picture.draw(), path, run_id)
+    with pictures.styled():
+        pictures.write_picture(picture.draw(), path, run_id)
 
 
 def wanted_pictures(results: Results) -> Iterator[Picture]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...run.frame import Frame, Outcome, RunInfo
 from ..results import Results
-from ..run_page.content import page_of, page_so_far
+from ..run_page.content import ConstantParts, page_of, page_so_far
 from ..run_page.progress import PROGRESS_NAME, PagePace, ProgressRecord
 from ..run_page.recorder import FrameRecorder
 from ..run_page.writing import write_page
@@ -30,6 +30,7 @@ class ReportWriter(Writer):
         """Begin to keep frames."""
         self._info, self._recorder, self._pace = info, FrameRecorder(), PagePace()
         self._recorder.start(info)
+        self._constant = ConstantParts(info)
         self._progress = ProgressRecord(self.folder, info)
         self.save(PROGRESS_NAME, self._progress.start)
 
@@ -42,7 +43,8 @@ class ReportWriter(Writer):
             self._pace.done()
 
     def _write_so_far(self) -> None:
-        write_page(self.folder / PAGE_NAME, page_so_far(self._info, self.history, self._recorder, self.folder))
+        content = page_so_far(self._info, self.history, self._recorder, self.folder, self._constant)
+        write_page(self.folder / PAGE_NAME, content)
 
     def finish(self, outcome: Outcome) -> None:
         """Say how the run ended."""
@@ -50,4 +52,4 @@ class ReportWriter(Writer):
 
     def write(self, results: Results) -> None:
         """Write the page."""
-        write_page(self.folder / PAGE_NAME, page_of(results, self._recorder, self.folder))
+        write_page(self.folder / PAGE_NAME, page_of(results, self._recorder, self.folder, self._constant))

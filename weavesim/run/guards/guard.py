@@ -84,8 +84,9 @@ class Doubt:
         return f"{text}: {self.advice}" if self.advice else text
 
     def as_dict(self) -> dict[str, Any]:
-        """All of it for summary.json, with the name of the level, and the message."""
-        return {**asdict(self), "level": self.level.label, "message": self.message}
+        """All of it for summary.json: units in the names, the name of the level, and the message."""
+        values = asdict(self) | {"level": self.level.label, "message": self.message}
+        return {{"place": "place_m", "time": "time_s"}.get(name, name): value for name, value in values.items()}
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 import re
 
-import numpy as np
 import pytest
 
 from tests.support.runs import one_sheet_setup, small_run
@@ -15,7 +14,6 @@ from weavesim.process.pressure import Pressure
 from weavesim.process.self_contact import SelfContact
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
-from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import Plane
 from weavesim.tools.tool import Tool
 
@@ -39,14 +37,6 @@ def with_two_sheets():
     return setup().model_copy(update={"worlds": tuple(World(sheets=own, name=own[0].name) for own in sheets)})
 
 
-def mesh_table():
-    corners = np.array([[-0.03, -0.03, 0.0], [0.05, -0.03, 0.0], [0.05, 0.05, 0.0], [-0.03, 0.05, 0.0]])
-    shape = MeshShape.from_triangles(
-        corners, np.array([[0, 1, 2], [0, 2, 3]]), spacing=2e-4, reach=5e-3, origin=(0.0, 0.0, -0.01)
-    )
-    return Tool("table", shape)
-
-
 FILM = ViscousFilm(0.1, 1e-3)
 
 
@@ -61,7 +51,6 @@ FILM = ViscousFilm(0.1, 1e-3)
             lambda: setup(pressures=(Pressure(face="top", times=(0.0, 1e-3), pressures=(0.0, 1e3)),)),
             "there is pressure on its sheet",
         ),
-        (lambda: setup(tools=(mesh_table(),)), "its tools are triangle meshes"),
         (lambda: setup(tools=(TABLE.model_copy(update={"friction": FILM}),)), "more than one coefficient"),
         (lambda: setup(tools=(TABLE,), dynamics=Dynamics(contact_samples="surface")), "between nodes too"),
     ],

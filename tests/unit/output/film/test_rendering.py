@@ -94,7 +94,7 @@ def test_blender_shows_the_film_bright_and_in_the_colours_of_its_field(rendered,
         redness = [colour[:, 0] - colour[:, 2] for colour in (shown, expected)]
         if np.ptp(redness[1]) > 0.1:
             assert np.corrcoef(redness)[0, 1] > 0.4, number
-    assert np.ptp(redness[1]) > 1.0  # the last frame has the whole scale
+    assert np.ptp(redness[1]) > 0.6  # from blue to red in the last frame
 
 
 @needs_blender

@@ -35,7 +35,7 @@ def test_a_doubt_says_what_where_when_and_what_to_do():
     assert doubt.message == ("1 folded element (sheet upper, at (0.1, 0.02) m on the flat blank, at 0.5 s): refine")
     assert json.loads(json.dumps(plain(doubt.as_dict()))) == {
         "guard": "fold", "level": "warning", "text": "1 folded element", "advice": "refine", "sheet": "upper",
-        "place": [0.1, 0.02], "time": 0.5, "value": 1.0, "limit": 0.0, "message": doubt.message,
+        "place_m": [0.1, 0.02], "time_s": 0.5, "value": 1.0, "limit": 0.0, "message": doubt.message,
     }  # fmt: skip
     assert Doubt("fold", Level.NOTE, "1 folded element").message == "1 folded element"
 

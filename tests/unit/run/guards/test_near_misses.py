@@ -136,8 +136,8 @@ def test_a_state_that_is_not_finite_is_never_trusted(tmp_path, number):
     numbers = json.loads((tmp_path / "summary.json").read_text())
     assert (numbers["outcome"], numbers["verdict"]) == ("not finite", "do not use")
     (doubt,) = [doubt for doubt in numbers["doubts"] if doubt["guard"] == "not_finite"]
-    assert doubt["level"] == "do not use" and doubt["time"] > 0.0 and doubt["sheet"] == "sheet"
-    x, y = doubt["place"]
+    assert doubt["level"] == "do not use" and doubt["time_s"] > 0.0 and doubt["sheet"] == "sheet"
+    x, y = doubt["place_m"]
     assert 0.0 < x < 0.02 and 0.0 < y < 0.02 and "first suspect" in doubt["message"]
 
 

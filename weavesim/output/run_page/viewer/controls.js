@@ -206,12 +206,12 @@ weavesim.Controls = class {
   write() {
     const { page } = this;
     const { make, withUnit, text } = weavesim;
-    const { index, time, stroke } = page.scene.frames;
+    const { index, time, stroke, stage } = page.scene.frames;
     const k = page.frame;
     const kept = page.scene.frameCount > page.frameCount ? ` (${page.frameCount} of ${page.scene.frameCount} frames are on this page)` : "";
     this.slider.value = k;
     this.said.textContent =
-      `frame ${index[k]}, time ${time[k] >= 1 ? withUnit(time[k], "s") : withUnit(1000 * time[k], "ms")}, stroke ${text(Number((1000 * stroke[k]).toFixed(2)))}\u202fmm${kept}`;
+      `frame ${index[k]}${stage[k] ? `, ${stage[k]}` : ""}, time ${time[k] >= 1 ? withUnit(time[k], "s") : withUnit(1000 * time[k], "ms")}, stroke ${text(Number((1000 * stroke[k]).toFixed(2)))}\u202fmm${kept}`;
     this.about.textContent = page.field.description;
     if (!page.manual) [this.low.value, this.high.value] = [page.colours.low, page.colours.high].map((x) => Number(x.toPrecision(4)));
     const note = page.manual ? "own range"

@@ -27,6 +27,8 @@ STEP_THREAD_COUNT = 64
 
 # Sixteen scalars of single precision are read sooner one by one than by an AVX gather; eight of double are not.
 NO_GATHER_FLAGS = "-target-feature +prefer-no-gather"
+# As large as it takes: copies of structs at calls made up half of a pass between plies.
+INLINING_FLAGS = "-mllvm -inline-threshold=200000"
 
 
 @dataclass(frozen=True)
@@ -63,14 +65,17 @@ ALL_LANE_TYPES = tuple(
 )
 
 
-def step_options(real: type) -> dict[str, Any]:
+def step_options(real: type, inlined: bool = False) -> dict[str, Any]:
     """Options of the modules of the kernels of a step: small blocks on a GPU; on x86, single precision without gathers.
 
-    The flags of a module replace those of Warp's configuration, which are set before a kernel is made.
+    The flags of a module replace those of Warp's configuration, which are set before a kernel is made. ``inlined`` is
+    for kernels of large functions whose structs would be copied at every call.
     """
     flags = wp.config.cpu_compiler_flags
+    if flags and inlined:
+        flags = f"{flags} {INLINING_FLAGS}"
     if real is wp.float64 or not flags or platform.machine().lower() not in ("x86_64", "amd64"):
-        return {"block_dim": STEP_THREAD_COUNT}
+        return {"block_dim": STEP_THREAD_COUNT} | ({"cpu_compiler_flags": flags} if flags and inlined else {})
     return {"block_dim": STEP_THREAD_COUNT, "cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
 
 

@@ -94,12 +94,19 @@ def meet_plies_kernel(real: type, lane_count: int):
 
     @wp.func
     def keep_stray(record: Record, block: int, stand: Stand, stray: lanes):
-        """``stand`` without the nodes that have no foot anywhere near; those that have just lost it become strays."""
+        """1 where a node has its foot, 0 where it has none near; those that have just lost it become strays."""
         tracked = where_positive(stray, lanes(), fill(stray, 1.0))
         lost = wp.cw_mul(tracked, stand.lost)
         record.rows[PlyRow.stray, block] = where_positive(lost, lanes(real(1.0e-12)), stray)
-        stand.has_foot = wp.cw_mul(stand.has_foot, tracked)
-        stand.depth = where_positive(stand.has_foot, stand.depth, lanes(real(NO_DEPTH)))
+        return wp.cw_mul(stand.has_foot, tracked)
+
+    @wp.func
+    def restrict(stand: Stand, has_foot: lanes):
+        """``stand`` with these feet only."""
+        stand.has_foot = has_foot
+        stand.depth = where_positive(has_foot, stand.depth, lanes(real(NO_DEPTH)))
+        for c in range(3):
+            stand.velocity[c] = where_positive(has_foot, stand.velocity[c], lanes())
         return stand
 
     @wp.func
@@ -123,7 +130,7 @@ def meet_plies_kernel(real: type, lane_count: int):
             total = total + rows3(record.total, 0, block)
         store_rows3(record.total, 0, block, total)
 
-    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
+    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real, inlined=True))
     def meet_plies(
         # In
         first_block: wp.int32,
@@ -143,17 +150,22 @@ def meet_plies_kernel(real: type, lane_count: int):
         place = place_of(block, clock, record, motion)
         old_xi = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)[SCALAR]
         old_eta = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)[SCALAR]
-        below = look_below(facets, record.facet[block], place)
-        growth = close_books(law, record, place, below, old_xi, old_eta)
         facet, xi, eta, moved = walk(facets, record.facet[block], old_xi, old_eta)
+        below = look_below(facets, facet, place)
         iterations = USUAL_ITERATIONS
+        growth = lanes()
+        # no copy of what is below: it is large, and copies of it would cost a tenth of the pass
         if moved > 0:
             iterations = ITERATIONS_AFTER_WALK
-            below = look_below(facets, facet, place)
+            before = look_below(facets, record.facet[block], place)
+            growth = close_books(law, record, place, before, old_xi, old_eta)
+        else:
+            growth = close_books(law, record, place, below, old_xi, old_eta)
         stand = stand_on(law, facets, facet, place, below, xi, eta, iterations)
-        stand = keep_stray(record, block, stand, record.rows[PlyRow.stray, block])
+        has_foot = keep_stray(record, block, stand, record.rows[PlyRow.stray, block])
         if slaves.facing != real(0.0):
-            stand = admit(slaves, facets, facet, block, below, stand)
+            has_foot = admit(slaves, facets, facet, block, below, stand, has_foot)
+        stand = restrict(stand, has_foot)
         forces = forces_of(slaves, facets, law, place, facet, stand, record)
         old_push = record.rows[PlyRow.push, block]
         worked = real(0.5) * (old_push + forces.push) * growth

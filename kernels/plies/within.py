@@ -11,7 +11,7 @@ import warp as wp
 from ..lanes import dot, fill, lane_types, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, gather4, record3, record4, vector_of
-from .data import NO_DEPTH, slaves_struct
+from .data import slaves_struct
 from .facet import corner_entries, facets_struct, patch_at, patch_functions
 from .normals import NORMAL_ROW_COUNT
 from .stand import below_struct, stand_struct
@@ -46,7 +46,7 @@ def flat_patch_function(real: type, lane_count: int):
 
 @cache
 def admit_function(real: type, lane_count: int):
-    """wp.func (slaves, facets, facet, block, below, stand) -> ``stand`` without false feet."""
+    """wp.func (slaves, facets, facet, block, below, stand, has_foot) -> ``has_foot`` without false feet."""
     types = lane_types(real, lane_count)
     lanes, indices = types.lanes, types.indices
     Slaves, Facets = slaves_struct(real, lane_count), facets_struct(real)
@@ -54,7 +54,7 @@ def admit_function(real: type, lane_count: int):
     flat_patch = flat_patch_function(real, lane_count)
 
     @wp.func
-    def admit(slaves: Slaves, facets: Facets, facet: indices, block: int, below: Below, stand: Stand):
+    def admit(slaves: Slaves, facets: Facets, facet: indices, block: int, below: Below, stand: Stand, has_foot: lanes):
         own = record4(slaves.flat, NORMAL_ROW_COUNT, 0, block)
         apart = patch_at(flat_patch(facets, facet), stand.xi, stand.eta) - vector_of(own)
         squared = dot(apart, apart)
@@ -64,12 +64,7 @@ def admit_function(real: type, lane_count: int):
         inner = where_positive(squared - lanes(slaves.squared_edge_distance), one - own[SCALAR], one)
         turned = slaves.facing * dot(normal, stand.normal) - real(LEAST_COSINE) * inner
         smooth = dot(below.d.mean, below.d.mean) - lanes(real(LEAST_SQUARED_MEAN))
-        kept = where_positive(far, where_positive(turned, stand.has_foot, lanes()), lanes())
-        kept = where_positive(smooth, kept, lanes())
-        stand.has_foot = kept
-        stand.depth = where_positive(kept, stand.depth, lanes(real(NO_DEPTH)))
-        for c in range(3):
-            stand.velocity[c] = where_positive(kept, stand.velocity[c], lanes())
-        return stand
+        kept = where_positive(far, where_positive(turned, has_foot, lanes()), lanes())
+        return where_positive(smooth, kept, lanes())
 
     return admit

@@ -195,7 +195,7 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
                 total = total + sampled.touch.reaction[k, j * samples.block_count + block]
             sampled.reaction[k, block] = total
 
-    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
+    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real, inlined=True))
     def surface_contact(
         # In
         first_block: wp.int32,

@@ -145,8 +145,8 @@ def write_fields(
             group.attrs["name"] = points.name
             group["points"] = points.flat
             for name in ("position", *WRITTEN):
-                found = [run.get(f"{points.name}/{name}") for run in runs]
-                if not found or any(values is None for values in found):
+                found = [values for run in runs if (values := run.get(f"{points.name}/{name}")) is not None]
+                if not found or len(found) < len(runs):
                     continue
                 dataset = group.create_dataset(name, data=np.stack(found), compression="gzip", shuffle=True)
                 unit, text = described[name]

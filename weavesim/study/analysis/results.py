@@ -137,7 +137,7 @@ class StudyResults:
     @cached_property
     def best(self) -> Point | None:
         """The best point; of several on the front, the one that is best by the first goal."""
-        return min(self.front, key=lambda point: (point.worth.goals or ())[0], default=None)
+        return min(self.front, key=lambda point: (point.worth.goals or (math.inf,))[0], default=None)
 
     def noise(self, measure: MeasureTable) -> Noise | None:
         """Numerical noise of a measure; None if it was not estimated."""
@@ -174,7 +174,7 @@ class StudyResults:
             if len(points) < len(self.points):
                 return []
             return sobol_effects(self.factors, values, self.table.samples or 0, self.table.seed)
-        if self.table.method == "factorial":
+        if self.table.method == "factorial" and len(self.controlled) > 1:
             return level_effects(self.controlled, places, values)
         return rank_effects(self.controlled, places, values)
 

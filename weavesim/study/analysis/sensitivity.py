@@ -80,7 +80,10 @@ def sobol_effects(factors: Sequence[Factor], values: Sequence[float], samples: i
 def level_effects(
     factors: Sequence[Factor], points: Sequence[tuple[Value, ...]], values: Sequence[float]
 ) -> list[Effect]:
-    """Share of the variance of a measure between the values of each factor (eta squared), with its F-test."""
+    """Share of the variance of a measure between the values of each factor (eta squared), with its F-test.
+
+    Nothing for a factor that has every value once: the share would be all of it, whatever the measure.
+    """
     from scipy.stats import f_oneway
 
     measured = np.asarray(values, dtype=float)
@@ -90,6 +93,8 @@ def level_effects(
         groups: dict[Value, list[float]] = {}
         for point, value in zip(points, measured, strict=True):
             groups.setdefault(point[k], []).append(float(value))
+        if len(groups) == len(points):
+            continue
         means = sum(len(group) * (np.mean(group) - measured.mean()) ** 2 for group in groups.values())
         share = float(means / whole) if whole > 0.0 else 0.0
         chance = None

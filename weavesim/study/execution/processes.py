@@ -26,7 +26,8 @@ def serve(connection: Connection) -> None:
     """Compute the tasks that come until there are no more: the work of a process."""
     # Ctrl-C goes to all processes of a terminal; the first of them ends the others
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with suppress(EOFError, OSError):
+    # a run that is ended by its conductor takes the signal itself
+    with suppress(EOFError, OSError, KeyboardInterrupt):
         while (task := connection.recv()) is not None:
             answer: Found | str
             try:

@@ -17,6 +17,10 @@ INK, GREY, LINE, ACCENT, WARM = "#23262d", "#6b7280", "#e3e6eb", "#5b3fb5", "#c2
 SERIES = (ACCENT, WARM, "#1d7a6b", "#8a6d1d", "#2f6fb0", "#a03b6b", "#5f6b2e", "#444444")
 # More responses than this are left to the reader of the table.
 LARGEST_PANEL_COUNT = 24
+# Points of a panel that a browser still draws quickly one by one.
+MOST_IN_SVG = 500
+# Lines that can still be told apart, and drawn without a graphics card.
+MOST_LINES = 1000
 
 
 def charts(results: StudyResults) -> Iterator[tuple[str, str, go.Figure]]:
@@ -24,7 +28,8 @@ def charts(results: StudyResults) -> Iterator[tuple[str, str, go.Figure]]:
     if len(results.points) > 1:
         yield "parallel", (
             "Parallel coordinates: each line is a point of the study. Drag along an axis to keep only the lines that "
-            "pass there."
+            "pass there." + (f" Of {len(results.points)} points about {MOST_LINES} are shown." if
+                             len(results.points) > MOST_LINES else "")
         ), parallel_coordinates(results)  # fmt: skip
     for index, measure in enumerate(results.measures):
         noise = results.noise(measure)
@@ -64,6 +69,7 @@ def parallel_coordinates(results: StudyResults) -> go.Figure:
     import plotly.graph_objects as go
 
     points = [p for p in results.points if all(p.measure(results.key(m)) is not None for m in results.measures)]
+    points = points[:: -(-len(points) // MOST_LINES) or 1]
     dimensions: list[dict[str, Any]] = []
     for k, factor in enumerate(results.controlled):
         if factor.is_numeric:
@@ -120,12 +126,13 @@ def _response_traces(results: StudyResults, measure: MeasureTable, k: int) -> It
             chosen.sort(key=lambda item: item[0].values[k])  # type: ignore[arg-type, return-value]
         spread = [point.spread(key) for point, _ in chosen]
         bars = spread if results.table.scatter else [noise.deviation if noise else None] * len(chosen)
+        scatter = go.Scattergl if len(points) > MOST_IN_SVG else go.Scatter
         connected = results.table.method == "factorial" and len(results.controlled) <= 2
-        yield go.Scatter(
+        yield scatter(
             x=[_axis_value(factor, point.values[k]) for point, _ in chosen], y=[value for _, value in chosen],
             mode="lines+markers" if connected else "markers", name=name,
             error_y={"type": "data", "array": bars, "visible": any(bar is not None for bar in bars), "thickness": 1.2},
-            marker={"size": 8, "symbol": [_symbol(results, point) for point, _ in chosen]}, line={"width": 1.5},
+            marker=_marker(results, [point for point, _ in chosen], coloured=not name), line={"width": 1.5},
             text=[_told(results, point) for point, _ in chosen], hoverinfo="text+y",
         )  # fmt: skip
     repeats = [(point, answer.number(key)) for point in results.points for answer in point.repeats]
@@ -146,6 +153,14 @@ def _series(results: StudyResults, points: Sequence[Point], k: int) -> dict[str,
     for point in points:
         groups.setdefault(f"{other.name} {other.shown(point.values[1 - k])}" if k == 0 else "", []).append(point)
     return groups
+
+
+def _marker(results: StudyResults, points: Sequence[Point], *, coloured: bool) -> dict[str, Any]:
+    """The best point as a star, and those that are not good as rings."""
+    symbols = [_symbol(results, point) for point in points]
+    colour = {"color": ACCENT} if coloured else {}
+    size = 8 if len(points) <= MOST_IN_SVG else 4
+    return {"symbol": symbols, "size": [15 if symbol == "star" else size for symbol in symbols], **colour}
 
 
 def _symbol(results: StudyResults, point: Point) -> str:
@@ -202,7 +217,7 @@ def history(results: StudyResults) -> go.Figure:
         [
             go.Scatter(
                 x=numbers, y=values, mode="markers", name="tried", text=[_told(results, point) for point in points],
-                marker={"symbol": [_symbol(results, point) for point in points], "size": 8},
+                marker=_marker(results, points, coloured=True),
             ),
             go.Scatter(x=numbers, y=best, mode="lines", name="best so far", line={"shape": "hv"}),
         ]

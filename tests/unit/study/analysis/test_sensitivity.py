@@ -33,6 +33,10 @@ def test_shares_between_levels():
     assert other.chance > 0.5 and one.chance < 0.05
 
 
+def test_a_share_needs_values_that_occur_twice():
+    assert level_effects([X], [(0.0,), (1.0,), (2.0,)], [1.0, 5.0, 2.0]) == []
+
+
 def test_ranks_take_any_monotonous_response():
     rng = np.random.default_rng(0)
     points = [(x, c) for x, c in zip(rng.random(30), rng.choice(["a", "b"], 30), strict=True)]

@@ -60,6 +60,7 @@ def run_part(numbers: Sequence[int], mesh_size: float, device: str, share: float
     """Variants in one batch."""
     from weavesim import run_batch
 
+    logging.disable(logging.CRITICAL)  # in a process of its own too
     return run_batch([variant(number, mesh_size, device, share) for number in numbers], watch_count=watch_count)
 
 

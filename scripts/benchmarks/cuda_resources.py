@@ -75,7 +75,7 @@ def kernels_on_gpu(setup: Setup, precision: str) -> Iterator[wp.Kernel]:
 
     from weavesim import Simulation
     from weavesim.engine.setup import Solver
-    from weavesim.kernels.stepping.step import check_clock
+    from weavesim.kernels.stepping.step import check_clock, partial_maximum_kernel
     from weavesim.kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 
     simulation = Simulation(setup.model_copy(update={"solver": Solver(precision=precision, lane_count=1, threads=1)}))
@@ -84,11 +84,12 @@ def kernels_on_gpu(setup: Setup, precision: str) -> Iterator[wp.Kernel]:
         [
             *simulation.stepper.kernels,
             check_clock,
+            partial_maximum_kernel(real),
             *(partial_sum_kernel(scalar) for scalar in (real, wp.float64)),
             tool_motion_kernel(wp.float64),
         ]
     ):
-        if not kernel.key.endswith("_subnormals"):
+        if not kernel.key.endswith(("_subnormals", "group_maximum")):
             yield kernel
 
 

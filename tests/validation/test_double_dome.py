@@ -121,7 +121,7 @@ def test_tables_and_states_read_back(folder, summary):
     state = meshio.read(folder / "paraview" / "final_state.vtu")
     assert len(state.points) == summary["node_count"]
     assert len(state.cells_dict["quad"]) == summary["element_count"]
-    assert (folder / "report.html").read_text(encoding="utf-8").count("data:image/png;base64,") >= 5
+    assert (folder / "report.html").read_text(encoding="utf-8").count("data:image/png;base64,") >= 4
     assert not list(folder.rglob("*.partial*"))
 
 

@@ -72,7 +72,7 @@ class PlyTable(JobTable):
         default=0.0, description="turns the outline about its origin, counter-clockwise; the yarns stay"
     )
     self_contact: bool = Field(
-        default=False, description="whether it may touch itself, as in folds, with the friction of `[interface]`"
+        default=False, description="whether it may touch itself, as in folds, with the friction between plies"
     )
     height: Coordinate | None = Field(
         default=None, description="z of its middle; without it, the plies lie on the tools below them"
@@ -280,8 +280,8 @@ class PairTable(JobTable):
 
     lower: str = Field(description="name of the lower ply")
     upper: str = Field(description="name of the ply upon it")
-    friction: FrictionValue | None = Field(default=None, description="of this pair; as in `[interface]` if left out")
-    passes: Literal["both", "one"] | None = Field(default=None, description="the same")
+    friction: FrictionValue | None = Field(default=None, description="of this pair; that of all if left out")
+    passes: Literal["both", "one"] | None = Field(default=None, description="as above; those of all if left out")
 
 
 class InterfaceTable(JobTable):

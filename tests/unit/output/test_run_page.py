@@ -151,6 +151,7 @@ def test_values_are_words_and_no_python():
     assert rows["times"] == "50 values, 0\u202fs to 0.1\u202fs"
     assert rows["displacements"] == "50 values, 0\u202fmm to 60\u202fmm"
     assert text_of((0.0, 0.0, -9.81), "m/s^2") == "(0, 0, −9.81)\u202fm/s²"
+    assert text_of(np.zeros((408, 3), dtype=int)) == "408" and text_of(np.eye(3)) == "(1, 0, 0), (0, 1, 0), (0, 0, 1)"
     assert text_of({"warp_axial": True, "n": 3}) == "warp axial yes, n 3" and words("ForceDriven") == "force driven"
 
 

@@ -93,7 +93,7 @@ def _text(text: str, x: float, y: float, size: float) -> Drawing:
     from matplotlib.textpath import TextPath
 
     path = TextPath((0.0, 0.0), text, size=size)
-    rings = [ring[:-1] for ring in path.to_polygons() if len(ring) > 3]
+    rings = [ring[:-1] for ring in map(np.asarray, path.to_polygons()) if len(ring) > 3]
     area = [_area(ring) for ring in rings]
     # letters are filled where their outline turns as that of the largest piece does; inner rings turn the other way
     outward = np.sign(area[int(np.argmax(np.abs(area)))])
@@ -125,4 +125,4 @@ def _area(ring: np.ndarray) -> float:
 def _is_inside(point: np.ndarray, ring: np.ndarray) -> bool:
     from matplotlib.path import Path
 
-    return bool(Path(ring).contains_point(point))
+    return bool(Path(ring).contains_point((float(point[0]), float(point[1]))))

@@ -150,7 +150,7 @@ def _draw(film: StoredFilm, movie: Movie, field: FilmedField, scale: tuple[float
 
     unit, factor = _SHOWN.get(field.unit, (field.unit, 1.0))
     with _quiet():
-        plotter = pyvista.Plotter(off_screen=True, window_size=list(movie.size), lighting="light kit")
+        plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(movie.size), lighting="light kit")
         plotter.set_background("white")
         height = movie.size[1]
         bar = {
@@ -181,7 +181,7 @@ def _title(field: FilmedField, unit: str) -> str:
 
 
 def _add_sheet(
-    plotter: pyvista.Plotter,
+    plotter: Any,
     film: StoredFilm,
     movie: Movie,
     sheet: FilmedMesh,
@@ -218,7 +218,7 @@ def _add_sheet(
     return show
 
 
-def _add_tool(plotter: pyvista.Plotter, film: StoredFilm, tool: FilmedMesh) -> Callable[[float], None]:
+def _add_tool(plotter: Any, film: StoredFilm, tool: FilmedMesh) -> Callable[[float], None]:
     """The same for a tool."""
     mesh = _mesh(film.points(tool, film.frames[0]), tool.faces)
     colour = encoded(np.array(tool.colour)).tolist()
@@ -236,7 +236,7 @@ def _mesh(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
     return pyvista.PolyData(points, np.insert(faces, 0, faces.shape[1], axis=1).ravel())
 
 
-def _look(plotter: pyvista.Plotter, film: StoredFilm, movie: Movie) -> None:
+def _look(plotter: Any, film: StoredFilm, movie: Movie) -> None:
     view = film.view("camera_back" if movie.back else "camera")
     camera = plotter.camera
     camera.position, camera.focal_point, camera.up = view.eye.tolist(), view.target.tolist(), view.up.tolist()

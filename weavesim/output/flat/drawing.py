@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # Length of a yarn's arrow over the smaller side of the pattern, of its head over the arrow, and of letters over it.
 ARROW, HEAD, LETTER = 0.2, 0.15, 0.12
+# Height of a letter of a line that spans some of the pattern, over its width and per letter.
+TEXT_WIDTH = 0.8
 # AutoCAD's colours of blank, trim line, yarns and text.
 BLANK, TRIM, YARNS, TEXT = 7, 1, 5, 8
 
@@ -97,12 +99,16 @@ def _mark(document: Drawing, pattern: FlatPattern, layer: str) -> None:
     text = f"{pattern.name}: {1e4 * pattern.blank_area:.1f} cm2 of fabric"
     if pattern.part_area is not None:
         text = f"{pattern.name}: {1e4 * pattern.part_area:.1f} of {1e4 * pattern.blank_area:.1f} cm2 become the part"
-    _write(space, text, middle - np.array([0.0, 0.5 * length]), LETTER * length, on_text)
+    height = min(LETTER * length, TEXT_WIDTH * float(np.ptp(outline[:, 0])) / len(text))
+    _write(space, text, middle - np.array([0.0, 0.5 * length]), height, on_text, centred=True)
 
 
-def _write(space: Any, text: str, place: np.ndarray, height: float, layer: str) -> None:
+def _write(space: Any, text: str, place: np.ndarray, height: float, layer: str, *, centred: bool = False) -> None:
+    from ezdxf.enums import TextEntityAlignment
+
     entity = space.add_text(text, height=1e3 * height, dxfattribs={"layer": layer})
-    entity.set_placement(tuple((1e3 * place).tolist()))
+    align = TextEntityAlignment.MIDDLE_CENTER if centred else TextEntityAlignment.LEFT
+    entity.set_placement(tuple((1e3 * place).tolist()), align=align)
 
 
 def _millimetres(line: np.ndarray) -> list[tuple[float, ...]]:

@@ -153,6 +153,8 @@ def in_words(value: Parameters, *, without: Sequence[str] = ()) -> str:
 
 def _list(value: Any, unit: str) -> str:
     items = list(value)
+    if isinstance(value, np.ndarray) and value.ndim == 2 and value.size > 9 and not unit:
+        return str(len(items))  # of a mesh: how many vertices or faces
     try:
         numbers = np.asarray(items, dtype=float)
     except (TypeError, ValueError):

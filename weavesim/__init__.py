@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from .process.loads import NodalLoads
     from .process.pressure import Pressure
     from .process.self_contact import SelfContact
+    from .process.stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
     from .process.supports import Drive, Support
     from .run.batch.batch import run_batch
@@ -156,6 +157,7 @@ _names_in = {
     "process.loads": ("NodalLoads",),
     "process.pressure": ("Pressure",),
     "process.self_contact": ("SelfContact",),
+    "process.stages": ("AtForce", "AtRest", "AtStroke", "Move", "SheetPressure", "Stage", "StageEnd"),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),
     "process.supports": ("Drive", "Support"),
     "run.batch.batch": ("run_batch",),

@@ -29,6 +29,9 @@ from weavesim.checks import Kinded
 from weavesim.fabric import ShearFriction, YarnBending, glass_polypropylene
 from weavesim.fabric.bending import BendingCurve
 from weavesim.process import (
+    AtForce,
+    AtRest,
+    AtStroke,
     Coulomb,
     Fixed,
     ForceDriven,
@@ -36,6 +39,8 @@ from weavesim.process import (
     Interface,
     Pressure,
     PressureFriction,
+    SheetPressure,
+    Stage,
     StribeckFriction,
     Stroke,
     ViscousFilm,
@@ -167,6 +172,39 @@ def two_worlds(solver: Solver) -> Setup:
     )
 
 
+def in_stages(solver: Solver) -> Setup:
+    """Two worlds whose process has stages that end in every way, and change all that a stage can change."""
+    setup = two_worlds(solver)
+    half = Stroke((0.0, 1.0e-3), (0.0, 2.0e-4))
+    stages = (
+        Stage("close", 4.0e-4, AtForce("weight", 1.0e-3), tools=("weight",), frame_count=2),
+        Stage(
+            "hold", 4.0e-4, AtStroke("far", 5.0e-5),
+            tools=("weight", "far"), supports=("held", "guided"), grippers=("slipping",),
+            moves={"far": half, "weight": ForceDriven.constant(1.0, 0.01), "slipping": half, "held": half},
+            pressures=(SheetPressure(Pressure.ramped("bottom", 1.0e3, 1.0e-4), "sheet"),),
+            gravity=(0.0, 0.0, -5.0), damping=50.0, director_damping=1.0, frame_count=1,
+        ),
+        Stage(
+            "release", 5.0e-4, AtRest(10.0, 100.0),
+            tools=(), supports=("held", "pulled"), grippers=(), target_step=2.0e-6, frame_count=2,
+        ),
+        Stage("carry on", 2.0e-4, tools=("far",), moves={"far": Fixed()}, frame_count=1),
+    )  # fmt: skip
+    held = Drive(SmoothStroke.ramped(1.0e-4, 1.0, 1.0e-5), (-1.0, 0.0, 0.0))
+    worlds = []
+    for world in setup.worlds:
+        sheets = []
+        for sheet in world.sheets:
+            supports = [
+                support.model_copy(update={"drives": (held,)}) if support.name == "held" else support
+                for support in sheet.supports
+            ]
+            sheets.append(sheet.model_copy(update={"supports": tuple(supports)}))
+        worlds.append(world.model_copy(update={"sheets": tuple(sheets)}))
+    return Setup(name="stages", worlds=tuple(worlds), stages=stages, solver=solver, accept_unusual=True)
+
+
 def stacked(solver: Solver) -> Setup:
     """Small plies of different meshes, pressed together and sliding, with a friction law of every kind between them."""
     fabric = glass_polypropylene()
@@ -208,6 +246,7 @@ def every_kind() -> dict[str, Setup]:
     cases["supports and loads"] = pulled(ONE_LANE)
     cases["worlds"] = two_worlds(ONE_LANE)
     cases["worlds in lanes"] = two_worlds(IN_LANES)
+    cases["stages"] = in_stages(ONE_LANE)
     cases["plies"] = stacked(ONE_LANE)
     cases["plies in lanes"] = stacked(IN_LANES)
     cases["self-contact"] = folded(ONE_LANE)

@@ -51,6 +51,9 @@ def judged(
         run=SimpleNamespace(
             outcome=Outcome.FINISHED,
             failed=None,
+            setup=SimpleNamespace(stages=()),
+            stages=SimpleNamespace(ended=[]),
+            model=SimpleNamespace(setup=SimpleNamespace(tools=())),
             info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=(), setup=setup),
         ),
     )

@@ -22,7 +22,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tests.support.every_kind import IN_LANES, two_worlds
+from tests.support.every_kind import IN_LANES, in_stages
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.engine.setup import Setup
 from weavesim.output import ResultFolder
@@ -43,12 +43,10 @@ LONGEST_LIFE = 60.0
 
 
 def tiny_setup(threads: int = 1) -> Setup:
-    """Three sheets in two worlds, with every kind of state; a few hundred steps."""
-    setup = two_worlds(IN_LANES)
+    """Three sheets in two worlds, with every kind of state, in four stages; a few hundred steps."""
+    setup = in_stages(IN_LANES)
     solver = setup.solver.model_copy(update={"threads": threads})
-    return setup.model_copy(
-        update={"solver": solver, "duration": 1.0e-3, "frame_count": 4, "name": "tiny", "accept_unusual": True}
-    )
+    return setup.model_copy(update={"solver": solver, "name": "tiny"})
 
 
 class Death(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -36,6 +36,7 @@ class Model:
 
     Args:
         setup: of the run.
+        samples: sampled distances of its triangle meshes, if there are some from another model.
 
     Attributes:
         sheets: constants of every sheet, in the order of ``setup.sheets``.
@@ -51,7 +52,7 @@ class Model:
         InputError: no such device, tools that cannot be sampled, or a mesh that the sheet cannot carry.
     """
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: Setup, samples: Mapping[Any, SampledDistance] | None = None) -> None:
         initialise()
         self.setup, solver = setup, setup.solver
         self.device, self.precision = resolve_device(solver.device), solver.precision
@@ -66,7 +67,7 @@ class Model:
         )
         self.reaction_count = max(sheet.places.last_reaction for sheet in self.sheets)
         self.drives = build_device_drives(setup.supports, self.device)
-        self.samples = sampled_meshes(setup, str(self.device))
+        self.samples = sampled_meshes(setup, str(self.device)) if samples is None else dict(samples)
         self.reference_step = min(sheet.reference_step for sheet in self.sheets)
         self.tools = build_device_tools(
             setup.tools, self.real, str(self.device), self.samples, self.contact_stiffness(), self.carried_rates()
@@ -149,10 +150,8 @@ class Model:
     @cached_property
     def identity(self) -> dict[str, object]:
         """Properties that a saved state must share with this run to continue it."""
-        elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
-        solver = self.setup.solver.model_copy(update=elsewhere)
         return {
-            "setup": self.setup.model_copy(update={"solver": solver, "frame_count": 1}).content_hash,
+            "setup": hash_of_run(self.setup),
             "precision": self.precision.value,
             "lane_count": self.lane_count,
         }
@@ -172,6 +171,13 @@ class Model:
         for sheet in self.sheets:
             for struct in (sheet.laws, sheet.cell):
                 yield from arrays_in(struct)
+
+
+def hash_of_run(setup: Setup) -> str:
+    """What is the same for set-ups whose runs have the same states, wherever they are computed and shown."""
+    elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
+    solver = setup.solver.model_copy(update=elsewhere)
+    return setup.model_copy(update={"solver": solver, "frame_count": 1}).content_hash
 
 
 def _damping_ratio(interface: Interface | SelfContact, sheet: SheetModel) -> float:

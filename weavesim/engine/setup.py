@@ -17,12 +17,15 @@ from ..names import FileName, Label
 from ..process.dynamics import Dynamics
 from ..process.grippers import Gripper
 from ..process.interfaces import Interface
+from ..process.stages import Stage
 from ..process.supports import Support
 from ..ranges import Quantity, check_usual
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import Symmetry
 from ..tools.proportions import disproportionate_tools
 from ..tools.tool import Tool
+from .staging.acting import Parts
+from .staging.checks import check_stages
 
 # Largest share of the stable step 2/omega that may be used.
 STEP_SAFETY = 0.9
@@ -175,11 +178,12 @@ class Setup(Parameters):
     Attributes:
         name: used for the names of the result files, so no path.
         worlds: sheets and their tools; the names of all sheets must differ, and those of all supports.
-        duration: time at which the run ends [s].
-        frame_count: frames after the first, evenly spaced in time.
+        duration: time at which the run ends [s]; with stages, the sum of theirs, which it need not be given.
+        frame_count: frames after the first, evenly spaced in time; see ``Stage.frame_count``.
         leading_tool: index, among the tools of all worlds, of the tool whose displacement is the stroke.
         rest: ends the run early, at rest; None runs the full duration.
         solver: how and where the run is computed.
+        stages: of the process, one after the other; none for a run in which everything acts all the time.
         accept_unusual: take values outside their plausible range, or that hardly fit each other, as meant
             (docs/fabrics.md); otherwise they are refused, with the likely slip.
 
@@ -196,6 +200,7 @@ class Setup(Parameters):
     leading_tool: int = 0
     rest: Rest | None = None
     solver: Solver = Solver()
+    stages: tuple[Stage, ...] = ()
     accept_unusual: bool = False
 
     @model_validator(mode="before")
@@ -203,6 +208,8 @@ class Setup(Parameters):
     def _one_world_will_do(cls, values: Any) -> Any:
         if not isinstance(values, Mapping):
             return values
+        if values.get("stages") and values.get("duration") is None:
+            values = {**values, "duration": _duration_of(values["stages"])}
         own = {name: values[name] for name in _WORLD_FIELDS if name in values}
         if not own:
             return values
@@ -229,13 +236,33 @@ class Setup(Parameters):
         _check_names("sheets", [sheet.name for sheet in self.sheets])
         _check_names("supports", [support.name for support in self.supports])
         _check_names("grippers", [gripper.name for gripper in self.grippers])
+        if self.stages:
+            self._check_stages()
         return self
+
+    def _check_stages(self) -> None:
+        _check_names("stages", [stage.name for stage in self.stages])
+        if self.rest is not None:
+            raise ValueError("rest: with stages, let the last one end AtRest instead")
+        if self.duration != _duration_of(self.stages):
+            raise ValueError(
+                f"duration = {self.duration:g}: the stages take {_duration_of(self.stages):g} s together; leave it out"
+            )
+        check_stages(self.stages, Parts(self.tools, self.supports, self.grippers), self.sheets)
 
     @model_validator(mode="after")
     def _is_usual(self) -> Self:
         if not self.accept_unusual:
             check_usual(self)
         return self
+
+    @property
+    def frame_counts(self) -> tuple[int, ...]:
+        """Frames after the first, of every stage, or of the run without stages."""
+        if not self.stages:
+            return (self.frame_count,)
+        shares = [self.frame_count * stage.duration / self.duration for stage in self.stages]
+        return tuple(each.frame_count or max(1, round(share)) for each, share in zip(self.stages, shares, strict=True))
 
     @property
     def sheets(self) -> tuple[Sheet, ...]:
@@ -272,6 +299,14 @@ class Setup(Parameters):
     def supports(self) -> tuple[Support, ...]:
         """Of all sheets, in order."""
         return tuple(support for sheet in self.sheets for support in sheet.supports)
+
+
+def _duration_of(stages: Any) -> float | None:
+    """Of all stages, which may be values or what JSON has of them [s]; None where that is no number."""
+    try:
+        return sum(float(s["duration"] if isinstance(s, Mapping) else s.duration) for s in stages)
+    except (AttributeError, KeyError, TypeError, ValueError):
+        return None
 
 
 def _check_names(what: str, names: list[str]) -> None:

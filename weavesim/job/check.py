@@ -15,6 +15,7 @@ from ..run.guards import Doubt, Level, Start
 from ..run.guards.closing import on_both_sides, smallest_gap
 from ..run.guards.tool_mesh import FEWEST_ELEMENTS_PER_QUARTER_TURN, LEAST_ELEMENTS_PER_QUARTER_TURN
 from ..run.simulation import Simulation
+from ..run.staging.rehearsal import phases_of
 from ..run.watch.tool_distance import ToolDistances
 from ..tools.sampling import DOUBTFUL_ERROR
 from .speed import suggested_speed
@@ -82,7 +83,7 @@ def check_setup(setup: Setup) -> Checked:
         InputError: the run would be refused.
     """
     prepared = Simulation(setup).prepare()
-    start = Start(prepared.model, prepared.ledger, prepared.frame)
+    start = Start(prepared.model, prepared.ledger, prepared.frame, phases_of(setup))
     doubts = tuple(prepared.guards.first)
     errors = _errors(start)
     rows = [
@@ -170,12 +171,12 @@ def _tools(setup: Setup, start: Start, errors: dict[str, tuple[float, float]]) -
 def _gaps(setup: Setup, start: Start) -> Iterator[Row]:
     """The gap of every pair of tools on both sides of the sheets, when they are closed."""
     first = 0
-    for world in setup.worlds:
+    for number, world in enumerate(setup.worlds):
         stack = sum(sheet.fabric.thickness for sheet in world.sheets)
         for a, b in combinations(range(len(world.tools)), 2):
             if not on_both_sides(start, world, first, a, b):
                 continue
-            gap, time = smallest_gap(start, world, first, (a, b))
+            gap, time = smallest_gap(start, number, first, (a, b))
             if not math.isfinite(gap):
                 continue
             share = gap / stack

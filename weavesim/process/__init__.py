@@ -1,4 +1,4 @@
-"""What happens to the sheet: strokes, supports, loads, pressure, grippers, gravity and damping."""
+"""What happens to the sheet: strokes, supports, loads, pressure, grippers, gravity, damping, and stages of these."""
 
 from .dynamics import Dynamics
 from .friction import Coulomb, Friction, PressureFriction, StribeckFriction, ViscousFilm, YarnAngleFriction
@@ -7,10 +7,14 @@ from .interfaces import Interface
 from .loads import NodalLoads
 from .pressure import Pressure
 from .self_contact import SelfContact
+from .stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
 
 __all__ = [
+    "AtForce",
+    "AtRest",
+    "AtStroke",
     "Coulomb",
     "Drive",
     "Dynamics",
@@ -20,11 +24,15 @@ __all__ = [
     "Gripper",
     "Interface",
     "Motion",
+    "Move",
     "NodalLoads",
     "Pressure",
     "PressureFriction",
     "SelfContact",
+    "SheetPressure",
     "SmoothStroke",
+    "Stage",
+    "StageEnd",
     "StribeckFriction",
     "Stroke",
     "Support",

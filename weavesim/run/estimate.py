@@ -87,7 +87,7 @@ def estimate(setup: Setup, *, time_step: float | None = None, thread_count: int 
     """
     elements = sum(sheet.blank.element_count for sheet in setup.sheets)
     whole = sum(s.blank.element_count / world.symmetry.share for world in setup.worlds for s in world.sheets)
-    frames = setup.frame_count
+    frames = sum(setup.frame_counts)
     step_count = seconds = None
     if time_step is not None:
         step_count = setup.duration / time_step if time_step > 0.0 else math.inf

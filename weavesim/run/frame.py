@@ -177,6 +177,8 @@ class Frame:
         drive_displacement: of every drive of every support, in order, (drive_count,) [m].
         drive_force: of the support on the sheet along each drive, (drive_count,) [N]: work per unit displacement of
             the drive.
+        tool_acts: whether each tool acts in the stage, (tool_count,) bool.
+        stage: name of the stage that it belongs to; empty in a run without stages.
     """
 
     index: int
@@ -193,6 +195,8 @@ class Frame:
     tool_wanted: np.ndarray = field(default_factory=lambda: np.zeros(0))
     gripper_force: np.ndarray = field(default_factory=lambda: np.zeros(0))
     gripper_slip: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    tool_acts: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    stage: str = ""
 
     @property
     def sheet(self) -> SheetFrame:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,6 +36,8 @@ SUPPLIED = (
     "tool_work", "driving_force_work", "support_work", "load_work", "pressure_work", "gripper_work", "thickness_work",
     "gravity_work", "initial_kinetic",
 )  # fmt: skip
+# Of a run in stages: what changes between stages put into what is stored.
+STAGE_SUPPLIED = ("stage_work",)
 # Derived from the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")
 # Positions of the entries of the tools among those of the sheets.
@@ -46,25 +49,46 @@ _BEFORE_TOOLS = {
 }
 
 
+class StageBook(NamedTuple):
+    """What the ledger of a stage knows of it.
+
+    Attributes:
+        name: of the stage.
+        tools: names of those that act.
+        carried: what is added to entries of the ledger, by name, so that they go on from the stage before [J].
+    """
+
+    name: str
+    tools: frozenset[str]
+    carried: dict[str, float]
+
+
 class Ledger:
     """Takes frames of a run.
 
     Args:
         stepper: its state is read.
+        stage: of a run that has some; None without stages.
 
     Attributes:
+        stage: as given.
+        acting: whether each tool acts, (tool_count,) bool.
         sheets: ledgers of every sheet.
         interfaces: ledger of the contact between plies.
         internal: names of the elastic energies of all sheets; their sum is the entry ``internal``.
         tool_names: as in all outputs.
     """
 
-    def __init__(self, stepper: Stepper) -> None:
+    def __init__(self, stepper: Stepper, stage: StageBook | None = None) -> None:
         self._stepper, self._setup = stepper, stepper.model.setup
-        self.sheets = [SheetLedger(stepper.model, k, stepper.state) for k in range(len(stepper.model.sheets))]
+        self.stage = stage
+        tools = self._setup.tools
+        self.acting = np.array([stage is None or tool.name in stage.tools for tool in tools], dtype=bool)
+        self.sheets = [
+            SheetLedger(stepper.model, k, stepper.state, self.acting) for k in range(len(stepper.model.sheets))
+        ]
         self.internal = tuple(dict.fromkeys(name for sheet in self.sheets for name in sheet.internal))
         self.interfaces = InterfaceLedger(stepper.model, stepper.state)
-        tools = self._setup.tools
         self.tool_names = unique_names(tool.name for tool in tools)
         self._driven = np.array([tool.motion.by_force for tool in tools], dtype=bool)
         self._tool_mass = np.array([tool.motion.driven_mass for tool in tools])
@@ -100,6 +124,8 @@ class Ledger:
             drive_displacement=drive_displacement,
             drive_force=drive_force,
             tool_wanted=np.array([tool.motion.force_at(state.time) for tool in self._setup.tools]),
+            tool_acts=self.acting,
+            stage=self.stage.name if self.stage else "",
         )
 
     def _support_outputs(self, ahead: State) -> tuple[np.ndarray, np.ndarray]:
@@ -133,10 +159,34 @@ class Ledger:
         if self.interfaces.passes:
             entries |= self.interfaces.entries(state, ahead)
             stored, lost, supplied = stored + PLY_STORED, lost + PLY_LOST, supplied + PLY_SUPPLIED
+        if self.stage is not None:
+            supplied += STAGE_SUPPLIED
+            entries["stage_work"] = 0.0
+            for name, value in self.stage.carried.items():
+                entries[name] += value
         entries["supplied"] = sum(entries[name] for name in supplied)
         entries["used"] = sum(entries[name] for name in stored + lost)
         entries["balance_error"] = entries["supplied"] - entries["used"]
         return entries
+
+    def carry_on(self, last: Mapping[str, float], index: int) -> None:
+        """Begin a stage: works and losses go on from the ``last`` entries of the stage before, of the same state.
+
+        What the change puts into the stored energies is booked as ``stage_work``.
+
+        Args:
+            last: entries of the ledger at the end of the stage before [J].
+            index: of the frame at that time.
+        """
+        assert self.stage is not None
+        carried = self.stage.carried
+        carried.clear()
+        now = self.frame(index).energies
+        stored = [name for name in STORED + PLY_STORED if name in now]
+        booked = [name for name in LOST + PLY_LOST + SUPPLIED + PLY_SUPPLIED if name in now]
+        carried |= {name: last[name] - now[name] for name in booked}
+        change = sum(now[name] for name in stored) - sum(last[name] for name in stored)
+        carried["stage_work"] = last["stage_work"] + change
 
     def watched(self) -> dict[str, np.ndarray]:
         """What every step has booked of the tools so far, by names of ``ToolWatchRow``, (tool_count,) each."""

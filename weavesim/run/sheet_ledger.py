@@ -73,6 +73,7 @@ class SheetLedger:
         model: of the run.
         index: of the sheet.
         state: of the run, which is read.
+        acting: whether each tool of the run acts, (tool_count,) bool.
 
     Attributes:
         internal: names of the elastic energies of unit cell and sheet; their sum is the entry ``internal``.
@@ -80,7 +81,7 @@ class SheetLedger:
         tools: that it may touch.
     """
 
-    def __init__(self, model: Model, index: int, state: State) -> None:
+    def __init__(self, model: Model, index: int, state: State, acting: np.ndarray) -> None:
         self._model, self._index, self._state = model.sheets[index], index, state
         sheet = self._model
         self.name = sheet.name
@@ -96,8 +97,8 @@ class SheetLedger:
         # packed once: a launch from Python costs more than the work of a small sheet
         self._element_ledger: wp.Launch | None = None
         elements, nodes = sheet.blank.element_count, sheet.blank.node_count
-        self._contact_gaps = ToolGaps(model, index, state, nodes + len(sheet.samples.places) * elements)
-        self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements)
+        self._contact_gaps = ToolGaps(model, index, state, nodes + len(sheet.samples.places) * elements, acting)
+        self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements, acting)
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
         velocity, spin = _rates(start)
         self.initial_kinetic = self._kinetic(velocity, velocity, spin, spin)

@@ -22,10 +22,12 @@ from .checkpoint.checkpoints import Checkpoints
 from .checkpoint.job import Job
 from .diagnosis import Failure, find_failure
 from .frame import Frame, Observer, Outcome, RunInfo
-from .guards import Doubt, Level, verdict_of
+from .guards import Doubt, Level, report_new, verdict_of
 from .interruption import Interruption, interruption
 from .ledger import Ledger
 from .sheet_ledger import Penetration
+from .staging.advance import begin_stage
+from .staging.course import Course
 from .start import Prepared, prepare
 from .verdict import RUN_FINDINGS, Judged, summary
 from .watch.watch import WATCH_COUNT, Watch
@@ -54,6 +56,7 @@ class Simulation:
         interrupted_by: name of the signal that ended it; None if none did.
         failed: what became non-finite, and where; None if nothing did.
         stepping_time, wall_time: of the run, all its parts together [s].
+        stages: where it is in them.
     """
 
     def __init__(self, setup: Setup, *, run_id: str | None = None, watch_count: int = WATCH_COUNT) -> None:
@@ -65,6 +68,7 @@ class Simulation:
         self.failed: Failure | None = None
         self.stepping_time = 0.0
         self.wall_time = 0.0
+        self.stages = Course(setup)
         self._prepared: Prepared | None = None
         self._frame: Frame | None = None
         self._watch: Watch | None = None
@@ -92,7 +96,7 @@ class Simulation:
 
     @property
     def model(self) -> Model:
-        """Constants."""
+        """Constants, of the present stage."""
         return self.prepare().model
 
     @property
@@ -176,7 +180,7 @@ class Simulation:
             logger.warning("%s", warnings[-1])
         parts = (*values["parts"], part)
         info = replace(prepared.info, warnings=warnings, notes=(*prepared.info.notes, *parts), parts=parts)
-        self._prepared = replace(prepared, info=info)
+        self._prepared = replace(self.prepare(), info=info)
         self._checkpoints, self._resumes = checkpoints, True
 
     def checkpoint(self) -> bool:
@@ -244,7 +248,7 @@ class Simulation:
                 self._take(self.frame, observers)
             self.outcome = yield from self._run_frames(observers, interrupted)
             try:
-                self._report_doubts()
+                report_new(self.doubts(), self.prepare().guards.first, self.warnings)
             except Exception as error:  # the results are still worth having
                 self.warnings.append(f"the result could not be judged: {type(error).__name__}: {error}")
                 logger.warning("%s", self.warnings[-1], exc_info=error)
@@ -258,10 +262,10 @@ class Simulation:
     def _run_frames(
         self, observers: Sequence[Observer], interrupted: Interruption
     ) -> Generator[tuple[float, Interruption], bool, Outcome]:
-        setup, watch = self.setup, self.watch
+        watch, stages = self.watch, self.stages
         while not self._ends():
             index = self.frame.index + 1
-            target = setup.duration * index / setup.frame_count
+            target = stages.frame_time(index)
             running = yield min(target, watch.next_time), interrupted
             if self.failure:
                 return Outcome.NOT_FINITE
@@ -273,25 +277,38 @@ class Simulation:
             if running or self.state.step_count > frame.step_count:
                 frame = self.ledger.frame(index)
             if frame.time >= watch.next_time or not running:
+                if running:
+                    stages.look(frame.energies, self.model)
                 watch.look(frame, last=not running)
-            if frame.time < target and running:
+            ends_here = stages.is_reached and running
+            if frame.time < target and running and not ends_here:
                 continue
             if frame is not self.frame:
-                take = self._take if frame.time >= target else self._publish
+                take = self._take if frame.time >= target or ends_here else self._publish
                 take(frame, observers)
             self.wall_time = self._time_before + time.perf_counter() - self._started
-            if not running and not self._ends():
+            if not running and not (stages.is_last and stages.is_over(self.frame)):
                 self.interrupted_by = interrupted.signal.name if interrupted.signal else None
                 return Outcome.INTERRUPTED
         # before the last look, which a run that goes on from here takes again
         self.checkpoint()
+        stages.finish(self.frame, self.model.setup)
         watch.look(self.frame, last=True)
         return Outcome.FINISHED
 
     def _ends(self) -> bool:
-        """Whether the last frame is the last of the run."""
-        setup, frame = self.setup, self.frame
-        return frame.time >= setup.duration or bool(setup.rest and setup.rest.reached(frame.time, frame.energies))
+        """Whether the last frame is the last of the run; where it is the last of a stage, the next one begins."""
+        if not self.stages.is_over(self.frame):
+            return False
+        if self.stages.is_last:
+            return True
+        begin_stage(self)
+        return False
+
+    def enter(self, prepared: Prepared) -> None:
+        """Go on in a stage, whose model is on the state of this run."""
+        self._prepared = prepared
+        self.watch.begin_stage(self.ledger, self.stages.begin, self.stages.duration)
 
     def _finish(self, observer: Observer) -> None:
         observer.finish(self.outcome or Outcome.INTERRUPTED)
@@ -322,14 +339,20 @@ class Simulation:
         def due() -> bool:
             return self._checkpoints is not None and self._checkpoints.due(self.state.step_count)
 
-        while True:
-            started = time.perf_counter()
-            self.stepper.advance_to(target, lambda: interrupted.is_set() or due())
-            self.failed = find_failure(self.model, self.state, self.frame)
-            self.stepping_time += time.perf_counter() - started
-            if self.failure or interrupted.is_set() or not due():
-                return not interrupted.is_set()
-            self.checkpoint()
+        for part in self.stages.targets(target):
+            while True:
+                started = time.perf_counter()
+                self.stepper.advance_to(part, lambda: interrupted.is_set() or due())
+                self.failed = find_failure(self.model, self.state, self.frame)
+                self.stepping_time += time.perf_counter() - started
+                if self.failure or interrupted.is_set():
+                    return not interrupted.is_set()
+                if not due():
+                    break
+                self.checkpoint()
+            if self.stages.check(self.state):
+                break
+        return True
 
     # --- assessment --------------------------------------------------------------------------------------------------
 
@@ -375,15 +398,3 @@ class Simulation:
             *((doubt.level.label, shown(doubt.message), "") for doubt in self.doubts()),
         ]  # fmt: skip
         return table(f"Simulation {self.name}", rows) + found(RUN_FINDINGS, Judged(self))._repr_html_()
-
-    def _report_doubts(self) -> None:
-        """Add the doubts that are new since the start to ``warnings`` and the log."""
-        known = set(self.prepare().guards.first)
-        for doubt in self.doubts():
-            if doubt in known:
-                continue
-            if doubt.level > Level.NOTE:
-                self.warnings.append(doubt.message)
-                logger.warning("%s", doubt.message)
-            else:
-                logger.info("%s", doubt.message)

@@ -12,6 +12,7 @@ import numpy as np
 from ..device import resolve_thread_counts
 from ..engine.model import Model
 from ..engine.setup import Setup
+from ..engine.staging.derive import acting_of
 from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..errors import InputError
@@ -20,7 +21,9 @@ from ..tools.sampling import mesh_parts
 from .estimate import check_bounds, estimate
 from .frame import Frame, RunInfo, SheetFrame, SheetInfo, new_run_id
 from .guards import Guards, Level, Start
-from .ledger import Ledger
+from .ledger import Ledger, StageBook
+from .staging.change import start_state
+from .staging.rehearsal import mean_step, phases_of
 from .touching import start_in_touch
 
 logger = logging.getLogger(__name__)
@@ -57,8 +60,12 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
             sheet, a unit cell that carries force at rest, a mesh that cannot be sampled.
     """
     check_bounds(estimate(setup), setup)
-    model = Model(setup)
+    course = acting_of(setup) if setup.stages else []
+    phases = phases_of(setup)
+    model = Model(phases[0].setup)
     state = State.initial(model)
+    if course:
+        start_state(state, model, course[0])
     solver = setup.solver
     thread_counts = resolve_thread_counts(solver.threads) if model.device.is_cpu else (1,)
     stepper = Stepper(
@@ -79,18 +86,18 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
         )
     expected = estimate(
         setup,
-        time_step=min(stable, solver.time_step or math.inf),
+        time_step=min(mean_step(phases, model, stable), solver.time_step or math.inf),
         thread_count=thread_counts[-1],
         is_cpu=model.device.is_cpu,
     )
     check_bounds(expected, setup)
     logger.info("%s takes %s", setup.name, expected)
-    ledger = Ledger(stepper)
+    ledger = Ledger(stepper, StageBook(course[0].stage.name, course[0].tools, {}) if course else None)
     frame = ledger.frame(0)
     for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
         check_cell_at_rest(sheet.fabric.unit_cell, first)
     guards = Guards()
-    doubts = guards.before(Start(model, ledger, frame))
+    doubts = guards.before(Start(model, ledger, frame, phases))
     info = RunInfo(
         name=setup.name,
         setup=setup,
@@ -100,7 +107,7 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
         supports=setup.supports,
         grippers=setup.grippers,
         duration=setup.duration,
-        frame_count=setup.frame_count,
+        frame_count=sum(setup.frame_counts),
         device=str(model.device),
         precision=model.precision.value,
         thread_counts=thread_counts,

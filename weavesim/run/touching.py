@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import compress
+
 import numpy as np
 
 from ..engine.model import Model
@@ -23,18 +26,33 @@ def start_in_touch(model: Model, state: State) -> None:
     """
     tools = model.setup.tools
     own = [k for k, tool in enumerate(tools) if isinstance(tool.motion, ForceDriven) and tool.motion.in_touch]
-    if not own:
-        return
+    if own:
+        touch_sheets(model, state, own, [sheet.blank.node_position for sheet in model.sheets])
+
+
+def touch_sheets(model: Model, state: State, tools: Sequence[int], positions: Sequence[np.ndarray]) -> None:
+    """Move tools along their axes, from where they are drawn, until they touch a node; writes their displacements.
+
+    Args:
+        model: of the run.
+        state: whose ``tool_displacement`` is written.
+        tools: indices of those that are moved.
+        positions: of the nodes of every sheet, (node_count, 3) each [m].
+
+    Raises:
+        InputError: a tool that meets no sheet on its way.
+    """
     distances, displacement = ToolDistances(model), state.tool_displacement.numpy()
-    for k in own:
-        displacement[k] = _touching(model, distances, k)
+    for k in tools:
+        displacement[k] = _touching(model, distances, k, positions)
     state.tool_displacement.assign(displacement)
 
 
-def _touching(model: Model, distances: ToolDistances, tool: int) -> float:
-    """Displacement at which a tool touches a node of the flat sheets [m]."""
-    sheets = [sheet for sheet in model.sheets if sheet.places.tools.start <= tool < sheet.places.tools.stop]
-    nodes = np.concatenate([sheet.blank.node_position for sheet in sheets])
+def _touching(model: Model, distances: ToolDistances, tool: int, positions: Sequence[np.ndarray]) -> float:
+    """Displacement at which a tool touches a node of the sheets [m]."""
+    met = [sheet.places.tools.start <= tool < sheet.places.tools.stop for sheet in model.sheets]
+    sheets = list(compress(model.sheets, met))
+    nodes = np.concatenate(list(compress(positions, met)))
     half = np.concatenate([np.full(sheet.blank.node_count, 0.5 * sheet.fabric.thickness) for sheet in sheets])
     motion = model.setup.tools[tool].motion
     forces = np.array(motion.curve()[1])

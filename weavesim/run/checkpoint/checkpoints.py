@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ...engine.model import hash_of_run
 from ...errors import InputError
 from ..frame import Frame
 from .container import PARTIAL, Content, DamageError, read_container, sync_folder, write_container
@@ -135,7 +136,7 @@ class Checkpoints:
         values, arrays = memory_of(simulation)
         model = simulation.model
         about = {
-            "run_id": simulation.info.run_id, "identity": model.identity, "machine": machine(model.device.name),
+            "run_id": simulation.info.run_id, "identity": _identity(simulation), "machine": machine(model.device.name),
             "frame_count": self._journal.count, "frames_size": self._journal.size,
             "written": datetime.now(UTC).isoformat(timespec="seconds"), "parts": list(simulation.info.parts),
         }  # fmt: skip
@@ -217,7 +218,7 @@ class Checkpoints:
                 f"checkpoint {path}: it is of weavesim {before.get('weavesim')}, and this is {here['weavesim']}; "
                 "resume it with that version, or run it again (--overwrite)"
             )
-        for name, wanted in model.identity.items():
+        for name, wanted in _identity(simulation).items():
             if values["identity"].get(name) != wanted:
                 found = "another one" if name == "setup" else f"{values['identity'].get(name)}, not {wanted}"
                 raise InputError(
@@ -243,6 +244,11 @@ class Checkpoints:
             yield from self._journal.frames(values["frame_count"], values["frames_size"])
         except (OSError, DamageError) as error:
             raise InputError(f"{self._journal.path}: {error}; run it again (--overwrite)") from None
+
+
+def _identity(simulation: Simulation) -> dict[str, object]:
+    """What a checkpoint must share with a run to continue it, in any stage."""
+    return {**simulation.model.identity, "setup": hash_of_run(simulation.setup)}
 
 
 def read_job(folder: str | Path) -> tuple[Job, Content]:

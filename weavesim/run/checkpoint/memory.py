@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..staging.advance import recall_stage, stage_memory
 from .container import Content, DamageError
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def memory_of(simulation: Simulation) -> Content:
     memory = {
         "watch": simulation.watch.memory(),
         "guards": simulation.prepare().guards.memory(),
+        "stages": stage_memory(simulation),
         "wall_time": simulation.wall_time,
         "stepping_time": simulation.stepping_time,
     }
@@ -61,11 +63,12 @@ def recall(simulation: Simulation, content: Content) -> None:
     """
     values, arrays = content
     state = {name.removeprefix(_STATE): array for name, array in arrays.items() if name.startswith(_STATE)}
+    memory = put_together(values["memory"], arrays)
+    recall_stage(simulation, memory["stages"])
     try:
         simulation.state.take(state, values["step_count"])
     except ValueError as error:
         raise DamageError(f"its {error}") from None
-    memory = put_together(values["memory"], arrays)
     simulation.watch.recall(memory["watch"])
     simulation.prepare().guards.recall(memory["guards"], values["time"])
     simulation.wall_time, simulation.stepping_time = memory["wall_time"], memory["stepping_time"]

@@ -74,6 +74,8 @@ class StartOverlap(Guard):
         distances, displacement = ToolDistances(start.model), start.frame.tool_displacement
         for sheet, position, index in start.meetings():
             thickness, name = sheet.fabric.thickness, start.model.setup.tools[index].name
+            if name not in start.phases[0].tools:
+                continue
             limit = (0.5 - LARGEST_OVERLAP) * thickness - _sampling_error(start, index)
             key = geometry_key(start.model, (start.model.setup.tools[index],))
             if key is not None:
@@ -131,6 +133,8 @@ class BetweenNodes(Guard):
         """Search the elements near these tools."""
         for pair in self._watched:
             assert self._distances is not None
+            if not ledger.acting[pair[1]]:
+                continue
             sheet, displacement = self._sheets[pair[0]], frame.tool_displacement[pair[1]]
             limit = self._deepest[pair].distance if pair in self._deepest else -LARGEST_DEPTH * sheet.fabric.thickness
             position, director = frame.sheets[pair[0]].position, frame.sheets[pair[0]].director

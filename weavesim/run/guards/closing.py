@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -44,12 +44,13 @@ class ClosingGap(Guard):
             InputError: they run into each other.
         """
         first = 0
-        for world in start.model.setup.worlds:
+        for number, world in enumerate(start.model.setup.worlds):
             pairs = combinations(range(len(world.tools)), 2)
             thickness = stack_thickness(world)
             for a, b in pairs:
                 tools = world.tools[a], world.tools[b]
-                if _closes(*tools) and (found := _gap_around(start, world, first, (a, b))):
+                closes = any(_closes(*each) for each in _together(start, number, (a, b)))
+                if closes and (found := _gap_around(start, number, first, (a, b))):
                     yield from self._judged(tools, *found, thickness, _error(start, tools))
             first += len(world.tools)
 
@@ -87,6 +88,14 @@ class ClosingGap(Guard):
         )
 
 
+def _together(start: Start, world: int, pair: tuple[int, int]) -> Iterator[tuple[Tool, Tool]]:
+    """Two tools of a world in every stage in which both act."""
+    for phase in start.phases:
+        a, b = (phase.setup.worlds[world].tools[k] for k in pair)
+        if a.name in phase.tools and b.name in phase.tools:
+            yield a, b
+
+
 def stack_thickness(world: World) -> float:
     """Of the sheets that lie on each other [m]: of the thickest stack; of the thinnest sheet where none do."""
     thickness = {sheet.name: sheet.fabric.thickness for sheet in world.sheets}
@@ -106,16 +115,19 @@ def _closes(a: Tool, b: Tool) -> bool:
     return any(len(set(tool.motion.curve()[1])) > 1 for tool in (a, b))
 
 
-def _gap_around(start: Start, world: World, first: int, pair: tuple[int, int]) -> tuple[float, float] | None:
-    """``smallest_gap`` of two tools, if the sheets are between them."""
+def _gap_around(start: Start, number: int, first: int, pair: tuple[int, int]) -> tuple[float, float] | None:
+    """``smallest_gap`` of two tools of a world, if the sheets are between them."""
+    world = start.model.setup.worlds[number]
     tools = world.tools[pair[0]], world.tools[pair[1]]
-    key = geometry_key(start.model, tools)
+    # stages may move them otherwise
+    key = geometry_key(start.model, tools) if len(start.phases) == 1 else None
     if key is not None:
         displacement = (float(start.frame.tool_displacement[first + k]) for k in pair)
         key = ("gap", world.name, *displacement, *key)
 
     def find() -> tuple[float, float] | None:
-        return smallest_gap(start, world, first, pair) if on_both_sides(start, world, first, *pair) else None
+        between = on_both_sides(start, world, first, *pair)
+        return smallest_gap(start, number, first, pair, _closes) if between else None
 
     return remembered(key, find)
 
@@ -138,26 +150,45 @@ def on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> boo
     return sides[0] * sides[1] < 0.0
 
 
-def smallest_gap(start: Start, world: World, first: int, pair: tuple[int, int]) -> tuple[float, float]:
-    """Smallest distance between two tools over the flat blank, on all of their way [m], and when [s].
+def smallest_gap(
+    start: Start,
+    world: int,
+    first: int,
+    pair: tuple[int, int],
+    counts: Callable[[Tool, Tool], bool] = lambda a, b: True,
+) -> tuple[float, float]:
+    """Smallest distance between two tools over the flat blank, on all of their way, and when.
 
-    A tool that a force moves is taken where it starts.
+    A tool that a force moves is taken where it starts. Where no stage counts, the distance is infinite.
+
+    Args:
+        start: of the run.
+        world: index of that of the tools.
+        first: index of its first tool among those of the run.
+        pair: indices of the tools among those of the world.
+        counts: whether to look at a stage, from the two tools in it.
+
+    Returns:
+        Distance [m] and time [s].
     """
-    distances, duration = ToolDistances(start.model), start.model.setup.duration
-    tools = [world.tools[k] for k in pair]
+    distances, own = ToolDistances(start.model), start.model.setup.worlds[world]
     size = min(float(np.sqrt(sheet.geometry.area.min())) for sheet in start.model.sheets)
-    nodes = np.concatenate([sheet.blank.node_position for sheet in world.sheets])
-    points = [_surface(distances, first + k, world.tools[k], nodes, size) for k in pair]
+    nodes = np.concatenate([sheet.blank.node_position for sheet in own.sheets])
+    points = [_surface(distances, first + k, own.tools[k], nodes, size) for k in pair]
     best = (np.inf, 0.0)
-    times = np.unique(np.concatenate([np.linspace(0.0, duration, PLACE_COUNT), *map(_turns, tools)]))
-    for time in times[(times >= 0.0) & (times <= duration)]:
-        at = [0.0 if tool.motion.by_force else float(np.interp(time, *tool.motion.curve())) for tool in tools]
-        for own, other in ((0, 1), (1, 0)):
-            moved = points[own] + at[own] * np.array(tools[own].axis)
-            within = _over(moved, nodes)
-            if within.any():
-                gap = float(distances(first + pair[other], at[other], moved[within])[0].min())
-                best = min(best, (gap, float(time)))
+    for phase in start.phases:
+        tools = [phase.setup.worlds[world].tools[k] for k in pair]
+        if not (phase.tools >= {tool.name for tool in tools} and counts(*tools)):
+            continue
+        times = np.unique(np.concatenate([np.linspace(phase.begin, phase.end, PLACE_COUNT), *map(_turns, tools)]))
+        for time in times[(times >= phase.begin) & (times <= phase.end)]:
+            at = [0.0 if tool.motion.by_force else float(np.interp(time, *tool.motion.curve())) for tool in tools]
+            for one, other in ((0, 1), (1, 0)):
+                moved = points[one] + at[one] * np.array(tools[one].axis)
+                within = _over(moved, nodes)
+                if within.any():
+                    gap = float(distances(first + pair[other], at[other], moved[within])[0].min())
+                    best = min(best, (gap, float(time)))
     return best
 
 

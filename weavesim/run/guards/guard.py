@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ...engine.sheet_model import SheetModel
     from ..frame import Frame
     from ..ledger import Ledger
+    from ..staging.rehearsal import Phase
     from ..verdict import Judged
 
 logger = logging.getLogger(__name__)
@@ -94,14 +95,16 @@ class Start:
     """A run at time zero, as guards see it before it starts.
 
     Attributes:
-        model: constants of the run, with its set-up.
+        model: constants of the run, with its set-up; of its first stage, if it has some.
         ledger: measures distances from the tools.
         frame: the undeformed state.
+        phases: stages of the run as they are planned, or the run itself if it has none.
     """
 
     model: Model
     ledger: Ledger
     frame: Frame
+    phases: tuple[Phase, ...]
 
     def meetings(self) -> Iterator[tuple[SheetModel, np.ndarray, int]]:
         """Every sheet, its positions (node_count, 3) [m], and each tool that it may touch, by index in the run."""
@@ -244,3 +247,16 @@ class Guards:
 def verdict_of(doubts: Iterable[Doubt]) -> str:
     """ "trusted", "doubtful" or "do not use"."""
     return VERDICTS[max((doubt.level for doubt in doubts), default=Level.NOTE)]
+
+
+def report_new(doubts: Iterable[Doubt], known: Iterable[Doubt], warnings: list[str]) -> None:
+    """Add doubts that were not ``known`` before the run to its ``warnings`` and the log; notes to the log alone."""
+    before = set(known)
+    for doubt in doubts:
+        if doubt in before:
+            continue
+        if doubt.level > Level.NOTE:
+            warnings.append(doubt.message)
+            logger.warning("%s", doubt.message)
+        else:
+            logger.info("%s", doubt.message)

@@ -114,7 +114,7 @@ class WaitingStroke(Guard):
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Tools that are behind their strokes."""
         info = run.run.info
-        for k, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
+        for k, (name, tool) in enumerate(zip(info.tool_names, run.run.model.setup.tools, strict=True)):
             limit = tool.motion.limiting_force
             if not limit:
                 continue

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
     from ...engine.setup import World
+    from ...process.strokes import Motion
     from ...tools.tool import Tool
     from ..verdict import Judged
 
@@ -31,14 +32,12 @@ class ToolReach(Guard):
 
     def before(self, start: Start) -> Iterable[Doubt]:
         """Tools further from the sheet, on all of their way, than the sheet can move."""
-        setup, distances, first = start.model.setup, ToolDistances(start.model), 0
-        for world in setup.worlds:
+        distances, first = ToolDistances(start.model), 0
+        for number, world in enumerate(start.model.setup.worlds):
             nodes = np.concatenate([sheet.blank.node_position for sheet in world.sheets])
             ways = [
-                _flight(tool, setup.duration, nodes, partial(distances, first + k))
-                if tool.motion.by_force
-                else _way(tool, setup.duration)
-                for k, tool in enumerate(world.tools)
+                np.unique(np.concatenate([[], *_ways(start, number, k, nodes, partial(distances, first + k))]))
+                for k in range(len(world.tools))
             ]
             nearest = [
                 [float(distances(first + k, at, nodes)[0].min()) - _blind(tool, way) for at in way]
@@ -46,13 +45,17 @@ class ToolReach(Guard):
             ]
             thickness = max(sheet.fabric.thickness for sheet in world.sheets)
             for k, tool in enumerate(world.tools):
+                if not nearest[k]:
+                    continue  # it never acts
                 # what presses the sheet on another tool does not carry it away
                 held = any(
-                    not other.motion.by_force and min(nearest[i]) <= thickness
+                    not other.motion.by_force and min(nearest[i], default=np.inf) <= thickness
                     for i, other in enumerate(world.tools)
                     if i != k
                 )
-                reach = _reach(world, tool, setup.duration, held)
+                reach = sum(
+                    _reach(phase.setup.worlds[number], k, (phase.begin, phase.end), held) for phase in start.phases
+                )
                 if min(nearest[k]) > reach and not _near(start, distances, first + k, ways[k], reach):
                     yield self.doubt(
                         Level.WARNING,
@@ -79,12 +82,30 @@ class NeverTouched(Guard):
         info = run.run.info
         for tool, name, met in zip(info.tools, info.tool_names, run.extremes.touched, strict=True):
             if not met:
-                moves = tool.motion.by_force or len(set(tool.motion.curve()[1])) > 1
+                moves = any(motion.by_force or len(set(motion.curve()[1])) > 1 for motion in _motions(run, tool))
                 yield self.doubt(
                     Level.DO_NOT_USE if moves else Level.WARNING,
                     f"{name} never touched a node of the sheet",
                     "it missed the sheet, or passed between its nodes" if moves else "leave it out, or check its place",
                 )
+
+
+def _motions(run: Judged, tool: Tool) -> list[Motion]:
+    """Of a tool in all stages."""
+    stages = run.run.setup.stages
+    moved = [move.motion for stage in stages for move in stage.moves if move.name == tool.name]
+    return [tool.motion, *moved]
+
+
+def _ways(
+    start: Start, world: int, tool: int, nodes: np.ndarray, distance: Callable[..., tuple[np.ndarray, ...]]
+) -> Iterator[np.ndarray]:
+    """Displacements that a tool may have in every stage in which it acts [m]."""
+    for phase in start.phases:
+        own = phase.setup.worlds[world].tools[tool]
+        if own.name in phase.tools:
+            by_force = own.motion.by_force
+            yield _flight(own, phase.end, nodes, distance) if by_force else _way(own, phase.begin, phase.end)
 
 
 def _near(start: Start, distances: ToolDistances, tool: int, way: np.ndarray, reach: float) -> bool:
@@ -115,22 +136,24 @@ def _blind(tool: Tool, way: np.ndarray) -> float:
     return 0.5 * float(np.diff(way).max(initial=0.0)) if tool.motion.by_force else 0.0
 
 
-def _way(tool: Tool, duration: float) -> np.ndarray:
-    """Displacements of a tool along its stroke [m]."""
+def _way(tool: Tool, begin: float, end: float) -> np.ndarray:
+    """Displacements of a tool along its stroke between two times [m]."""
     times, displacements = tool.motion.curve()
     # a stroke may go further between these times
-    knots = displacements[times <= duration]
+    knots = displacements[(times >= begin) & (times <= end)]
     ends = [knots.min(), knots.max()] if len(knots) else []
-    return np.unique([*np.interp(np.linspace(0.0, duration, PLACE_COUNT), times, displacements), *ends])
+    return np.unique([*np.interp(np.linspace(begin, end, PLACE_COUNT), times, displacements), *ends])
 
 
-def _reach(world: World, own: Tool, duration: float, held: bool) -> float:
-    """How far nodes of a sheet may move without ``own`` [m]; ``held``: against forces of tools."""
+def _reach(world: World, own: int, between: tuple[float, float], held: bool) -> float:
+    """How far nodes of a sheet may move between two times without the tool ``own`` [m]; ``held``: against forces."""
+    begin, end = between
+    duration = end - begin
     size = max(float(np.ptp(sheet.blank.node_position, axis=0).max()) for sheet in world.sheets)
-    others = [tool for tool in world.tools if tool is not own and not tool.motion.by_force]
-    strokes = [float(np.ptp(_way(tool, duration))) for tool in others]
-    for tool in world.tools:
-        if tool is not own and tool.motion.by_force and not held:
+    others = [tool for k, tool in enumerate(world.tools) if k != own]
+    strokes = [float(np.ptp(_way(tool, begin, end))) for tool in others if not tool.motion.by_force]
+    for tool in others:
+        if tool.motion.by_force and not held:
             # in free flight, but no further than the sheet is long
             force = float(np.abs(tool.motion.curve()[1]).max())
             strokes.append(min(0.5 * force / tool.motion.driven_mass * duration**2, size))

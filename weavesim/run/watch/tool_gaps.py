@@ -19,14 +19,16 @@ class ToolGaps:
         index: of the sheet.
         state: of the run, which is read.
         point_count: number of points.
+        acting: whether each tool of the run acts, (tool_count,) bool; others are infinitely far away.
 
     Attributes:
         launches: of every tool.
     """
 
-    def __init__(self, model: Model, index: int, state: State, point_count: int) -> None:
+    def __init__(self, model: Model, index: int, state: State, point_count: int, acting: np.ndarray) -> None:
         self._sheet, self._tools, self._state = model.sheets[index], model.tools, state
-        count = self._sheet.tool_count
+        count, places = self._sheet.tool_count, self._sheet.places.tools
+        self._away = ~acting[places.start : places.stop]
         self._points = wp.zeros(point_count if count else 0, dtype=wp.vec3d, device=model.device)
         self._distances = wp.zeros((count, len(self._points)), dtype=model.real, device=model.device)
         # packed once: a launch from Python costs more than the work of a small sheet
@@ -42,7 +44,9 @@ class ToolGaps:
         for launch, value in zip(self.launches, displacement, strict=True):
             launch.set_param_by_name("displacement", wp.float64(value))
             launch.launch()
-        return self._distances.numpy().astype(np.float64)
+        result = self._distances.numpy().astype(np.float64)
+        result[self._away] = np.inf
+        return result
 
     def _record(self) -> list[wp.Launch]:
         sheet, tools = self._sheet, self._tools

@@ -8,6 +8,7 @@ from dataclasses import astuple
 from typing import Any
 
 from ..frame import Frame
+from ..ledger import Ledger
 from ..sheet_ledger import NO_PENETRATION, Penetration
 from ..start import Prepared
 from .condition import Condition, StackCondition
@@ -39,7 +40,7 @@ class Watch:
 
     def __init__(self, prepared: Prepared, count: int = WATCH_COUNT) -> None:
         self._count = count
-        self._duration, self._state = prepared.info.duration, prepared.state
+        self._begin, self._duration, self._state = 0.0, prepared.info.duration, prepared.state
         self._ledger, self._guards = prepared.ledger, prepared.guards
         self.extremes = Extremes(prepared.model)
         self.conditions = tuple(Condition(sheet) for sheet in prepared.info.sheets)
@@ -52,7 +53,22 @@ class Watch:
     @property
     def next_time(self) -> float:
         """When to look again [s]."""
-        return self._duration * self._next / self._count
+        return self._begin + self._duration * self._next / self._count
+
+    def begin_stage(self, ledger: Ledger, begin: float, duration: float) -> None:
+        """Look at a stage of a run that begins now, with a state that has been looked at.
+
+        Args:
+            ledger: of the stage.
+            begin: from which its times count [s].
+            duration: of it [s].
+        """
+        self._ledger, self._begin, self._duration = ledger, begin, duration
+        self._next = self._following(self._state.time)
+
+    def _following(self, time: float) -> int:
+        """Number of the first look after ``time`` [s]."""
+        return math.floor(self._count * (time - self._begin) / self._duration) + 1
 
     def look(self, frame: Frame, last: bool = False) -> None:
         """Look at a frame that the ledger has just taken; the same state is looked at once.
@@ -62,7 +78,7 @@ class Watch:
             last: whether the run ends here.
         """
         new = frame.step_count != self._last_step
-        following = max(self._next, math.floor(self._count * frame.time / self._duration) + 1)
+        following = max(self._next, self._following(frame.time))
         if last or (new and following // CONDITION_INTERVAL > self._next // CONDITION_INTERVAL):
             for condition, sheet in zip(self.conditions, frame.sheets, strict=True):
                 condition.look(sheet, frame.time)
@@ -86,6 +102,8 @@ class Watch:
             "stacks": [stack.memory() for stack in self.stacks],
             "last_step": self._last_step,
             "next": self._next,
+            "begin": self._begin,
+            "duration": self._duration,
         }
 
     def recall(self, memory: Mapping[str, Any]) -> None:
@@ -98,3 +116,4 @@ class Watch:
         for stack, own in zip(self.stacks, memory["stacks"], strict=True):
             stack.recall(own)
         self._last_step, self._next = memory["last_step"], memory["next"]
+        self._begin, self._duration = memory["begin"], memory["duration"]

@@ -1,0 +1,201 @@
+"""The set-up of one stage: tools, supports, grippers, pressures and loads as they act in it.
+
+It has all tools, supports and grippers of the run, so that the state of the run fits it. Times stay those of the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...process.grippers import Gripper
+from ...process.pressure import Pressure
+from ...process.stages import AtStroke
+from ...process.strokes import ForceDriven, Motion, SmoothStroke, Stroke
+from ...process.supports import Drive, Support
+from ...sheet.sheet import Sheet
+from ..setup import Setup, World
+from .acting import Acting, Given, Parts, acting_in
+
+
+class Begin(NamedTuple):
+    """Where a run is when a stage begins.
+
+    Attributes:
+        time: [s].
+        planned: end of the stage before it by its duration, from which this one counts its own [s].
+        tools, drives, grippers: displacements of all tools, of all drives of all supports, and of the anchors of all
+            grippers, in order [m].
+    """
+
+    time: float
+    planned: float
+    tools: tuple[float, ...]
+    drives: tuple[float, ...]
+    grippers: tuple[float, ...]
+
+
+class _First(NamedTuple):
+    """Places of the first drive and the first gripper of a sheet among those of the run."""
+
+    drives: int
+    grippers: int
+
+
+def acting_of(setup: Setup) -> list[Acting]:
+    """What acts in every stage of a set-up."""
+    return acting_in(setup.stages, Parts(setup.tools, setup.supports, setup.grippers))
+
+
+def stage_setup(setup: Setup, acting: Acting, begins: Sequence[Begin]) -> Setup:
+    """The set-up of one stage alone.
+
+    Args:
+        setup: of the whole run.
+        acting: what acts in the stage.
+        begins: of the stages up to this one.
+    """
+    worlds, tool_count, first = [], 0, _First(0, 0)
+    for world in setup.worlds:
+        tools = []
+        for tool in world.tools:
+            motion = _shifted(acting.tool_motions[tool.name], begins, tool_count)
+            tools.append(tool if motion is tool.motion else tool.model_copy(update={"motion": motion}))
+            tool_count += 1
+        sheets = []
+        for sheet in world.sheets:
+            sheets.append(_sheet(sheet, setup, acting, begins, first))
+            drive_count = sum(len(support.drives) for support in sheet.supports)
+            first = _First(first.drives + drive_count, first.grippers + len(sheet.grippers))
+        dynamics = world.dynamics.model_copy(update=acting.dynamics) if acting.dynamics else world.dynamics
+        worlds.append(world.model_copy(update={"tools": tuple(tools), "sheets": tuple(sheets), "dynamics": dynamics}))
+    return _copied(setup, acting, tuple(worlds))
+
+
+def _copied(setup: Setup, acting: Acting, worlds: tuple[World, ...]) -> Setup:
+    solver = setup.solver
+    if acting.target_step is not None:
+        solver = solver.model_copy(update={"target_step": acting.target_step or None})
+    # what the run may take has been judged as a whole
+    changed = {"worlds": worlds, "solver": solver, "stages": (), "accept_unusual": True}
+    return setup.model_copy(update=changed)
+
+
+def planned_begins(setup: Setup, acting: Sequence[Acting]) -> list[Begin]:
+    """Begin of every stage if each takes its whole duration; tools moved by forces stay where they are."""
+    begins = [first_begin(setup)]
+    for now in acting[:-1]:
+        last, end = begins[-1], begins[-1].planned + now.stage.duration
+        tools = []
+        for k, tool in enumerate(setup.tools):
+            motion = _shifted(now.tool_motions[tool.name], begins, k)
+            at = last.tools[k] if motion.by_force else motion.displacement_at(end)
+            if isinstance(now.stage.end, AtStroke) and now.stage.end.tool == tool.name:
+                at = last.tools[k] + now.stage.end.displacement
+            tools.append(at)
+        anchors = gripper_places(stage_setup(setup, now, begins), end)
+        begins.append(Begin(end, end, tuple(tools), begins[0].drives, anchors))
+    return begins
+
+
+def first_begin(setup: Setup) -> Begin:
+    """The start of a run."""
+    starts = tuple(0.0 if tool.motion.by_force else tool.motion.displacement_at(0.0) for tool in setup.tools)
+    drives = tuple(0.0 for support in setup.supports for _ in support.drives)
+    return Begin(0.0, 0.0, starts, drives, gripper_places(setup, 0.0))
+
+
+def gripper_places(setup: Setup, time: float) -> tuple[float, ...]:
+    """Displacements of the anchors of all grippers at ``time`` [s], in m."""
+    return tuple(gripper.motion.displacement_at(time) for gripper in setup.grippers)
+
+
+def _shifted(given: Given, begins: Sequence[Begin], tool: int) -> Motion:
+    """Motion of a tool in the time of the run."""
+    begin = begins[given.since]
+    if given.since == 0 and not given.onwards:
+        return given.motion
+    return shifted(given.motion, begin.time, begin.tools[tool] if given.onwards else 0.0)
+
+
+def shifted(motion: Motion, time: float, displacement: float) -> Motion:
+    """A motion that begins at ``time`` [s], and a stroke at ``displacement`` [m]."""
+    times, values = motion.curve()
+    if motion.by_force:
+        assert isinstance(motion, ForceDriven)
+        return motion.model_copy(update={"times": tuple((times + time).tolist())})
+    return Stroke(
+        tuple((times + time).tolist()), tuple((values + displacement).tolist()), motion.limiting_force or None
+    )
+
+
+def _from_zero(times: np.ndarray, *rows: np.ndarray) -> tuple[tuple[float, ...], ...]:
+    """Knots with one more at time zero, at which all values are zero, if the first comes later."""
+    if times[0] > 0.0:
+        times, rows = np.append(0.0, times), tuple(np.append(0.0, row) for row in rows)
+    return tuple(tuple(row.tolist()) for row in (times, *rows))
+
+
+def _sheet(sheet: Sheet, setup: Setup, acting: Acting, begins: Sequence[Begin], first: _First) -> Sheet:
+    changed: dict[str, Any] = {}
+    supports, drive = [], first.drives
+    for support in sheet.supports:
+        supports.append(_support(support, acting, begins, drive))
+        drive += len(support.drives)
+    if any(new is not old for new, old in zip(supports, sheet.supports, strict=True)):
+        changed["supports"] = tuple(supports)
+    grippers = tuple(_gripper(each, acting, begins, k) for k, each in enumerate(sheet.grippers, first.grippers))
+    if any(new is not old for new, old in zip(grippers, sheet.grippers, strict=True)):
+        changed["grippers"] = grippers
+    if any(stage.pressures is not None for stage in setup.stages):
+        changed["pressures"] = _pressures(sheet, acting, begins)
+    return sheet.model_copy(update=changed) if changed else sheet
+
+
+def _support(support: Support, acting: Acting, begins: Sequence[Begin], drive: int) -> Support:
+    given = acting.support_motions.get(support.name)
+    if given is not None:
+        begin = begins[given.since]
+        moved = _drive_motion(given.motion, begin.time, begin.drives[drive])
+        support = support.model_copy(update={"drives": (Drive(moved, support.drives[0].direction),)})
+    if support.name in acting.supports:
+        return support
+    still = tuple(Drive(each.motion, np.zeros_like(each.direction)) for each in support.drives)
+    return support.model_copy(update={"drives": still, "displacements": "", "rotations": ""})
+
+
+def _drive_motion(motion: Motion, time: float, displacement: float) -> Motion:
+    if isinstance(motion, SmoothStroke):
+        given = np.array(motion.times) + time, np.array(motion.displacements) + displacement, np.array(motion.speeds)
+        return SmoothStroke(*_from_zero(*given))
+    times, values = motion.curve()
+    return Stroke(*_from_zero(times + time, values + displacement))
+
+
+def _gripper(gripper: Gripper, acting: Acting, begins: Sequence[Begin], index: int) -> Gripper:
+    changed: dict[str, Any] = {}
+    given, released = acting.gripper_motions.get(gripper.name), acting.released.get(gripper.name)
+    if given is not None:
+        begin = begins[given.since]
+        times, values = given.motion.curve()
+        changed["motion"] = Stroke(*_from_zero(times + begin.time, values + begin.grippers[index]))
+    if released is not None:
+        opened = begins[released].time
+        changed["release_time"] = opened if gripper.release_time is None else min(opened, gripper.release_time)
+    return gripper.model_copy(update=changed) if changed else gripper
+
+
+def _pressures(sheet: Sheet, acting: Acting, begins: Sequence[Begin]) -> tuple[Pressure, ...]:
+    """All pressures on a sheet, at least one, so that their work has its place in every stage."""
+    own = sheet.pressures
+    if acting.pressures is not None:
+        given, since = acting.pressures
+        begin = begins[since].time
+        own = tuple(
+            each.pressure.model_copy(update={"times": tuple(time + begin for time in each.pressure.times)})
+            for each in given
+            if each.sheet in (None, sheet.name)
+        )
+    return own or (Pressure("top", (0.0,)),)

@@ -1,0 +1,5 @@
+"""Guards of stages: whether each comes to its end."""
+
+from .ends import StageEnds
+
+__all__ = ["StageEnds"]

@@ -49,10 +49,11 @@ def rub_by_law_function(real: type, lane_count: int):
             argument = law.viscosity * speed / larger(pressure, lanes(real(LEAST_PRESSURE)))
         if law.argument_kind != NO_ARGUMENT:
             told = pressure - lanes(real(LEAST_PRESSURE))
+            largest_row = row + 1  # behind that of the smallest
             low = touch.argument[row, block]
-            high = touch.argument[row + 1, block]
+            high = touch.argument[largest_row, block]
             touch.argument[row, block] = where_positive(told, smaller(low, argument), low)
-            touch.argument[row + 1, block] = where_positive(told, larger(high, argument), high)
+            touch.argument[largest_row, block] = where_positive(told, larger(high, argument), high)
         return argument
 
     @wp.func

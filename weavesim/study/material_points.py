@@ -145,7 +145,7 @@ def write_fields(
             group.attrs["name"] = points.name
             group["points"] = points.flat
             for name in ("position", *WRITTEN):
-                found = [values for run in runs if (values := run.get(f"{points.name}/{name}")) is not None]
+                found = [of_run for run in runs if (of_run := run.get(f"{points.name}/{name}")) is not None]
                 if not found or len(found) < len(runs):
                     continue
                 dataset = group.create_dataset(name, data=np.stack(found), compression="gzip", shuffle=True)

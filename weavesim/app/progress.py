@@ -165,7 +165,8 @@ class ProgressBar:
         self._console.print(f"{self._name}: {text}", markup=False, soft_wrap=True)
 
     def _state(self, frame: Frame) -> str:
-        parts = [f"stroke {frame.stroke * 1e3:.1f} mm"]
+        parts = [f"stage {shown(frame.stage)}"] if frame.stage else []
+        parts.append(f"stroke {frame.stroke * 1e3:.1f} mm")
         if self._begin < frame.time < self._duration:
             rate = (time.perf_counter() - self._start) / (frame.time - self._begin)
             parts.append(f"{clock_text(rate * (self._duration - frame.time))} left")

@@ -223,6 +223,10 @@ RUN_FINDINGS: tuple[Finding, ...] = (
         "interfaces", PURE, "force, pressure, slip, entry offset and energies of every interface between plies",
         lambda judged: judged.run.ledger.interface_report() or None,
     ),
+    Finding(
+        "stages", PURE, "of every stage: name, begin, end, what ended it, whether that was wanted, stroke",
+        lambda judged: judged.run.stages.ended or None,
+    ),
     _of_sheets("max_shear_angle", max),
     _of_sheets("min_stretch", min),
     _of_sheets("max_stretch", max),

@@ -89,7 +89,7 @@ def plan_search_kernel(real: type):
         # In
         search: Search,
         clock: wp.array(dtype=wp.float64),
-        squared_speed: wp.array(dtype=real),  # of the nodes' sheet, by blocks
+        squared_speed: wp.array(dtype=real),  # of the nodes' sheet, by groups of blocks
         facet_squared_speed: wp.array(dtype=real),  # of the facets' sheet
         # Out
         watch: Watch,
@@ -235,39 +235,6 @@ def seek_feet_kernel(real: type, lane_count: int):
         watch_block(search, reach, record, block)
 
     return seek_feet
-
-
-@cache
-def collect_strays_kernel(real: type):
-    """Kernel of one thread: nodes that have just found a foot, and whether lists are made anew."""
-    Search, Watch = search_struct(real), watch_struct(real)
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def collect_strays(search: Search, watch: Watch, way: wp.array(dtype=real), awake: wp.array(dtype=wp.int32)):
-        longest = real(0.0)
-        late = watch.entry[PassEntry.late]
-        deepest = real(watch.entry[PassEntry.deepest])
-        # the first of a sheet's passes begins anew; contact between plies needs its normals always
-        wakes = wp.where(search.slot > 0, awake[0], 0)
-        for block in range(watch.travel.shape[0]):
-            longest = wp.max(longest, watch.travel[block])
-            late = wp.max(late, wp.float64(watch.late[block]))
-            deepest = wp.max(deepest, watch.deepest[block])
-            if search.slot < 0 or not way[block] > real(0.0):
-                wakes = 1
-        count = wp.int32(0)
-        for node in range(watch.found.shape[0]):
-            if watch.found[node] == 1:
-                watch.stray[count] = node
-                count = count + 1
-        watch.entry[PassEntry.late] = late
-        watch.entry[PassEntry.deepest] = wp.float64(deepest)
-        awake[0] = wakes
-        watch.entry[PassEntry.stray_count] = wp.float64(count)
-        rebuild = count > 0 or longest > real(0.5) * search.skin
-        watch.entry[PassEntry.rebuild] = wp.where(rebuild, wp.float64(1.0), wp.float64(0.0))
-
-    return collect_strays
 
 
 @cache

@@ -6,6 +6,14 @@ from typing import Any
 
 import warp as wp
 
+from ...kernels.plies.collect import (
+    GROUP,
+    count_strays_kernel,
+    list_strays_kernel,
+    sum_up_kernel,
+    survey_groups_kernel,
+    survey_struct,
+)
 from ...kernels.plies.data import listed_struct, record_struct
 from ...kernels.plies.node_pass import meet_plies_kernel
 from ...kernels.plies.own_search import follow_own_facets_kernel
@@ -13,7 +21,6 @@ from ...kernels.plies.reaction import push_facets_kernel, reaction_struct
 from ...kernels.plies.search import (
     adopt_lists_kernel,
     begin_travel_kernel,
-    collect_strays_kernel,
     list_nodes_kernel,
     plan_search_kernel,
     seek_feet_kernel,
@@ -32,7 +39,7 @@ class PassLaunches:
         model: constants of the pass.
         state: of the run.
         index: of the pass.
-        squared_speeds: largest squared speed of every block of every sheet, written by ``watch_speed``.
+        squared_speeds: largest squared speed of every group of blocks of every sheet, written by ``group_speed``.
         normals: of every sheet, written by ``surface_normals``.
     """
 
@@ -50,7 +57,7 @@ class PassLaunches:
         self._law, self._search = model.law(), model.search()
         self._record, self._reaction = self._make_record(slave.contact_force), self._make_reaction()
         self._listed, self._made = self._lists(self._own.listed, self._own.listed_count), self._scratch_lists()
-        self._watch = self._make_watch()
+        self._watch, self._survey = self._make_watch(), self._make_survey()
         self.node_block_count = model.slave.block_count
         self.facet_block_count = model.master.element_count // self._lanes
 
@@ -89,6 +96,14 @@ class PassLaunches:
         watch.foot = wp.zeros(slave.node_count, dtype=self.model.types.vec3, device=device)
         watch.stray = wp.zeros(slave.node_count, dtype=wp.int32, device=device)
         return watch
+
+    def _make_survey(self) -> Any:
+        survey, device = survey_struct(self._real)(), self.model.device
+        blocks, nodes = group_count(self.model.slave.block_count), group_count(self.model.slave.node_count)
+        survey.travel, survey.deepest = (wp.zeros(blocks, dtype=self._real, device=device) for _ in range(2))
+        survey.late, survey.watched = (wp.zeros(blocks, dtype=wp.int32, device=device) for _ in range(2))
+        survey.stray = wp.zeros(nodes, dtype=wp.int32, device=device)
+        return survey
 
     def _launch(self, kernel: wp.Kernel, dim: int, inputs: list, outputs: list | None = None) -> None:
         if dim:
@@ -131,7 +146,11 @@ class PassLaunches:
 
     def collect(self) -> None:
         """Nodes that have just found a foot, and whether the lists are made anew."""
-        self._launch(collect_strays_kernel(self._real), 1, [self._search, self._watch, self._own.way, self._awake])
+        blocks, nodes = self._survey.travel.shape[0], self._survey.stray.shape[0]
+        self._launch(survey_groups_kernel(self._real), blocks, [self._watch, self._own.way], [self._survey])
+        self._launch(count_strays_kernel(self._real), nodes, [self._watch], [self._survey])
+        self._launch(sum_up_kernel(self._real), 1, [self._search, self._watch, self._survey, self._awake])
+        self._launch(list_strays_kernel(self._real), nodes, [self._watch, self._survey])
 
     def list_nodes(self, first: int, count: int) -> None:
         """New lists of ``count`` blocks of facets from ``first``."""
@@ -150,3 +169,8 @@ class PassLaunches:
         self._launch(
             begin_travel_kernel(self._real, self._lanes), nodes[1], [nodes[0], self._search, self._watch, self._record]
         )
+
+
+def group_count(count: int) -> int:
+    """Groups of ``count`` blocks or nodes."""
+    return -(-count // int(GROUP))

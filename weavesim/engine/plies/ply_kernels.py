@@ -4,6 +4,13 @@ from __future__ import annotations
 
 import warp as wp
 
+from ...kernels.plies.collect import (
+    count_strays_kernel,
+    group_speed_kernel,
+    list_strays_kernel,
+    sum_up_kernel,
+    survey_groups_kernel,
+)
 from ...kernels.plies.node_pass import meet_plies_kernel
 from ...kernels.plies.normals import surface_normals_kernel
 from ...kernels.plies.own_search import bound_groups_kernel, follow_own_facets_kernel, seek_own_facets_kernel
@@ -11,7 +18,6 @@ from ...kernels.plies.reaction import push_facets_kernel
 from ...kernels.plies.search import (
     adopt_lists_kernel,
     begin_travel_kernel,
-    collect_strays_kernel,
     list_nodes_kernel,
     plan_search_kernel,
     seek_feet_kernel,
@@ -30,7 +36,11 @@ def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
         surface_normals_kernel(real, lane_count),
         watch_speed_kernel(real, lane_count),
         begin_travel_kernel(real, lane_count),
-        collect_strays_kernel(real),
+        group_speed_kernel(real),
+        survey_groups_kernel(real),
+        count_strays_kernel(real),
+        sum_up_kernel(real),
+        list_strays_kernel(real),
         plan_search_kernel(real),
     ]
 

@@ -6,13 +6,14 @@ from collections.abc import Iterator
 
 import warp as wp
 
+from ...kernels.plies.collect import group_speed_kernel
 from ...kernels.plies.search import watch_speed_kernel
 from ..model import Model
 from ..state import State
 from ..tiles import chunks
 from .normals import NormalLaunch
 from .own_search import OwnSearch
-from .pass_launches import PassLaunches
+from .pass_launches import PassLaunches, group_count
 from .ply_kernels import own_contact_kernels, ply_kernels
 
 
@@ -33,12 +34,17 @@ class PlyLaunches:
             for index, sheet in enumerate(model.sheets)
         ]
         self._speeds = speeds
+        self._group_speeds = [
+            wp.zeros(group_count(each.shape[0]), dtype=each.dtype, device=each.device) for each in speeds
+        ]
         self._normals = {
             index: NormalLaunch(model.sheets[index], state.sheets[index].motion, self._awake(index))
             for index in self._touched
         }
         normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
-        self._passes = [PassLaunches(each, state, index, speeds, normals) for index, each in enumerate(model.passes)]
+        self._passes = [
+            PassLaunches(each, state, index, self._group_speeds, normals) for index, each in enumerate(model.passes)
+        ]
         self._own = {
             each.place.slave: OwnSearch(
                 each, state.sheets[each.place.slave].motion, normals[each.place.slave], state.passes[index].entry
@@ -89,9 +95,18 @@ class PlyLaunches:
             if index in self._own:
                 self._normals[index].launch(first, count, always=True)
 
+    def _find_group_speeds(self, index: int) -> None:
+        sheet, largest = self._model.sheets[index], self._group_speeds[index]
+        wp.launch(
+            group_speed_kernel(sheet.real), dim=len(largest), inputs=[self._speeds[index]], outputs=[largest],
+            device=sheet.device,
+        )  # fmt: skip
+
     def search(self, thread_count: int = 1, thread: int = 0) -> Iterator[None]:
         """Search for the next steps, after the speeds and the step are known; at each pause all threads must meet."""
         if thread == 0:
+            for index in self._touched:
+                self._find_group_speeds(index)
             for each in self._passes:
                 each.plan()
         for own in self._own.values():

@@ -16,11 +16,7 @@ PYTHON_IN_VENV := $(VENV)/bin/python
 # Two workers suit two cores; more would mostly compile the same kernels once more each.
 WORKERS ?= 2
 
-<<<<<<< HEAD
-.PHONY: demo test test-fast verify soak site gallery notebooks audit release lint clean
-=======
-.PHONY: demo test test-fast verify render soak lint clean
->>>>>>> main
+.PHONY: demo test test-fast verify render soak site gallery notebooks audit release lint clean
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py --overwrite

@@ -34,6 +34,15 @@ class Parts(NamedTuple):
     supports: tuple[Support, ...]
     grippers: tuple[Gripper, ...]
 
+    @property
+    def names(self) -> tuple[list[str], list[str], list[str]]:
+        """Of tools, of supports and of grippers."""
+        return (
+            [tool.name for tool in self.tools],
+            [support.name for support in self.supports],
+            [gripper.name for gripper in self.grippers],
+        )
+
 
 @dataclass(frozen=True)
 class Acting:
@@ -66,10 +75,10 @@ class Acting:
 
 def acting_in(stages: Sequence[Stage], parts: Parts) -> list[Acting]:
     """What acts in every stage. Names must be known; see ``check_stages``."""
-    names = [frozenset(each.name for each in group) for group in parts]
+    of_tools, of_supports, of_grippers = map(frozenset, parts.names)
     result: list[Acting] = []
     for index, stage in enumerate(stages):
-        last = result[-1] if result else Acting(stage, 0, *names, {})
+        last = result[-1] if result else Acting(stage, 0, of_tools, of_supports, of_grippers, {})
         tools, supports, grippers = (
             before if said is None else frozenset(said)
             for before, said in zip(

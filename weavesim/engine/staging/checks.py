@@ -54,7 +54,7 @@ def _known(stage: Stage, what: str, name: str, known: Iterable[str]) -> None:
 
 
 def _check_names(stage: Stage, parts: Parts, sheets: Sequence[Sheet]) -> None:
-    names = {what: [each.name for each in group] for what, group in zip(_KINDS, parts, strict=True)}
+    names = dict(zip(_KINDS, parts.names, strict=True))
     for what, given in zip(_KINDS, (stage.tools, stage.supports, stage.grippers), strict=True):
         for name in given or ():
             _known(stage, what, name, names[what])

@@ -194,6 +194,6 @@ def test_the_stages_of_the_reference_are_those_of_a_job(tmp_path):
 
 
 def test_a_group_has_none_of_another_table(tmp_path):
-    other = '\n[[spring]]\nname = "corner_5"\nedge = "+x"\nstiffness = 10\n'
+    other = '\n[[spring]]\nname = "corner_5"\npoints = [["0 mm", "70 mm"]]\nstiffness = 10\n'
     job = setup_with(tmp_path, STAGES + other, ("grippers = []", 'grippers = ["corner"]'))
     assert job.stages[2].grippers == ("corner_1", "corner_2", "corner_3", "corner_4")

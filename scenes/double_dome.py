@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
 from weavesim.app.options import Need, RunOptions
@@ -25,7 +26,9 @@ from weavesim.measures.border import taut_path_draw_in
 from weavesim.output import load_measured_angles, load_measured_outline
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
+from weavesim.process.stages import AtRest, Stage
 from weavesim.process.strokes import Fixed, ForceDriven, Motion, Stroke
+from weavesim.process.supports import Support
 from weavesim.ranges import Quantity
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
@@ -56,6 +59,14 @@ BLANK_HOLDER_PRESSURE = 20.0e3
 BLANK_HOLDER_RAMP = 2.0e-3
 PUNCH_RAMP = 6.0e-3
 REST = 2.0e-3
+# Of a free sheet at rest [m/s]: about a millimetre is left to its slowest bending then; single precision makes 1 mm/s.
+REST_SPEED = 4.0e-3
+# Names of the stages of a run with a release, and of the supports that hold the free sheet.
+FORMING, RELEASE = "forming", "release"
+MIDDLE, LONG_AXIS = "middle", "long_axis"
+# Rigid motions that symmetry leaves to a sheet without tools: components of the middle node that are held, and the axes
+# about which its director is; about z one more node holds.
+FREE_MOTIONS: Mapping[str, tuple[str, str]] = {"quarter": ("z", ""), "half": ("xz", "y"), "full": ("xyz", "xy")}
 # Directors vibrate at about 1e5 rad/s; this damps them within tenths of a millisecond and hardly affects the sheet
 # [1/s].
 DIRECTOR_DAMPING = 1.0e4
@@ -100,6 +111,18 @@ class DoubleDomeParameters(RunOptions):
         default=100.0, description="mass-proportional damping rate [1/s]"
     )
     frame_count: int = Field(default=80, ge=1, description="frames after the first")
+    release: bool = Field(
+        default=False,
+        description="release the formed sheet: no tool acts and there is no gravity, until it is at rest; the summary "
+        "tells the springback",
+    )
+    release_duration: Annotated[Positive, Quantity("duration")] = Field(
+        default=2.0, description="the longest that the release takes [s]; it warns if the sheet is not at rest by then"
+    )
+    release_damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
+        default=12.0,
+        description="damping rate in the release [1/s]: a free sheet swings slowly, and creeps if it is high",
+    )
     punch: Path | None = Field(default=None, description="mesh file for the punch, its lowest point at z = 0")
     die: Path | None = Field(default=None, description="mesh file for the die, its flange at z = 0")
     blank_holder: Path | None = Field(default=None, description="mesh file for the blank holder, its flange at z = 0")
@@ -116,6 +139,8 @@ class DoubleDomeParameters(RunOptions):
 
     needs: ClassVar[Mapping[str, Need]] = {
         "shear_modulus": Need("shear_law = linear", lambda options: options.shear_law == "linear"),
+        "release_duration": Need("release", lambda options: options.release),
+        "release_damping": Need("release", lambda options: options.release),
         "unit_scale": Need("a mesh for punch, die or blank_holder", lambda options: options.has_meshes),
         "tools_are_cut": Need(
             "a mesh for punch, die or blank_holder, and part = quarter or half",
@@ -214,6 +239,32 @@ def raised(shape: Shape, height: float) -> Shape:
     return shape.model_copy(update={"origin": (x, y, z + height)})
 
 
+def held_free(parameters: DoubleDomeParameters, blank: Blank) -> tuple[Support, ...]:
+    """What holds a sheet without tools against rigid motions, and against nothing else: at rest its forces are zero."""
+
+    def nearest(x: float, y: float) -> list[int]:
+        return [int(np.argmin(np.hypot(blank.node_position[:, 0] - x, blank.node_position[:, 1] - y)))]
+
+    displacements, rotations = FREE_MOTIONS[parameters.part]
+    middle = Support(MIDDLE, nearest(0.0, 0.0), displacements=displacements, rotations=rotations)
+    if parameters.part != "full":
+        return (middle,)
+    return middle, Support(LONG_AXIS, nearest(0.5 * BLANK_LENGTH, 0.0), displacements="y", rotations="")
+
+
+def process(parameters: DoubleDomeParameters, duration: float, supports: tuple[Support, ...]) -> dict[str, Any]:
+    """Duration, frames and stages of the set-up, of a forming that takes ``duration`` [s]."""
+    count = parameters.frame_count
+    if not parameters.release:
+        return {"duration": duration, "frame_count": count}
+    free = Stage(
+        RELEASE, parameters.release_duration, AtRest(speed=REST_SPEED), tools=(),
+        supports=tuple(held.name for held in supports), gravity=(0.0, 0.0, 0.0),
+        damping=parameters.release_damping, frame_count=count,
+    )  # fmt: skip
+    return {"stages": (Stage(FORMING, duration, supports=(), frame_count=count), free), "frame_count": 2 * count}
+
+
 def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) -> Setup:
     """The double dome; ``fabric`` replaces the preset and shear law in the parameters.
 
@@ -237,15 +288,16 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
         lower, (0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH), parameters.mesh_size, yarn_angle=parameters.yarn_angle
     )
     tools = make_tools(parameters, fabric.thickness, symmetry)
+    supports = held_free(parameters, blank) if parameters.release else ()
     return Setup(
-        "double_dome", sheets=(Sheet(blank, fabric),), tools=tools, symmetry=symmetry,
+        "double_dome", sheets=(Sheet(blank, fabric, supports=supports),), tools=tools, symmetry=symmetry,
         dynamics=Dynamics(
             damping=parameters.damping,
             director_damping=DIRECTOR_DAMPING,
             contact_thickness=parameters.contact_thickness,
             contact_samples=parameters.contact_samples,
         ),
-        duration=tools[0].motion.duration + REST, frame_count=parameters.frame_count, solver=parameters.solver(),
+        **process(parameters, tools[0].motion.duration + REST, supports), solver=parameters.solver(),
         accept_unusual=parameters.accept_unusual,
     )  # fmt: skip
 
@@ -266,10 +318,10 @@ def wanted(parameters: DoubleDomeParameters, setup: Setup) -> Wanted:
 def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -> dict[str, Any]:
     """Draw-in of the taut path on both symmetry lines [mm], for the default tool at the depth reached.
 
-    Empty where the path is not defined: with the user's tools, with yarns oblique to the symmetry lines, or beyond the
-    rounded depth of the punch.
+    Empty where the path is not defined: with the user's tools, with yarns oblique to the symmetry lines, beyond the
+    rounded depth of the punch, or for a sheet that the tools have left.
     """
-    if parameters.has_meshes or parameters.yarn_angle % 90.0 != 0.0:
+    if parameters.release or parameters.has_meshes or parameters.yarn_angle % 90.0 != 0.0:
         return {}
     fabric = simulation.setup.sheet.fabric
     thickness = fabric.thickness
@@ -284,11 +336,37 @@ def expected_draw_in(parameters: DoubleDomeParameters, simulation: Simulation) -
     return {"taut_path_draw_in_mm": 1.0e3 * taut}
 
 
+def springback(simulation: Simulation) -> dict[str, float]:
+    """What the release changed; empty before the release has ended.
+
+    Returns:
+        ``springback_mm``: largest distance that a node moved from the end of forming to the end of the release, with
+            the middle node held and no rigid motion removed.
+        ``formed_max_shear_angle_deg``: largest shear angle at the end of forming.
+        ``springback_max_shear_angle_deg``: what the release changed the largest shear angle by; below zero where yarns
+            turned back.
+    """
+    frames = simulation.stages.frames
+    if [told["name"] for told in simulation.stages.ended] != [FORMING, RELEASE]:
+        return {}
+    formed, released = (frames[name].sheet for name in (FORMING, RELEASE))
+    before, after = (float(np.rad2deg(np.abs(sheet.fields["shear_angle"]).max())) for sheet in (formed, released))
+    moved = np.linalg.norm(released.position - formed.position, axis=1)
+    return {
+        "springback_mm": 1.0e3 * float(moved.max()),
+        "formed_max_shear_angle_deg": before,
+        "springback_max_shear_angle_deg": after - before,
+    }
+
+
 SCENE = Scene(
     name="double-dome",
     help="Form a woven blank over a double dome.",
     parameters=DoubleDomeParameters,
     make=double_dome,
     wanted=wanted,
-    findings=lambda parameters, simulation, wanted: expected_draw_in(parameters, simulation),
+    findings=lambda parameters, simulation, wanted: {
+        **expected_draw_in(parameters, simulation),
+        **springback(simulation),
+    },
 )

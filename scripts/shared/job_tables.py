@@ -7,7 +7,6 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from weavesim.checks import types_within
 from weavesim.job.schema import (
     GripperTable,
     InterfaceTable,
@@ -19,15 +18,19 @@ from weavesim.job.schema import (
     ProcessTable,
     SolverTable,
     SpringTable,
+    StageTable,
     ToolTable,
 )
-from weavesim.job.tables import JobTable, takes_numbers, words_of
+from weavesim.job.stages.tables import EndTable, MoveTable, StagePressureTable
+from weavesim.job.tables import JobTable, table_within, takes_numbers, words_of
 from weavesim.job.units import EXAMPLES
 from weavesim.ranges import quantity_of
 
 SECTIONS: tuple[tuple[str, type[JobTable]], ...] = (
     ("Top of the file", Job), ("[[ply]]", PlyTable), ("[[tool]]", ToolTable), ("[[spring]]", SpringTable),
-    ("[[gripper]]", GripperTable), ("[[pressure]]", PressureTable), ("[interface]", InterfaceTable),
+    ("[[gripper]]", GripperTable), ("[[pressure]]", PressureTable), ("[[stage]]", StageTable),
+    ("[[stage.move]]", MoveTable), ("[stage.end]", EndTable), ("[[stage.pressure]]", StagePressureTable),
+    ("[interface]", InterfaceTable),
     ("[[interface.pair]]", PairTable),
     ("[process]", ProcessTable), ("[solver]", SolverTable), ("[output]", OutputTable),
 )  # fmt: skip
@@ -51,16 +54,15 @@ def sections(listed: tuple[tuple[str, type[JobTable]], ...], elsewhere: frozense
 
 
 def _rows(table: type[JobTable], elsewhere: set[str]) -> Iterator[str]:
+    base = next((kind for kind in (SpringTable, PressureTable) if table is not kind and issubclass(table, kind)), None)
     for name, field in table.model_fields.items():
-        if name in elsewhere:
-            continue
-        if table is not SpringTable and issubclass(table, SpringTable) and name in SpringTable.model_fields:
+        if name in elsewhere or (base is not None and name in base.model_fields):
             continue
         default = "required" if field.is_required() else _shown(field.get_default(call_default_factory=True))
         meaning = (field.description or "").replace("|", "\\|")
         yield f"| `{name}` | {_value(field)} | {default} | {meaning} |"
-    if table is not SpringTable and issubclass(table, SpringTable):
-        yield "| | | | and every key of `[[spring]]` |"
+    if base is not None:
+        yield f"| | | | and every key of `[[{'spring' if base is SpringTable else 'pressure'}]]` |"
 
 
 def _value(field: FieldInfo) -> str:
@@ -77,8 +79,8 @@ def _value(field: FieldInfo) -> str:
         parts.append(f'{"numbers" if many else "number"}, `"{EXAMPLES[row.unit]}"`, {bounds}')
         if "dict" in text:
             parts.append("or a table")
-    elif any(isinstance(part, type) and issubclass(part, JobTable) for part in types_within(field.annotation)):
-        parts.append("tables")
+    elif table_within(field) is not None:
+        parts.append("tables" if many else "table")
     elif "typing.Any" in text and "dict" not in text:
         parts.append("values, with units or in SI" if many else "value, with its unit or in SI")
     elif "bool" in text:

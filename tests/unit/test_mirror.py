@@ -106,6 +106,8 @@ TESTED_ELSEWHERE = {
     "weavesim/job/overrides.py": "unit/job/test_read.py",
     "weavesim/job/placing.py": "unit/job/test_build.py",
     "weavesim/job/schema.py": "unit/job/test_read.py",
+    "weavesim/job/stages/tables.py": "unit/job/stages/test_build.py",
+    "weavesim/job/stages/told.py": "unit/job/test_check.py",
     "weavesim/job/surfaces.py": "unit/job/test_build.py",
     "weavesim/job/tables.py": "unit/job/test_read.py",
     "weavesim/process/device.py": "unit/tools/test_motion.py",

@@ -85,6 +85,12 @@ def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> I
         yield f"{start}Not all results could be written: {', '.join(missing)} missing. The others are in {out}."
     else:
         yield f"{start}Results are in {out}."
+    for one in every:
+        if "springback_mm" in one:
+            yield (
+                f"Springback: {one['springback_mm']:.3g} mm, largest shear angle "
+                f"{one['springback_max_shear_angle_deg']:+.3g} degrees from {one['formed_max_shear_angle_deg']:.3g}."
+            )
     if any(one.get("verdict") == VERDICTS[Level.DO_NOT_USE] for one in every):
         yield "Do not use the result: see its warnings."
     if _can_go_on(result, out):

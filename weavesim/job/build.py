@@ -20,6 +20,7 @@ from .friction import friction_of
 from .loads import Loads
 from .placing import Box, axis_of, motion_of, reach, start_shift
 from .read import JobFile
+from .stages.build import stages_of
 from .surfaces import Surfaces
 
 COLOURS = ((0.75, 0.76, 0.80), (0.45, 0.52, 0.62), (0.62, 0.55, 0.45), (0.55, 0.62, 0.50), (0.60, 0.50, 0.60))
@@ -68,7 +69,10 @@ class Builder:
         symmetry = Symmetry(job.process.symmetry)
         sheets = tuple(self._sheet(k) for k in range(len(self.plies)))
         tools = tuple(self._tool(k, symmetry.share) for k in range(len(job.tool)))
+        strokes = {move.name for stage in job.stage for move in stage.move if move.stroke is not None}
         moving = [k for k, tool in enumerate(job.tool) if tool.stroke is not None]
+        moving += [k for k, tool in enumerate(job.tool) if tool.name in strokes]
+        stages = stages_of(self.file, sheets, tools, symmetry.share)
         return Setup(
             job.name,
             sheets=sheets,
@@ -82,7 +86,8 @@ class Builder:
                 contact_thickness=job.process.contact_thickness,
                 contact_samples=job.process.contact_samples,
             ),
-            duration=self._duration(tools),
+            stages=stages,
+            duration=sum(stage.duration for stage in stages) if stages else self._duration(tools),
             frame_count=output.frame_count,
             leading_tool=moving[0] if moving else 0,
             solver=Solver(

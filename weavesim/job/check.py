@@ -19,6 +19,7 @@ from ..run.staging.rehearsal import phases_of
 from ..run.watch.tool_distance import ToolDistances
 from ..tools.sampling import DOUBTFUL_ERROR
 from .speed import suggested_speed
+from .stages.told import stage_lines
 
 if TYPE_CHECKING:
     from ..run.estimate import Estimate
@@ -91,6 +92,7 @@ def check_setup(setup: Setup) -> Checked:
         *_tools(setup, start, errors),
         *_gaps(setup, start),
         *_holders(setup, start),
+        *(Row("stages", name, text) for name, text in stage_lines(setup)),
         *_speeds(setup),
         *_cost(prepared.info.expected),
         *(
@@ -227,14 +229,21 @@ def _holders(setup: Setup, start: Start) -> Iterator[Row]:
 
 def _speeds(setup: Setup) -> Iterator[Row]:
     speed = suggested_speed(sheet.fabric for sheet in setup.sheets)
-    for tool in setup.tools:
-        times, travel = tool.motion.curve()
-        if tool.motion.by_force or len(set(travel)) < 2:
+    named = {tool.name for tool in setup.tools}
+    motions = [(tool.name, tool.motion) for tool in setup.tools] + [
+        (f"{move.name} in {stage.name}", move.motion)
+        for stage in setup.stages
+        for move in stage.moves
+        if move.name in named
+    ]
+    for name, motion in motions:
+        times, travel = motion.curve()
+        if motion.by_force or len(set(travel)) < 2:
             continue
         fastest = float(np.abs(np.diff(travel) / np.diff(times)).max())
         yield Row(
             "speeds",
-            tool.name,
+            name,
             f"{1e3 * np.ptp(travel):.4g} mm at {fastest:.3g} m/s",
             OK if fastest <= TOO_FAST * speed else LOOK,
             f"suggested: {speed:g} m/s, at which inertia is about a hundredth of the work of shearing",

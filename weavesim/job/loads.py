@@ -15,7 +15,7 @@ from ..sheet.blank import Blank
 from ..sheet.outline import Outline, checked_outline
 from .placing import RAMP_SHARE
 from .read import JobFile
-from .schema import GripperTable, SpringTable
+from .schema import GripperTable, PressureTable, SpringTable
 
 # Nodes of an edge lie within this share of an element of the furthest one.
 EDGE = 0.1
@@ -46,25 +46,30 @@ class Loads:
 
     def pressures(self, ply: str, blank: Blank) -> tuple[Pressure, ...]:
         """On a ply with this mesh."""
-        found = []
-        for index, table in enumerate(self._file.job.pressure):
-            if self._ply("pressure", index, table.ply) == ply:
-                times = (table.delay, table.delay + table.ramp)
-                elements = None if table.patch is None else self._patch(index, table.patch, blank)
-                found.append(Pressure(table.face, (0.0, table.pressure), times, elements))
-        return tuple(found)
+        tables = self._file.job.pressure
+        return tuple(
+            self.pressure(["pressure", index], table, blank)
+            for index, table in enumerate(tables)
+            if self.ply(["pressure", index], table.ply) == ply
+        )
 
-    def _patch(self, index: int, corners: Sequence[tuple[float, float]], blank: Blank) -> np.ndarray:
+    def pressure(self, keys: Sequence[object], table: PressureTable, blank: Blank, before: float = 0.0) -> Pressure:
+        """Of a table under some ``keys``, on a ply with this mesh; it goes from ``before`` [Pa]."""
+        times = (table.delay, table.delay + table.ramp)
+        elements = None if table.patch is None else self._patch(keys, table.patch, blank)
+        return Pressure(table.face, (before, table.pressure), times, elements)
+
+    def _patch(self, keys: Sequence[object], corners: Sequence[tuple[float, float]], blank: Blank) -> np.ndarray:
         """Elements whose middles on the flat ply lie within a patch."""
-        keys = ["pressure", index, "patch"]
+        place = [*keys, "patch"]
         try:
             outline = Outline(checked_outline(np.array(corners)))
         except InputError as error:
-            self._file.refuse(keys, f"patch: {str(error).removeprefix('fitted mesh: ')}")
+            self._file.refuse(place, f"patch: {str(error).removeprefix('fitted mesh: ')}")
         middle = blank.material_coordinates[blank.quads].mean(axis=1)
         elements = np.flatnonzero(outline.nearest(middle)[0] >= 0.0)
         if not len(elements):
-            self._file.refuse(keys, "patch: no element of the ply has its middle in it; make it larger, or move it")
+            self._file.refuse(place, "patch: no element of the ply has its middle in it; make it larger, or move it")
         return elements
 
     def grippers(self, ply: str, blank: Blank, outline: np.ndarray) -> tuple[Gripper, ...]:
@@ -73,7 +78,7 @@ class Loads:
         for kind in ("spring", "gripper"):
             tables: Sequence[SpringTable] = getattr(self._file.job, kind)
             for index, table in enumerate(tables):
-                if self._ply(kind, index, table.ply) != ply:
+                if self.ply([kind, index], table.ply) != ply:
                     continue
                 try:
                     found += _grippers(table, blank, outline)
@@ -81,16 +86,20 @@ class Loads:
                     self._file.refuse([kind, index], str(error).removeprefix("Gripper: "))
         return tuple(found)
 
-    def _ply(self, kind: str, index: int, name: str | None) -> str:
+    def ply(self, keys: Sequence[object], name: str | None) -> str:
+        """The ply that a table under some ``keys`` names.
+
+        Raises:
+            InputError: there is no such ply, or it is not named where there are several.
+        """
+        place = [*keys, "ply"]
         if name is None and len(self._names) == 1:
             return self._names[0]
         if name is None:
-            self._file.refuse([kind, index, "ply"], f"ply: is required, one of {', '.join(self._names)}")
+            self._file.refuse(place, f"ply: is required, one of {', '.join(self._names)}")
         if name not in self._names:
             hint = did_you_mean(name, self._names)
-            self._file.refuse(
-                [kind, index, "ply"], f"ply = {name!r}: there is none; there are {', '.join(self._names)}{hint}"
-            )
+            self._file.refuse(place, f"ply = {name!r}: there is none; there are {', '.join(self._names)}{hint}")
         return name
 
 

@@ -11,8 +11,11 @@ from ..errors import InputError, did_you_mean
 from ..input_files import shown
 
 # Tables of which there may be several, each with a name; their plural will do.
-LISTS = ("ply", "tool", "spring", "gripper", "pressure")
-PLURALS = {"plies": "ply", "tools": "tool", "fabrics": "fabric", "springs": "spring", "grippers": "gripper"}
+LISTS = ("ply", "tool", "spring", "gripper", "pressure", "stage")
+PLURALS = {
+    "plies": "ply", "tools": "tool", "fabrics": "fabric", "springs": "spring", "grippers": "gripper",
+    "stages": "stage",
+}  # fmt: skip
 FORM = "give --set TABLE.NAME.KEY=VALUE, such as --set tools.ring.force=600, or --set process.hold=5ms"
 
 
@@ -57,12 +60,24 @@ def _keys(values: Mapping[str, Any], parts: list[str], setting: str) -> list[str
             f"--set {shown(setting)}: no [[{parts[0]}]] is named {parts[1]!r}; there are {', '.join(names)}"
             f"{did_you_mean(parts[1], names)}"
         )
-    return [parts[0], str(names.index(parts[1])), *parts[2:]]
+    index = names.index(parts[1])
+    return [parts[0], str(index), *_below(entries[index], parts[2:])]
+
+
+def _below(entry: Any, parts: list[str]) -> list[str]:
+    """``parts`` below an entry: those of a list of tables in it are named by their names, or their places, too."""
+    inner = entry.get(parts[0]) if isinstance(entry, dict) and parts else None
+    if not isinstance(inner, list) or len(parts) < 3:
+        return parts
+    names = [str(each.get("name", "")) if isinstance(each, dict) else "" for each in inner]
+    return [parts[0], str(names.index(parts[1])) if parts[1] in names else parts[1], *parts[2:]]
 
 
 def _put(values: dict[str, Any], keys: list[str], value: Any, setting: str) -> None:
     place: Any = values
     for key in keys[:-1]:
+        if isinstance(place, list) and not (key.isdecimal() and int(key) < len(place)):
+            raise InputError(f"--set {shown(setting)}: there is no {key!r}: {FORM}")
         place = place[int(key)] if isinstance(place, list) else place.setdefault(key, {})
         if not isinstance(place, dict | list):
             raise InputError(f"--set {shown(setting)}: {key} is a value, no table")

@@ -24,8 +24,10 @@ from .schema import (
     ProcessTable,
     SolverTable,
     SpringTable,
+    StageTable,
     ToolTable,
 )
+from .tables import table_within
 
 # Tables of their own, and those of which there may be several.
 SINGLE: dict[str, type[Parameters]] = {
@@ -33,11 +35,8 @@ SINGLE: dict[str, type[Parameters]] = {
 }  # fmt: skip
 SEVERAL: dict[str, type[Parameters]] = {
     "ply": PlyTable, "tool": ToolTable, "spring": SpringTable, "gripper": GripperTable, "pressure": PressureTable,
+    "stage": StageTable,
 }  # fmt: skip
-# What people expect in a job, and what stands in its place.
-NOT_THERE = {
-    "stage": "stages are not there yet: all tools begin together, each after its own `delay`",
-}
 
 
 @dataclass(frozen=True)
@@ -121,21 +120,31 @@ def read_job(path: str | Path, settings: Iterable[str] = (), files_from: Iterabl
         for key in given:
             if not str(key).isidentifier():
                 _refuse(document, values, places, [*keys, key], f"{key!r}: unknown name")
+        inner = {key: _as_tuples(within(cls, key, value, keys)) for key, value in given.items()}
         try:
-            return cls(**{key: _as_tuples(value) for key, value in given.items()})
+            return cls(**inner)
         except InputError as error:
             text = str(error).removeprefix(f"{cls.__name__}: ")
             name = re.split(r"[ .:=,]", text, maxsplit=1)[0]
             _refuse(document, values, places, [*keys, name] if name in given else keys, text)
 
+    def within(cls: type[Parameters], key: str, value: Any, keys: list[str]) -> Any:
+        """Tables in a table, each checked by its own model; anything else as it is."""
+        inner = table_within(cls.model_fields[key]) if keys and key in cls.model_fields else None
+        if inner is None:
+            return value
+        if "tuple" not in str(cls.model_fields[key].annotation):
+            return checked(inner, value, [*keys, key])
+        if not isinstance(value, list):
+            name = keys[0]
+            _refuse(document, values, places, [*keys, key], f"write [[{name}.{key}]], since there may be several")
+        return [checked(inner, entry, [*keys, key, str(index)]) for index, entry in enumerate(value)]
+
     rest: dict[str, Any] = {}
-    known = [*Job.model_fields, *NOT_THERE]
     for key, value in values.items():
-        if key in NOT_THERE:
-            _refuse(document, values, places, [key], NOT_THERE[key])
         if key not in Job.model_fields:
             singular = "tool" if key == "tools" else "ply" if key == "plies" else None
-            near = f"; write [[{singular}]]" if singular else did_you_mean(key, known)
+            near = f"; write [[{singular}]]" if singular else did_you_mean(key, Job.model_fields)
             _refuse(document, values, places, [key], f"{key}: unknown name{near}")
         if key in SEVERAL:
             if not isinstance(value, list):
@@ -170,6 +179,11 @@ def _check_whole(file: JobFile) -> None:
                     [kind, index, "name"],
                     f"name = {name!r}: another [[{kind}]] has it; results tell them apart by it, give each its own",
                 )
+    for key in ("duration", "hold"):
+        if job.stage and key in job.process.model_fields_set and getattr(job.process, key) is not None:
+            file.refuse(
+                ["process", key], f"{key}: has no effect with [[stage]], each of which has its own; leave it out"
+            )
     if (
         "interface" in file.values
         and len(job.ply) < 2
@@ -210,35 +224,58 @@ def _where(
     setting = places.get(tuple(keys))
     line = _line_of(document, keys)
     place = setting or f"job {shown(document.path)}" + (f", line {line}" if line else "")
-    return f"{place}, {_table(values, keys)}: " if _table(values, keys) else f"{place}: "
+    table = _table(values, keys)
+    return f"{place}, {table}: " if table else f"{place}: "
 
 
 def _table(values: Mapping[str, Any], keys: list[str]) -> str:
     """The table that some keys are in, as it stands in the file, with the name of an entry."""
     if not keys:
         return ""
-    if keys[0] in LISTS or keys[0] in NOT_THERE:
+    if keys[0] in LISTS:
         entries = values.get(keys[0])
         entry = entries[int(keys[1])] if len(keys) > 1 and isinstance(entries, list) else None
-        name = entry.get("name") if isinstance(entry, dict) else None
-        return f"[[{keys[0]}]] {shown(name)[:60]}" if isinstance(name, str) else f"[[{keys[0]}]]"
+        text = _named(keys[0], entry)
+        if len(keys) > 3 and isinstance(entry, dict):  # a table in a table
+            inner = entry.get(keys[2])
+            if isinstance(inner, list) and keys[3].isdecimal() and int(keys[3]) < len(inner):
+                text += f", {_named(f'{keys[0]}.{keys[2]}', inner[int(keys[3])])}"
+            elif isinstance(inner, dict):
+                text += f", {keys[2]}"
+        return text
     if keys[0] in SINGLE or keys[0] in ("scene", "fabric"):
         return f"[{shown('.'.join(keys[:2] if keys[0] == 'fabric' else keys[:1]))}]"
     return ""
+
+
+def _named(title: str, entry: Any) -> str:
+    name = entry.get("name") if isinstance(entry, dict) else None
+    return f"[[{title}]] {shown(name)[:60]}" if isinstance(name, str) else f"[[{title}]]"
 
 
 def _line_of(document: Document, keys: list[str]) -> int:
     """Line of some keys in a TOML file; of an entry of a list, that of its own table; 0 if unknown."""
     if not keys or keys[0] not in LISTS or len(keys) < 2:
         return document.line_of(keys)
-    lines = document.text.split("\n")
-    heads = [k for k, line in enumerate(lines) if re.match(rf"\s*\[\[\s*{keys[0]}\s*\]\]", line[:200])]
+    lines = [line[:200] for line in document.text.split("\n")]
+    heads = [k for k, line in enumerate(lines) if re.match(rf"\s*\[\[\s*{keys[0]}\s*\]\]", line)]
     if document.path.suffix.lower() != ".toml" or int(keys[1]) >= len(heads):
         return 0
-    first = heads[int(keys[1])]
-    for number, line in enumerate(lines[first + 1 :], start=first + 2):
-        if re.match(r"\s*\[", line[:200]) and not re.match(rf"\s*\[\s*{keys[0]}\s*\.", line[:200]):
-            break
-        if len(keys) > 2 and re.match(rf"\s*{re.escape(keys[2])}\s*=", line[:200]):
-            return number
-    return first + 1
+    place, prefix, rest = heads[int(keys[1])], keys[0], keys[2:]
+    end = next((k for k in heads if k > place), len(lines))
+    while rest:
+        key, *rest = rest
+        prefix = rf"{prefix}\s*\.\s*{re.escape(key)}"
+        inner = [k for k in range(place + 1, end) if re.match(rf"\s*\[\[?\s*{prefix}\s*\]", lines[k])]
+        which = int(rest[0]) if rest and rest[0].isdecimal() else 0
+        if which < len(inner):
+            place, end = inner[which], ([*inner, end])[which + 1]
+            rest = rest[1:] if rest and rest[0].isdecimal() else rest
+            continue
+        for k in range(place + 1, end):
+            if re.match(r"\s*\[", lines[k]):
+                break
+            if re.match(rf"\s*{re.escape(key)}\s*=", lines[k]):
+                return k + 1
+        break
+    return place + 1

@@ -12,30 +12,15 @@ from ..names import FileName, Label
 from ..ranges import Quantity
 from ..sheet.lay_up_code import angles_of
 from .friction import LAWS, FrictionValue
-from .tables import JobTable
+from .stages.tables import PressureTable, StageTable
+from .tables import Coordinate, JobTable, Point, one_of, without
 from .units import length_unit
 
-Coordinate = Annotated[Finite, Quantity("position")]
-Point = tuple[Coordinate, Coordinate]
 Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 
 # How a blank, and a tool, may be given.
 OUTLINES = ("rectangle", "disc", "polygon", "outline")
 SURFACES = ("file", "shape", "offset_of", "ring_of")
-
-
-def _one_of(table: JobTable, names: tuple[str, ...]) -> str:
-    given = [name for name in names if getattr(table, name) is not None]
-    if len(given) != 1:
-        what = f"{' and '.join(given)} are given" if given else "none is given"
-        raise ValueError(f"{', '.join(names[:-1])} or {names[-1]}: one of them is needed, {what}")
-    return given[0]
-
-
-def _without(table: JobTable, names: tuple[str, ...], needed: str) -> None:
-    for name in names:
-        if name in table.model_fields_set and getattr(table, name) is not None:
-            raise ValueError(f"{name}: has no effect without {needed}; leave it out")
 
 
 class PlyTable(JobTable):
@@ -99,11 +84,11 @@ class PlyTable(JobTable):
 
     @model_validator(mode="after")
     def _has_one_outline(self) -> Self:
-        _one_of(self, OUTLINES)
+        one_of(self, OUTLINES)
         if self.outline is None:
-            _without(self, ("layer", "unit"), "a file as outline")
+            without(self, ("layer", "unit"), "a file as outline")
         elif not self.outline.lower().endswith(".dxf"):
-            _without(self, ("layer",), "a DXF drawing as outline")
+            without(self, ("layer",), "a DXF drawing as outline")
         return self
 
 
@@ -173,15 +158,15 @@ class ToolTable(JobTable):
 
     @model_validator(mode="after")
     def _has_one_surface(self) -> Self:
-        surface = _one_of(self, SURFACES)
+        surface = one_of(self, SURFACES)
         if surface != "file":
-            _without(self, ("unit", "up", "mirror", "offset"), "a file")
+            without(self, ("unit", "up", "mirror", "offset"), "a file")
         if surface == "offset_of" and self.gap is None:
             raise ValueError("gap: is required with offset_of: the distance of both surfaces when they are closed")
         if surface != "offset_of":
-            _without(self, ("gap",), "offset_of")
+            without(self, ("gap",), "offset_of")
         if surface in ("offset_of", "ring_of"):
-            _without(self, ("faces",), "a file or a shape: it faces the other tool")
+            without(self, ("faces",), "a file or a shape: it faces the other tool")
         if surface == "file" and self.faces is None:
             raise ValueError('faces: is required with a file: "up" for a tool below the sheet, "down" for one above it')
         return self
@@ -191,13 +176,13 @@ class ToolTable(JobTable):
         if self.stroke is not None and self.force is not None:
             raise ValueError("stroke and force: a tool moves by one of them, both are given")
         if self.stroke is None:
-            _without(self, ("speed", "delay", "largest_force"), "a stroke")
+            without(self, ("speed", "delay", "largest_force"), "a stroke")
         elif self.speed is None:
             raise ValueError("speed: is required with a stroke")
         if self.force is None:
-            _without(self, ("mass",), "a force")
+            without(self, ("mass",), "a force")
         if self.stroke is None and self.force is None:
-            _without(self, ("ramp",), "a stroke or a force")
+            without(self, ("ramp",), "a stroke or a force")
         if self.stroke == 0.0:
             raise ValueError("stroke = 0: for a tool at rest leave it out")
         return self
@@ -239,7 +224,7 @@ class SpringTable(JobTable):
             what = f"{' and '.join(given)} are given" if given else "none is given"
             raise ValueError(f"edge, corners or points: one of them is needed, {what}")
         if self.edge is not None:
-            _without(self, ("radius",), "corners or points")
+            without(self, ("radius",), "corners or points")
             if self.edge[1] == "z":
                 raise ValueError("edge: +x, -x, +y or -y is needed")
         return self
@@ -258,21 +243,8 @@ class GripperTable(SpringTable):
         if self.stroke != 0.0 and self.speed is None:
             raise ValueError("speed: is required with a stroke")
         if self.stroke == 0.0:
-            _without(self, ("speed",), "a stroke")
+            without(self, ("speed",), "a stroke")
         return self
-
-
-class PressureTable(JobTable):
-    """Pressure on a face of a ply, which follows it, such as that of a bag. `[[pressure]]`."""
-
-    ply: str | None = Field(default=None, description="that it acts on; the only one if left out")
-    face: Literal["top", "bottom"] = Field(description="that it pushes against")
-    pressure: Annotated[Finite, Quantity("pressure")] = Field(description="per current area; a negative one pulls")
-    patch: tuple[Point, ...] | None = Field(
-        default=None, description="corners of the part of the flat ply that it acts on; all of it if left out"
-    )
-    delay: Annotated[NotNegative, Quantity("time")] = Field(default=0.0, description="when it begins")
-    ramp: Annotated[Positive, Quantity("time")] = Field(default=2.0e-3, description="time until it is reached")
 
 
 class PairTable(JobTable):
@@ -314,10 +286,10 @@ class ProcessTable(JobTable):
         default="nodes", description="whether tools are met at the nodes only, or on the surface between them too"
     )
     hold: Annotated[NotNegative, Quantity("time")] = Field(
-        default=2.0e-3, description="time at the end, after the last stroke"
+        default=2.0e-3, description="time at the end, after the last stroke; stages have their own"
     )
     duration: Annotated[Positive, Quantity("duration")] | None = Field(
-        default=None, description="of the run; without it, that of the strokes and `hold`"
+        default=None, description="of the run; without it, that of the strokes and `hold`, or of the stages"
     )
 
 
@@ -361,6 +333,9 @@ class Job(JobTable):
     spring: tuple[SpringTable, ...] = Field(default=(), description="[[spring]]")
     gripper: tuple[GripperTable, ...] = Field(default=(), description="[[gripper]]")
     pressure: tuple[PressureTable, ...] = Field(default=(), description="[[pressure]]")
+    stage: tuple[StageTable, ...] = Field(
+        default=(), description="[[stage]], one after the other; without any, everything acts all the time"
+    )
     interface: InterfaceTable = Field(default=InterfaceTable(), description="[interface]")
     process: ProcessTable = Field(default=ProcessTable(), description="[process]")
     solver: SolverTable = Field(default=SolverTable(), description="[solver]")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, get_args, get_origin
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
-from ..checks import Parameters, json_schema, types_within
-from ..ranges import quantity_of
+from ..checks import Finite, Parameters, json_schema, types_within
+from ..ranges import Quantity, quantity_of
 from .units import EXAMPLES, in_units
+
+Coordinate = Annotated[Finite, Quantity("position")]
+Point = tuple[Coordinate, Coordinate]
 
 
 class JobTable(Parameters):
@@ -39,6 +42,30 @@ class JobTable(Parameters):
             raise ValueError(f"{error}; or {' or '.join(map(repr, words))}") from None
 
 
+def one_of(table: JobTable, names: tuple[str, ...]) -> str:
+    """The one of several keys that a table gives.
+
+    Raises:
+        ValueError: it gives none, or more than one.
+    """
+    given = [name for name in names if getattr(table, name) is not None and getattr(table, name) is not False]
+    if len(given) != 1:
+        what = f"{' and '.join(given)} are given" if given else "none is given"
+        raise ValueError(f"{', '.join(names[:-1])} or {names[-1]}: one of them is needed, {what}")
+    return given[0]
+
+
+def without(table: JobTable, names: tuple[str, ...], needed: str) -> None:
+    """Refuse keys that have no effect without another one.
+
+    Raises:
+        ValueError: one of them is given.
+    """
+    for name in names:
+        if name in table.model_fields_set and getattr(table, name) is not None:
+            raise ValueError(f"{name}: has no effect without {needed}; leave it out")
+
+
 def words_of(field: FieldInfo) -> tuple[str, ...]:
     """The words that a field allows by name."""
     found: list[str] = []
@@ -46,6 +73,14 @@ def words_of(field: FieldInfo) -> tuple[str, ...]:
         if get_origin(part) is Literal:
             found += [word for word in get_args(part) if isinstance(word, str) and word not in found]
     return tuple(found)
+
+
+def table_within(field: FieldInfo) -> type[JobTable] | None:
+    """The table that a field holds, or several of; None if it holds none."""
+    for part in types_within(field.annotation):
+        if isinstance(part, type) and issubclass(part, JobTable):
+            return part
+    return None
 
 
 def takes_numbers(field: FieldInfo) -> bool:

@@ -75,7 +75,7 @@ class SheetResult:
         info: known before the run.
         formed: the formed sheet and its measures.
         ending: suffix of its file names; "" for the only sheet.
-        tools: name, tool and displacement [m] of each tool that it may touch.
+        tools: name, tool and displacement [m] of each tool that it may touch and that acts.
     """
 
     info: SheetInfo
@@ -142,7 +142,8 @@ def _sheet_result(
     formed = FormedSheet(
         sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry, wanted.points, wanted.draw_in
     )
-    tools = tuple((info.tool_names[k], info.tools[k], float(frame.tool_displacement[k])) for k in sheet.tools)
+    acting = (k for k in sheet.tools if frame.acts(k))
+    tools = tuple((info.tool_names[k], info.tools[k], float(frame.tool_displacement[k])) for k in acting)
     return SheetResult(sheet, formed, ending, tools)
 
 

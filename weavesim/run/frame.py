@@ -198,6 +198,10 @@ class Frame:
     tool_acts: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     stage: str = ""
 
+    def acts(self, tool: int) -> bool:
+        """Whether a tool acts, by its place; all do in a frame that does not tell."""
+        return not len(self.tool_acts) or bool(self.tool_acts[tool])
+
     @property
     def sheet(self) -> SheetFrame:
         """The sheet of a run that has one.

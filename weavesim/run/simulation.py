@@ -66,8 +66,7 @@ class Simulation:
         self.outcome: Outcome | None = None
         self.interrupted_by: str | None = None
         self.failed: Failure | None = None
-        self.stepping_time = 0.0
-        self.wall_time = 0.0
+        self.stepping_time = self.wall_time = 0.0
         self.stages = Course(setup)
         self._prepared: Prepared | None = None
         self._frame: Frame | None = None
@@ -329,6 +328,7 @@ class Simulation:
 
     def _publish(self, frame: Frame, observers: Sequence[Observer]) -> None:
         self._frame = frame
+        self.stages.keep(frame)
         self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
         for observer in observers:
             observer.frame(frame)

@@ -74,13 +74,22 @@ class Judged:
 
     @cached_property
     def last_quarter(self) -> list[dict[str, float]]:
-        """The ``stored`` states in the last quarter of the stroke; without a stroke, of the time."""
-        stroke, time = abs(self.run.frame.stroke), self.run.frame.time
+        """The ``stored`` states in the last quarter of the stroke; without a stroke, of the time; before a release."""
+        released = self.run.stages.released
+        last = released or self.run.frame
+        stroke, time = abs(last.stroke), last.time
         return [
             entry
             for entry in self.stored
-            if (abs(entry["stroke"]) >= 0.75 * stroke if stroke > 0.0 else entry["time"] >= 0.75 * time)
+            if (released is None or entry["time"] <= time)
+            and (abs(entry["stroke"]) >= 0.75 * stroke if stroke > 0.0 else entry["time"] >= 0.75 * time)
         ]
+
+    @property
+    def damping_share(self) -> float | None:
+        """Damping loss over ``scale``, up to a release: damping has to stop a sheet that is released."""
+        last = self.run.stages.released or self.run.frame
+        return None if self.scale is None else last.energies["damping_loss"] / self.scale
 
     def share_of_supplied(self, name: str) -> float | None:
         """An entry of the ledger at the last frame over ``scale``."""
@@ -260,7 +269,7 @@ RUN_FINDINGS: tuple[Finding, ...] = (
     ),
     Finding(
         "damping_loss_ratio", PURE, "damping loss over the largest supplied, kinetic or internal energy",
-        lambda judged: judged.share_of_supplied("damping_loss"),
+        lambda judged: judged.damping_share,
     ),
     Finding(
         "gravity_work_ratio", PURE, "work of gravity over the same",

@@ -122,16 +122,15 @@ def formed_run(simulation: Simulation, limits: Limits) -> FormedRun:
 
     def judged(place: int) -> Judgement:
         sheet, state = info.sheets[place], frame.sheets[place]
+        acting = [k for k in sheet.tools if frame.acts(k)]
 
         def distance(points: np.ndarray) -> np.ndarray:
-            return np.min([distances[k](points, float(frame.tool_displacement[k]))[0] for k in sheet.tools], axis=0)
+            return np.min([distances[k](points, float(frame.tool_displacement[k]))[0] for k in acting], axis=0)
 
         law = sheet.fabric.shear
         angle = getattr(law, "locking_angle", None) if law.locking_slope else None
         formed = FormedSheet(sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry)
-        return Judgement(
-            formed, limits, distance if sheet.tools else None, None if angle is None else math.degrees(angle)
-        )
+        return Judgement(formed, limits, distance if acting else None, None if angle is None else math.degrees(angle))
 
     return FormedRun(tuple(judged(place) for place in range(len(info.sheets))))
 

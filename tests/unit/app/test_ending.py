@@ -52,6 +52,12 @@ def test_results_are_announced_only_if_they_are_all_there(tmp_path):
     assert "Results are in" not in less and "film, history.csv missing" in less
 
 
+def test_a_springback_is_told(tmp_path):
+    found = {"springback_mm": 12.34, "formed_max_shear_angle_deg": 40.0, "springback_max_shear_angle_deg": -3.5}
+    assert "Springback: 12.3 mm, largest shear angle -3.5 degrees from 40." in text(FINE | found, None, tmp_path)
+    assert "Springback" not in text(FINE, None, tmp_path)
+
+
 def test_the_signal_and_the_verdict_are_named(tmp_path):
     assert text(CUT, signal.SIGINT, tmp_path).startswith("Interrupted; results so far are kept. ")
     assert text(CUT, signal.SIGTERM, tmp_path).startswith("Interrupted by SIGTERM; results so far are kept. ")

@@ -62,3 +62,21 @@ def test_the_table_is_folded_to_the_width():
     lines = table_of(rows, 80).split("\n")
     assert lines[0] == "topic" and lines[1].startswith("  look  what   value")
     assert max(map(len, lines)) <= 80
+
+
+def test_the_stages_are_told_with_what_acts_and_ends_them(tmp_path):
+    from tests.unit.job.stages.test_build import STAGES
+
+    checked = check_setup(setup_of(read_job(write_tray(tmp_path, TRAY + STAGES))))
+    told = {row.what: row.value for row in checked.rows if row.topic == "stages"}
+    assert list(told) == ["close", "hold", "open"]
+    assert told["close"] == (
+        "die, punch, ring act, corner_1, corner_2, corner_3, corner_4 pull; ends when punch is pushed with 5000 N, "
+        "after 30 ms at the latest"
+    )
+    assert told["hold"].startswith("die, punch, ring act") and told["hold"].endswith(
+        "punch stays, ring pushed with 100 N, 80 kPa on ply; takes 5 ms"
+    )
+    assert told["open"].startswith("die, punch act, punch moves by -20 mm; ends at rest")
+    speeds = {row.what: row.value for row in checked.rows if row.topic == "speeds"}
+    assert speeds["punch in open"] == "20 mm at 0.4 m/s"

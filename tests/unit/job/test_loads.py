@@ -99,7 +99,6 @@ def test_a_stroke_may_stop_at_a_force(tmp_path):
         ('\n[[pressure]]\nface = "up"\npressure = 5\n', "face = 'up': one of 'top' or 'bottom' is needed"),
         ('\n[[pressure]]\nface = "top"\npressure = "5 N"\n', "pressure = '5 N': 'N' is no unit of it, write '20 kPa'"),
         ("\n[interface]\nfriction = 0.2\n", "[interface]: has no effect with a single ply"),
-        ("\n[[stage]]\n", "line 32, [[stage]]: stages are not there yet"),
     ],
 )  # fmt: skip
 def test_broken_ones_are_refused(tmp_path, text, message):

@@ -74,7 +74,7 @@ BROKEN = [
     ('[[tool]]\nname = "ring"', '[tool.ring]\nname = "ring"', "[[tool]] punch: ring: unknown name"),
     ("[output]", "[ouput]", "line 29: ouput: unknown name; did you mean 'output'?"),
     ("[output]", "[[output]]", "[output]: a table is needed"),
-    ("[output]", "[[stage]]\n[output]", "line 29, [[stage]]: stages are not there yet"),
+    ("[output]", "[[stage]]\n[output]", "line 29, [[stage]]: name: is required"),
     ("[output]", '[scene]\nname = "double-dome"\n[output]', "[scene] brings its own; leave [ply] out, or [scene]"),
     ("[output]", "[tools]\n[output]", "line 29: tools: unknown name; write [[tool]]"),
     ("[output]", '[solver]\nprecision = "float16"\n[output]', "line 30, [solver]: precision = 'float16'"),
@@ -179,6 +179,9 @@ def test_the_schema_accepts_the_tray_and_refuses_a_slip():
 
     validator = Draft202012Validator(schema_of(Job))
     assert not list(validator.iter_errors(tomllib.loads(TRAY)))
+    stage = '[[stage]]\nname = "hold"\nend = { rest = 1e-3 }\n[[stage.move]]\nname = "punch"\nfixed = true\n'
+    assert not list(validator.iter_errors(tomllib.loads(TRAY + stage)))
+    assert list(validator.iter_errors(tomllib.loads(TRAY + stage.replace("fixed", "fixt"))))
     assert list(validator.iter_errors(tomllib.loads(TRAY.replace("clearance", "clearence"))))
 
 

@@ -127,6 +127,10 @@ def test_a_run_goes_on_in_any_stage(tmp_path, monkeypatch, of_every_kind):
         assert bits(again.state) == bits(reference.state)
         assert again.history == reference.history and again.watch.history == reference.watch.history
         assert again.stages.ended == reference.stages.ended
+        kept, wanted = again.stages.frames, reference.stages.frames
+        assert {name: frame.time for name, frame in kept.items()} == {
+            name: frame.time for name, frame in wanted.items()
+        }
         assert [frame.stage for frame in shown.all] == [frame.stage for frame in frames]
     assert len(met) >= 2
 

@@ -99,7 +99,12 @@ def beside_run(
     """
     if not sheet.tools:
         raise InputError(f"kinematic drape: sheet {sheet.name} has no tool to lie on")
-    tools = {run.tools[place].name: place for place in sheet.tools}
+    tools = {run.tools[place].name: place for place in run.acting_tools(sheet)}
+    if not tools:
+        raise InputError(
+            f"kinematic drape: no tool of sheet {sheet.name} acts at the end of the run, which has released it; take a "
+            "run that ends in its tools"
+        )
     if tool is not None and tool not in tools:
         raise InputError(f"kinematic drape: tool {tool!r}: choose from {', '.join(tools)}")
     half, start = 0.5 * sheet.thickness, seed_of(sheet.blank, seed)

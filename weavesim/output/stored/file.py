@@ -6,7 +6,7 @@ Groups ``sheets/0``, ``sheets/1``, ... in the order of the set-up, and ``tools/0
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -67,9 +67,9 @@ class StoredSheet:
     def fields(self) -> dict[str, np.ndarray]:
         """The fields of the run by name, in SI units."""
         out = {}
-        for field in FIELDS:
-            if value := self.values.get(field.file_name):
-                out[field.name] = np.deg2rad(value.values) if field.unit == "rad" else value.values
+        for each in FIELDS:
+            if value := self.values.get(each.file_name):
+                out[each.name] = np.deg2rad(value.values) if each.unit == "rad" else value.values
         return out
 
     @cached_property
@@ -89,6 +89,7 @@ class StoredRun:
         outcome: how the run ended, or "running".
         sheets: in the order of the set-up.
         tool_displacement: along each tool's axis, (tool_count,) [m].
+        tool_acts: whether each tool acts at the end, (tool_count,) bool; empty if all do.
     """
 
     folder: Path
@@ -98,6 +99,7 @@ class StoredRun:
     outcome: str
     sheets: tuple[StoredSheet, ...]
     tool_displacement: np.ndarray
+    tool_acts: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
     @cached_property
     def setup(self) -> Setup:
@@ -115,6 +117,10 @@ class StoredRun:
     def tools(self) -> tuple[Tool, ...]:
         """In the order of ``tool_displacement``."""
         return self.setup.tools
+
+    def acting_tools(self, sheet: StoredSheet) -> tuple[int, ...]:
+        """Places of the tools that a sheet may touch and that act at the end."""
+        return tuple(place for place in sheet.tools if not len(self.tool_acts) or self.tool_acts[place])
 
     def fabric(self, sheet: StoredSheet) -> Fabric:
         """The fabric of one of its sheets."""
@@ -143,7 +149,7 @@ def write_results(path: Path, info: RunInfo, frame: Frame, outcome: str) -> None
         for index, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
             group = file.create_group(f"tools/{index}")
             group.attrs.update({"name": name, "axis": tool.axis, "displacement": frame.tool_displacement[index],
-                                "reaction": frame.tool_reaction[index]})  # fmt: skip
+                                "reaction": frame.tool_reaction[index], "acts": frame.acts(index)})  # fmt: skip
 
 
 def write_values(group: Any, values: dict[str, ElementValue]) -> None:
@@ -181,9 +187,11 @@ def read_results(folder: str | Path) -> StoredRun:
             sheets = tuple(_read_sheet(file[f"sheets/{k}"]) for k in range(len(file["sheets"])))
             tools = file.get("tools", {})
             displacement = np.array([tools[str(k)].attrs["displacement"] for k in range(len(tools))], dtype=float)
+            # a file of a version before it has none, and all tools acted
+            acts = np.array([tools[str(k)].attrs.get("acts", True) for k in range(len(tools))], dtype=bool)
             text = {name: str(file.attrs[name]) for name in ("run_id", "name", "outcome")}
             return StoredRun(folder, text["run_id"], text["name"], float(file.attrs["time"]), text["outcome"],
-                             sheets, displacement)  # fmt: skip
+                             sheets, displacement, acts)  # fmt: skip
     except (OSError, KeyError, ValueError) as error:
         if isinstance(error, InputError):
             raise

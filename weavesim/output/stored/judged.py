@@ -113,8 +113,8 @@ def own_locking_angle(fabric: Fabric) -> float | None:
 
 
 def tool_distance(run: StoredRun, sheet: StoredSheet) -> Distance | None:
-    """Distance to the nearest tool of a sheet at the end of its run; None without tools."""
-    return distance_to([(run.tools[place], float(run.tool_displacement[place])) for place in sheet.tools])
+    """Distance to the nearest tool of a sheet that acts at the end of its run; None without one."""
+    return distance_to([(run.tools[place], float(run.tool_displacement[place])) for place in run.acting_tools(sheet)])
 
 
 def distance_to(tools: Sequence[tuple[Tool, float]]) -> Distance | None:

@@ -35,6 +35,7 @@ class Course:
         begins: of the stages so far.
         index: of the present stage.
         ended: the stages that are over, as the summary tells them.
+        frames: the last frame of every stage so far, by its name.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -42,6 +43,7 @@ class Course:
         self.acting: list[Acting] = acting_of(setup) if setup.stages else []
         self.begins: list[Begin] = [first_begin(setup)] if setup.stages else []
         self.ended: list[dict[str, Any]] = []
+        self.frames: dict[str, Frame] = {}
         self.index = self._first_frame = 0
         self._frame_counts = setup.frame_counts
         self._start_anew()
@@ -85,6 +87,19 @@ class Course:
     def frame_time(self, index: int) -> float:
         """Of a frame of the present stage [s]."""
         return self.begin + self.duration * (index - self._first_frame) / self._frame_counts[self.index]
+
+    @property
+    def released(self) -> Frame | None:
+        """The frame at which the tools left a sheet that is to come to rest without them; None if they have not.
+
+        What follows is judged by its rest: it is no forming, which is slow and driven.
+        """
+        free = len(self.begins)
+        while free > 1 and not self.acting[free - 1].tools and isinstance(self._setup.stages[free - 1].end, AtRest):
+            free -= 1
+        if free == len(self.begins) or not self.acting[free - 1].tools:
+            return None
+        return self.frames.get(self._setup.stages[free - 1].name)
 
     # ------------------------------------------------------------------------------------------------------------ ends
 
@@ -159,6 +174,11 @@ class Course:
             "stroke_mm": 1e3 * frame.stroke,
             "behind_mm": {name: 1e3 * way for name, way in behind.items()},
         })  # fmt: skip
+
+    def keep(self, frame: Frame) -> None:
+        """Keep a frame that the run has published, until the next one of its stage; a resumed run publishes all."""
+        if frame.stage:
+            self.frames[frame.stage] = frame
 
     def go_on(self, frame: Frame, now: Setup) -> None:
         """Begin the next stage at the last frame of a stage, whose set-up is ``now``."""

@@ -93,6 +93,10 @@ def test_what_cannot_be_laid_is_told(run):
         beside_run(run, sheet, side=-1.0)
     with pytest.raises(InputError, match="has no tool"):
         beside_run(run, dataclasses.replace(sheet, tools=()))
+    free = dataclasses.replace(run, tool_acts=np.zeros(len(run.tools), dtype=bool))
+    free.__dict__["setup"] = run.setup
+    with pytest.raises(InputError, match="has released it"):
+        beside_run(free, sheet)
     beside = BALL.model_copy(update={"axis": (1.0, 0.0, 0.0)})
     with pytest.raises(InputError, match="is not met along its axis"):
         of_flat_blank(Blank.rectangle((-0.02, -0.02), (0.02, 0.02), SIDE, height=0.3), beside, THICKNESS)

@@ -42,6 +42,15 @@ def test_the_distance_is_that_to_the_tool_where_it_is(run):
     assert distance(np.array([[0.0, 0.0, 0.0], [0.0, 0.05, 0.0]])) == pytest.approx([0.02, np.hypot(0.05, 0.12) - 0.1])
 
 
+def test_a_tool_that_no_longer_acts_is_no_distance_away(run):
+    free = dataclasses.replace(run, tool_acts=np.array([False]))
+    free.__dict__["setup"] = run.setup
+    assert tool_distance(free, run.sheets[0]) is None
+    judged = judge_run(free, Limits())
+    assert "gap" not in judged.sheets[0].fields and "gap" in judge_run(run, Limits()).sheets[0].fields
+    assert judged.as_dict()["sheets"][0]["largest_gap_mm"] is None
+
+
 def test_files_and_lines_tell_the_same(run, tmp_path):
     judged = judge_run(run, Limits(longest_wavelength=0.04))
     files = write_judged(tmp_path, judged)

@@ -1,0 +1,185 @@
+"""The stages of a job as those of a set-up."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ...engine.staging.acting import Parts
+from ...engine.staging.checks import check_stages
+from ...errors import InputError, did_you_mean
+from ...process.stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
+from ...process.strokes import Fixed, ForceDriven, Motion, Stroke
+from ...sheet.sheet import Sheet
+from ...tools.tool import Tool
+from ..loads import Loads
+from ..placing import FORCE_RAMP, RAMP_SHARE
+from ..read import JobFile
+from .tables import EndTable, MoveTable, StagePressureTable
+
+# What the engine says of motions, in the words of a job.
+IN_A_JOB = (
+    ("a motion, or Fixed() to stay where it is", "a [[stage.move]] with a motion, or with fixed = true to stay"),
+    (
+        "a Stroke without a largest_force, or Fixed, moves the anchors",
+        "a stroke without a largest_force, or fixed = true, moves the anchors",
+    ),
+)
+
+
+def stages_of(file: JobFile, sheets: Sequence[Sheet], tools: Sequence[Tool], share: float) -> tuple[Stage, ...]:
+    """The stages of a job; none if it has none.
+
+    Args:
+        file: the job.
+        sheets: its plies.
+        tools: its tools.
+        share: of the whole that is computed, by symmetry; forces and masses of a job are those of the whole.
+
+    Raises:
+        InputError: a name that is not there, a motion that does not fit, or an end that can never come.
+    """
+    if not file.job.stage:
+        return ()
+    builder = _Builder(file, sheets, tools, share)
+    stages = tuple(builder.stage(index) for index in range(len(file.job.stage)))
+    grippers = tuple(gripper for sheet in sheets for gripper in sheet.grippers)
+    try:
+        check_stages(stages, Parts(tuple(tools), (), grippers), sheets)
+    except ValueError as error:
+        text = str(error)
+        for theirs, ours in IN_A_JOB:
+            text = text.replace(theirs, ours)
+        named = next((k for k, each in enumerate(stages) if text.startswith(f"stage {each.name}: ")), None)
+        if named is None:
+            file.refuse(["stage"], text.removeprefix("stages: "))
+        file.refuse(["stage", named], text.removeprefix(f"stage {stages[named].name}: "))
+    return stages
+
+
+class _Builder:
+    """Makes one stage after the other; remembers which tools have acted."""
+
+    def __init__(self, file: JobFile, sheets: Sequence[Sheet], tools: Sequence[Tool], share: float) -> None:
+        self.file, self.sheets, self.tools, self.share = file, sheets, {tool.name: tool for tool in tools}, share
+        self.loads = Loads(file, [sheet.name for sheet in sheets])
+        self.groups = self._groups()
+        self.acting = frozenset(self.tools)
+        self.acted: frozenset[str] = frozenset()
+
+    def _groups(self) -> dict[str, tuple[str, ...]]:
+        """Grippers by the names of their tables, and each by its own."""
+        own = [gripper.name for sheet in self.sheets for gripper in sheet.grippers]
+        found: dict[str, tuple[str, ...]] = {name: (name,) for name in own}
+        tables = (*self.file.job.spring, *self.file.job.gripper)
+        single = {table.name for table in tables}  # another table may be named like one of a group
+        for table in tables:
+            numbered = re.compile(rf"{re.escape(table.name)}_\d+")
+            group = tuple(name for name in own if numbered.fullmatch(name) and name not in single)
+            if group and table.name not in found:
+                found[table.name] = group
+        return found
+
+    def stage(self, index: int) -> Stage:
+        """The next stage."""
+        table, keys = self.file.job.stage[index], ["stage", index]
+        tools = None if table.tools is None else tuple(self._tool([*keys, "tools"], name) for name in table.tools)
+        if tools is not None:
+            self.acting = frozenset(tools)
+        moves: dict[str, Motion] = {}
+        for k, move in enumerate(table.move):
+            moves |= self._moves([*keys, "move", k], move)
+        duration = table.end.time if table.end is not None and table.end.time is not None else table.duration
+        if duration is None:
+            duration = self._of_strokes(keys, moves)
+        self.acted |= self.acting
+        pressures = None
+        if table.pressure is not None:
+            pressures = tuple(self._pressure([*keys, "pressure", k], each) for k, each in enumerate(table.pressure))
+        try:
+            return Stage(
+                table.name,
+                duration,
+                None if table.end is None else self._end([*keys, "end"], table.end),
+                tools=tools,
+                grippers=None if table.grippers is None else self._grippers(keys, table.grippers),
+                moves=tuple(Move(name, motion) for name, motion in moves.items()),
+                pressures=pressures,
+                gravity=None if table.gravity is None else (0.0, 0.0, -table.gravity if table.gravity else 0.0),
+                damping=table.damping,
+                director_damping=table.director_damping,
+                target_step=table.target_step,
+                frame_count=table.frame_count,
+            )
+        except InputError as error:
+            self.file.refuse(keys, str(error).removeprefix("Stage: "))
+
+    def _known(self, keys: Sequence[object], name: str, what: str, known: Sequence[str]) -> None:
+        if name not in known:
+            there = f"there are {', '.join(known)}" if known else "the job has none"
+            key = keys[-1] if not isinstance(keys[-1], int) else keys[-2]
+            self.file.refuse(keys, f"{key} = {name!r}: there is no such {what}; {there}{did_you_mean(name, known)}")
+
+    def _tool(self, keys: Sequence[object], name: str) -> str:
+        self._known(keys, name, "[[tool]]", list(self.tools))
+        return name
+
+    def _grippers(self, keys: Sequence[object], names: Sequence[str]) -> tuple[str, ...]:
+        found: list[str] = []
+        for name in names:
+            self._known([*keys, "grippers"], name, "[[spring]] or [[gripper]]", list(self.groups))
+            found += [own for own in self.groups[name] if own not in found]
+        return tuple(found)
+
+    def _moves(self, keys: Sequence[object], table: MoveTable) -> dict[str, Motion]:
+        """Motions by the names of what they move."""
+        known = [*self.tools, *(name for name in self.groups if name not in self.tools)]
+        self._known([*keys, "name"], table.name, "[[tool]], [[spring]] or [[gripper]]", known)
+        try:
+            motion = self._motion(table)
+        except InputError as error:
+            self.file.refuse(keys, str(error))
+        names = (table.name,) if table.name in self.tools else self.groups[table.name]
+        return dict.fromkeys(names, motion)
+
+    def _motion(self, table: MoveTable) -> Motion:
+        if table.stroke is not None:
+            assert table.speed is not None
+            ramp = RAMP_SHARE * abs(table.stroke) / table.speed if table.ramp is None else table.ramp
+            limit = None if table.largest_force is None else table.largest_force * self.share
+            return Stroke.smooth(table.stroke, table.speed, ramp, start_time=table.delay, largest_force=limit)
+        if table.fixed:
+            return Fixed()
+        own = next((tool.mass for tool in self.file.job.tool if tool.name == table.name), None)
+        mass = table.mass if table.mass is not None else own
+        if mass is None:
+            raise InputError("mass: is required with a force")
+        if table.force is not None:
+            ramp = FORCE_RAMP if table.ramp is None else table.ramp
+            return ForceDriven.constant(table.force * self.share, mass * self.share, ramp)
+        assert table.forces is not None and table.times is not None
+        return ForceDriven(table.times, tuple(force * self.share for force in table.forces), mass * self.share)
+
+    def _of_strokes(self, keys: Sequence[object], moves: dict[str, Motion]) -> float:
+        """Time of the strokes that begin in a stage [s]."""
+        first = {name: self.tools[name].motion for name in self.tools if name in self.acting - self.acted}
+        found = [motion.duration for motion in (first | moves).values() if not motion.by_force]
+        if not any(found):
+            self.file.refuse(keys, "duration: is required, since no stroke begins in the stage")
+        return max(found)
+
+    def _end(self, keys: Sequence[object], table: EndTable) -> StageEnd | None:
+        if table.rest is not None:
+            return AtRest(table.rest, table.speed)
+        if table.tool is None:
+            return None
+        tool = self._tool([*keys, "tool"], table.tool)
+        if table.force is not None:
+            return AtForce(tool, table.force * self.share)
+        assert table.stroke is not None
+        return AtStroke(tool, table.stroke)
+
+    def _pressure(self, keys: Sequence[object], table: StagePressureTable) -> SheetPressure:
+        name = self.loads.ply(keys, table.ply)
+        sheet = next(sheet for sheet in self.sheets if sheet.name == name)
+        return SheetPressure(self.loads.pressure(keys, table, sheet.blank, table.before), name)

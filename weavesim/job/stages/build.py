@@ -71,8 +71,11 @@ class _Builder:
         """Grippers by the names of their tables, and each by its own."""
         own = [gripper.name for sheet in self.sheets for gripper in sheet.grippers]
         found: dict[str, tuple[str, ...]] = {name: (name,) for name in own}
-        for table in (*self.file.job.spring, *self.file.job.gripper):
-            group = tuple(name for name in own if re.fullmatch(rf"{re.escape(table.name)}_\d+", name))
+        tables = (*self.file.job.spring, *self.file.job.gripper)
+        single = {table.name for table in tables}  # another table may be named like one of a group
+        for table in tables:
+            numbered = re.compile(rf"{re.escape(table.name)}_\d+")
+            group = tuple(name for name in own if numbered.fullmatch(name) and name not in single)
             if group and table.name not in found:
                 found[table.name] = group
         return found

@@ -191,3 +191,9 @@ def test_the_stages_of_the_reference_are_those_of_a_job(tmp_path):
     job = setup_with(tmp_path, "\n".join(line[4:] for line in part.splitlines() if line.startswith("    ")))
     assert [stage.name for stage in job.stages] == ["close", "hold", "release"]
     assert job.stages[0].end == AtForce("punch", 5000.0) and job.stages[2].end == AtRest(1.0e-3, 0.01)
+
+
+def test_a_group_has_none_of_another_table(tmp_path):
+    other = '\n[[spring]]\nname = "corner_5"\npoints = [["0 mm", "70 mm"]]\nstiffness = 10\n'
+    job = setup_with(tmp_path, STAGES + other, ("grippers = []", 'grippers = ["corner"]'))
+    assert job.stages[2].grippers == ("corner_1", "corner_2", "corner_3", "corner_4")

@@ -240,11 +240,21 @@ def raised(shape: Shape, height: float) -> Shape:
 
 
 def held_free(parameters: DoubleDomeParameters, blank: Blank) -> tuple[Support, ...]:
-    """What holds a sheet without tools against rigid motions, and against nothing else: at rest its forces are zero."""
+    """What holds a sheet without tools against rigid motions, and against nothing else: at rest its forces are zero.
+
+    Raises:
+        InputError: no node in the middle, whose director is upright in the formed sheet: the free sheet would tilt.
+    """
 
     def nearest(x: float, y: float) -> list[int]:
         return [int(np.argmin(np.hypot(blank.node_position[:, 0] - x, blank.node_position[:, 1] - y)))]
 
+    if np.hypot(*blank.node_position[nearest(0.0, 0.0)[0], :2]) > 1.0e-6 * BLANK_LENGTH:
+        raise InputError(
+            f"release: with mesh_size = {parameters.mesh_size:g} m the {parameters.part} blank has no node in its "
+            "middle, which holds the free sheet upright; choose a size with an even number of elements along length "
+            "and width, such as 0.005 m, or part = quarter"
+        )
     displacements, rotations = FREE_MOTIONS[parameters.part]
     middle = Support(MIDDLE, nearest(0.0, 0.0), displacements=displacements, rotations=rotations)
     if parameters.part != "full":

@@ -22,7 +22,7 @@ from .compilation import MeshKernelSet, compile_missing, mesh_kernels
 from .layout import Span, padded
 from .plies.facet_tables import FacetTables
 from .plies.pass_model import PassModel, mean_density, own_pass_places, pass_places
-from .setup import Setup, World
+from .setup import Setup, World, hash_of_run
 from .sheet_model import SPARE_NODE_COUNT, Numerics, Places, SheetModel
 from .traits import node_traits
 
@@ -171,13 +171,6 @@ class Model:
         for sheet in self.sheets:
             for struct in (sheet.laws, sheet.cell):
                 yield from arrays_in(struct)
-
-
-def hash_of_run(setup: Setup) -> str:
-    """What is the same for set-ups whose runs have the same states, wherever they are computed and shown."""
-    elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
-    solver = setup.solver.model_copy(update=elsewhere)
-    return setup.model_copy(update={"solver": solver, "frame_count": 1}).content_hash
 
 
 def _damping_ratio(interface: Interface | SelfContact, sheet: SheetModel) -> float:

@@ -316,3 +316,10 @@ def _check_names(what: str, names: list[str]) -> None:
                 f"{what}: the name {name!r} of entry {index} is that of entry {names.index(name)} already; outputs "
                 "tell them apart by their names, so give each its own"
             )
+
+
+def hash_of_run(setup: Setup) -> str:
+    """What is the same for set-ups whose runs have the same states, wherever they are computed and shown."""
+    elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
+    solver = setup.solver.model_copy(update=elsewhere)
+    return setup.model_copy(update={"solver": solver, "frame_count": 1}).content_hash

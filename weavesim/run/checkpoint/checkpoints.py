@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ...engine.model import hash_of_run
+from ...engine.setup import hash_of_run
 from ...errors import InputError
 from ..frame import Frame
 from .container import PARTIAL, Content, DamageError, read_container, sync_folder, write_container

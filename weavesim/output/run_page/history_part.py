@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from ...run.frame import RunInfo
-from ...run.ledger import SUMS, SUPPLIED
 from ..history import History
 from .packing import rounded
 
@@ -84,6 +83,9 @@ def _drives(history: History) -> list[dict[str, Any]]:
 
 
 def _energies(info: RunInfo, history: History) -> list[dict[str, Any]]:
+    # it loads Warp, which the options of a run do not need
+    from ...run.ledger import SUMS, SUPPLIED
+
     book, copies = history.energies, energy_copies(info)
     factor, part = (1.0, "computed parts") if copies is None else (copies, "whole part")
     size = {name: float(np.abs(values).max(initial=0.0)) for name, values in book.items()}

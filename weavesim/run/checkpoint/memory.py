@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..staging.advance import recall_stage, stage_memory
 from .container import Content, DamageError
 
 if TYPE_CHECKING:
@@ -42,6 +41,9 @@ def put_together(memory: Any, arrays: Mapping[str, np.ndarray]) -> Any:
 
 def memory_of(simulation: Simulation) -> Content:
     """Everything that a run needs to go on, but for its frames; waits for the device."""
+    # it loads Warp, which a look into a folder of results does not need
+    from ..staging.advance import stage_memory
+
     state = simulation.state
     arrays: dict[str, np.ndarray] = {}
     memory = {
@@ -61,6 +63,8 @@ def recall(simulation: Simulation, content: Content) -> None:
     Raises:
         DamageError: the content is of another run.
     """
+    from ..staging.advance import recall_stage
+
     values, arrays = content
     state = {name.removeprefix(_STATE): array for name, array in arrays.items() if name.startswith(_STATE)}
     memory = put_together(values["memory"], arrays)

@@ -23,7 +23,6 @@ from ..measures.fabric_table import summary_of
 from ..notebook import NotebookBar, in_notebook
 from ..output.folder import LOG_NAME
 from ..output.run_page.history_part import tool_copies
-from ..output.run_page.recorder import stage_of
 from ..output.run_page.values import in_words
 from ..process.friction import in_words as friction_in_words
 from ..run.frame import Frame, Outcome, RunInfo
@@ -181,7 +180,7 @@ def frame_line(frame: Frame, info: RunInfo) -> str:
 
     Every energy of every frame is in ``history.csv``.
     """
-    stage = f"{stage_of(frame)}, " if stage_of(frame) else ""
+    stage = f"{frame.stage}, " if frame.stage else ""
     parts = [f"frame {frame.index}: {stage}time {frame.time:.6g} s, stroke {1e3 * frame.stroke:.2f} mm"]
     if info.tools:
         tools = zip(info.tool_names, info.tools, frame.tool_reaction, tool_copies(info), strict=True)

@@ -20,7 +20,7 @@ from weavesim.output.run_page.setup_rows import setup_tables
 from weavesim.output.run_page.values import Row, number, rows_of, text_of, words
 from weavesim.output.run_page.writing import in_script
 from weavesim.process.strokes import Stroke
-from weavesim.run.frame import Frame, Outcome
+from weavesim.run.frame import Outcome
 
 
 def unpacked(series, frame_count):
@@ -97,13 +97,10 @@ def test_the_view_has_every_field_in_units_for_readers(coarse_run):
 
 
 def test_frames_tell_their_stage(coarse_run):
-    class Staged(Frame):
-        stage = "pressing"
-
     info, frames = coarse_run
     recorder = FrameRecorder()
     recorder.start(info)
-    for frame in (frames[0], Staged(**vars(frames[1]))):
+    for frame in (frames[0], replace(frames[1], stage="pressing")):
         recorder.frame(frame)
     assert recorder.stages == ["", "pressing"]
 

@@ -12,7 +12,6 @@ import numpy as np
 from ...run.frame import Frame, Outcome, RunInfo
 from ..files import write_summary
 from .history_part import tool_copies
-from .recorder import stage_of
 
 PROGRESS_NAME = "progress.json"
 # Between two writes [s].
@@ -58,8 +57,8 @@ class ProgressRecord:
             "kinetic_over_internal": frame.energies.get("kinetic", 0.0) / internal if internal > 0.0 else None,
             "left_s": self._left(),
         }
-        if stage := stage_of(frame):
-            self._last["stage"] = stage
+        if frame.stage:
+            self._last["stage"] = frame.stage
         if now >= self._written + INTERVAL:
             self._write("running")
 

@@ -12,11 +12,6 @@ LARGEST_BYTES = 64_000_000
 LEFT_OUT = ("unit_cell_iterations",)
 
 
-def stage_of(frame: Frame) -> str:
-    """Name of the stage that a frame belongs to; "" in a run without stages."""
-    return str(getattr(frame, "stage", "") or "")
-
-
 class FrameRecorder:
     """Positions and fields of the frames of a run, in single precision, at most ``limit`` bytes of them.
 
@@ -85,7 +80,7 @@ class _Kept:
     """What is kept of one frame."""
 
     def __init__(self, place: int, frame: Frame) -> None:
-        self.place, self.stage = place, stage_of(frame)
+        self.place, self.stage = place, frame.stage
         self.tool_displacement = np.array(frame.tool_displacement, dtype=float)
         self.positions = [sheet.position.astype(np.float32) for sheet in frame.sheets]
         self.fields = [

@@ -232,7 +232,7 @@ def test_passing_over_far_tools_changes_nothing(precision):
     for spare_distance in (None, np.inf):
         simulation = falling_sheet(threads=1, precision=precision)
         if spare_distance is not None:
-            for laws in simulation.stepper._launches._node_laws:
+            for laws in simulation.stepper._launches.node_laws:
                 laws.spare_distance = spare_distance
         passed_over = []
         for _ in range(25):

@@ -19,7 +19,7 @@ COLOURS = {
     "bridging": "#edae49",
     "locking": "#5b3fb5",
     "gap": "#2b8a9c",
-    "self-contact": "#3f7d20",
+    "self-contact": "#1d1d2b",
 }
 
 

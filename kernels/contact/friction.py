@@ -1,10 +1,11 @@
 """Friction laws of a contact: the coefficient by a table, and a viscous film (docs/plies.md)."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
-from ..lanes import fill, lane_types, larger, smaller
+from ..lanes import fill, lane_types, larger, smaller, where_positive
 from ..operators import div, mul  # noqa: F401
 
 # Argument of the table.
@@ -47,20 +48,38 @@ def tool_friction_struct(real: type):
     return ToolFriction
 
 
+@wp.func
+def law_argument(law: Any, pressure: Any, speed: Any):
+    """Of a law's table: the Hersey number, or else the pressure."""
+    argument = pressure
+    if law.argument_kind == HERSEY:
+        argument = law.viscosity * speed / larger(pressure, fill(pressure, LEAST_PRESSURE))
+    return argument
+
+
+@wp.func
+def widened(low: Any, high: Any, argument: Any, pressure: Any):
+    """Extremes of an argument so far, with the present one where there is pressure."""
+    told = pressure - fill(pressure, LEAST_PRESSURE)
+    return where_positive(told, smaller(low, argument), low), where_positive(told, larger(high, argument), high)
+
+
 @cache
-def coefficient_function(real: type, lane_count: int):
-    """wp.func (law, argument) -> coefficient."""
-    lanes, FrictionLaw = lane_types(real, lane_count).lanes, friction_law_struct(real)
+def table_function(real: type, lane_count: int):
+    """wp.func (arguments, coefficients, first, last, x) -> coefficient at x, from the entries first to last - 1."""
+    lanes = lane_types(real, lane_count).lanes
 
     @wp.func
-    def coefficient(law: FrictionLaw, argument: lanes):
-        result = lanes(law.coefficient[0])
-        one = fill(argument, 1.0)
-        for k in range(1, law.argument.shape[0]):
-            span = law.argument[k] - law.argument[k - 1]
-            share = (argument - lanes(law.argument[k - 1])) / lanes(span)
+    def coefficient_at(
+        argument: wp.array(dtype=real), coefficient: wp.array(dtype=real), first: wp.int32, last: wp.int32, x: lanes
+    ):
+        result = lanes(coefficient[first])
+        one = fill(x, 1.0)
+        for k in range(first + 1, last):
+            span = argument[k] - argument[k - 1]
+            share = (x - lanes(argument[k - 1])) / lanes(span)
             share = larger(smaller(share, one), lanes())
-            result = result + (law.coefficient[k] - law.coefficient[k - 1]) * share
+            result = result + (coefficient[k] - coefficient[k - 1]) * share
         return result
 
-    return coefficient
+    return coefficient_at

@@ -4,8 +4,8 @@ from functools import cache
 
 import warp as wp
 
-from ..contact.friction import HERSEY, LEAST_PRESSURE, NO_ARGUMENT, YARN_ANGLE, friction_law_struct
-from ..lanes import dot, fill, lane_types, larger, magnitude, scale, smaller, square_root, where_positive
+from ..contact.friction import NO_ARGUMENT, YARN_ANGLE, friction_law_struct, law_argument, widened
+from ..lanes import dot, fill, lane_types, magnitude, scale, smaller, square_root
 from ..operators import div, mul  # noqa: F401
 from ..rows import MotionRow, PlyRow
 from .data import record_struct, slaves_struct
@@ -66,17 +66,14 @@ def friction_argument_function(real: type, lane_count: int):
     def friction_argument(
         law: FrictionLaw, pressure: lanes, speed: lanes, angle: lanes, record: Record, block: wp.int32
     ):
-        argument = pressure
+        argument = law_argument(law, pressure, speed)
         if law.argument_kind == YARN_ANGLE:
             argument = angle
-        if law.argument_kind == HERSEY:
-            argument = law.viscosity * speed / larger(pressure, lanes(real(LEAST_PRESSURE)))
         if law.argument_kind != NO_ARGUMENT:
-            low = record.rows[PlyRow.low, block]
-            high = record.rows[PlyRow.high, block]
-            told = pressure - lanes(real(LEAST_PRESSURE))
-            record.rows[PlyRow.low, block] = where_positive(told, smaller(low, argument), low)
-            record.rows[PlyRow.high, block] = where_positive(told, larger(high, argument), high)
+            rows = record.rows
+            low, high = widened(rows[PlyRow.low, block], rows[PlyRow.high, block], argument, pressure)
+            rows[PlyRow.low, block] = low
+            rows[PlyRow.high, block] = high
         return argument
 
     return friction_argument

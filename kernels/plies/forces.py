@@ -4,7 +4,7 @@ from functools import cache
 
 import warp as wp
 
-from ..contact.friction import YARN_ANGLE, coefficient_function
+from ..contact.friction import YARN_ANGLE, table_function
 from ..contact.penalty import friction_spring, normal_force
 from ..lanes import (
     cross,
@@ -58,7 +58,7 @@ def ply_forces_function(real: type, lane_count: int):
     Slaves, Facets, Law = slaves_struct(real, lane_count), facets_struct(real), contact_law_struct(real)
     Record, Place = record_struct(real, lane_count), ply_place_struct(real, lane_count)
     Stand, Forces = stand_struct(real, lane_count), ply_forces_struct(real, lane_count)
-    coefficient = coefficient_function(real, lane_count)
+    coefficient_at = table_function(real, lane_count)
     argument_of, yarn_angle = friction_argument_function(real, lane_count), yarn_angle_function(real, lane_count)
 
     @wp.func
@@ -107,7 +107,9 @@ def ply_forces_function(real: type, lane_count: int):
         trial = turned - scale(dot(turned, n), n)
         argument = argument_of(law.friction, forces.pressure, speed, angle, record, block)
         area = stiffness / lanes(law.area_stiffness)
-        limit = coefficient(law.friction, argument) * forces.pressure * area
+        table = law.friction
+        coefficient = coefficient_at(table.argument, table.coefficient, 0, table.argument.shape[0], argument)
+        limit = coefficient * forces.pressure * area
         tangential = law.tangential_ratio * stiffness
         held = friction_spring(trial, tangential, limit)
         film = where_positive(forces.pressure, law.friction.film * area, lanes())

@@ -4,32 +4,12 @@ from functools import cache
 
 import warp as wp
 
-from ..contact.friction import HERSEY, LEAST_PRESSURE, NO_ARGUMENT, tool_friction_struct
+from ..contact.friction import NO_ARGUMENT, law_argument, table_function, tool_friction_struct, widened
 from ..contact.penalty import friction_spring, touch_struct
 from ..contact.tool_distance import tool_set_struct
-from ..lanes import dot, fill, lane_types, larger, rows3, scale, smaller, square_root, where_positive
+from ..lanes import dot, lane_types, larger, rows3, scale, square_root, where_positive
 from ..operators import div, mul  # noqa: F401
 from .node_data import node_laws_struct, present_struct
-
-
-@cache
-def tool_coefficient_function(real: type, lane_count: int):
-    """wp.func (tools, law, argument) -> coefficient, as ``coefficient_function``."""
-    lanes, Tools = lane_types(real, lane_count).lanes, tool_set_struct(real)
-    ToolFriction = tool_friction_struct(real)
-
-    @wp.func
-    def coefficient(tools: Tools, law: ToolFriction, argument: lanes):
-        result = lanes(tools.coefficient[law.first])
-        one = fill(argument, 1.0)
-        for k in range(law.first + 1, law.last):
-            span = tools.argument[k] - tools.argument[k - 1]
-            share = (argument - lanes(tools.argument[k - 1])) / lanes(span)
-            share = larger(smaller(share, one), lanes())
-            result = result + (tools.coefficient[k] - tools.coefficient[k - 1]) * share
-        return result
-
-    return coefficient
 
 
 @cache
@@ -40,20 +20,16 @@ def rub_by_law_function(real: type, lane_count: int):
     Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
     Tools, Touch = tool_set_struct(real), touch_struct(real, lane_count)
     ToolFriction = tool_friction_struct(real)
-    coefficient = tool_coefficient_function(real, lane_count)
+    coefficient_at = table_function(real, lane_count)
 
     @wp.func
     def argument_of(law: ToolFriction, pressure: lanes, speed: lanes, touch: Touch, row: wp.int32, block: wp.int32):
-        argument = pressure
-        if law.argument_kind == HERSEY:
-            argument = law.viscosity * speed / larger(pressure, lanes(real(LEAST_PRESSURE)))
+        argument = law_argument(law, pressure, speed)
         if law.argument_kind != NO_ARGUMENT:
-            told = pressure - lanes(real(LEAST_PRESSURE))
             largest_row = row + 1  # behind that of the smallest
-            low = touch.argument[row, block]
-            high = touch.argument[largest_row, block]
-            touch.argument[row, block] = where_positive(told, smaller(low, argument), low)
-            touch.argument[largest_row, block] = where_positive(told, larger(high, argument), high)
+            low, high = widened(touch.argument[row, block], touch.argument[largest_row, block], argument, pressure)
+            touch.argument[row, block] = low
+            touch.argument[largest_row, block] = high
         return argument
 
     @wp.func
@@ -80,7 +56,8 @@ def rub_by_law_function(real: type, lane_count: int):
         stretched = rows3(touch.friction, 3 * tool, present.block) + present.mean_step * relative
         trial = stretched - scale(dot(stretched, n), n)
         tangential = laws.tangential_ratio * (laws.contact_stiffness * present.mass)
-        held = friction_spring(trial, tangential, wp.cw_mul(coefficient(tools, law, argument), push))
+        coefficient = coefficient_at(tools.argument, tools.coefficient, law.first, law.last, argument)
+        held = friction_spring(trial, tangential, wp.cw_mul(coefficient, push))
         film = where_positive(push, law.film * area, lanes())
         drag = -(scale(tangential, held) + scale(film, flat))
         return drag, held

@@ -5,6 +5,7 @@ own calls, so that it gets the numbers that it gets alone.
 """
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
@@ -21,25 +22,36 @@ from ..stepping.step import fold_works_function
 from .arguments import force_arguments, frequency_arguments, grip_arguments, node_arguments, record_arguments
 
 
+def over_worlds(name: str, arguments: Any, work: wp.Function, options: dict[str, Any] | None = None) -> wp.Kernel:
+    """Kernel (blocks of each world, whether each runs, arguments of each) that does ``work`` on every block.
+
+    Args:
+        name: of the kernel, in profiles and in the cache.
+        arguments: struct of what one world gives.
+        work: wp.func (block, arguments).
+        options: of the module.
+    """
+
+    def over_blocks(block_count: wp.int32, running: wp.array(dtype=wp.int32), worlds: wp.array(dtype=arguments)):
+        world = wp.tid() / block_count
+        if running[world] != 0:
+            work(wp.tid() - world * block_count, worlds[world])
+
+    over_blocks.__name__ = over_blocks.__qualname__ = name
+    return wp.kernel(over_blocks, module="unique", enable_backward=False, module_options=options)
+
+
 @cache
 def world_forces_kernel(real: type, lane_count: int, cell: CellLaw, traits: SheetTraits):
     """Kernel, launched once per step: forces of all elements; see ``element_force_kernel``."""
     Arguments = force_arguments(real, lane_count, cell, traits)
     forces_of_block = element_force_function(real, lane_count, cell, traits)
 
-    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
-    def world_forces(
-        block_count: wp.int32,
-        running: wp.array(dtype=wp.int32),
-        worlds: wp.array(dtype=Arguments),
-    ):
-        world = wp.tid() / block_count
-        block = wp.tid() - world * block_count
-        if running[world] != 0:
-            a = worlds[world]
-            forces_of_block(block, a.sheet, a.motion, a.clock, a.cell_unknowns, a.cell_report, a.slip, a.corner_force)
+    @wp.func
+    def forces(block: int, a: Arguments):
+        forces_of_block(block, a.sheet, a.motion, a.clock, a.cell_unknowns, a.cell_report, a.slip, a.corner_force)
 
-    return world_forces
+    return over_worlds("world_forces", Arguments, forces, step_options(real))
 
 
 @cache
@@ -47,19 +59,11 @@ def world_nodes_kernel(real: type, lane_count: int, traits: NodeTraits):
     """Kernel, launched once per step: motion of all nodes; see ``node_motion_kernel``."""
     Arguments, move_block = node_arguments(real, lane_count), node_motion_function(real, lane_count, traits)
 
-    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
-    def world_nodes(
-        block_count: wp.int32,
-        running: wp.array(dtype=wp.int32),
-        worlds: wp.array(dtype=Arguments),
-    ):
-        world = wp.tid() / block_count
-        block = wp.tid() - world * block_count
-        if running[world] != 0:
-            a = worlds[world]
-            move_block(block, a.nodes, a.laws, a.around, a.corners, a.motion, a.touch, a.works)
+    @wp.func
+    def nodes(block: int, a: Arguments):
+        move_block(block, a.nodes, a.laws, a.around, a.corners, a.motion, a.touch, a.works)
 
-    return world_nodes
+    return over_worlds("world_nodes", Arguments, nodes, step_options(real))
 
 
 @cache
@@ -68,21 +72,13 @@ def world_frequencies_kernel(real: type, lane_count: int, cell: CellLaw, traits:
     Arguments = frequency_arguments(real, lane_count, cell, traits)
     frequencies_of_block = element_frequency_function(real, lane_count, cell, traits)
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def world_frequencies(
-        block_count: wp.int32,
-        running: wp.array(dtype=wp.int32),
-        worlds: wp.array(dtype=Arguments),
-    ):
-        world = wp.tid() / block_count
-        block = wp.tid() - world * block_count
-        if running[world] != 0:
-            a = worlds[world]
-            frequencies_of_block(
-                block, a.sheet, a.bounds, a.motion, a.cell_unknowns, a.inertia, a.clock, a.squared_frequency
-            )
+    @wp.func
+    def frequencies(block: int, a: Arguments):
+        frequencies_of_block(
+            block, a.sheet, a.bounds, a.motion, a.cell_unknowns, a.inertia, a.clock, a.squared_frequency
+        )
 
-    return world_frequencies
+    return over_worlds("world_frequencies", Arguments, frequencies)
 
 
 @cache
@@ -91,19 +87,11 @@ def world_extremes_kernel(real: type, lane_count: int, flat: bool):
     Arguments = record_arguments(real, lane_count)
     extremes_of_block = element_extremes_function(real, lane_count, flat)
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def world_extremes(
-        block_count: wp.int32,
-        running: wp.array(dtype=wp.int32),
-        worlds: wp.array(dtype=Arguments),
-    ):
-        world = wp.tid() / block_count
-        block = wp.tid() - world * block_count
-        if running[world] != 0:
-            a = worlds[world]
-            extremes_of_block(block, a.elements, a.motion, a.extremes)
+    @wp.func
+    def extremes(block: int, a: Arguments):
+        extremes_of_block(block, a.elements, a.motion, a.extremes)
 
-    return world_extremes
+    return over_worlds("world_extremes", Arguments, extremes)
 
 
 @cache
@@ -111,19 +99,11 @@ def world_grips_kernel(real: type):
     """Kernel, launched once per step after the elements: springs of gripped nodes; see ``grip_kernel``."""
     Arguments, pull_node = grip_arguments(real), grip_function(real)
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def world_grips(
-        block_count: wp.int32,  # gripped nodes of each world
-        running: wp.array(dtype=wp.int32),
-        worlds: wp.array(dtype=Arguments),
-    ):
-        world = wp.tid() / block_count
-        k = wp.tid() - world * block_count
-        if running[world] != 0:
-            a = worlds[world]
-            pull_node(k, a.grips, a.motion, a.clock, a.corner_force, a.kept)
+    @wp.func
+    def grips(node: int, a: Arguments):
+        pull_node(node, a.grips, a.motion, a.clock, a.corner_force, a.kept)
 
-    return world_grips
+    return over_worlds("world_grips", Arguments, grips)
 
 
 @cache
@@ -131,16 +111,8 @@ def world_works_kernel(real: type, lane_count: int):
     """Kernel, launched once per block of steps: works of the last steps; see ``fold_works_kernel``."""
     Arguments, fold_works_of_block = record_arguments(real, lane_count), fold_works_function(real, lane_count)
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def world_works(
-        block_count: wp.int32,
-        running: wp.array(dtype=wp.int32),
-        worlds: wp.array(dtype=Arguments),
-    ):
-        world = wp.tid() / block_count
-        block = wp.tid() - world * block_count
-        if running[world] != 0:
-            a = worlds[world]
-            fold_works_of_block(block, a.works, a.sums)
+    @wp.func
+    def works(block: int, a: Arguments):
+        fold_works_of_block(block, a.works, a.sums)
 
-    return world_works
+    return over_worlds("world_works", Arguments, works)

@@ -27,6 +27,8 @@ SHOWN_CURVATURE = 60.0  # [1/m]
 BEYOND = 1.2
 LEAST_STRAIN, CRIMP_STRAINS = 0.01, 2.5
 PRESSURE = 100.0e3  # [Pa], that of a vacuum bag
+# A band and what is extrapolated may rise to this multiple of the curves within the data before they leave a chart.
+BAND_ROOM = 1.8
 YARNS: tuple[YarnName, YarnName] = ("warp", "weft")
 
 
@@ -63,6 +65,32 @@ class CurveSet:
     trusted: tuple[float, float] | None = None
     measured_to: float | None = None
     note: str = ""
+
+    def shown_ordinates(self, end: float | None = None) -> tuple[float, float] | None:
+        """Range of ordinates to draw: of the curves up to an abscissa, not of what is extrapolated beyond.
+
+        Thickness is not drawn from zero.
+
+        Args:
+            end: abscissa; None takes that of the last measured point, or of the first line's end.
+
+        Returns:
+            None where all ordinates are the same.
+        """
+        last = end or self.measured_to or float(self.lines[0].x[-1])
+        last *= 1.0 + 1.0e-9
+        within = np.concatenate([line.y[line.x <= last] for line in self.lines])
+        least, most = float(within.min()), float(within.max())
+        low, high = least, most
+        if self.band is not None:
+            x, below, above = self.band
+            low, high = min(low, float(below[x <= last].min())), max(high, float(above[x <= last].max()))
+        if self.y_label.startswith("thickness"):
+            margin = 0.1 * (high - low) or 0.1 * high
+            return max(low - margin, 0.0), high + margin
+        if most <= least:
+            return None
+        return 1.1 * min(least, 0.0), min(1.05 * high, BAND_ROOM * most) if most > 0.0 else 0.0
 
 
 @dataclass(frozen=True)

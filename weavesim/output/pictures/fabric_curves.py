@@ -6,8 +6,6 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from .style import ACCENT, FAINT, GREY, LINE_COLOURS, add_legend, new_axes, new_figure
 
 if TYPE_CHECKING:
@@ -16,8 +14,6 @@ if TYPE_CHECKING:
 
     from ...measures.fabric_curves import CurveSet
 
-# A band and what is extrapolated may rise to this multiple of the curves within the data before they leave the chart.
-BAND_ROOM = 1.8
 CAPTION = (
     "Grey: where the measured points are trusted. Dotted: the end of the data, beyond which a curve is extrapolated.\n"
     "Light band: the first curve with each of its numbers at either end of its range, one at a time."
@@ -57,7 +53,8 @@ def _chart(axes: Axes, curves: CurveSet, is_start: bool) -> None:
         axes.axvline(end, color=FAINT, linestyle=":", linewidth=1.4, label=f"end of the data, {end:.3g}")
     axes.axhline(0.0, color=FAINT, linewidth=0.8)
     axes.set_xlim(0.0, _start(curves) if is_start else first.x[-1])
-    _limit(axes, curves, is_start)
+    if shown := curves.shown_ordinates(_start(curves) if is_start else None):
+        axes.set_ylim(*shown)
     if not is_start and (len(curves.lines) > 1 or curves.trusted is not None):
         add_legend(axes, loc="best")
 
@@ -65,20 +62,3 @@ def _chart(axes: Axes, curves: CurveSet, is_start: bool) -> None:
 def _start(curves: CurveSet) -> float:
     """The first quarter, at most 12 degrees."""
     return min(0.25 * float(curves.lines[0].x[-1]), 12.0)
-
-
-def _limit(axes: Axes, curves: CurveSet, is_start: bool) -> None:
-    """Ordinates from the curves within the data, not from what is extrapolated; thickness is not shown from zero."""
-    first = curves.lines[0]
-    end = _start(curves) if is_start else (curves.measured_to or float(first.x[-1]))
-    lines = np.concatenate([line.y[line.x <= end * (1.0 + 1.0e-9)] for line in curves.lines])
-    least, most = float(lines.min()), float(lines.max())
-    low, high = least, most
-    if curves.band is not None:
-        x, below, above = curves.band
-        low, high = min(low, float(below[x <= end].min())), max(high, float(above[x <= end].max()))
-    if curves.y_label.startswith("thickness"):
-        margin = 0.1 * (high - low) or 0.1 * high
-        axes.set_ylim(max(low - margin, 0.0), high + margin)
-    elif most > least:
-        axes.set_ylim(1.1 * min(least, 0.0), min(1.05 * high, BAND_ROOM * most))

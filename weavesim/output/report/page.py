@@ -41,17 +41,28 @@ class Report:
 
 def write_report(path: str | Path, report: Report) -> None:
     """Write the page."""
-    from importlib.resources import files
-
-    from jinja2 import Environment, StrictUndefined
-
     pictures = [(base64.b64encode(file.read_bytes()).decode("ascii"), caption) for file, caption in report.pictures]
     tables = [
         (title, [_labelled(name, value) for name, value in rows.items()]) for title, rows in report.tables.items()
     ]
-    page = files(__package__).joinpath("template.html").read_text(encoding="utf-8")
-    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(page)
-    write_text(Path(path), template.render(report=report, pictures=pictures, tables=tables))
+    write_text(Path(path), rendered(str(__package__), report=report, pictures=pictures, tables=tables))
+
+
+def rendered(package: str, **values: Any) -> str:
+    """The page of ``template.html`` of a package, in the style of all reports.
+
+    Args:
+        package: name of the package.
+        values: of the template.
+    """
+    from importlib.resources import files
+
+    from jinja2 import Environment, StrictUndefined
+
+    styles = files(__package__).joinpath("style.css").read_text(encoding="utf-8")
+    page = files(package).joinpath("template.html").read_text(encoding="utf-8")
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    return environment.from_string(page).render(styles=styles, **values)
 
 
 def _labelled(name: str, value: Any) -> tuple[str, str]:

@@ -6,14 +6,9 @@ import logging
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ...measures.fabric_curves import CurveSet, bending_curves, shear_curves, tension_curves, thickness_curves
 from ...measures.fabric_table import rows_of, summary_of
 from .packing import rounded
-
-# A band may rise to this multiple of the curves within the data before it leaves the chart.
-BAND_ROOM = 1.8
 
 if TYPE_CHECKING:
     from ...fabric.fabric import Fabric
@@ -70,6 +65,7 @@ def _curves(fabric: Fabric) -> list[CurveSet]:
 
 
 def _chart(curves: CurveSet) -> dict[str, Any]:
+    level = float(curves.lines[0].y[0])
     lines = [{"label": line.label, "x": rounded(line.x), "y": rounded(line.y)} for line in curves.lines]
     return {
         "title": curves.title,
@@ -80,23 +76,5 @@ def _chart(curves: CurveSet) -> dict[str, Any]:
         "trusted": list(curves.trusted) if curves.trusted is not None else None,
         "measuredTo": curves.measured_to,
         "note": curves.note,
-        "yRange": list(_ordinates(curves)),
+        "yRange": list(curves.shown_ordinates() or (level - 1.0, level + 1.0)),
     }
-
-
-def _ordinates(curves: CurveSet) -> tuple[float, float]:
-    """Least and largest ordinate that is shown: of the curves within the data, not of what is extrapolated."""
-    first = curves.lines[0]
-    end = (curves.measured_to or float(first.x[-1])) * (1.0 + 1.0e-9)
-    within = np.concatenate([line.y[line.x <= end] for line in curves.lines])
-    least, most = float(within.min()), float(within.max())
-    low, high = least, most
-    if curves.band is not None:
-        x, below, above = curves.band
-        low, high = min(low, float(below[x <= end].min())), max(high, float(above[x <= end].max()))
-    if curves.y_label.startswith("thickness"):
-        margin = 0.1 * (high - low) or 0.1 * high
-        return max(low - margin, 0.0), high + margin
-    if most <= least:
-        return least - 1.0, least + 1.0
-    return 1.1 * min(least, 0.0), min(1.05 * high, BAND_ROOM * most) if most > 0.0 else 0.0

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...errors import InputError
 from ...output.files import write_text
-from ...output.report.page import shown
+from ...output.report.page import rendered, shown
 from ...version import __version__
 from ..analysis.results import Point, StudyResults
 
@@ -37,9 +37,6 @@ def write_page(path: Path, results: StudyResults, *, best: str = "") -> None:
         results: of the study.
         best: link to the page of the best run, relative to the page; "" for none.
     """
-    from importlib.resources import files
-
-    from jinja2 import Environment, StrictUndefined
     from plotly.io import to_html
     from plotly.offline import get_plotlyjs
 
@@ -52,12 +49,10 @@ def write_page(path: Path, results: StudyResults, *, best: str = "") -> None:
         )
         for name, caption, figure in charts(results)
     ]  # fmt: skip
-    page = files(__package__).joinpath("template.html").read_text(encoding="utf-8")
-    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(page)
     write_text(
         path,
-        template.render(
-            title=results.table.name, subtitle=_subtitle(results), tiles=list(_tiles(results)),
+        rendered(
+            str(__package__), title=results.table.name, subtitle=_subtitle(results), tiles=list(_tiles(results)),
             remarks=list(results.remarks()), charts=drawn, script=get_plotlyjs(), best=best,
             headings=_headings(results), rows=[_row(results, point) for point in results.points[:LARGEST_TABLE]],
             left_out=max(len(results.points) - LARGEST_TABLE, 0), measures=list(_measures(results)),

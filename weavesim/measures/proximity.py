@@ -21,19 +21,29 @@ def close_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> int
     """
     if not distance > 0.0:
         raise InputError(f"distance of close pairs is {distance} m; it must be positive")
+    gap = pair_distances(position, quads, *far_pairs(position, quads, distance))
+    return int((gap < distance).sum())
+
+
+def far_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
+    """``near_pairs`` without neighbours: nodes and elements, (k,) each."""
     node, element = near_pairs(position, quads, distance)
     far = ~np.isin(element * len(position) + node, neighbour_keys(quads, len(position)))
-    element, node = element[far], node[far]
-    if len(node) == 0:
-        return 0
+    return node[far], element[far]
+
+
+def pair_distances(position: np.ndarray, quads: np.ndarray, node: np.ndarray, element: np.ndarray) -> np.ndarray:
+    """Distance of each node (k,) from its element (k,), which is two triangles, (k,) [m]."""
+    distance = np.full(len(node), np.inf)
+    if not len(node):
+        return distance
     from trimesh.triangles import closest_point  # import takes half a second, and a good sheet never needs it
 
     corners = position[quads]
-    gap = np.full(len(node), np.inf)
     for triangle in ((0, 1, 2), (0, 2, 3)):
-        nearest = closest_point(corners[element][:, triangle], position[node])
-        gap = np.minimum(gap, np.linalg.norm(nearest - position[node], axis=1))
-    return int((gap < distance).sum())
+        foot = closest_point(corners[element][:, triangle], position[node])
+        distance = np.minimum(distance, np.linalg.norm(foot - position[node], axis=1))
+    return distance
 
 
 def near_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:

@@ -10,6 +10,9 @@ from ..checks import NotNegative, Parameters, Positive
 from ..ranges import Quantity
 from .friction import Coulomb, Friction
 
+# Nearer on the flat blank than this many thicknesses, points of one sheet are neighbours, and do not touch.
+EXCLUDED_THICKNESSES = 2.0
+
 
 class SelfContact(Parameters):
     """Contact of a sheet with itself, at its initial thickness.

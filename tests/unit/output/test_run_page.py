@@ -10,16 +10,19 @@ import numpy as np
 import pytest
 
 from tests.support.made_run import made_info, made_run
+from weavesim.measures.defects.judgement import Region
 from weavesim.output import ResultFolder
-from weavesim.output.run_page.judged_part import verdict_of
+from weavesim.output.run_page.judged_part import region_of_page, verdict_of
 from weavesim.output.run_page.packing import packed_series, rounded
 from weavesim.output.run_page.provenance import provenance_rows
 from weavesim.output.run_page.recorder import FrameRecorder
 from weavesim.output.run_page.scene import clustered, scene_of
 from weavesim.output.run_page.setup_rows import setup_tables
+from weavesim.output.run_page.shown_fields import JUDGED_FIELDS
 from weavesim.output.run_page.values import Row, number, rows_of, text_of, words
 from weavesim.output.run_page.writing import in_script
 from weavesim.process.strokes import Stroke
+from weavesim.run.fields import FIELDS
 from weavesim.run.frame import Outcome
 
 
@@ -254,3 +257,11 @@ def test_two_plies_are_two_sheets(tmp_path, stack):
     data = json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL)[1])
     assert [sheet["name"] for sheet in data["scene"]["sheets"]] == [sheet.name for sheet in stack[0].sheets]
     assert [sheet["level"] for sheet in data["scene"]["sheets"]] == list(stack[0].levels)
+
+
+@pytest.mark.parametrize("kind", ["wrinkle", "bridging", "locking", "gap", "self-contact"])
+def test_a_region_of_any_kind_leads_to_a_field_of_the_menu(kind):
+    region = Region(kind, np.array([3, 5]), 5, 1e-4, (0.0, 0.1, 0.2), (0.0, 0.1), 1e-3, 2.0, 0.02, 2)
+    found = region_of_page(region, 0, "sheet")
+    assert found["worst"] == 5 and found["elements"] == [3, 5]
+    assert found["field"] in {field.name for field in (*JUDGED_FIELDS, *FIELDS)}

@@ -42,13 +42,18 @@ class FacetTables:
         sheet, layout = self.sheet, normal_layout(self.sheet)
         rows, count = np.zeros((layout.row_count, sheet.node_count)), sheet.blank.node_count
         rows[:2, :count] = sheet.blank.material_coordinates.T
-        rows[3, :count] = self.edge_distance == 0.0
+        rows[3, :count] = self.on_edge
         return wp.array(layout.flat(rows), dtype=sheet.real, device=sheet.device)
 
     @cached_property
     def edge_distance(self) -> np.ndarray:
         """Distance of every node of the flat blank from a free edge, (node_count,) [m]."""
         return free_edge_distance(self.sheet.blank, self.sheet.symmetry)
+
+    @cached_property
+    def on_edge(self) -> np.ndarray:
+        """Which nodes lie on a free edge, (node_count,) bool."""
+        return self.edge_distance == 0.0
 
     @cached_property
     def home(self) -> wp.array:

@@ -80,7 +80,10 @@ def groups_that_hang_together(
     group, other = reached.nonzero()
     gap = np.maximum(other_low[other] - high[group], low[group] - other_high[other]).max(axis=1)
     kept = (gap <= distance) & whole[group] & other_whole[other]
-    return padded_columns([np.sort(other[kept & (group == k)]) for k in range(first.shape[1])])
+    group, other = group[kept], other[kept]
+    order = np.lexsort((other, group))
+    ends = np.searchsorted(group[order], np.arange(1, first.shape[1]))
+    return padded_columns(np.split(other[order], ends))
 
 
 def nodes_at_cuts(flat: np.ndarray, on_edge: np.ndarray, size: float) -> np.ndarray:

@@ -15,7 +15,6 @@ from ...kernels.plies.own_search import (
     seek_own_facets_kernel,
     sheet_points_struct,
 )
-from .connectivity import free_edge_distance
 from .groups import compact_groups, groups_that_hang_together, nodes_at_cuts, nodes_of
 from .normals import normal_layout
 from .pass_model import PassModel
@@ -45,8 +44,7 @@ class OwnSearch:
         nodes, facets = compact_groups(flat), compact_groups(flat[blank.quads].mean(axis=1))
         facet_nodes = nodes_of(facets, blank.quads)
         self._nodes, self._facets = self._bounds(nodes, nodes), self._bounds(facets, facet_nodes)
-        on_edge = free_edge_distance(blank, self._sheet.symmetry) == 0.0
-        cut = nodes_at_cuts(flat, on_edge, float(np.sqrt(np.mean(self._sheet.geometry.area))))
+        cut = nodes_at_cuts(flat, model.on_edge, float(np.sqrt(np.mean(self._sheet.geometry.area))))
         reach = SPARE_REACH * (model.thickness + model.skin)
         hanging = groups_that_hang_together(nodes, facet_nodes, flat, reach, cut)
         self._points = self._sheet_points(model, motion, normals, hanging)

@@ -16,7 +16,7 @@ from ...kernels.plies.search import search_struct
 from ...kernels.rows import PLY_RECORD_LENGTH, PlyRow
 from ...process.friction_device import argument_kind, carried_rate, viscous_rates, viscous_share
 from ...process.interfaces import Interface
-from ...process.self_contact import SelfContact
+from ...process.self_contact import EXCLUDED_THICKNESSES, SelfContact
 from ..layout import RowLayout
 from ..sheet_model import REFRESH_INTERVAL, TANGENTIAL_RATIO, SheetModel
 from .connectivity import distance_from, free_edge_nodes
@@ -26,8 +26,6 @@ from .normals import normal_layout
 
 # Nodes within this share of an element's size of a facet are listed with it.
 SKIN_SHARE = 0.3
-# Of the thickness: nearer on the flat blank, points of one sheet are neighbours.
-EXCLUDED_THICKNESSES = 2.0
 # Coordinates up to which feet may lie beyond a free edge: rounding between plies, and at most within a sheet.
 FARTHEST_OF_PLIES = 1.001
 LARGEST_FARTHEST = 1.5
@@ -145,6 +143,11 @@ class PassModel:
             distance = np.minimum(distance, distance_from(self.slave.blank.node_position, edge))
         near = np.clip((band + size - distance) / size, 0.0, 1.0)
         return share + (max(share, 0.5) - share) * near
+
+    @property
+    def on_edge(self) -> np.ndarray:
+        """Which nodes lie on a free edge of their sheet, (node_count,) bool."""
+        return self._own_facets.on_edge
 
     # --- device constants --------------------------------------------------------------------------------------------
 

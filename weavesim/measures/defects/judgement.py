@@ -65,6 +65,7 @@ class Region:
     Attributes:
         kind: "wrinkle", "bridging", "locking", "gap" or "self-contact".
         elements: (k,).
+        worst: of them, that farthest beyond the limit.
         area: current [m^2].
         place: centre of the worst element, formed (x, y, z) [m].
         flat_place: the same on the flat blank (x, y) [m].
@@ -77,6 +78,7 @@ class Region:
 
     kind: str
     elements: np.ndarray
+    worst: int
     area: float
     place: tuple[float, float, float]
     flat_place: tuple[float, float]
@@ -223,8 +225,8 @@ class Judgement:
                 wavelength, crests = self._of_wrinkle(elements, worst, limit) if kind == "wrinkle" else (None, None)
                 largest = self.fields["self_contact_gap"] if kind == "self-contact" else value
                 found.append(
-                    Region(kind, elements, float(area[elements].sum()), (x, y, z), (u, v), float(largest[worst]),
-                           float(value[worst] / limit), wavelength, crests)
+                    Region(kind, elements, int(worst), float(area[elements].sum()), (x, y, z), (u, v),
+                           float(largest[worst]), float(value[worst] / limit), wavelength, crests)
                 )  # fmt: skip
         return tuple(sorted(found, key=lambda region: -region.severity))
 

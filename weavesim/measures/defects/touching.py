@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..proximity import near_pairs, neighbour_keys
-
-# Nearer on the flat blank than this many thicknesses, points are neighbours, as in contact of a sheet with itself.
-EXCLUDED_THICKNESSES = 2.0
+from ...process.self_contact import EXCLUDED_THICKNESSES
+from ..proximity import far_pairs, pair_distances
 
 
 def distance_to_others(
@@ -25,23 +23,14 @@ def distance_to_others(
         thickness: of the sheet [m].
         reach: [m].
     """
-    result = np.full(len(quads), np.inf)
-    node, element = near_pairs(position, quads, reach)
+    result, at_node = np.full(len(quads), np.inf), np.full(len(position), np.inf)
+    node, element = far_pairs(position, quads, reach)
     corner = flat[quads]
     size = np.linalg.norm(corner - corner.mean(axis=1)[:, None], axis=2).max(axis=1)
     apart = np.linalg.norm(flat[node] - corner.mean(axis=1)[element], axis=1) - size[element]
     far = apart > EXCLUDED_THICKNESSES * thickness
-    far &= ~np.isin(element * len(position) + node, neighbour_keys(quads, len(position)))
     node, element = node[far], element[far]
-    if not len(node):
-        return result
-    from trimesh.triangles import closest_point  # import takes half a second, and a good sheet never needs it
-
-    corners, distance = position[quads], np.full(len(node), np.inf)
-    for triangle in ((0, 1, 2), (0, 2, 3)):
-        foot = closest_point(corners[element][:, triangle], position[node])
-        distance = np.minimum(distance, np.linalg.norm(foot - position[node], axis=1))
-    at_node = np.full(len(position), np.inf)
+    distance = pair_distances(position, quads, node, element)
     np.minimum.at(at_node, node, distance)
     np.minimum.at(result, element, distance)
     result = np.minimum(result, at_node[quads].min(axis=1))

@@ -17,7 +17,10 @@ from .shown_fields import JUDGED_FIELDS
 from .values import number, words
 
 # Field that shows what a region is about.
-_FIELD = {"wrinkle": "wrinkle_amplitude", "bridging": "gap", "gap": "gap", "locking": "shear_angle"}
+_FIELD = {
+    "wrinkle": "wrinkle_amplitude", "bridging": "gap", "gap": "gap", "locking": "shear_angle",
+    "self-contact": "self_contact_gap",
+}  # fmt: skip
 # More regions or elements than a reader looks at.
 LARGEST_REGION_COUNT = 60
 
@@ -56,6 +59,8 @@ class JudgedPart:
             parts.append(f"bridging gap {number(limits.bridging_gap, 'm')}")
         if limits.gap is not None:
             parts.append(f"gap {number(limits.gap, 'm')} anywhere")
+        if limits.self_contact_gap is not None:
+            parts.append(f"sheet within {number(limits.self_contact_gap, 'm')} of itself")
         angles = {sheet.locking_angle for sheet in self.sheets} - {None}
         parts += [f"shear angle {number(angle, 'degrees')}" for angle in sorted(a for a in angles if a is not None)]
         return "; ".join(parts) or "none"
@@ -78,12 +83,13 @@ def judge(results: Results, options: Mapping[str, Any]) -> JudgedPart | None:
             own_locking_angle(sheet.info.fabric),
         )  # fmt: skip
         sheets.append(judgement)
-        names = [shown_one.name for shown_one in JUDGED_FIELDS]
-        fields.append({name: judgement.fields[name] for name in names if name in judgement.fields})
+        found = {one.name: judgement.fields.get(one.name) for one in JUDGED_FIELDS}
+        # a sheet without folds is nowhere near itself
+        fields.append(
+            {name: values for name, values in found.items() if values is not None and np.isfinite(values).any()}
+        )
         several = len(results.sheets) > 1
-        regions += [
-            _region(region, judgement, place, sheet.info.name if several else "") for region in judgement.regions
-        ]
+        regions += [region_of_page(region, place, sheet.info.name if several else "") for region in judgement.regions]
     regions.sort(key=lambda region: -region["severity"])
     return JudgedPart(limits, tuple(sheets), tuple(regions[:LARGEST_REGION_COUNT]), tuple(fields))
 
@@ -93,17 +99,15 @@ def _limits(options: Mapping[str, Any]) -> Limits:
     return Limits() if not path else Limits(**read_document(path, "file of limits").values)
 
 
-def _region(region: Region, judgement: Judgement, place: int, name: str) -> dict[str, Any]:
-    values = judgement.fields[{"bridging": "gap", "wrinkle": "wrinkle_amplitude", "gap": "gap"}.get(
-        region.kind, "shear_angle_deg")]  # fmt: skip
-    worst = int(region.elements[int(np.argmax(values[region.elements]))])
+def region_of_page(region: Region, place: int, name: str) -> dict[str, Any]:
+    """A region for the page: of the sheet number ``place``, whose name is said if it is given."""
     text = region_text(region)
     return {
         "sheet": place,
         "kind": region.kind,
         "text": f"{name}: {text}" if name else text,
         "field": _FIELD[region.kind],
-        "worst": worst,
+        "worst": region.worst,
         "elements": region.elements.tolist(),
         "severity": region.severity,
     }

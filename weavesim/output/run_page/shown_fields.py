@@ -85,6 +85,9 @@ JUDGED_FIELDS = (
     ShownField("wrinkle_wavelength", "wavelength", "mm", 1.0e3, "length of these waves", last_only=True),
     ShownField("gap", "gap to the nearest tool", "mm", 1.0e3,
                "between the surface of the sheet and the nearest tool, negative inside it", last_only=True),
+    ShownField("self_contact_gap", "gap to the sheet itself", "mm", 1.0e3,
+               "between the surfaces of parts of the sheet that lie on each other; no value where none is near",
+               last_only=True),
 )  # fmt: skip
 
 

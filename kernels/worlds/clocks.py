@@ -112,6 +112,7 @@ def world_steps_kernel(real: type):
 def check_worlds(
     # In
     done: wp.int32,  # blocks since the last call
+    largest_block_count: wp.int32,
     target: wp.array(dtype=wp.float64),  # time at which the interval of each world ends [s]
     clocks: wp.array2d(dtype=wp.float64),
     # Out
@@ -123,6 +124,6 @@ def check_worlds(
     world = wp.tid()
     if done == 0 or running[world] != 0:
         block_count[world] = block_count[world] + done
-        on = wp.where(goes_on(clocks[world], target[world]), 1, 0)
+        on = wp.where(goes_on(clocks[world], target[world]) and block_count[world] < largest_block_count, 1, 0)
         running[world] = on
         wp.atomic_add(running_count, 0, on)

@@ -242,6 +242,8 @@ class Setup(Parameters):
 
     def _check_stages(self) -> None:
         _check_names("stages", [stage.name for stage in self.stages])
+        # stages say by name what acts
+        _check_names("tools", [tool.name for tool in self.tools])
         if self.rest is not None:
             raise ValueError("rest: with stages, let the last one end AtRest instead")
         if self.duration != _duration_of(self.stages):

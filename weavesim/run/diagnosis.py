@@ -13,8 +13,8 @@ from ..kernels.rows import PassEntry
 from ..sheet.blank import Blank
 from .frame import Frame, SheetFrame
 
-# Of the thickness: deeper in itself, a sheet might leave on the wrong side.
-LARGEST_SELF_PENETRATION = 0.3
+# Of the thickness: deeper in each other, the side of a contact is no longer sure.
+LARGEST_PLY_PENETRATION = 0.3
 
 
 class Failure(NamedTuple):
@@ -96,14 +96,14 @@ def _suspect(
 def _pressed_through(model: Model, state: State) -> Failure | None:
     """A sheet that is so deep in itself that it might leave on the wrong side."""
     for each, own in zip(model.passes, state.passes, strict=True):
-        depth, limit = float(own.entry.numpy()[PassEntry.deepest]), LARGEST_SELF_PENETRATION * each.thickness
+        depth, limit = float(own.entry.numpy()[PassEntry.deepest]), LARGEST_PLY_PENETRATION * each.thickness
         if each.is_own and depth > limit:
             rows = own.read_rows(each)
             x, y = each.slave.blank.material_coordinates[int((rows["depth"] - rows["entry"]).argmax())]
             text = (
                 f"sheet {each.slave.name} is pressed {1e3 * depth:.3g} mm into itself after {state.step_count} steps, "
                 f"{state.time:.4g} s, near ({x:.4g}, {y:.4g}) m on the flat blank; {1e3 * limit:.3g} mm, "
-                f"{LARGEST_SELF_PENETRATION:.0%} of the thickness, are allowed, beyond which it might leave on the "
+                f"{LARGEST_PLY_PENETRATION:.0%} of the thickness, are allowed, beyond which it might leave on the "
                 f"wrong side: the pressure there is about {depth * each.area_stiffness:.3g} Pa; raise stiffness_share "
                 "of its self_contact, up to 0.2, press less, or move the tools more slowly"
             )

@@ -85,7 +85,8 @@ class SheetLedger:
         self._model, self._index, self._state = model.sheets[index], index, state
         sheet = self._model
         self.name = sheet.name
-        self.tools = model.setup.tools[sheet.places.tools.start : sheet.places.tools.stop]
+        self.first_tool = sheet.places.tools.start
+        self.tools = model.setup.tools[self.first_tool : sheet.places.tools.stop]
         self._kernel = element_ledger_kernel(sheet.real, sheet.cell_law, sheet.sheet_traits)
         self._device_sheet = sheet.device_sheet(1)
         self._energy_names = (*sheet.cell_law.energy_names, *SheetEnergy.names())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...process.friction import Coulomb, law_of
-from ..model import Model
+from ..model import Model, arrays_in
 from ..setup import Setup
 
 
@@ -42,7 +42,15 @@ def likeness(model: Model) -> dict[str, object]:
         "number of tools": model.tools.count,
         "number of drives": model.drives.count,
         "number of gripped nodes": sum(len(gripper.nodes) for gripper in sheet.grippers),
+        "kinds of curves and tables": _sizes(model),
     }
+
+
+def _sizes(model: Model) -> tuple[tuple[int, ...], ...]:
+    """Shapes of the constant arrays: knots of strokes and drives, parts of tools, entries of tables."""
+    drives = model.drives
+    own = [*model.arrays(), *arrays_in(model.tools.drives), drives.first_piece, drives.start, drives.piece]
+    return tuple(tuple(array.shape) for array in own)
 
 
 def differences(first: Model, other: Model) -> list[str]:

@@ -28,6 +28,7 @@ from ..launches import TILE_THREAD_COUNT, Launches
 from ..layout import lanes_view
 from ..model import Model, arrays_in, sampled_meshes
 from ..state import State
+from ..stepper import LARGEST_INTERVAL
 from .mirror import Mirror
 from .world_kernels import WorldKernelSet
 
@@ -171,7 +172,7 @@ class WorldLaunches:
         wp.launch(
             check_worlds,
             dim=self.mirror.world_count,
-            inputs=[done, self.target, self.clocks],
+            inputs=[done, LARGEST_INTERVAL, self.target, self.clocks],
             outputs=[self.block_count, self.running, self.running_count],
             device=self._device,
         )

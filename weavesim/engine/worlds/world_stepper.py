@@ -88,26 +88,31 @@ class WorldStepper:
     def advance_to(self, targets: np.ndarray, stop: Callable[[], bool] = lambda: False) -> None:
         """Step each world until a block ends at or after its target, (worlds,) [s]; those that are there wait.
 
-        A world whose state is no longer finite stops. ``stop`` is asked between blocks; on a GPU only at the end.
+        A world whose state is no longer finite stops. ``stop`` is asked between blocks; on a GPU between launches of
+        at most ``LARGEST_INTERVAL`` blocks.
         """
         launches = self._launches
         launches.target.assign(np.asarray(targets, dtype=np.float64))
-        launches.block_count.zero_()
-        launches.check(0)
-        advanced = launches.running.numpy().copy()
-        if advanced.any():
+        blocks = np.zeros(len(self._steppers), dtype=np.int64)
+        while True:
+            launches.block_count.zero_()
+            launches.check(0)
+            if not launches.running_count.numpy()[0]:
+                break
             if self._graph is None:
                 self._graph = self._replay.record(self._interval if self.launches_intervals else self._block)
             wp.capture_launch(self._graph)
             while not self.launches_intervals and not stop() and launches.running_count.numpy()[0]:
                 wp.capture_launch(self._graph)
-        self._read(np.flatnonzero(advanced).tolist())
+            blocks += launches.block_count.numpy()
+            if stop():
+                break
+        for world in np.flatnonzero(blocks):
+            self._steppers[world].state.step_count += REFRESH_INTERVAL * int(blocks[world])
+        self._read(np.flatnonzero(blocks).tolist())
 
     def _read(self, worlds: Sequence[int]) -> None:
         """Bring the states of ``worlds`` back to the host."""
-        blocks = self._launches.block_count.numpy()
-        for world in worlds:
-            self._steppers[world].state.step_count += REFRESH_INTERVAL * int(blocks[world])
         state = self._steppers[0].state
         # every step writes all corner forces before it reads any
         wanted = [array for name, array in state.arrays() if not name.endswith("corner_force")]

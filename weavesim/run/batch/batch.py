@@ -7,10 +7,12 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
+from dataclasses import replace
 
 from ...device import exclusive, resolve_device, resolve_thread_counts
 from ...engine.setup import Setup
 from ...engine.worlds.alike import obstacles
+from ...engine.worlds.mirror import Unalike
 from ...errors import InputError, RunError
 from ..frame import Observer
 from ..interruption import Interruption, interrupted_by, interruption
@@ -112,8 +114,9 @@ class Runner:
                 simulation.run(self._observers_of(index))
             except InputError as error:
                 return BatchRun(setup, failure=str(error))
-            except RunError:
-                pass  # ``simulation.failure`` says why
+            except RunError as error:
+                # of a stage that cannot begin, the simulation itself knows no failure
+                return replace(self._result(index, simulation), failure=str(error))
             return self._result(index, simulation)
 
     def run_together(self, device: str, indices: Sequence[int], interrupted: Interruption) -> dict[int, BatchRun]:
@@ -152,7 +155,12 @@ class Runner:
             index = indices[place]
             results[index] = self._result(index, simulations[index])
 
-        worlds = Worlds(device, list(simulations.values()))
+        try:
+            worlds = Worlds(device, list(simulations.values()))
+        except Unalike as error:
+            logger.warning("%d variants cannot share launches, and run one by one: %s", len(indices), error)
+            results |= {index: self.run(index, interrupted) for index in indices}
+            return
         with ExitStack() as stack:
             courses = [
                 stack.enter_context(closing(simulation.course(self._observers_of(index))))

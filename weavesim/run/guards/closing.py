@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ...engine.setup import World
     from ...tools.shapes import Triangles
     from ...tools.tool import Tool
+    from ..staging.rehearsal import Phase
 
 # Share of the thickness that may be missing between two tools; measured thicknesses are no better.
 LARGEST_LACK = 0.05
@@ -47,11 +48,11 @@ class ClosingGap(Guard):
         for number, world in enumerate(start.model.setup.worlds):
             pairs = combinations(range(len(world.tools)), 2)
             thickness = stack_thickness(world)
-            for a, b in pairs:
-                tools = world.tools[a], world.tools[b]
-                closes = any(_closes(*each) for each in _together(start, number, (a, b)))
-                if closes and (found := _gap_around(start, number, first, (a, b))):
-                    yield from self._judged(tools, *found, thickness, _error(start, tools))
+            for pair in pairs:
+                # each stage by its own strokes and their largest forces
+                for phase, tools in _closing(start, number, pair):
+                    if found := _gap_around(start, phase, number, first, pair):
+                        yield from self._judged(tools, *found, thickness, _error(start, tools))
             first += len(world.tools)
 
     def _judged(
@@ -88,12 +89,12 @@ class ClosingGap(Guard):
         )
 
 
-def _together(start: Start, world: int, pair: tuple[int, int]) -> Iterator[tuple[Tool, Tool]]:
-    """Two tools of a world in every stage in which both act."""
+def _closing(start: Start, world: int, pair: tuple[int, int]) -> Iterator[tuple[Phase, tuple[Tool, Tool]]]:
+    """Every stage in which two tools of a world act and move relative to each other, with them as they are in it."""
     for phase in start.phases:
         a, b = (phase.setup.worlds[world].tools[k] for k in pair)
-        if a.name in phase.tools and b.name in phase.tools:
-            yield a, b
+        if a.name in phase.tools and b.name in phase.tools and _closes(a, b):
+            yield phase, (a, b)
 
 
 def stack_thickness(world: World) -> float:
@@ -115,8 +116,10 @@ def _closes(a: Tool, b: Tool) -> bool:
     return any(len(set(tool.motion.curve()[1])) > 1 for tool in (a, b))
 
 
-def _gap_around(start: Start, number: int, first: int, pair: tuple[int, int]) -> tuple[float, float] | None:
-    """``smallest_gap`` of two tools of a world, if the sheets are between them."""
+def _gap_around(
+    start: Start, phase: Phase, number: int, first: int, pair: tuple[int, int]
+) -> tuple[float, float] | None:
+    """``smallest_gap`` of two tools of a world in one stage, if the sheets are between them."""
     world = start.model.setup.worlds[number]
     tools = world.tools[pair[0]], world.tools[pair[1]]
     # stages may move them otherwise
@@ -127,7 +130,7 @@ def _gap_around(start: Start, number: int, first: int, pair: tuple[int, int]) ->
 
     def find() -> tuple[float, float] | None:
         between = on_both_sides(start, world, first, *pair)
-        return smallest_gap(start, number, first, pair, _closes) if between else None
+        return smallest_gap(start, number, first, pair, [phase]) if between else None
 
     return remembered(key, find)
 
@@ -155,18 +158,18 @@ def smallest_gap(
     world: int,
     first: int,
     pair: tuple[int, int],
-    counts: Callable[[Tool, Tool], bool] = lambda a, b: True,
+    phases: Sequence[Phase] | None = None,
 ) -> tuple[float, float]:
     """Smallest distance between two tools over the flat blank, on all of their way, and when.
 
-    A tool that a force moves is taken where it starts. Where no stage counts, the distance is infinite.
+    A tool that a force moves is taken where it starts. Where they act together in no stage, the distance is infinite.
 
     Args:
         start: of the run.
         world: index of that of the tools.
         first: index of its first tool among those of the run.
         pair: indices of the tools among those of the world.
-        counts: whether to look at a stage, from the two tools in it.
+        phases: stages to look at; None for all.
 
     Returns:
         Distance [m] and time [s].
@@ -176,9 +179,9 @@ def smallest_gap(
     nodes = np.concatenate([sheet.blank.node_position for sheet in own.sheets])
     points = [_surface(distances, first + k, own.tools[k], nodes, size) for k in pair]
     best = (np.inf, 0.0)
-    for phase in start.phases:
+    for phase in start.phases if phases is None else phases:
         tools = [phase.setup.worlds[world].tools[k] for k in pair]
-        if not (phase.tools >= {tool.name for tool in tools} and counts(*tools)):
+        if not phase.tools >= {tool.name for tool in tools}:
             continue
         times = np.unique(np.concatenate([np.linspace(phase.begin, phase.end, PLACE_COUNT), *map(_turns, tools)]))
         for time in times[(times >= phase.begin) & (times <= phase.end)]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ...engine.model import Model
 from ...engine.staging.derive import stage_setup
 from ...engine.stepper import Stepper
+from ...errors import InputError, RunError
 from ..ledger import Ledger, StageBook
 from ..start import Prepared
 from .change import change_state, refuse_overlap
@@ -25,7 +26,7 @@ def begin_stage(simulation: Simulation) -> None:
     """Go on to the next stage of a run, from the last frame of a stage, which is that of the present state.
 
     Raises:
-        InputError, RunError: a tool that cannot begin to act where it is.
+        RunError: a tool that cannot begin to act where it is.
     """
     prepared, course, frame = simulation.prepare(), simulation.stages, simulation.frame
     course.finish(frame, prepared.model.setup)
@@ -34,7 +35,10 @@ def begin_stage(simulation: Simulation) -> None:
     course.go_on(frame, before.setup)
     now = course.acting[course.index]
     model = _model(simulation)
-    change_state(prepared.state, model, last, now)
+    try:
+        change_state(prepared.state, model, last, now)
+    except InputError as error:
+        raise RunError(f"stage {course.name}: {error}") from None
     refuse_overlap(model, prepared.state, last, now)
     following = _prepared(simulation, model, {})
     if model.setup.solver.target_step != before.setup.solver.target_step:

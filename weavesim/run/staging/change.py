@@ -129,7 +129,7 @@ def _restart_tools(state: State, names: list[str], last: Acting, now: Acting) ->
     drive, velocity = state.tool_drive.numpy(), state.tool_velocity.numpy()
     time = state.time
     for k, name in enumerate(names):
-        if _begins(now, name) and now.tool_motions[name] != last.tool_motions.get(name):
+        if _begins(now, name):
             drive[ToolDriveRow.stroke_time, k] = time
             drive[ToolDriveRow.carrying, k] = 0.0
             if name not in now.tools or name not in last.tools:

@@ -25,6 +25,7 @@ from weavesim import (
     Tool,
     glass_polypropylene,
 )
+from weavesim.engine.setup import Setup
 from weavesim.errors import InputError
 
 DOWN = Stroke((0.0, 0.1), (0.0, 0.02))
@@ -106,3 +107,13 @@ def test_ends_that_may_come_are_taken():
     staged(Stage("a", 0.05, AtForce("die", 1.0)), Stage("b", 0.1, AtStroke("punch", 0.019)))
     staged(Stage("a", 0.2, AtRest()))
     staged(Stage("a", 0.1, AtForce("die", 1e6)), Stage("b", 0.1, AtForce("holder", 20.0)))
+
+
+def test_tools_of_two_worlds_need_names_of_their_own():
+    """Stages say by name what acts: of two tools of one name, both would get the motion of the last."""
+    one = staged(Stage("a", 0.1))
+    (world,) = one.worlds
+    sheets = tuple(sheet.model_copy(update={"name": "other", "supports": (), "grippers": ()}) for sheet in world.sheets)
+    other = world.model_copy(update={"name": "second", "sheets": sheets})
+    with pytest.raises(InputError, match="tools: the name '.*' of entry"):
+        Setup("two", (world, other), stages=one.stages, accept_unusual=True)

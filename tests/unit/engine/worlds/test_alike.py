@@ -12,6 +12,7 @@ from weavesim.process.dynamics import Dynamics
 from weavesim.process.friction import ViscousFilm
 from weavesim.process.pressure import Pressure
 from weavesim.process.self_contact import SelfContact
+from weavesim.process.strokes import Stroke
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 from weavesim.tools.shapes import Plane
@@ -19,6 +20,7 @@ from weavesim.tools.tool import Tool
 
 BLANK = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.005)
 TABLE = Tool("table", Plane(origin=(0.0, 0.0, -0.01)))
+TWO_KNOTS, THREE_KNOTS = Stroke((0.0, 1e-3), (0.0, 1e-3)), Stroke((0.0, 5e-4, 1e-3), (0.0, 1e-4, 1e-3))
 
 
 def setup(**given):
@@ -64,14 +66,16 @@ def test_an_obstacle_is_named(given, why):
     ("given", "why"),
     [
         ({}, None),
-        ({"tools": [TABLE.model_copy(update={"friction": 0.4})]}, None),
+        ({"tools": [TABLE.model_copy(update={"friction": 0.4, "motion": TWO_KNOTS})]}, None),
         ({"precision": "float32"}, r"their precision differs \(float64 and float32\)"),
         ({"tools": []}, "their kinds of tools, loads and supports differ"),
         ({"tools": [TABLE, TABLE.model_copy(update={"name": "other"})]}, r"their number of tools differs \(1 and 2\)"),
         ({"blank": Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.002)}, "their number of elements differs"),
+        ({"tools": [TABLE.model_copy(update={"motion": THREE_KNOTS})]}, "their kinds of curves and tables differ"),
     ],
 )  # fmt: skip
 def test_a_difference_is_named(given, why):
-    first, other = (small_run(tools=[TABLE]).model, small_run(**({"tools": [TABLE]} | given)).model)
+    moved = TABLE.model_copy(update={"motion": TWO_KNOTS})
+    first, other = (small_run(tools=[moved]).model, small_run(**({"tools": [moved]} | given)).model)
     found = "; ".join(differences(first, other))
     assert found == "" if why is None else re.search(why, found)

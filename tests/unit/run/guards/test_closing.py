@@ -8,6 +8,7 @@ from weavesim.engine.setup import Setup
 from weavesim.errors import InputError
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.process.interfaces import Interface
+from weavesim.process.stages import Stage
 from weavesim.process.strokes import Fixed, ForceDriven, Stroke
 from weavesim.run.guards import Level
 from weavesim.run.guards.closing import stack_thickness
@@ -178,3 +179,22 @@ def test_a_stack_needs_room_for_all_of_its_plies():
     (doubt,) = (d for d in Simulation(setup).prepare().guards.first if d.guard == "closing_gap")
     assert f"for a sheet of {2e3 * THICKNESS:.3g} mm" in doubt.text
     assert doubt.value == pytest.approx(THICKNESS, abs=1e-5)
+
+
+def in_two_stages(first: Stroke, second: Stroke):
+    """Planes 1 mm apart more than the sheet is thick; the punch moves by ``first``, and on by ``second``."""
+    upper, lower = PAIRS["two planes"]
+    tools = [Tool("punch", upper, first, axis=DOWN), Tool("die", lower, Fixed())]
+    stages = (Stage("a", 1e-3), Stage("b", 1e-3, moves={"punch": second}))
+    blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005)
+    return small_run(blank=blank, tools=tools, stages=stages, duration=2e-3, frame_count=2)
+
+
+def test_each_stage_is_judged_by_its_own_strokes():
+    """A largest force in one stage says nothing of a stroke without one in another."""
+    free, far = Stroke((0.0, 1e-3), (0.0, 0.0005)), Stroke((0.0, 1e-3), (0.0, 0.003))
+    stopped = Stroke((0.0, 1e-3), (0.0, 0.003), largest_force=50.0)
+    (note,) = closing(in_two_stages(free, stopped))
+    assert note.level == Level.NOTE and "50 N is reached" in note.text
+    with pytest.raises(InputError, match="punch and die run into each other"):
+        in_two_stages(stopped, far)

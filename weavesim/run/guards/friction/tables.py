@@ -11,6 +11,8 @@ from ....kernels.contact.friction import NO_ARGUMENT
 from ....process.friction import Friction
 from ....process.friction_device import argument_kind
 
+# Reduction of a viscosity that is told.
+LEAST_VISCOUS_SHARE = 0.99
 # An argument that has not been met: below the start of the smallest.
 NEVER = 1.0e29
 # Beyond an end by less than this share of the largest argument is rounding.

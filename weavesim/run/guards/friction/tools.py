@@ -8,15 +8,12 @@ from typing import TYPE_CHECKING, Any
 from ....process.friction import law_of
 from ....process.friction_device import viscous_share
 from ..guard import Doubt, Guard, Level, Start
-from .tables import BeyondTables
+from .tables import LEAST_VISCOUS_SHARE, BeyondTables
 
 if TYPE_CHECKING:
     from ...frame import Frame
     from ...ledger import Ledger
     from ...verdict import Judged
-
-# Reduction of a viscosity that is told.
-LEAST_VISCOUS_SHARE = 0.99
 
 
 class ToolFriction(Guard):
@@ -45,7 +42,8 @@ class ToolFriction(Guard):
         for sheet in ledger.sheets:
             for index, tool in enumerate(sheet.tools):
                 for places, low, high in sheet.friction_arguments(index):
-                    name = f"{sheet.name}\n{tool.name}"
+                    # tools of two worlds may share a name
+                    name = f"{sheet.name}\n{sheet.first_tool + index}"
                     self._beyond.note(name, law_of(tool.friction), low, high, places, frame.time)
 
     def memory(self) -> Mapping[str, Any]:
@@ -59,11 +57,11 @@ class ToolFriction(Guard):
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Uses beyond tables."""
         for key, found in self._beyond.found.items():
-            sheet, tool = key.split("\n")
-            law = next(law_of(each.friction) for each in run.run.setup.tools if each.name == tool)
+            sheet, index = key.split("\n")
+            tool = run.run.setup.tools[int(index)]
             yield self.doubt(
                 Level.WARNING,
-                f"tool {tool}: {self._beyond.text(key, law)}",
+                f"tool {tool.name}: {self._beyond.text(key, law_of(tool.friction))}",
                 "measure farther, or accept the coefficient at the end of the table",
                 sheet=sheet,
                 place=tuple(found["place"]),

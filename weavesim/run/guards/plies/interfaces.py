@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....kernels.rows import PassEntry
-from ..friction.tables import BeyondTables
+from ...diagnosis import LARGEST_PLY_PENETRATION
+from ..friction.tables import LEAST_VISCOUS_SHARE, BeyondTables
 from ..guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
@@ -16,11 +17,6 @@ if TYPE_CHECKING:
     from ...frame import Frame
     from ...ledger import Ledger
     from ...verdict import Judged
-
-# Penetration over the thickness beyond which the side of a contact is no longer sure.
-DEEPEST = 0.3
-# Reduction of a viscosity that is told.
-LEAST_VISCOUS_SHARE = 0.99
 
 
 class Interfaces(Guard):
@@ -79,17 +75,17 @@ class Interfaces(Guard):
                 "plies slide faster than the search allows: move the tools more slowly",
             )
         deepest = float((rows["push"] / model.stiffness).max())
-        if deepest > DEEPEST * model.thickness:
+        if deepest > LARGEST_PLY_PENETRATION * model.thickness:
             node = int(np.argmax(rows["push"] / model.stiffness))
             yield self.doubt(
                 Level.DO_NOT_USE,
                 f"{name}: the plies are pressed {1e3 * deepest:.3g} mm into each other, more than "
-                f"{DEEPEST:.0%} of the distance at which they touch",
+                f"{LARGEST_PLY_PENETRATION:.0%} of the distance at which they touch",
                 "lower the pressure, or raise stiffness_share",
                 sheet=model.slave.name,
                 place=tuple(model.slave.blank.material_coordinates[node].tolist()),
                 value=deepest,
-                limit=DEEPEST * model.thickness,
+                limit=LARGEST_PLY_PENETRATION * model.thickness,
             )
         if beyond := self._beyond.found.get(str(k)):
             yield self.doubt(

@@ -11,6 +11,7 @@ import re
 from decimal import Decimal, InvalidOperation
 from typing import Any
 
+from ..errors import InputError
 from ..ranges import Row
 from ..tables.units import Unit, parse_unit
 
@@ -77,6 +78,18 @@ def in_units(value: Any, row: Row) -> Any:
     if isinstance(value, list | tuple):
         return tuple(in_units(item, row) for item in value)
     return value
+
+
+def unit_option(what: str, text: str | None) -> float | None:
+    """``length_unit`` of an option of a command; None where it is not given.
+
+    Raises:
+        InputError: no unit of length, with ``what`` it was given for.
+    """
+    try:
+        return None if text is None else length_unit(text)
+    except ValueError as error:
+        raise InputError(f"{what} {text!r}: {error}") from None
 
 
 def length_unit(text: str) -> float:

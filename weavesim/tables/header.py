@@ -12,7 +12,7 @@ from ..errors import did_you_mean
 from ..input_files import shown
 from .numbers import is_number, not_a_number, quoted
 from .rows import SEPARATOR_NAMES, SEPARATORS, comment_of, is_blank, split_line, split_names, trimmed
-from .text import TableFault
+from .text import MissingColumn, TableFault
 from .units import Unit, bare_name, split_header, unit_cell
 
 # Lines above a header, and between it and the first row; lines of one header; columns that a message lists.
@@ -302,7 +302,7 @@ def _declared_separator(lines: list[str]) -> str | None:
     return match[1]
 
 
-def _missing(lines: list[str], wanted: Sequence[str], declared: str | None) -> TableFault:
+def _missing(lines: list[str], wanted: Sequence[str], declared: str | None) -> MissingColumn:
     """Why no header has the wanted columns; what the file contains is shown only if it is a table."""
     what = "column" if len(wanted) == 1 else "columns"
     needed = f"the {what} {', '.join(shown(name) for name in wanted)}"
@@ -315,18 +315,18 @@ def _missing(lines: list[str], wanted: Sequence[str], declared: str | None) -> T
         cells = [] if comment is not None else [cell for cell in split_line(line, separator, 0) if cell]
         if cells and all(map(is_number, cells)):
             if above is None:
-                return TableFault(
+                return MissingColumn(
                     f"no header: write the names of the columns above the numbers; needed is {needed}", number
                 )
             return _not_among(above, wanted, declared, len(cells))
         if comment is not None or not _are_units(cells):
             above = (number, line if comment is None else comment)
     if all(map(is_blank, lines)):
-        return TableFault(f"it is empty; needed is {needed}")
-    return TableFault(f"no table with {needed}: no line has these names, with numbers below")
+        return MissingColumn(f"it is empty; needed is {needed}")
+    return MissingColumn(f"no table with {needed}: no line has these names, with numbers below")
 
 
-def _not_among(above: tuple[int, str], wanted: Sequence[str], declared: str | None, cell_count: int) -> TableFault:
+def _not_among(above: tuple[int, str], wanted: Sequence[str], declared: str | None, cell_count: int) -> MissingColumn:
     """A fault that lists the columns of the header in ``above``."""
     number, line = above
     names = [name for name in split_names(line, declared or _separator(line), number, cell_count) if name]
@@ -334,7 +334,7 @@ def _not_among(above: tuple[int, str], wanted: Sequence[str], declared: str | No
     missing = [name for name in wanted if fold(split_header(name)[0]) not in folded] or list(wanted)
     text = f"no column {', '.join(shown(name) for name in missing)}"
     if len(names) < 2 and cell_count < 2:
-        return TableFault(text, number)
+        return MissingColumn(text, number)
     listed = ", ".join(map(quoted, names[:LISTED_COUNT])) + (", ..." if len(names) > LISTED_COUNT else "")
     hint = did_you_mean(missing[0], [*names, *map(bare_name, names)])
-    return TableFault(f"{text} among {listed}{hint}", number)
+    return MissingColumn(f"{text} among {listed}{hint}", number)

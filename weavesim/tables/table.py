@@ -14,7 +14,7 @@ from ..input_files import MEBIBYTE, read_bounded, shown
 from .header import Header, find_header
 from .numbers import DecimalMark, number, quoted
 from .rows import comment_of, is_blank, split_line, trimmed
-from .text import TableFault, text_lines
+from .text import MissingColumn, TableFault, text_lines
 from .units import Unit, parse_unit
 
 LARGEST_TABLE = 50 * MEBIBYTE
@@ -87,6 +87,19 @@ class Table:
         with faults_of(self.path, self.what):
             header = find_header(self.lines, [column])
         return header.units[header.places[0]]
+
+    def has(self, column: str) -> bool:
+        """Whether there is such a column.
+
+        Raises:
+            InputError: it occurs twice, or the table cannot be read.
+        """
+        with faults_of(self.path, self.what):
+            try:
+                find_header(self.lines, [column])
+            except MissingColumn:
+                return False
+        return True
 
     def _read(self, wanted: Sequence[Wanted]) -> Columns:
         header = find_header(self.lines, [item.column for item in wanted])

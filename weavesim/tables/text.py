@@ -32,6 +32,10 @@ class TableFault(ValueError):
         self.line = line
 
 
+class MissingColumn(TableFault):
+    """No header has a column that is wanted."""
+
+
 def text_lines(content: bytes) -> tuple[list[str], tuple[str, ...]]:
     """Lines without their ends, and notes on how they were read; line k of an editor is entry k - 1.
 

@@ -218,6 +218,7 @@ def test_files_that_are_no_edges_are_refused(tmp_path):
         ({"part_edge": "e.csv"}, "it has an effect only with a drawing"),
         ({"flat": "f.dxf", "part_edge": "e.csv", "opening": "die"}, "a file and a tool's opening are given"),
         ({"flat": "f.pdf"}, "a name that ends in .dxf is needed"),
+        ({"flat": "out/run.dxf"}, "its numbers would be written to run.json, a file of a run"),
     ],
 )
 def test_what_does_not_fit_together_is_refused(wish, message):
@@ -225,6 +226,13 @@ def test_what_does_not_fit_together_is_refused(wish, message):
 
     with pytest.raises(InputError, match=message):
         FlatWish(**{key: value if key == "opening" else Path(value) for key, value in wish.items()})
+
+
+def test_a_column_that_occurs_twice_is_no_missing_one(tmp_path):
+    path = tmp_path / "edge.csv"
+    path.write_text("x [mm],y [mm],z [mm],z [mm]\n0,0,1,1\n10,0,1,1\n10,10,1,1\n")
+    with pytest.raises(InputError, match="column z occurs twice"):
+        read_part_edge(path)
 
 
 def test_several_plies_have_each_their_own_numbers(tmp_path):

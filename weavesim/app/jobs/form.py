@@ -33,8 +33,9 @@ def form_command(
     """Run a job: form its plies, and write the results to a folder."""
     from ...engine.compilation import side_by_side
     from ...job.read import read_job
+    from ...output.stored.judged import read_limits
     from ...output.writer import chosen_writers
-    from ..results.verdict import read_limits, strict_code
+    from ..results.verdict import strict_code
 
     file = read_job(job, set_ or (), files_from or ())
     folder = out or job.parent / "out"
@@ -50,7 +51,7 @@ def form_command(
         side_by_side(partial(announce_compilation, file.job.name)),
         announced(),
     ):
-        result = run_job(file, folder, overwrite=overwrite)
+        result = run_job(file, folder, overwrite=overwrite, limits=limits)
         number = interrupted.signal
         for line in closing_lines(result, folder, number):
             say(line)
@@ -61,13 +62,14 @@ def form_command(
         raise typer.Exit(code)
 
 
-def run_job(file: JobFile, out: Path, *, overwrite: bool = False) -> Mapping[str, Any]:
+def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path | None = None) -> Mapping[str, Any]:
     """Run a job into a folder.
 
     Args:
         file: the job.
         out: the folder.
         overwrite: replace results that are there.
+        limits: file of the limits by which the report judges the part; None for those that are built in.
 
     Returns:
         The summary as written; of a scene with cases, the summaries by case.
@@ -88,6 +90,8 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False) -> Mapping[str
     setup, output = setup_of(file), file.job.output
     writers = tuple(kind.name for kind in chosen_writers(output.write, output.without or ()))
     options = options_of(file)
+    if limits is not None:
+        options["limits"] = str(limits.absolute())
     folder = ResultFolder(out, writers=writers, overwrite=overwrite, options=options)
     return run_into_folder(setup, folder, options=options)
 

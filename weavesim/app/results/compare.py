@@ -65,17 +65,14 @@ _Found = tuple[dict[str, Any], Callable[[Path, str], list[Path]]]
 
 def _scale(unit: str | None, unit_scale: float | None) -> float | None:
     """Metres per unit."""
-    from ...job.units import length_unit
+    from ...job.units import unit_option
     from ...ranges import argument
 
     if unit is not None and unit_scale is not None:
         raise InputError("compare: --unit and --unit-scale: one of them is needed, both are given")
     if unit_scale is not None:
         return argument("unit_scale", unit_scale, "unit scale")
-    try:
-        return None if unit is None else length_unit(unit)
-    except ValueError as error:
-        raise InputError(f"compare: unit {unit!r}: {error}") from None
+    return unit_option("compare: unit", unit)
 
 
 def _with_run(run: StoredRun, folder: Path) -> list[_Found]:
@@ -113,11 +110,12 @@ def _write(write: Callable[[Path, Any, str], list[Path]], found: Any, folder: Pa
 
 def _lines(numbers: dict[str, Any]) -> Iterator[str]:
     """What a user is told: every difference."""
+    from ...output.comparison.fields import titled
+
     for key, entry in numbers.items():
         if isinstance(entry, dict) and "mean_absolute" in entry:
-            name = key.replace("_deg", " [degrees]").replace("_mm", " [mm]").replace("_", " ")
             whole = f"{numbers['point_count']} points" if "point_count" in numbers else "the sheet"
             yield (
-                f"{numbers['sheet']}: {name} {entry['mean_absolute']:.3g} on average, at most "
+                f"{numbers['sheet']}: {titled(key)} {entry['mean_absolute']:.3g} on average, at most "
                 f"{entry['largest_absolute']:.3g}, over {entry['compared_share']:.0%} of {whole}"
             )

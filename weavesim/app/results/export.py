@@ -76,14 +76,11 @@ def _drawings(
     opening: str | None,
 ) -> Callable[[], None]:
     """Finds the flat patterns, so that all input is checked, and returns what writes them."""
-    from ...job.units import length_unit
+    from ...job.units import unit_option
     from ...output.flat.pattern import FlatWish, flat_patterns, write_flat
     from ...output.stored.file import read_results
 
-    try:
-        scale = None if edge_unit is None else length_unit(edge_unit)
-    except ValueError as error:
-        raise InputError(f"edge unit {edge_unit!r}: {error}") from None
+    scale = unit_option("edge unit", edge_unit)
     if part_edge is None and (edge_unit is not None or edge_layer is not None):
         raise InputError("edge unit and edge layer: they have an effect only with --part-edge; leave them out")
     wish = FlatWish(flat, trim, part_edge, edge_layer, scale, opening)

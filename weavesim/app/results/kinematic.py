@@ -96,7 +96,8 @@ class _BlankWish(NamedTuple):
 def _blank_wish(
     source: Path, blank: Path | None, part_edge: Path | None, unit: str | None, opening: str | None, margin: float
 ) -> _BlankWish | None:
-    from ...job.units import length_unit
+    from ...job.units import unit_option
+    from ...output.files import check_writable
     from ...ranges import argument
 
     if blank is None:
@@ -111,10 +112,9 @@ def _blank_wish(
         raise InputError("kinematic drape: --blank needs the edge of the part: --part-edge FILE or --opening TOOL")
     if blank.suffix.lower() != ".dxf":
         raise InputError(f"drawing {blank}: a name that ends in .dxf is needed")
-    try:
-        scale = None if unit is None else length_unit(unit)
-    except ValueError as error:
-        raise InputError(f"edge unit {unit!r}: {error}") from None
+    # before the drape is computed
+    check_writable(blank.parent)
+    scale = unit_option("edge unit", unit)
     return _BlankWish(blank, part_edge, scale, opening, argument("margin", margin, "displacement", zero=True))
 
 

@@ -95,7 +95,7 @@ def state_of(folder: Path) -> dict[str, Any]:
         state = json.loads((folder / PROGRESS_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         state = {"state": "no run has begun yet"}
-    if state.get("state") == "running" and not is_locked(folder):
+    if state.get("state") == "running" and is_locked(folder) is False:
         state["state"] = "stopped without an end: weavesim resume goes on with it"
     try:
         page = (folder / PAGE_NAME).stat()

@@ -21,23 +21,13 @@ def verdict_command(
     out: Annotated[Path | None, typer.Option(help="folder for verdict.json, .csv and .png [default: OUT]")] = None,
 ) -> None:
     """Judge a run by limits: wrinkles, bridging, locking, gap, with their places; exit code 5 beyond one."""
+    from ...output.stored.judged import read_limits
+
     passed, lines = judge_folder(run, read_limits(limits), out)
     for line in lines:
         say(line)
     if not passed:
         raise typer.Exit(int(ExitCode.BEYOND_LIMITS))
-
-
-def read_limits(path: Path | None) -> Limits:
-    """Limits of a TOML or JSON file, or those that are built in.
-
-    Raises:
-        InputError: a file that cannot be read, or bad limits.
-    """
-    from ...documents import read_document
-    from ...measures.defects.judgement import Limits
-
-    return Limits() if path is None else Limits(**read_document(path, "file of limits").values)
 
 
 def judge_folder(run: Path, limits: Limits, out: Path | None = None) -> tuple[bool, list[str]]:

@@ -55,8 +55,8 @@ class FolderLock:
             self._lock = None
 
 
-def is_locked(folder: Path) -> bool:
-    """Whether a run is writing to a folder."""
+def is_locked(folder: Path) -> bool | None:
+    """Whether a run is writing to a folder; None where its lock cannot be looked at, as in a folder of another user."""
     from filelock import FileLock, Timeout
 
     path = folder / LOCK_NAME
@@ -68,7 +68,7 @@ def is_locked(folder: Path) -> bool:
     except Timeout:
         return True
     except OSError:
-        return False
+        return None
     lock.release()
     return False
 

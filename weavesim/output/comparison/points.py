@@ -11,18 +11,15 @@ import numpy as np
 
 from ...errors import InputError
 from ...input_files import shown
-from ...tables.table import Table, Wanted, read_table
+from ...tables.table import Wanted, read_table
 from ..export.nearest import nearest
 from ..files import write_summary
 from ..stored.file import StoredSheet
 from ..tables import write_table
-from .runs import FIELDS, interpolated, nearest_rows, statistics
+from .fields import FIELDS, UNITS
+from .runs import LARGEST_RATIO, interpolated, nearest_rows, statistics
 
 TABLES = (".csv", ".txt", ".tsv", ".dat", ".xyz")
-# Units of the fields as results have them; "1" needs none in the table.
-UNITS = {"shear_angle_deg": "degrees", "thickness": "m", "warp_force": "N/m", "weft_force": "N/m"}
-# A part and its measurement are not as different in size as this: the unit is wrong.
-LARGEST_RATIO = 20.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +57,7 @@ def read_points(path: str | Path, *, metres_per_unit: float | None = None) -> Me
     name = f"measured points {shown(path)}"
 
     def places(columns: tuple[str, ...]) -> tuple[np.ndarray | None, tuple[str, ...]]:
-        there = [column for column in columns if _has(table, column)]
+        there = [column for column in columns if table.has(column)]
         if not there:
             return None, ()
         if len(there) < len(columns):
@@ -79,7 +76,7 @@ def read_points(path: str | Path, *, metres_per_unit: float | None = None) -> Me
     values, told = {}, [*notes, *more]
     for key in FIELDS:
         for column in dict.fromkeys((_plain(key), key)):
-            if _has(table, column):
+            if table.has(column):
                 columns = table.columns(Wanted(column, UNITS.get(key, "")))
                 values[key], told = columns.values[0], [*told, *columns.notes]
                 break
@@ -88,17 +85,6 @@ def read_points(path: str | Path, *, metres_per_unit: float | None = None) -> Me
 
 def _plain(key: str) -> str:
     return key.removesuffix("_deg")
-
-
-def _has(table: Table, column: str) -> bool:
-    try:
-        table.unit(column)
-    except InputError as error:
-        # it is there, but cannot be read
-        if any(fault in str(error) for fault in ("occurs twice", "no rows below", "cannot be read", "does not exist")):
-            raise
-        return False
-    return True
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,14 +15,10 @@ from ..export.nearest import nearest
 from ..files import write_summary
 from ..stored.file import StoredSheet
 from ..tables import write_table
+from .fields import FIELDS
 
 # A scan is not as much larger or smaller than the sheet as this: its unit is wrong.
 LARGEST_RATIO = 20.0
-# Fields that are compared where both have them: name in files, and whether the sign is left out.
-FIELDS = {
-    "shear_angle_deg": True, "warp_stretch": False, "weft_stretch": False, "thickness": False,
-    "fibre_volume_fraction": False, "warp_force": False, "weft_force": False,
-}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -86,11 +86,8 @@ def _of_drawing(path: Path, unit: float | None, layer: str | None) -> PartEdge:
 
 def _of_table(path: Path, unit: float | None) -> PartEdge:
     table = read_table(path, "edge of the part")
-    try:
-        table.unit("z")
-        names: tuple[str, ...] = _COLUMNS
-    except InputError:  # two columns: seen from above
-        names = _COLUMNS[:2]
+    # two columns: seen from above
+    names = _COLUMNS if table.has("z") else _COLUMNS[:2]
     wanted = (Wanted(name, "m", scale=unit, needs_unit=unit is None) for name in names)
     columns = table.columns(*wanted)
     points = np.column_stack(columns.values)

@@ -7,11 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
+from ..claim.record import RECORD_NAME, SETUP_NAME
+from ..claim.remains import SUMMARY_NAME
 from ..files import check_writable, write_summary
+from ..run_page.progress import PROGRESS_NAME
 from ..stored.file import StoredRun
 from .drawing import flat_drawing, trimmed_drawing, write_drawing
 from .part_edge import PartEdge, opening_of, read_part_edge
 from .trimming import FlatPattern, flat_pattern
+
+# Files of a run, which may lie in the folder of the drawings.
+OF_A_RUN = (RECORD_NAME, SETUP_NAME, SUMMARY_NAME, PROGRESS_NAME)
 
 
 @dataclass(frozen=True)
@@ -47,6 +53,17 @@ class FlatWish:
         for path in (self.flat, self.trim):
             if path is not None and path.suffix.lower() != ".dxf":
                 raise InputError(f"drawing {path}: a name that ends in .dxf is needed")
+        if (numbers := self.numbers_path) is not None and numbers.name in OF_A_RUN:
+            raise InputError(
+                f"drawing {numbers.with_suffix('.dxf')}: its numbers would be written to {numbers.name}, a file of a "
+                "run; give another name"
+            )
+
+    @property
+    def numbers_path(self) -> Path | None:
+        """Where the areas and masses go: beside the first drawing."""
+        first = self.flat or self.trim
+        return None if first is None else first.with_suffix(".json")
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +147,7 @@ def write_flat(found: FlatPatterns, wish: FlatWish) -> list[Path]:
             check_writable(path.parent)
             write_drawing(path, drawing(found.plies))
             files.append(path)
-    if files:
-        files.append(files[0].with_suffix(".json"))
-        write_summary(files[-1], found.numbers())
+    if wish.numbers_path is not None:
+        files.append(wish.numbers_path)
+        write_summary(wish.numbers_path, found.numbers())
     return files

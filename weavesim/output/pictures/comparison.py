@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..comparison.fields import titled
 from .net import add_bar
-from .style import ACCENT, FAINT, INK, colour_map, new_axes, new_figure, words
+from .style import ACCENT, FAINT, INK, colour_map, new_axes, new_figure
 from .surface import GREY, OBLIQUE, PLAN, draw_elements, scaled_colours, signed_colours, view
 
 if TYPE_CHECKING:
@@ -68,9 +69,8 @@ def points_picture(comparison: PointComparison) -> Figure:
 
 
 def _title(name: str, signed: bool) -> str:
-    text = words(name).removesuffix(" deg").removesuffix(" mm")
-    unit = " [degrees]" if name.endswith("_deg") else " [mm]" if name.endswith("_mm") else ""
-    return f"{text.capitalize()}, computed less measured{unit}" if signed else f"{text.capitalize()}{unit}"
+    text, _, unit = titled(name).partition(" [")
+    return f"{text.capitalize()}{', computed less measured' if signed else ''}{f' [{unit}' if unit else ''}"
 
 
 def _against(figure: Figure, comparison: PointComparison, name: str, place: tuple[int, int, int]) -> None:

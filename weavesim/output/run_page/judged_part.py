@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...documents import read_document
 from ...input_files import shown
 from ...measures.defects.judgement import Judgement, Limits, Region
 from ..results import Results
-from ..stored.judged import distance_to, own_locking_angle, region_text
+from ..stored.judged import distance_to, own_locking_angle, read_limits, region_text
 from .shown_fields import JUDGED_FIELDS
 from .values import number, words
 
@@ -75,7 +75,7 @@ def judge(results: Results, options: Mapping[str, Any]) -> JudgedPart | None:
     """
     if not results.info.tools:
         return None
-    limits = _limits(options)
+    limits = read_limits(Path(options["limits"]) if options.get("limits") else None)
     sheets, regions, fields = [], [], []
     for place, sheet in enumerate(results.sheets):
         judgement = Judgement(
@@ -92,11 +92,6 @@ def judge(results: Results, options: Mapping[str, Any]) -> JudgedPart | None:
         regions += [region_of_page(region, place, sheet.info.name if several else "") for region in judgement.regions]
     regions.sort(key=lambda region: -region["severity"])
     return JudgedPart(limits, tuple(sheets), tuple(regions[:LARGEST_REGION_COUNT]), tuple(fields))
-
-
-def _limits(options: Mapping[str, Any]) -> Limits:
-    path = options.get("limits")
-    return Limits() if not path else Limits(**read_document(path, "file of limits").values)
 
 
 def region_of_page(region: Region, place: int, name: str) -> dict[str, Any]:

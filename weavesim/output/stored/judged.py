@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...documents import read_document
 from ...measures.defects.judgement import Distance, Judgement, Limits, Region
 from ...tools.surfaces.distance import ToolDistance
 from ..files import write_summary
@@ -24,6 +25,15 @@ _COLUMNS = (
     "sheet", "kind", "place_x_mm", "place_y_mm", "place_z_mm", "flat_x_mm", "flat_y_mm", "area_mm2", "amplitude_mm",
     "wavelength_mm", "crest_count", "gap_mm", "shear_angle_deg", "severity", "element_count",
 )  # fmt: skip
+
+
+def read_limits(path: Path | None) -> Limits:
+    """Limits of a TOML or JSON file, or those that are built in.
+
+    Raises:
+        InputError: a file that cannot be read, or bad limits.
+    """
+    return Limits() if path is None else Limits(**read_document(path, "file of limits").values)
 
 
 @dataclass(frozen=True, eq=False)

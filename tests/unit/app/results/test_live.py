@@ -88,6 +88,18 @@ def test_a_run_that_was_killed_is_told(tmp_path):
     assert "weavesim resume" in state_of(tmp_path)["state"]
 
 
+def test_a_lock_that_cannot_be_looked_at_says_nothing(tmp_path, monkeypatch):
+    """As in a folder of another user: the run may be well."""
+    (tmp_path / "progress.json").write_text('{"state": "running"}')
+    (tmp_path / LOCK_NAME).touch()
+
+    def refuse(*_, **__):
+        raise PermissionError
+
+    monkeypatch.setattr(FileLock, "acquire", refuse)
+    assert is_locked(tmp_path) is None and state_of(tmp_path)["state"] == "running"
+
+
 def test_a_port_that_is_taken_is_refused(served):
     with pytest.raises(InputError, match="give another one with --port"):
         LiveServer(served[1], int(served[0].address.rsplit(":", 1)[1].removesuffix("/?live")))

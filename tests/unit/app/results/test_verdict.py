@@ -4,9 +4,10 @@ import pytest
 
 from weavesim.app.ending import ExitCode
 from weavesim.app.options import RunOptions
-from weavesim.app.results.verdict import read_limits, strict_code
+from weavesim.app.results.verdict import strict_code
 from weavesim.errors import InputError
 from weavesim.measures.defects.judgement import Limits
+from weavesim.output.stored.judged import read_limits
 
 
 @pytest.fixture

@@ -186,10 +186,14 @@ weavesim.Controls = class {
     document.getElementById("timeline").replaceChildren(play, this.slider, this.said);
   }
 
+  stop() {
+    clearInterval(this.playing);
+    this.playing = null;
+  }
+
   play(button) {
     if (this.playing) {
-      clearInterval(this.playing);
-      this.playing = null;
+      this.stop();
       button.textContent = "Play";
       return;
     }

@@ -63,6 +63,7 @@ weavesim.Live = class {
       zoom: weavesim.page.view.camera.zoom, left: window.scrollY,
     } : null;
     document.getElementById("data").textContent = data.textContent;
+    document.querySelector("header").replaceWith(fresh.querySelector("header"));
     // the canvas stays: it holds the view
     for (const part of fresh.querySelectorAll("main > section")) {
       const own = document.getElementById(part.id);

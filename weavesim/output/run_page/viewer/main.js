@@ -21,7 +21,8 @@ weavesim.open = async (keep = null) => {
   const canvas = document.getElementById("picture");
   let view;
   try {
-    weavesim.page?.view.renderer.dispose();
+    weavesim.page?.controls.stop();
+    weavesim.page?.view.dispose();
     const fresh = canvas.cloneNode(false);
     canvas.replaceWith(fresh);
     view = new weavesim.View(fresh);
@@ -30,7 +31,6 @@ weavesim.open = async (keep = null) => {
     document.body.classList.add("no-view");
     return;
   }
-  weavesim.page?.controls?.stop?.();
   await page.attach(view);
   page.section = new weavesim.Section(view, document.getElementById("section"));
   page.probe = new weavesim.Probe(page, document.getElementById("probe"));

@@ -150,6 +150,8 @@ weavesim.Page = class {
 
   // Sheets of a world moved apart along z by their level.
   explode(share) {
+    // from the sheets as they are, not as they are apart already
+    for (const sheet of this.sheets) sheet.group.position.z = 0;
     const [low, high] = this.view.box();
     const gap = share * 0.35 * Math.max(high[2] - low[2], 0.25 * (high[0] - low[0]));
     for (const sheet of this.sheets) sheet.group.position.z = gap * sheet.given.level;

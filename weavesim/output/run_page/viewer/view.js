@@ -32,7 +32,16 @@ weavesim.View = class {
     this.sheets = [];
     this.tools = [];
     this.asked = false;
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(canvas.parentElement);
+  }
+
+  // Lets go of the canvas and of what is drawn: a page in progress makes a new view whenever it is renewed.
+  dispose() {
+    this.observer.disconnect();
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
   }
 
   marks(colour) {

@@ -129,7 +129,7 @@ def vulnerabilities() -> tuple[int, str]:
     done = subprocess.run(command, capture_output=True, text=True)
     said = (done.stdout + done.stderr).strip()
     if "No module named pip_audit" in said:
-        return 2, "known vulnerabilities: not asked, pip-audit is missing (pip install 'weavesim[dev]')"
+        return 2, "known vulnerabilities: not asked, pip-audit is missing (pip install pip-audit)"
     if done.returncode and re.search(r"ConnectionError|ServiceError|Max retries|Name or service|timed out", said):
         return 2, "known vulnerabilities: not asked, there is no network"
     return int(bool(done.returncode)), said

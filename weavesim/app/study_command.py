@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError
+from ..errors import InputError, RunError
 from .ending import ExitCode
 from .jobs.arguments import FilesFrom, Settings
 from .session import announce_compilation, interruptible
@@ -149,6 +149,7 @@ def run_study(
     from ..study.conduct import Conductor
     from ..study.page.page import FILE_NAME, write_page
     from ..study.record import write_all_fields, write_study
+    from ..study.subject import digest
     from ..study.table import FILE_NAME as TABLE_NAME
     from ..study.table import RunTable
     from .study_progress import StudyProgress
@@ -161,6 +162,8 @@ def run_study(
         table = stack.enter_context(RunTable(folder / TABLE_NAME))
         subject, executor = _prepared(study, (*study.table.set, *settings), files_from, jobs, scheduler, fields)
         stack.callback(executor.close)
+        if fields:
+            table.want_fields_at(digest([(points.name, points.flat.tolist()) for points in subject.points]))
         progress = StudyProgress(study.table.name)
         stack.callback(progress.close)
         conductor = Conductor(
@@ -172,10 +175,10 @@ def run_study(
         write_study(folder, results)
         if fields:
             write_all_fields(folder, results, table, subject.points)
-    link = ""
-    if with_best and results.best is not None:
-        link = _form_best(study, results, subject, folder)
-    write_page(folder / FILE_NAME, results, best=link)
+        # all is there before the best point is formed once more, which may fail, or be interrupted
+        write_page(folder / FILE_NAME, results)
+        if with_best and results.best is not None and (link := _form_best(study, results, subject, folder)):
+            write_page(folder / FILE_NAME, results, best=link)
     return results
 
 
@@ -228,7 +231,7 @@ def _form_best(study: Study, results: StudyResults, subject: JobSubject, folder:
     say("The best point once more, with its report:", error=True)
     try:
         summary = run_job(file, folder / BEST_FOLDER, overwrite=True)
-    except InputError as error:
+    except (InputError, RunError) as error:
         say(f"warning: its report could not be made: {error}", error=True)
         return ""
     found = flattened(summary)

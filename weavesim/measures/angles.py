@@ -52,23 +52,31 @@ def locate(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Raises:
         InputError: a point outside the blank.
     """
+    elements, weights = located(blank, points)
+    if (outside := np.flatnonzero(elements < 0)).size:
+        point = np.atleast_2d(np.asarray(points, dtype=float))[outside[0]]
+        x, y = blank.material_coordinates.min(axis=0), blank.material_coordinates.max(axis=0)
+        raise InputError(
+            f"point ({point[0]:.6g}, {point[1]:.6g}) m lies outside the blank, which spans {x[0]:.6g} to "
+            f"{y[0]:.6g} m in x and {x[1]:.6g} to {y[1]:.6g} m in y; give a point on the flat blank"
+        )
+    return elements, weights
+
+
+def located(blank: Blank, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """``locate`` of points (k, 2) [m] that may lie outside the blank: their element is -1, their weights are zero."""
     corners = blank.material_coordinates[blank.quads]
     slack = 10.0 * length_tolerance(blank)
     lower, upper = corners.min(axis=1) - slack, corners.max(axis=1) + slack
-    elements, weights = [], []
-    for point in np.atleast_2d(np.asarray(points, dtype=float)):
+    places = np.atleast_2d(np.asarray(points, dtype=float))
+    elements, weights = np.full(len(places), -1), np.zeros((len(places), 4))
+    for k, point in enumerate(places):
         candidates = np.flatnonzero(np.all((point >= lower) & (point <= upper), axis=1))
         local, shapes = _local_coordinates(corners[candidates], point)
         outside = np.abs(local).max(axis=1, initial=0.0)
-        if not len(candidates) or outside[best := int(np.argmin(outside))] > 1.0 + 1.0e-3:
-            x, y = blank.material_coordinates.min(axis=0), blank.material_coordinates.max(axis=0)
-            raise InputError(
-                f"point ({point[0]:.6g}, {point[1]:.6g}) m lies outside the blank, which spans {x[0]:.6g} to "
-                f"{y[0]:.6g} m in x and {x[1]:.6g} to {y[1]:.6g} m in y; give a point on the flat blank"
-            )
-        elements.append(candidates[best])
-        weights.append(shapes[best])
-    return np.array(elements), np.array(weights)
+        if len(candidates) and outside[best := int(np.argmin(outside))] <= 1.0 + 1.0e-3:
+            elements[k], weights[k] = candidates[best], shapes[best]
+    return elements, weights
 
 
 def _local_coordinates(corner: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -206,7 +206,8 @@ class JobSubject:
             own = {finding.key: 0.0 for finding in STUDY_FINDINGS}
             own |= flattened({**_of_one_sheet(setup), **simulation.summary()})
             names |= {f"{prefix}.{name}" if prefix else name for name in own}
-        return names, not task.scene
+        # what a stage ended with, and what a scene finds, is known at the end
+        return names, not task.scene and not any(setup.stages for _, setup in task.setups)
 
 
 def _of_one_sheet(setup: Setup) -> dict[str, Any]:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError
-from ..measures.angles import locate, smoothed_shear_angle
+from ..measures.angles import located, smoothed_shear_angle
 from ..output.files import replacing
 from ..run.fields import FIELDS
 from ..version import __version__
@@ -52,17 +51,8 @@ def points_of(setup: Setup, count: int) -> tuple[SheetPoints, ...]:
         lower, upper = flat.min(axis=0), flat.max(axis=0)
         axes = [np.arange(a + 0.5 * spacing, b, spacing) for a, b in zip(lower, upper, strict=True)]
         grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
-        inside = [point for point in grid if _inside(sheet.blank, point)]
-        found.append(SheetPoints(sheet.name, np.array(inside).reshape(-1, 2)))
+        found.append(SheetPoints(sheet.name, grid[located(sheet.blank, grid)[0] >= 0]))
     return tuple(found)
-
-
-def _inside(blank: Any, point: np.ndarray) -> bool:
-    try:
-        locate(blank, point[None])
-    except InputError:
-        return False
-    return True
 
 
 def fields_at(simulation: Simulation, sheets: Sequence[SheetPoints]) -> dict[str, np.ndarray]:
@@ -81,9 +71,9 @@ def fields_at(simulation: Simulation, sheets: Sequence[SheetPoints]) -> dict[str
 
 def _of_sheet(info: SheetInfo, frame: SheetFrame, flat: np.ndarray) -> dict[str, np.ndarray]:
     blank = info.blank
-    inside = np.array([_inside(blank, point) for point in flat], dtype=bool)
-    element, weight = locate(blank, flat[inside]) if inside.any() else (np.zeros(0, int), np.zeros((0, 4)))
-    corners = blank.quads[element]
+    element, weight = located(blank, flat)
+    inside = element >= 0
+    corners, weight = blank.quads[element[inside]], weight[inside]
 
     def spread(values: np.ndarray) -> np.ndarray:
         whole = np.full((len(flat), *values.shape[1:]), np.nan)

@@ -18,8 +18,8 @@ from ..errors import InputError, did_you_mean
 from ..measures.defects.judgement import Judgement, Limits
 from ..measures.findings import Finding, FormedSheet, found
 from ..measures.units import DEGREES, MILLIMETRES, PURE, Unit, split_unit
+from ..output.stored.judged import distance_to, own_locking_angle
 from ..sheet.topology import flat_areas
-from ..tools.surfaces.distance import ToolDistance
 
 if TYPE_CHECKING:
     from ..run.simulation import Simulation
@@ -118,19 +118,12 @@ STUDY_FINDINGS: tuple[Finding, ...] = (
 def formed_run(simulation: Simulation, limits: Limits) -> FormedRun:
     """The sheets of a run as they are now."""
     info, frame = simulation.info, simulation.frame
-    distances = [ToolDistance(tool) for tool in info.tools]
 
     def judged(place: int) -> Judgement:
         sheet, state = info.sheets[place], frame.sheets[place]
-        acting = [k for k in sheet.tools if frame.acts(k)]
-
-        def distance(points: np.ndarray) -> np.ndarray:
-            return np.min([distances[k](points, float(frame.tool_displacement[k]))[0] for k in acting], axis=0)
-
-        law = sheet.fabric.shear
-        angle = getattr(law, "locking_angle", None) if law.locking_slope else None
+        acting = [(info.tools[k], float(frame.tool_displacement[k])) for k in sheet.tools if frame.acts(k)]
         formed = FormedSheet(sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry)
-        return Judgement(formed, limits, distance if acting else None, None if angle is None else math.degrees(angle))
+        return Judgement(formed, limits, distance_to(acting), own_locking_angle(sheet.fabric))
 
     return FormedRun(tuple(judged(place) for place in range(len(info.sheets))))
 

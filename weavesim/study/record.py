@@ -18,20 +18,19 @@ TABLE_NAME, SUMMARY_NAME = "runs.csv", "study.json"
 
 
 def write_runs(path: Path, results: StudyResults) -> None:
-    """One line for each run of the study in order: its inputs and measures with all digits, verdict, key."""
+    """One line for each run of the study in order: its inputs and measures with all digits, verdict, key, and why it has none."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     names = [factor.label for factor in results.factors]
     measures = [results.key(measure) for measure in results.measures]
-    writer.writerow(["point", "role", "repeat", *names, *measures, "status", "verdict", "run"])
+    writer.writerow(["point", "role", "repeat", *names, *measures, "status", "verdict", "run", "error"])
     for answer in results.answers:
         trial = answer.trial
         numbers = [answer.numbers.get(name) for name in measures]
         cells = ["" if value is None else repr(value) for value in numbers]
         values = [value if isinstance(value, str) else json.dumps(value) for value in trial.values]
-        writer.writerow(
-            [trial.point, trial.role, trial.repeat, *values, *cells, answer.status, answer.verdict, answer.key[:16]]
-        )
+        end = (answer.status, answer.verdict, answer.key[:16], answer.error)
+        writer.writerow([trial.point, trial.role, trial.repeat, *values, *cells, *end])
     write_text(path, stream.getvalue())
 
 

@@ -116,6 +116,13 @@ class RunTable:
         """Keep a remark on the study."""
         self._connection.execute("INSERT OR REPLACE INTO about VALUES (?, ?)", (name, value))
 
+    def want_fields_at(self, points: str) -> None:
+        """Forget fields that were taken at other material points than ``points``, a digest of those that are wanted."""
+        with self._transaction():
+            if self.about("field_points") != points:
+                self._connection.execute("UPDATE runs SET fields = NULL")
+                self.remark("field_points", points)
+
     # ------------------------------------------------------------------------------------------------------- runs
 
     def has(self, key: str, *, fields: bool = False) -> bool:

@@ -6,6 +6,7 @@ import pytest
 from tests.support.flat_blanks import FULL, HALF_IN_X, HALF_IN_Y, HALF_LENGTH, HALF_WIDTH, QUARTER, blank_of
 from weavesim import measures
 from weavesim.errors import InputError
+from weavesim.measures.angles import located
 
 
 def odd_angle(blank, factor=30.0):
@@ -54,6 +55,14 @@ def test_located_weights_give_the_point_back(distortion):
 def test_a_point_outside_the_blank_is_named():
     with pytest.raises(InputError, match=r"\(0.5, 0\) m lies outside the blank"):
         measures.locate(blank_of(QUARTER), np.array([[0.5, 0.0]]))
+
+
+def test_points_that_may_lie_outside_are_found_apart():
+    blank = blank_of(QUARTER)
+    inside = 0.5 * (blank.material_coordinates.min(axis=0) + blank.material_coordinates.max(axis=0))
+    element, weight = located(blank, np.array([[0.5, 0.0], inside, [np.nan, 0.0]]))
+    assert element.tolist() == [-1, measures.locate(blank, inside)[0][0], -1]
+    assert not weight[[0, 2]].any() and weight[1].sum() == pytest.approx(1.0)
 
 
 def test_yarn_vectors_follow_an_affine_deformation():

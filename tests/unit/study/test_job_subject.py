@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.support.studies import write_small_job
+from tests.support.studies import SMALL, write_small_job
 from weavesim.app.command_line import SCENES
 from weavesim.app.jobs.form import run_job
 from weavesim.errors import InputError
@@ -90,3 +90,12 @@ def test_another_mesh_of_a_ply_with_its_own_is_refused(tmp_path):
     job.write_text(text)
     with pytest.raises(InputError):
         JobSubject(job, noise=NoiseTable(by="mesh")).case((), Trial((), repeat=1))
+
+
+def test_numbers_of_stages_are_known_at_the_end(tmp_path):
+    stages = '\n[[stage]]\nname = "lift"\nduration = "1 ms"\n\n[[stage]]\nname = "rest"\nduration = "1 ms"\n'
+    subject = JobSubject(write_small_job(tmp_path, SMALL + stages), threads=1)
+    case = subject.case((), Trial(()))
+    names, complete = subject.known_numbers(case)
+    assert not complete and "max_shear_angle_deg" in names
+    assert compute(case.task).numbers.keys() - names

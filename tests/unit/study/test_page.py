@@ -3,9 +3,10 @@
 import pytest
 
 from tests.support.studies import bowl, conducted, ishigami, made, noisy
-from weavesim.errors import InputError
+from weavesim.errors import InputError, RunError
 from weavesim.study.page.charts import charts
 from weavesim.study.page.page import check_page, write_page
+from weavesim.study.record import write_study
 from weavesim.study.schema import MeasureTable, NoiseTable, VaryTable
 from weavesim.study.subject import FunctionSubject
 
@@ -80,3 +81,18 @@ def test_a_page_without_plotly_is_refused_before_anything_runs(monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(InputError, match="weavesim\\[study\\]"):
         check_page()
+
+
+def fails(x):
+    raise RunError("the press is closed today")
+
+
+@pytest.mark.parametrize("given", [{"counts": {"x": 3}}, {"method": "optimise", "budget": 3}])
+def test_a_study_without_a_finished_run_is_told_and_loses_nothing(tmp_path, given):
+    measures = [MeasureTable(name="depth", goal="least", at_most=1.0)]
+    results = conducted(made({"x": (0.0, 10.0)}, measures, **given), FunctionSubject(fails), tmp_path / "t.sqlite")
+    assert results.best is None and [answer.status for answer in results.answers] == ["failed"] * 3
+    write_page(tmp_path / "study.html", results)
+    write_study(tmp_path, results)
+    assert "the press is closed today" in (tmp_path / "study.html").read_text(encoding="utf-8")
+    assert "the press is closed today" in (tmp_path / "runs.csv").read_text(encoding="utf-8")

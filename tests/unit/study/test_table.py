@@ -57,3 +57,16 @@ def test_a_table_of_another_format_is_refused(tmp_path):
         table.remark("format_version", "7")
     with pytest.raises(InputError, match="version 7"):
         RunTable(tmp_path / "t.sqlite")
+
+
+def test_fields_at_other_points_are_forgotten_and_those_at_the_same_stay(tmp_path):
+    with RunTable(tmp_path / "t.sqlite") as table:
+        table.want_fields_at("coarse")
+        table.store("k", "s", Found(numbers={"a": 1.0}, fields={"sheet/position": np.eye(3)}))
+        table.want_fields_at("coarse")
+        assert table.has("k", fields=True)
+        table.want_fields_at("fine")
+        assert table.has("k") and not table.has("k", fields=True)
+    with RunTable(tmp_path / "t.sqlite") as table:
+        table.want_fields_at("fine")
+        assert not table.has("k", fields=True)

@@ -10,13 +10,14 @@ from ...process.strokes import Motion
 
 
 def stage_lines(setup: Setup) -> list[tuple[str, str]]:
-    """Name of every stage of a run, and what happens in it."""
-    return (
-        [(now.stage.name, f"{_acts(now)}; {end_text(now.stage)}") for now in acting_of(setup)] if setup.stages else []
-    )
+    """Name of every stage of a job, and what happens in it; forces are those of the whole press, as in the job."""
+    if not setup.stages:
+        return []
+    share = setup.worlds[0].symmetry.share
+    return [(now.stage.name, f"{_acts(now, share)}; {end_text(now.stage, share)}") for now in acting_of(setup)]
 
 
-def _acts(now: Acting) -> str:
+def _acts(now: Acting, share: float) -> str:
     """Who acts, those that move anew with their motion, and what presses."""
     tools = [name for name in now.tool_motions if name in now.tools]
     parts = [_does(tools, "act")] if tools else ["no tool acts"]
@@ -24,7 +25,7 @@ def _acts(now: Acting) -> str:
         parts.append(_does(sorted(now.grippers), "pull"))
     if now.supports:
         parts.append(_does(sorted(now.supports), "hold"))
-    parts += [f"{move.name} {motion_text(move.motion)}" for move in now.stage.moves]
+    parts += [f"{move.name} {motion_text(move.motion, share)}" for move in now.stage.moves]
     for pressed in now.stage.pressures or ():
         on = f" on {pressed.sheet}" if pressed.sheet else ""
         parts.append(f"{1e-3 * pressed.pressure.pressures[-1]:.4g} kPa{on}")
@@ -35,18 +36,18 @@ def _does(names: list[str], what: str) -> str:
     return f"{', '.join(names)} {what}{'s' if len(names) == 1 else ''}"
 
 
-def motion_text(motion: Motion) -> str:
-    """A motion in a few words."""
+def motion_text(motion: Motion, share: float) -> str:
+    """A motion in a few words; ``share`` of the whole is computed, and forces on it are that share."""
     if not motion.moves_tools:
         return "moves"
     _, values = motion.curve()
     if motion.by_force:
-        return f"pushed with {values[-1]:.4g} N"
+        return f"pushed with {values[-1] / share:.4g} N"
     return f"moves by {1e3 * values[-1]:.4g} mm" if values.any() else "stays"
 
 
-def end_text(stage: Stage) -> str:
-    """What ends a stage."""
+def end_text(stage: Stage, share: float) -> str:
+    """What ends a stage; see ``motion_text``."""
     most = f"{1e3 * stage.duration:.4g} ms"
     end = stage.end
     if end is None:
@@ -54,7 +55,7 @@ def end_text(stage: Stage) -> str:
     if isinstance(end, AtStroke):
         what = f"{end.tool} has moved {1e3 * end.displacement:.4g} mm"
     elif isinstance(end, AtForce):
-        what = f"{end.tool} is pushed with {end.force:.4g} N"
+        what = f"{end.tool} is pushed with {end.force / share:.4g} N"
     elif isinstance(end, AtRest):
         what = f"at rest (kinetic energy {end.kinetic_share:g} of internal, {end.speed:g} m/s)"
     else:

@@ -100,8 +100,8 @@ class StudyResults:
         return tuple(measure for measure in self.measures if measure.goal)
 
     def key(self, measure: MeasureTable) -> str:
-        """Of a measure in the numbers."""
-        return self.names[measure.name]
+        """Of a measure in the numbers; as it was named where no run has finished that tells more."""
+        return self.names.get(measure.name, measure.name)
 
     def label(self, measure: MeasureTable) -> str:
         """Name of a measure with its unit."""

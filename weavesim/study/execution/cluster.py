@@ -70,10 +70,10 @@ class ClusterExecutor:
         again: deque[tuple[str, Task]] = deque()
         attempts: dict[str, int] = {}
         running: dict[str, tuple[Any, Task]] = {}
-        exhausted = False
         while True:
             try:
-                while not exhausted and len(running) < TASKS_PER_THREAD * self.width:
+                room = TASKS_PER_THREAD * self.width
+                while len(running) < room:
                     following = again.popleft() if again else next(coming, None)
                     if following is None:
                         break

@@ -54,7 +54,7 @@ def worth(answers: Sequence[Answer], table: StudyTable, names: dict[str, str]) -
         if answer.verdict in VERDICTS and VERDICTS.index(answer.verdict) > accepted:
             violation = max(violation, 1.0)
     for measure in table.measure:
-        found = [answer.number(names[measure.name]) for answer in answers]
+        found = [answer.number(names.get(measure.name, measure.name)) for answer in answers]
         values = np.array([value for value in found if value is not None and math.isfinite(value)])
         if len(values) < len(answers) or not len(values):
             return Worth(None, 1.0)

@@ -8,6 +8,7 @@ from tests.support.jobs import TRAY, write_tray
 from weavesim import AtForce, AtRest, AtStroke, Fixed, ForceDriven, InputError, Pressure, Setup, Stage, Stroke
 from weavesim.job.build import setup_of
 from weavesim.job.read import read_job
+from weavesim.job.stages.told import stage_lines
 from weavesim.process.stages import SheetPressure
 
 STAGES = """
@@ -197,3 +198,12 @@ def test_a_group_has_none_of_another_table(tmp_path):
     other = '\n[[spring]]\nname = "corner_5"\npoints = [["0 mm", "70 mm"]]\nstiffness = 10\n'
     job = setup_with(tmp_path, STAGES + other, ("grippers = []", 'grippers = ["corner"]'))
     assert job.stages[2].grippers == ("corner_1", "corner_2", "corner_3", "corner_4")
+
+
+def test_forces_of_stages_are_told_as_those_of_the_whole_press(tmp_path):
+    halves = ("[output]", '[process]\nsymmetry = ["x", "y"]\n[output]')
+    quarter = ('rectangle = ["200 mm", "160 mm"]', 'rectangle = ["100 mm", "80 mm"]\ncentre = ["50 mm", "40 mm"]')
+    stages = STAGES.replace("corners = true", 'points = [["95 mm", "75 mm"]]')
+    told = dict(stage_lines(setup_with(tmp_path, stages, halves, quarter)))
+    assert "punch is pushed with 5000 N" in told["close"]
+    assert "ring pushed with 100 N" in told["hold"]

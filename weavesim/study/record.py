@@ -18,7 +18,7 @@ TABLE_NAME, SUMMARY_NAME = "runs.csv", "study.json"
 
 
 def write_runs(path: Path, results: StudyResults) -> None:
-    """One line for each run of the study in order: its inputs and measures with all digits, verdict, key, and why it has none."""
+    """One line for each run of the study in order: its inputs and measures with all digits, verdict, key, error."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     names = [factor.label for factor in results.factors]

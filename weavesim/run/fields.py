@@ -103,7 +103,8 @@ FIELDS: list[Field] = [
         diagnostic=True,
     ),
     Field(
-        "tool_pressure_below", "Pa", "pressure of the tools on the side from which the normal points, on the current area", _of_contact
+        "tool_pressure_below", "Pa",
+        "pressure of the tools on the side from which the normal points, on the current area", _of_contact,
     ),
     Field("tool_pressure_above", "Pa", "the same of the tools on the side to which the normal points", _of_contact),
     Field("tool_friction_below", "Pa", "friction of the tools below over the same area", _of_contact),

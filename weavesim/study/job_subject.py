@@ -14,6 +14,7 @@ import numpy as np
 from ..engine.setup import Setup
 from ..errors import InputError
 from ..job.build import setup_of
+from ..job.key_units import unit_of_key
 from ..job.read import JobFile, read_job
 from ..job.scenes import scene_of
 from ..measures.defects.judgement import Limits
@@ -158,6 +159,13 @@ class JobSubject:
         return Case(
             key, setup_hash, JobTask(tuple(setups.items()), scene, parameters, self.limits, self.points, self.threads)
         )
+
+    def unit_of(self, key: str) -> str:
+        """SI unit of a key of the job; "" for none, or for a key that is refused later."""
+        try:
+            return unit_of_key(self.file([]), key)
+        except InputError:
+            return ""
 
     def file(self, settings: Sequence[str]) -> JobFile:
         """The job with the study's settings and some of its own."""

@@ -113,14 +113,14 @@ def response(results: StudyResults, measure: MeasureTable) -> go.Figure:
             trace.showlegend = bool(trace.name) and (k == 0 or trace.name != REPEATS)
             figure.add_trace(trace, **place)
         figure.update_xaxes(
-            title={"text": factor.label}, **(_log_axis(factor) if factor.scale == "log" else {}), **place
+            title={"text": factor.label}, **(log_axis(factor) if factor.scale == "log" else {}), **place
         )
         if k % columns == 0:
             figure.update_yaxes(title={"text": results.label(measure)}, **place)
     return _layout(figure, 130 + 300 * rows)
 
 
-def _log_axis(factor: Factor) -> dict[str, Any]:
+def log_axis(factor: Factor) -> dict[str, Any]:
     """A log axis whose ticks are 1, 2 and 5 times powers of ten, or these alone over many decades, written in full."""
     decades = range(math.floor(math.log10(factor.low)), math.ceil(math.log10(factor.high)) + 1)
     steps = (1, 2, 5) if len(decades) <= MOST_DECADES else (1,)

@@ -29,7 +29,7 @@ class ToolDistances:
         self._model = model
         self._kernels: dict[int, wp.Kernel] = {}
         for sheet in model.sheets:
-            kernel = sample_distance_kernel(model.real, 1, further_kinds(sheet.node_traits.shape_kinds))
+            kernel = sample_distance_kernel(model.real, model.lane_count, further_kinds(sheet.node_traits.shape_kinds))
             self._kernels |= dict.fromkeys(range(sheet.places.tools.start, sheet.places.tools.stop), kernel)
 
     def __call__(self, tool: int, displacement: float, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -45,7 +45,7 @@ class ToolDistances:
         normal = wp.zeros(count, dtype=model.types.vec3, device=model.device)
         wp.launch(
             self._kernels[tool],
-            dim=count,
+            dim=-(-count // model.lane_count),
             inputs=[
                 model.tools.tool, model.tools.part, tool, wp.float64(displacement),
                 wp.array(np.asarray(points, dtype=np.float64), dtype=wp.vec3d, device=model.device),

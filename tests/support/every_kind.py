@@ -39,10 +39,12 @@ from weavesim.process import (
     Interface,
     Pressure,
     PressureFriction,
+    SheetLoads,
     SheetPressure,
     Stage,
     StribeckFriction,
     Stroke,
+    Trim,
     ViscousFilm,
     YarnAngleFriction,
 )
@@ -188,6 +190,11 @@ def in_stages(solver: Solver) -> Setup:
         Stage(
             "release", 5.0e-4, AtRest(10.0, 100.0),
             tools=(), supports=("held", "pulled"), grippers=(), target_step=2.0e-6, frame_count=2,
+            friction={"far": 0.1}, loads=(SheetLoads(NodalLoads(np.full((45, 3), 1e-3), times=(1e-4,)), "sheet"),),
+            trims=(
+                Trim([(-1.0, -1.0), (0.008, -1.0), (0.008, 1.0), (-1.0, 1.0)], "above"),
+                Trim([(0.031, -1.0), (1.0, -1.0), (1.0, 1.0), (0.031, 1.0)], "sheet", "blank", "outside"),
+            ),
         ),
         Stage("carry on", 2.0e-4, tools=("far",), moves={"far": Fixed()}, frame_count=1),
     )  # fmt: skip

@@ -7,9 +7,10 @@ from .interfaces import Interface
 from .loads import NodalLoads
 from .pressure import Pressure
 from .self_contact import SelfContact
-from .stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
+from .stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetLoads, SheetPressure, Stage, StageEnd
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
+from .trims import Trim
 
 __all__ = [
     "AtForce",
@@ -21,6 +22,7 @@ __all__ = [
     "Fixed",
     "ForceDriven",
     "Friction",
+    "FrictionOf",
     "Gripper",
     "Interface",
     "Motion",
@@ -29,6 +31,7 @@ __all__ = [
     "Pressure",
     "PressureFriction",
     "SelfContact",
+    "SheetLoads",
     "SheetPressure",
     "SmoothStroke",
     "Stage",
@@ -36,6 +39,7 @@ __all__ = [
     "StribeckFriction",
     "Stroke",
     "Support",
+    "Trim",
     "ViscousFilm",
     "YarnAngleFriction",
 ]

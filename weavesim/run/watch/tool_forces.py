@@ -148,8 +148,9 @@ class ToolFields:
 
     def __init__(self, sheet: SheetModel) -> None:
         self._quads, self._area, self._node_count = sheet.blank.quads, sheet.geometry.area, sheet.blank.node_count
-        around = np.bincount(self._quads.ravel(), np.repeat(0.25 * self._area, 4), self._node_count)
-        self._share = 0.25 * self._area[:, None] / around[self._quads]
+        there = self._area * sheet.kept
+        around = np.bincount(self._quads.ravel(), np.repeat(0.25 * there, 4), self._node_count)
+        self._share = 0.25 * there[:, None] / np.where(sheet.waste, 1.0, around)[self._quads]
         self._of_samples = corner_shares(sheet.samples.places)[0]
 
     def __call__(self, forces: PointForces, director: np.ndarray, area_ratio: np.ndarray) -> dict[str, np.ndarray]:
@@ -164,7 +165,7 @@ class ToolFields:
         if not len(forces.push):
             return {}
         if not forces.push.any():
-            return {name: np.zeros(len(self._quads)) for name in names}
+            return {name: 0.0 * area_ratio for name in names}  # of waste not a number
         directors = np.concatenate([director, *np.einsum("sc,eci->sei", self._of_samples, director[self._quads])])
         # a tool below pushes up, along the director
         below = np.einsum("tpi,pi->tp", forces.normal, directors) > 0.0

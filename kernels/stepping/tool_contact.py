@@ -16,10 +16,14 @@ THICKNESS_WORK = wp.constant(int(NodeWorkRow.thickness_work))
 
 
 @cache
-def contact_function(real: type, lane_count: int):
-    """wp.func -> (normal spring's force, force of spring and dashpot, of the dashpot, of friction, friction spring)."""
+def contact_function(real: type, lane_count: int, carried: bool = False):
+    """wp.func -> (normal spring's force, force of spring and dashpot, of the dashpot, of friction, friction spring).
+
+    The velocity of a tool that is ``carried`` differs between the lanes.
+    """
     types = lane_types(real, lane_count)
-    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    lanes, lanes3 = types.lanes, types.lanes3
+    velocity_type = types.lanes3 if carried else types.vec3
     Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
@@ -27,7 +31,7 @@ def contact_function(real: type, lane_count: int):
         present: Present,
         laws: NodeLaws,
         friction: real,
-        tool_velocity: vec3,
+        tool_velocity: velocity_type,
         penetration: lanes,
         normal: lanes3,
         stretch: lanes3,

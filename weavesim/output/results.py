@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import InputError
 from ..measures.angles import locate
 from ..measures.findings import SHEET_FINDINGS, FormedSheet, found
+from ..process.paths import Place
 from ..run.frame import Frame, Outcome, RunInfo, SheetFrame, SheetInfo
 from ..tools.tool import Tool
 from .curves import Curves, LastCurve
@@ -75,13 +76,13 @@ class SheetResult:
         info: known before the run.
         formed: the formed sheet and its measures.
         ending: suffix of its file names; "" for the only sheet.
-        tools: name, tool and displacement [m] of each tool that it may touch and that acts.
+        tools: name, tool and place of each tool that it may touch and that acts.
     """
 
     info: SheetInfo
     formed: FormedSheet
     ending: str
-    tools: tuple[tuple[str, Tool, float], ...]
+    tools: tuple[tuple[str, Tool, Place], ...]
 
     def file(self, name: str) -> str:
         """File name for this sheet: "draw_in.csv" becomes "draw_in_upper.csv" if there are several."""
@@ -143,7 +144,7 @@ def _sheet_result(
         sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry, wanted.points, wanted.draw_in
     )
     acting = (k for k in sheet.tools if frame.acts(k))
-    tools = tuple((info.tool_names[k], info.tools[k], float(frame.tool_displacement[k])) for k in acting)
+    tools = tuple((info.tool_names[k], info.tools[k], frame.place(k)) for k in acting)
     return SheetResult(sheet, formed, ending, tools)
 
 

@@ -126,8 +126,10 @@ class StoredFilm:
 
         prim = self._prim(mesh)
         points = np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get(frame), dtype=float)
-        move = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(frame).ExtractTranslation()
-        return points + np.array(move)
+        transform = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(frame)
+        move, turn = np.array(transform.ExtractTranslation()), np.array(transform.ExtractRotationMatrix())
+        # USD's vectors are rows
+        return (points if np.array_equal(turn, np.eye(3)) else points @ turn) + move
 
     def values(self, mesh: FilmedMesh, field: str, frame: float) -> np.ndarray | None:
         """Of the elements of a sheet at a time code, (m,); None if it has no such field."""

@@ -111,7 +111,6 @@ class ParaViewSeries:
         blocks: dict[str, str | dict[str, str]] = dict(zip(self._blocks[:-1], files, strict=True))
         if self._tools:
             blocks[self._blocks[-1]] = {
-                name: tool.write(float(place), stem)
-                for (name, tool), place in zip(self._tools.items(), frame.tool_displacement, strict=True)
+                name: tool.write(frame.place(k), stem) for k, (name, tool) in enumerate(self._tools.items())
             }
         write_text(self.folder / f"{stem}.vtm", blocks_text(blocks, self._run_id))

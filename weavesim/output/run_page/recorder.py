@@ -59,6 +59,11 @@ class FrameRecorder:
         """Of the kept frames, (kept_count, tool_count) [m]."""
         return np.array([kept.tool_displacement for kept in self._shown])
 
+    @property
+    def tool_pose(self) -> np.ndarray:
+        """Of the kept frames, (kept_count, tool_count, 12), see ``Frame``; (kept_count, 0, 12) without any."""
+        return np.array([kept.tool_pose for kept in self._shown])
+
     def positions(self, sheet: int) -> np.ndarray:
         """Nodes of a sheet, (kept_count, node_count, 3) [m]."""
         return np.stack([kept.positions[sheet] for kept in self._shown])
@@ -82,6 +87,7 @@ class _Kept:
     def __init__(self, place: int, frame: Frame) -> None:
         self.place, self.stage = place, frame.stage
         self.tool_displacement = np.array(frame.tool_displacement, dtype=float)
+        self.tool_pose = np.array(frame.tool_pose, dtype=float)
         self.positions = [sheet.position.astype(np.float32) for sheet in frame.sheets]
         self.fields = [
             {name: values.astype(np.float32) for name, values in sheet.fields.items() if name not in LEFT_OUT}

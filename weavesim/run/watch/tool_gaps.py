@@ -9,6 +9,7 @@ from ...engine.model import Model
 from ...engine.state import State
 from ...kernels.contact.tool_distance import sample_distance_kernel
 from ...kernels.contact.tool_shapes import further_kinds
+from ...tools.carried.device import pose_of
 
 
 class ToolGaps:
@@ -40,10 +41,17 @@ class ToolGaps:
             return np.empty((self._sheet.tool_count, len(points)))
         self._points.assign(points)
         places = self._sheet.places.tools
-        displacement = self._state.tool_displacement.numpy()[places.start : places.stop]
-        for launch, value in zip(self.launches, displacement, strict=True):
-            launch.set_param_by_name("displacement", wp.float64(value))
-            launch.launch()
+        if self._sheet.node_traits.carried:
+            poses = self._state.tool_pose.numpy()[places.start : places.stop]
+            for launch, entries in zip(self.launches, poses, strict=True):
+                # in the frame of the tool as drawn
+                self._points.assign(pose_of(entries).back(points))
+                launch.launch()
+        else:
+            displacement = self._state.tool_displacement.numpy()[places.start : places.stop]
+            for launch, value in zip(self.launches, displacement, strict=True):
+                launch.set_param_by_name("displacement", wp.float64(value))
+                launch.launch()
         result = self._distances.numpy().astype(np.float64)
         result[self._away] = np.inf
         return result

@@ -93,6 +93,7 @@ class Ledger:
         self.tool_names = unique_names(tool.name for tool in tools)
         self._driven = np.array([tool.motion.by_force for tool in tools], dtype=bool)
         self._tool_mass = np.array([tool.motion.driven_mass for tool in tools])
+        self._last: Frame | None = None
 
     def frame(self, index: int) -> Frame:
         """A frame of the current state; waits for the device."""
@@ -110,7 +111,7 @@ class Ledger:
             for model, own in zip(self._stepper.model.sheets, ahead.sheets, strict=True)
         ]
         leading = tool_displacement[self._setup.leading_tool :] if len(tool_displacement) else drive_displacement
-        return Frame(
+        self._last = Frame(
             index=index,
             step_count=state.step_count,
             time=state.time,
@@ -130,6 +131,20 @@ class Ledger:
             tool_acts=self.acting,
             stage=self.stage.name if self.stage else "",
         )
+        return self._last
+
+    def completed(self, frame: Frame) -> Frame:
+        """A frame with the fields that only those of observers have, if it is the last one that was taken.
+
+        Others, such as those of a checkpoint, have them. Waits for the device.
+        """
+        if frame is not self._last:
+            return frame
+        sheets = tuple(
+            replace(sheet, fields=sheet.fields | ledger.tool_fields(sheet))
+            for ledger, sheet in zip(self.sheets, frame.sheets, strict=True)
+        )
+        return replace(frame, sheets=sheets)
 
     def _support_outputs(self, ahead: State) -> tuple[np.ndarray, np.ndarray]:
         """Current forces of all supports (support_count, 3), and along all drives (drive_count,) [N]."""

@@ -26,6 +26,7 @@ from ..kernels.shell.energy import element_ledger_kernel
 from ..sheet.samples import surfaces
 from .fields import complete
 from .frame import SheetFrame
+from .watch.tool_forces import PointForces, ToolForces, tool_fields
 from .watch.tool_gaps import ToolGaps
 
 # Elastic energies of the sheet; the internal energy is their sum plus those of its unit cell.
@@ -98,7 +99,9 @@ class SheetLedger:
         # packed once: a launch from Python costs more than the work of a small sheet
         self._element_ledger: wp.Launch | None = None
         elements, nodes = sheet.blank.element_count, sheet.blank.node_count
-        self._contact_gaps = ToolGaps(model, index, state, nodes + len(sheet.samples.places) * elements, acting)
+        points = nodes + len(sheet.samples.places) * elements
+        self._contact_gaps = ToolGaps(model, index, state, points, acting, keep_normals=True)
+        self._tool_forces = ToolForces(model, index, state, self._contact_gaps, acting)
         self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements, acting)
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
         velocity, spin = _rates(start)
@@ -122,6 +125,14 @@ class SheetLedger:
             energies=self._entries(position, motion, ahead.sheets[self._index]),
             resultants=resultants,
         )
+
+    def tool_forces(self) -> PointForces:
+        """Forces of the tools at its nodes and samples at the frame just taken; waits for the device."""
+        return self._tool_forces(self._half_thickness, self._velocity)
+
+    def tool_fields(self, frame: SheetFrame) -> dict[str, np.ndarray]:
+        """Fields of the contact with tools, of the frame just taken."""
+        return tool_fields(self._model, self.tool_forces(), frame.director, frame.fields["area_ratio"])
 
     def _launch(self, ahead: SheetState) -> None:
         sheet = self._model
@@ -172,6 +183,7 @@ class SheetLedger:
         entries = dict(zip(self._energy_names, element.tolist(), strict=True))
         entries["internal"] = sum(entries[name] for name in self.internal)
         velocity, spin = _rates(motion)
+        self._velocity = velocity
         next_velocity, next_spin = _rates(self._motion(ahead.motion))
         entries["kinetic"] = (
             self._kinetic(velocity, next_velocity, spin, next_spin) if started else self.initial_kinetic
@@ -210,6 +222,7 @@ class SheetLedger:
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
             half_thickness = np.concatenate([own[:node_count], np.tile(between[:element_count], sample_count)])
+        self._half_thickness = half_thickness
         stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
         penetration = np.maximum(half_thickness - self._contact_gaps(np.concatenate(points)), 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]

@@ -34,9 +34,7 @@ def setup(**given) -> Setup:
     blank = Blank.rectangle((-0.02, 0.0), (0.02, 0.01), 0.005)
     clamp = Support("clamp", np.flatnonzero(blank.node_position[:, 0] < -0.01 + 1e-9))
     turn = Rotation(Y, HINGE, (0.0, 0.004), (0.0, -FIRST))
-    again = PathMotion(
-        (0.0, 0.004), ((0.0, 0.0, 0.0), WAY), Rotation(Y, THERE, (0.0, 0.004), (0.0, -SECOND)), Fixed()
-    )
+    again = PathMotion((0.0, 0.004), ((0.0, 0.0, 0.0), WAY), Rotation(Y, THERE, (0.0, 0.004), (0.0, -SECOND)), Fixed())
     stroke = Stroke((0.0, 0.004), (0.0, 5.0e-4))
     tools = (
         Tool("ball", Sphere(0.004, origin=(-0.015, 0.005, 0.01))),

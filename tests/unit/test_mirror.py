@@ -37,6 +37,7 @@ TESTED_ELSEWHERE = {
     "kernels/carried/motion.py": CARRIED,
     "kernels/carried/pose.py": CARRIED,
     "weavesim/tools/carried/device.py": CARRIED,
+    "weavesim/tools/surfaces/distance.py": "unit/run/test_carried_tools.py",
     "kernels/loads/grippers.py": "verification/process/test_grippers.py",
     "weavesim/engine/loading/grips.py": "verification/process/test_grippers.py",
     "weavesim/engine/loading/load_launches.py": "verification/process/test_pressure.py",

@@ -87,6 +87,11 @@ class Motion(Kinded):
         """Time after which nothing changes [s]."""
         return 0.0
 
+    @property
+    def travel_time(self) -> float:
+        """Time after which a prescribed motion is over [s]; zero by force."""
+        return 0.0 if self.by_force else self.duration
+
 
 class Knots(Motion):
     """Base class of motions given at knots in time.

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...process.paths import PathMotion
+from ...ranges import ACCEPTING
 from ..watch.remembered import geometry_key, remembered
 from ..watch.tool_distance import ToolDistances
 from .guard import Doubt, Guard, Level, Start
@@ -34,6 +35,7 @@ class ClosingGap(Guard):
     """Two tools on either side of the sheets that leave less room for them than their thickness.
 
     Tools that a force moves stop at the sheet: they are left out. So do strokes with a largest force: it is only noted.
+    Others are refused; where unusual values are accepted, those that leave some room only warn.
     """
 
     name = "closing_gap"
@@ -43,7 +45,7 @@ class ClosingGap(Guard):
         """Pairs that close too far.
 
         Raises:
-            InputError: they run into each other.
+            InputError: they run into each other, or leave too little room and nobody has accepted that.
         """
         first = 0
         for number, world in enumerate(start.model.setup.worlds):
@@ -53,7 +55,7 @@ class ClosingGap(Guard):
                 # each stage by its own strokes and their largest forces
                 for phase, tools in _closing(start, number, pair):
                     if found := _gap_around(start, phase, number, first, pair):
-                        yield from self._judged(tools, *found, thickness, _error(start, tools))
+                        yield from self._judged(start, tools, *found, thickness)
                         yield from self._not_judged(tools)
             first += len(world.tools)
 
@@ -68,8 +70,9 @@ class ClosingGap(Guard):
             )
 
     def _judged(
-        self, tools: tuple[Tool, Tool], gap: float, time: float, thickness: float, error: float
+        self, start: Start, tools: tuple[Tool, Tool], gap: float, time: float, thickness: float
     ) -> Iterator[Doubt]:
+        error = _error(start, tools)
         if not gap < (1.0 - LARGEST_LACK) * thickness - error:
             return
         names = f"{tools[0].name} and {tools[1].name}"
@@ -91,9 +94,12 @@ class ClosingGap(Guard):
                 f"{names} run into each other by {-1e3 * gap:.3g} mm at {time:.4g} s; the sheet between them is "
                 f"{1e3 * thickness:.3g} mm thick: {advice}"
             )
+        text = f"{names} leave {1e3 * gap:.3g} mm between them at {time:.4g} s, for a sheet of {1e3 * thickness:.3g} mm"
+        if not start.accepts_unusual:
+            raise InputError(f"{text}: they close too far, and forces there would mean nothing: {advice}. {ACCEPTING}")
         yield self.doubt(
             Level.WARNING,
-            f"{names} leave {1e3 * gap:.3g} mm between them at {time:.4g} s, for a sheet of {1e3 * thickness:.3g} mm",
+            text,
             f"they close too far, and forces there mean nothing: {advice}",
             time=time,
             value=gap,

@@ -324,4 +324,5 @@ def hash_of_run(setup: Setup) -> str:
     """What is the same for set-ups whose runs have the same states, wherever they are computed and shown."""
     elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
     solver = setup.solver.model_copy(update=elsewhere)
-    return setup.model_copy(update={"solver": solver, "frame_count": 1}).content_hash
+    stages = tuple(stage.model_copy(update={"frame_count": None}) for stage in setup.stages)
+    return setup.model_copy(update={"solver": solver, "frame_count": 1, "stages": stages}).content_hash

@@ -141,7 +141,7 @@ class Ledger:
         if frame is not self._last:
             return frame
         sheets = tuple(
-            replace(sheet, fields=sheet.fields | ledger.tool_fields(sheet))
+            replace(sheet, fields=sheet.fields | ledger.written_fields(sheet))
             for ledger, sheet in zip(self.sheets, frame.sheets, strict=True)
         )
         return replace(frame, sheets=sheets)

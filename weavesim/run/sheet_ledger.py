@@ -26,6 +26,7 @@ from ..kernels.shell.energy import element_ledger_kernel
 from ..sheet.samples import surfaces
 from .fields import complete
 from .frame import SheetFrame
+from .watch.surface_fields import SurfaceFields
 from .watch.tool_forces import PointForces, ToolForces, tool_fields
 from .watch.tool_gaps import ToolGaps
 
@@ -102,6 +103,7 @@ class SheetLedger:
         points = nodes + len(sheet.samples.places) * elements
         self._contact_gaps = ToolGaps(model, index, state, points, acting, keep_normals=True)
         self._tool_forces = ToolForces(model, index, state, self._contact_gaps, acting)
+        self._surface_fields = SurfaceFields(model, index, state, acting)
         self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements, acting)
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
         velocity, spin = _rates(start)
@@ -130,9 +132,11 @@ class SheetLedger:
         """Forces of the tools at its nodes and samples at the frame just taken; waits for the device."""
         return self._tool_forces(self._half_thickness, self._velocity)
 
-    def tool_fields(self, frame: SheetFrame) -> dict[str, np.ndarray]:
-        """Fields of the contact with tools, of the frame just taken."""
-        return tool_fields(self._model, self.tool_forces(), frame.director, frame.fields["area_ratio"])
+    def written_fields(self, frame: SheetFrame) -> dict[str, np.ndarray]:
+        """Fields that only the frames of observers have, of the frame just taken; waits for the device."""
+        forces, node_distance = self.tool_forces(), self._distance[:, : len(frame.position)]
+        pressed = tool_fields(self._model, forces, frame.director, frame.fields["area_ratio"])
+        return pressed | self._surface_fields(frame.position, frame.fields["thickness"], node_distance)
 
     def _launch(self, ahead: SheetState) -> None:
         sheet = self._model
@@ -224,7 +228,8 @@ class SheetLedger:
             half_thickness = np.concatenate([own[:node_count], np.tile(between[:element_count], sample_count)])
         self._half_thickness = half_thickness
         stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
-        penetration = np.maximum(half_thickness - self._contact_gaps(np.concatenate(points)), 0.0)
+        self._distance = self._contact_gaps(np.concatenate(points))
+        penetration = np.maximum(half_thickness - self._distance, 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
         of_samples = sheet.samples.layout.read(ahead.sample_friction)[: 3 * sheet.tool_count]
         of_samples = of_samples.reshape(len(friction), sample_count, sheet.element_count)

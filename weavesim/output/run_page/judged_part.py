@@ -18,7 +18,7 @@ from .values import number, words
 
 # Field that shows what a region is about.
 _FIELD = {
-    "wrinkle": "wrinkle_amplitude", "bridging": "gap", "gap": "gap", "locking": "shear_angle",
+    "wrinkle": "wrinkle_amplitude", "bridging": "tool_gap", "gap": "tool_gap", "locking": "shear_angle",
     "self-contact": "self_contact_gap",
 }  # fmt: skip
 # More regions or elements than a reader looks at.

@@ -107,22 +107,34 @@ def _places(
 ) -> Iterator[tuple[Place, float]]:
     """Places that a tool may have in all stages in which it acts, and how much nearer it may be between them [m]."""
     ways, carried = [], []
+    begun = since = 0.0  # where a force last took it over, and when
     for phase in start.phases:
         own = phase.setup.worlds[world].tools[tool]
-        if own.name not in phase.tools:
-            continue
-        by_force = own.motion.by_force
-        way = _flight(own, phase.end, nodes, distance) if by_force else _way(own, phase.begin, phase.end)
-        if not own.motion.is_carried:
+        acts, by_force = own.name in phase.tools, own.motion.by_force
+        if by_force:
+            there = partial(_from, distance, own, begun, phase.begin)
+            way = begun + _flight(own, phase.end - since, nodes, there) if acts else np.empty(0)
+        else:
+            begun, way = own.motion.displacement_at(phase.end), _way(own, phase.begin, phase.end)
+        if not (acts and by_force):
+            since = phase.end
+        if acts and not own.motion.is_carried:
             ways.append(way)
-            continue
-        for time in np.linspace(phase.begin, phase.end, CARRIED_PLACE_COUNT).tolist():
-            along = way.tolist() if by_force else [own.motion.displacement_at(time)]
-            carried += [(own.place(at, time), _blind(own, way)) for at in along]
+        elif acts:
+            for time in np.linspace(phase.begin, phase.end, CARRIED_PLACE_COUNT).tolist():
+                along = way.tolist() if by_force else [own.motion.displacement_at(time)]
+                carried += [(own.place(at, time), _blind(own, way)) for at in along]
     every = np.unique(np.concatenate([[], *ways]))
     blind = _blind(start.model.setup.worlds[world].tools[tool], every)
     yield from ((at, blind) for at in every.tolist())
     yield from carried
+
+
+def _from(
+    distance: Callable[..., tuple[np.ndarray, ...]], tool: Tool, begun: float, time: float, at: float, nodes: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Distances from a tool that has moved on by ``at`` [m] from where a force took it over."""
+    return distance(tool.place(begun + at, time), nodes)
 
 
 def _near(start: Start, distances: ToolDistances, tool: int, way: list[tuple[Place, float]], reach: float) -> bool:

@@ -85,7 +85,8 @@ def check_setup(setup: Setup) -> Checked:
     Raises:
         InputError: the run would be refused.
     """
-    prepared = Simulation(setup).prepare()
+    # what the run would ask about is told in the table
+    prepared = Simulation(setup.model_copy(update={"accept_unusual": True})).prepare()
     start = Start(prepared.model, prepared.ledger, prepared.frame, phases_of(setup))
     doubts = tuple(prepared.guards.first)
     errors = _errors(start)
@@ -188,6 +189,9 @@ def _gaps(setup: Setup, start: Start) -> Iterator[Row]:
             pressed = any(tool.motion.by_force for tool in (world.tools[a], world.tools[b]))
             if share < TIGHT:
                 judgement, advice = LOOK, f"{advice}: too tight, shorten the stroke or widen the gap"
+                limited = any(tool.motion.limiting_force for tool in (world.tools[a], world.tools[b]))
+                if not (pressed or limited or setup.accept_unusual):
+                    advice += ", or give it a largest_force; a run is refused without --accept-unusual"
             elif share > LOOSE and not pressed:
                 judgement, advice = NOTE, f"{advice}: it is not pressed"
             yield Row(

@@ -11,6 +11,7 @@ from .self_contact import SelfContact
 from .stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
+from .trims import Trim
 
 __all__ = [
     "AtForce",
@@ -39,6 +40,7 @@ __all__ = [
     "StribeckFriction",
     "Stroke",
     "Support",
+    "Trim",
     "ViscousFilm",
     "YarnAngleFriction",
 ]

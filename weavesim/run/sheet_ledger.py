@@ -118,6 +118,9 @@ class SheetLedger:
         self._launch(ahead.sheets[self._index])
         motion = self._motion(self._own.motion)
         fields, resultants = self._read_fields(ahead.sheets[self._index])
+        whole = bool(self._model.kept.all())
+        if not whole:
+            fields, resultants = self._without_waste(fields), self._without_waste(resultants)
         position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
         return SheetFrame(
             name=self._model.name,
@@ -126,7 +129,12 @@ class SheetLedger:
             fields=fields,
             energies=self._entries(position, motion, ahead.sheets[self._index]),
             resultants=resultants,
+            kept=np.zeros(0, dtype=bool) if whole else self._model.kept,
         )
+
+    def _without_waste(self, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Not a number where an element is waste: nobody can take it for a value of the sheet."""
+        return {name: np.where(self._model.kept, each, np.nan) for name, each in values.items()}
 
     def tool_forces(self) -> PointForces:
         """Forces of the tools at its nodes and samples at the frame just taken; waits for the device."""
@@ -249,11 +257,13 @@ class SheetLedger:
         if not sheet.node_traits.friction_laws:
             return
         low, high = self._own.friction_argument.numpy()[2 * tool : 2 * tool + 2, : len(flat)]
-        yield flat, low, high
+        there = ~sheet.waste
+        yield flat[there], low[there], high[there]
         if count := len(sheet.samples.places):
             rows = self._own.sample_friction_argument.numpy()[2 * tool : 2 * tool + 2]
             rows = rows.reshape(2, count, sheet.element_count)[..., : sheet.blank.element_count]
-            yield flat[sheet.blank.quads].mean(axis=1), rows[0].min(axis=0), rows[1].max(axis=0)
+            rows = rows[..., sheet.kept]
+            yield flat[sheet.blank.quads[sheet.kept]].mean(axis=1), rows[0].min(axis=0), rows[1].max(axis=0)
 
     # --- distances to the tools --------------------------------------------------------------------------------------
 
@@ -273,9 +283,11 @@ class SheetLedger:
             at_elements = 0.5 * frame.fields["thickness"]
             sharing = np.bincount(quads.ravel())
             at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
+        gone, count = ~sheet.kept, len(JUDGED_PLACES)
         points = [position, *self._surfaces(position, frame.director, JUDGED_PLACES)]
         distance = self._judged_gaps(np.concatenate([*points, position[quads].mean(axis=1)]))
-        half = np.concatenate([at_nodes, np.tile(at_elements, len(JUDGED_PLACES) + 1)])
+        half = np.concatenate([at_nodes, np.tile(at_elements, count + 1)])
+        half[np.concatenate([sheet.waste, np.tile(gone, count + 1)])] = -np.inf
         depth = (half - distance).max(axis=0)
         return Penetration(
             at_nodes=float(depth[: len(position)].max()),

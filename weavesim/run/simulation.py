@@ -306,7 +306,7 @@ class Simulation:
     def enter(self, prepared: Prepared) -> None:
         """Go on in a stage, whose model is on the state of this run."""
         self._prepared = prepared
-        self.watch.begin_stage(self.ledger, self.stages.begin, self.stages.duration)
+        self.watch.begin_stage(self.model, self.ledger, self.stages.begin, self.stages.duration)
 
     def _finish(self, observer: Observer) -> None:
         observer.finish(self.outcome or Outcome.INTERRUPTED)

@@ -9,6 +9,7 @@ import numpy as np
 from ...engine.model import Model
 from ...engine.state import State
 from ...measures.defects.waves import LONGEST_WAVELENGTH, WaveFilter
+from ...sheet.blank import Blank
 from .tool_gaps import ToolGaps
 
 # A larger sheet has no heights of wrinkles in its frames: the equations of the waves would take gigabytes.
@@ -43,8 +44,14 @@ class SurfaceFields:
         return self._gaps.launches
 
     @cached_property
+    def _part(self) -> tuple[Blank, np.ndarray]:
+        """What no stage has trimmed away, and its nodes."""
+        blank, kept = self._sheet.blank, self._sheet.kept
+        return (blank, np.arange(blank.node_count)) if kept.all() else blank.part(kept)
+
+    @cached_property
     def _filter(self) -> WaveFilter:
-        return WaveFilter(self._sheet.blank, LONGEST_WAVELENGTH)
+        return WaveFilter(self._part[0], LONGEST_WAVELENGTH)
 
     def __call__(self, position: np.ndarray, thickness: np.ndarray, node_distance: np.ndarray) -> dict[str, np.ndarray]:
         """The fields by name, (element_count,) each [m]; waits for the device.
@@ -61,7 +68,9 @@ class SurfaceFields:
             middle = self._nearest(self._gaps(position[quads].mean(axis=1)))
             found["tool_gap"] = middle - 0.5 * thickness
         if self._sheet.blank.node_count <= LARGEST_NODE_COUNT:
-            found["wrinkle_height"] = self._height(position, node_distance)
+            nodes, height = self._part[1], np.full(len(quads), np.nan)
+            height[self._sheet.kept] = self._height(position[nodes], node_distance[:, nodes])
+            found["wrinkle_height"] = height
         return found
 
     def _nearest(self, distance: np.ndarray) -> np.ndarray:
@@ -83,7 +92,7 @@ class SurfaceFields:
             height = self._nearest(node_distance)
             there = np.isfinite(height)
             if there.any():
-                known = there[self._sheet.blank.quads].all(axis=1)
+                known = there[self._part[0].quads].all(axis=1)
                 deviations.append(waves.of_height(np.where(there, height, height[there].max())))
         amplitude, _ = waves.measured(np.stack(deviations))
         if known is None:

@@ -186,8 +186,9 @@ def tool_fields(
     if not sheet.tool_count:
         return {}
     quads, initial = sheet.blank.quads, sheet.geometry.area
-    around = np.bincount(quads.ravel(), np.repeat(0.25 * initial, 4), sheet.blank.node_count)
-    share = 0.25 * initial[:, None] / around[quads]
+    there = initial * sheet.kept
+    around = np.bincount(quads.ravel(), np.repeat(0.25 * there, 4), sheet.blank.node_count)
+    share = 0.25 * there[:, None] / np.where(sheet.waste, 1.0, around)[quads]
     shares = corner_shares(sheet.samples.places)[0]
     directors = np.concatenate([director, *np.einsum("sc,eci->sei", shares, director[quads])])
     # a tool below pushes up, along the director

@@ -70,7 +70,7 @@ if TYPE_CHECKING:
     from .process.grippers import Gripper
     from .process.interfaces import Interface
     from .process.loads import NodalLoads
-    from .process.paths import PathMotion, Rotation
+    from .process.motions.paths import PathMotion, Rotation
     from .process.pressure import Pressure
     from .process.self_contact import SelfContact
     from .process.stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
@@ -157,7 +157,7 @@ _names_in = {
     "process.grippers": ("Gripper",),
     "process.interfaces": ("Interface",),
     "process.loads": ("NodalLoads",),
-    "process.paths": ("PathMotion", "Rotation"),
+    "process.motions.paths": ("PathMotion", "Rotation"),
     "process.pressure": ("Pressure",),
     "process.self_contact": ("SelfContact",),
     "process.stages": ("AtForce", "AtRest", "AtStroke", "Move", "SheetPressure", "Stage", "StageEnd"),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..engine.setup import Setup
-from ..process.paths import PathMotion
+from ..process.motions.paths import PathMotion
 from ..process.strokes import Motion
 from ..run.guards import Doubt, Level, Start
 from ..run.guards.closing import on_both_sides, smallest_gap

@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import InputError
 from ..measures.angles import locate
 from ..measures.findings import SHEET_FINDINGS, FormedSheet, found
-from ..process.paths import Place
+from ..process.motions.paths import Place
 from ..run.frame import Frame, Outcome, RunInfo, SheetFrame, SheetInfo
 from ..run.staging.part import part_of
 from ..tools.tool import Tool

@@ -5,7 +5,7 @@ from .friction import Coulomb, Friction, PressureFriction, StribeckFriction, Vis
 from .grippers import Gripper
 from .interfaces import Interface
 from .loads import NodalLoads
-from .paths import PathMotion, Rotation
+from .motions.paths import PathMotion, Rotation
 from .pressure import Pressure
 from .self_contact import SelfContact
 from .stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd

@@ -13,7 +13,7 @@ from uuid import uuid4
 import numpy as np
 
 from ..errors import InputError
-from ..process.paths import Place, Pose
+from ..process.motions.paths import Place, Pose
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..process.paths import PathMotion
+from ..process.motions.paths import PathMotion
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import Symmetry
 from .shapes import Plane, Shape

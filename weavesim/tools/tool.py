@@ -12,7 +12,7 @@ from pydantic import Discriminator, SerializeAsAny, Tag, field_validator
 from ..checks import NotNegative, Parameters, Share
 from ..names import Label
 from ..process.friction import Friction, YarnAngleFriction
-from ..process.paths import Place, moved_points, place_of
+from ..process.motions.paths import Place, moved_points, place_of
 from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
 from ..ranges import Quantity

@@ -12,7 +12,7 @@ from weavesim.fabric import glass_polypropylene
 from weavesim.output.film.reading import StoredFilm
 from weavesim.output.stored.file import read_results
 from weavesim.output.stored.judged import tool_distance
-from weavesim.process.paths import PathMotion, Pose, Rotation, turn_matrix
+from weavesim.process.motions.paths import PathMotion, Pose, Rotation, turn_matrix
 from weavesim.process.strokes import Fixed, Stroke
 from weavesim.run.checkpoint import checkpoints as module
 from weavesim.run.checkpoint.checkpoints import Checkpoints

@@ -11,7 +11,7 @@ from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell import LinearMembrane
 from weavesim.fabric.fabric import Stabilisation
 from weavesim.fabric.shear import LinearShear
-from weavesim.process.paths import PathMotion, Rotation
+from weavesim.process.motions.paths import PathMotion, Rotation
 from weavesim.process.strokes import ForceDriven, Stroke
 from weavesim.sheet.blank import Blank
 from weavesim.tools.shapes import Capsule, Plane, Union, rotation_matrix

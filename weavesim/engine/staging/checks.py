@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import did_you_mean
-from ...process.paths import PathMotion, Pose
+from ...process.motions.paths import PathMotion, Pose
 from ...process.stages import AtForce, AtRest, AtStroke, Move, Stage
 from ...process.strokes import ForceDriven
 from .acting import Acting, Given, Parts, acting_in

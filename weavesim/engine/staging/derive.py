@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...process.grippers import Gripper
-from ...process.paths import PathMotion, Pose, place_of
+from ...process.motions.paths import PathMotion, Pose, place_of
 from ...process.pressure import Pressure
 from ...process.stages import AtStroke
 from ...process.strokes import ForceDriven, Motion, SmoothStroke, Stroke

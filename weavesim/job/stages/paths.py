@@ -8,7 +8,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from ...checks import Finite, NotNegative, Positive
-from ...process.paths import PathMotion, Rotation
+from ...process.motions.paths import PathMotion, Rotation
 from ...process.strokes import Motion
 from ...ranges import Quantity
 from ..tables import Coordinate, JobTable, without

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...engine.setup import Setup
 from ...engine.staging.acting import Acting
 from ...engine.staging.derive import acting_of
-from ...process.paths import PathMotion
+from ...process.motions.paths import PathMotion
 from ...process.stages import AtForce, AtRest, AtStroke, Stage
 from ...process.strokes import Motion
 

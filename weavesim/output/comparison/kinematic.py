@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...measures.angles import locate, yarn_vectors
 from ...measures.findings import FormedSheet
 from ...measures.kinematic.net import Net, Surface, lay_net
-from ...process.paths import Place
+from ...process.motions.paths import Place
 from ...sheet.blank import Blank
 from ...sheet.topology import flat_areas
 from ...tools.surfaces.distance import ToolDistance

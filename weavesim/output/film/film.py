@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from ...process.paths import Pose
+from ...process.motions.paths import Pose
 from ...run.frame import Frame, Outcome, RunInfo, unique_names
 from ...version import __version__
 from ..files import note, temporary_name

@@ -11,7 +11,7 @@ from ...errors import InputError
 from ...input_files import path_of, shown
 from ...meshes.drawing import JOINED, joined, read_lines
 from ...meshes.reading import read_mesh
-from ...process.paths import Place
+from ...process.motions.paths import Place
 from ...tables.table import Wanted, read_table
 from ...tools.surfaces.rim import facing_up, rim_faces
 from ...tools.tool import Tool

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...process.paths import Place
+from ...process.motions.paths import Place
 from ...tools.shapes import Triangles
 from ...tools.tool import Tool
 from .files import Grid

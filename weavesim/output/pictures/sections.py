@@ -9,7 +9,7 @@ import numpy as np
 
 from ...measures.border import symmetry_line, whole_outline
 from ...measures.findings import FormedSheet
-from ...process.paths import Place, Pose
+from ...process.motions.paths import Place, Pose
 from ...sheet.symmetry import AXES
 from ..colours import DISTINCT_COLOURS
 from .style import FAINT, GREY, INK, LINE_COLOURS, add_legend, new_axes, new_figure, words

@@ -16,7 +16,7 @@ import numpy as np
 from ...errors import InputError
 from ...input_files import check_bounded, read_bounded, shown
 from ...measures.findings import FormedSheet
-from ...process.paths import Place, Pose
+from ...process.motions.paths import Place, Pose
 from ...run.fields import FIELDS
 from ...run.frame import Frame, RunInfo
 from ...run.staging.part import part_of

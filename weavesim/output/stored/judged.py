@@ -19,7 +19,7 @@ from .file import StoredRun, StoredSheet
 
 if TYPE_CHECKING:
     from ...fabric.fabric import Fabric
-    from ...process.paths import Place
+    from ...process.motions.paths import Place
     from ...tools.tool import Tool
 
 _COLUMNS = (

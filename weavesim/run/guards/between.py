@@ -16,7 +16,7 @@ from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
     from ...engine.sheet_model import SheetModel
-    from ...process.paths import Place
+    from ...process.motions.paths import Place
     from ..frame import Frame
     from ..ledger import Ledger
     from ..verdict import Judged

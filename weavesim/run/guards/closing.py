@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
-from ...process.paths import PathMotion
+from ...process.motions.paths import PathMotion
 from ...ranges import ACCEPTING
 from ..watch.remembered import geometry_key, remembered
 from ..watch.tool_distance import ToolDistances

@@ -14,7 +14,7 @@ from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
     from ...engine.setup import World
-    from ...process.paths import Place
+    from ...process.motions.paths import Place
     from ...process.strokes import Motion
     from ...tools.tool import Tool
     from ..verdict import Judged

@@ -12,7 +12,7 @@ from ...engine.model import Model
 from ...engine.sheet_model import SheetModel
 from ...kernels.contact.tool_distance import sample_distance_kernel
 from ...kernels.contact.tool_shapes import further_kinds
-from ...process.paths import Place, Pose
+from ...process.motions.paths import Place, Pose
 from ...sheet.samples import corner_shares, surface_points
 
 # Cells of elements that are divided further at once, the most promising first.

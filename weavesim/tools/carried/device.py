@@ -10,7 +10,7 @@ import warp as wp
 
 from ...kernels.carried.motion import CURVE_COUNT, CarriedMotion, Carrier, Carriers
 from ...kernels.rows import ToolPoseRow
-from ...process.paths import PathMotion, Pose
+from ...process.motions.paths import PathMotion, Pose
 
 if TYPE_CHECKING:
     from ..tool import Tool

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...process.paths import Place, Pose
+from ...process.motions.paths import Place, Pose
 from ..shapes import shape_kinds
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weavesim.errors import InputError
-from weavesim.process.paths import PathMotion, Pose, Rotation, place_of, turn_matrix
+from weavesim.process.motions.paths import PathMotion, Pose, Rotation, place_of, turn_matrix
 from weavesim.process.strokes import ForceDriven, SmoothStroke, Stroke
 
 Z = (0.0, 0.0, 1.0)

@@ -8,11 +8,11 @@ from typing import Annotated, NamedTuple, Self
 import numpy as np
 from pydantic import SerializeAsAny, field_validator, model_validator
 
-from ..checks import Parameters
-from ..fabric.curve import limited_slopes
-from ..quantities import FiniteVector, Numbers, UnitVector, Vector
-from ..ranges import Quantity, argument
-from .strokes import Fixed, Motion, Stroke
+from ...checks import Parameters
+from ...fabric.curve import limited_slopes
+from ...quantities import FiniteVector, Numbers, UnitVector, Vector
+from ...ranges import Quantity, argument
+from ..strokes import Fixed, Motion, Stroke
 
 # Start of every cubic piece (n,) [s], and c0 to c3 of its polynomial in the time since then (n, 4).
 Pieces = tuple[np.ndarray, np.ndarray]

@@ -41,6 +41,7 @@ from weavesim.process import (
     Pressure,
     PressureFriction,
     Rotation,
+    SheetLoads,
     SheetPressure,
     Stage,
     StribeckFriction,
@@ -214,6 +215,7 @@ def in_stages(solver: Solver) -> Setup:
         Stage(
             "release", 5.0e-4, AtRest(10.0, 100.0),
             tools=(), supports=("held", "pulled"), grippers=(), target_step=2.0e-6, frame_count=2,
+            friction={"far": 0.1}, loads=(SheetLoads(NodalLoads(np.full((45, 3), 1e-3), times=(1e-4,)), "sheet"),),
             trims=(
                 Trim([(-1.0, -1.0), (0.008, -1.0), (0.008, 1.0), (-1.0, 1.0)], "above"),
                 Trim([(0.031, -1.0), (1.0, -1.0), (1.0, 1.0), (0.031, 1.0)], "sheet", "blank", "outside"),

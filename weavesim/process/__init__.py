@@ -8,7 +8,7 @@ from .loads import NodalLoads
 from .motions.paths import PathMotion, Rotation
 from .pressure import Pressure
 from .self_contact import SelfContact
-from .stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
+from .stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetLoads, SheetPressure, Stage, StageEnd
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
 from .trims import Trim
@@ -23,6 +23,7 @@ __all__ = [
     "Fixed",
     "ForceDriven",
     "Friction",
+    "FrictionOf",
     "Gripper",
     "Interface",
     "Motion",
@@ -33,6 +34,7 @@ __all__ = [
     "PressureFriction",
     "Rotation",
     "SelfContact",
+    "SheetLoads",
     "SheetPressure",
     "SmoothStroke",
     "Stage",

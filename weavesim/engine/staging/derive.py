@@ -10,7 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...process.friction import Coulomb
 from ...process.grippers import Gripper
+from ...process.interfaces import Interface
+from ...process.loads import NodalLoads
 from ...process.motions.paths import PathMotion, Pose, place_of
 from ...process.pressure import Pressure
 from ...process.stages import AtStroke
@@ -67,7 +70,10 @@ def stage_setup(setup: Setup, acting: Acting, begins: Sequence[Begin]) -> Setup:
         tools = []
         for tool in world.tools:
             motion = _tool_motion(setup, tool, acting, begins, tool_count)
-            tools.append(tool if motion is tool.motion else tool.model_copy(update={"motion": motion}))
+            changed = {} if motion is tool.motion else {"motion": motion}
+            if tool.name in acting.friction:
+                changed["friction"] = acting.friction[tool.name]
+            tools.append(tool.model_copy(update=changed) if changed else tool)
             tool_count += 1
         sheets = []
         for sheet in world.sheets:
@@ -75,8 +81,18 @@ def stage_setup(setup: Setup, acting: Acting, begins: Sequence[Begin]) -> Setup:
             drive_count = sum(len(support.drives) for support in sheet.supports)
             first = _First(first.drives + drive_count, first.grippers + len(sheet.grippers))
         dynamics = world.dynamics.model_copy(update=acting.dynamics) if acting.dynamics else world.dynamics
-        worlds.append(world.model_copy(update={"tools": tuple(tools), "sheets": tuple(sheets), "dynamics": dynamics}))
+        own = {"tools": tuple(tools), "sheets": tuple(sheets), "dynamics": dynamics}
+        worlds.append(world.model_copy(update=own | {"interfaces": _interfaces(world, acting)}))
     return _copied(setup, acting, tuple(worlds))
+
+
+def _interfaces(world: World, acting: Acting) -> tuple[Interface, ...]:
+    return tuple(
+        each.model_copy(update={"friction": Coulomb(acting.friction[each.name])})
+        if each.name in acting.friction
+        else each
+        for each in world.interfaces
+    )
 
 
 def _copied(setup: Setup, acting: Acting, worlds: tuple[World, ...]) -> Setup:
@@ -216,6 +232,8 @@ def _sheet(sheet: Sheet, setup: Setup, acting: Acting, begins: Sequence[Begin], 
         changed["grippers"] = grippers
     if any(stage.pressures is not None for stage in setup.stages):
         changed["pressures"] = _pressures(sheet, acting, begins)
+    if any(each.sheet in (None, sheet.name) for stage in setup.stages for each in stage.loads or ()):
+        changed["loads"] = _loads(sheet, acting, begins)
     return sheet.model_copy(update=changed) if changed else sheet
 
 
@@ -250,6 +268,17 @@ def _gripper(gripper: Gripper, acting: Acting, begins: Sequence[Begin], index: i
         opened = begins[released].time
         changed["release_time"] = opened if gripper.release_time is None else min(opened, gripper.release_time)
     return gripper.model_copy(update=changed) if changed else gripper
+
+
+def _loads(sheet: Sheet, acting: Acting, begins: Sequence[Begin]) -> NodalLoads:
+    """The loads on a sheet, without force where there are none, so that their work has its place in every stage."""
+    none = NodalLoads()
+    if acting.loads is None:
+        return sheet.loads or none
+    given, since = acting.loads
+    own = next((each.loads for each in given if each.sheet in (None, sheet.name)), none)
+    begin = begins[since].time
+    return own.model_copy(update={"times": tuple(time + begin for time in own.times)})
 
 
 def _pressures(sheet: Sheet, acting: Acting, begins: Sequence[Begin]) -> tuple[Pressure, ...]:

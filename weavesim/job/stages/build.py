@@ -11,7 +11,7 @@ from ...engine.staging.acting import Parts
 from ...engine.staging.checks import check_stages
 from ...errors import InputError, did_you_mean
 from ...output.flat.part_edge import read_part_edge
-from ...process.stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
+from ...process.stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetPressure, Stage, StageEnd
 from ...process.strokes import Fixed, ForceDriven, Motion, Stroke
 from ...process.trims import Trim
 from ...sheet.sheet import Sheet
@@ -112,6 +112,7 @@ class _Builder:
                 grippers=None if table.grippers is None else self._grippers(keys, table.grippers),
                 moves=tuple(Move(name, motion) for name, motion in moves.items()),
                 pressures=pressures,
+                friction=tuple(FrictionOf(name, value) for name, value in table.friction.items()),
                 trims=tuple(self._trim([*keys, "trim", k], each) for k, each in enumerate(table.trim)),
                 gravity=None if table.gravity is None else (0.0, 0.0, -table.gravity if table.gravity else 0.0),
                 damping=table.damping,

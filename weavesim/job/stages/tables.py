@@ -187,6 +187,9 @@ class StageTable(JobTable):
     pressure: tuple[StagePressureTable, ...] | None = Field(
         default=None, description="[[stage.pressure]]: all pressures from here on; [] for none"
     )
+    friction: dict[str, Annotated[NotNegative, Quantity("friction")]] = Field(
+        default={}, description='other coefficients from here on, by names of tools, or "LOWER / UPPER" of plies'
+    )
     trim: tuple[TrimTable, ...] = Field(default=(), description="[[stage.trim]]: cuts through plies as it begins")
     gravity: Annotated[NotNegative, Quantity("acceleration")] | None = Field(default=None, description="downwards")
     damping: Annotated[NotNegative, Quantity("damping rate")] | None = Field(

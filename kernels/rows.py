@@ -222,6 +222,19 @@ class ToolWorkRow(Rows):
     on_sheet = "J", "work of the tool on the sheet so far"
     driving = "J", "work of the driving force so far"
     damping = "J", "energy lost in the damper of a tool that a force moves"
+    carrying = "J", "work of the path and the rotation of a tool on the sheet so far"
+
+
+class ToolPoseRow(Rows):
+    """Pose of a tool that is carried along a path and turned: a point X of it, as drawn, is at rotation X + shift."""
+
+    rotation = "1", "turn, row by row", 9
+    shift = "m", "of the origin", 3
+    pivot = "m", "where the point is about which it turns", 3
+    velocity = "m/s", "along its path, without that along its axis, half a step before", 3
+    spin = "rad/s", "rate at which it turns, half a step before", 3
+    offset = "m", "way along its path", 3
+    angle = "rad", "of its rotation"
 
 
 class ToolDriveRow(Rows):

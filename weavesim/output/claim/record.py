@@ -115,6 +115,7 @@ def frame_hash(frame: Frame) -> str:
     digest = hashlib.sha256()
     for part in (frame.time, frame.step_count, *np.asarray(frame.tool_displacement).tolist()):
         digest.update(repr(part).encode())
+    digest.update(np.ascontiguousarray(frame.tool_pose).tobytes())  # nothing where no tool is carried
     for sheet in frame.sheets:
         digest.update(np.ascontiguousarray(sheet.position).tobytes())
         digest.update(np.ascontiguousarray(sheet.director).tobytes())

@@ -14,6 +14,7 @@ from ...engine.state import State
 from ...engine.surface.friction import argument_rows, contact_areas
 from ...kernels.contact.penalty import touch_struct
 from ...kernels.contact.tool_distance import tool_set_struct
+from ...kernels.rows import ClockEntry, ToolPoseRow
 from ...kernels.stepping.tool_contact import tool_push_kernel, touching_struct
 from ...sheet.samples import corner_shares
 from .tool_gaps import ToolGaps
@@ -52,12 +53,14 @@ class ToolForces:
     def __init__(self, model: Model, index: int, state: State, gaps: ToolGaps, acting: np.ndarray) -> None:
         sheet = self._sheet = model.sheets[index]
         self._own, self._gaps = state.sheets[index], gaps
+        self._tools = model.setup.tools[sheet.places.tools.start : sheet.places.tools.stop]
         self._acts = acting[sheet.places.tools.start : sheet.places.tools.stop]
         self._node_count, self._element_count = sheet.blank.node_count, sheet.blank.element_count
         real, count = sheet.real, self._node_count + len(sheet.samples.places) * self._element_count
         self._shares = corner_shares(sheet.samples.places)[0]
         self._half_thickness = wp.zeros(count, dtype=real, device=sheet.device)
-        self._velocity = wp.zeros(count, dtype=sheet.types.vec3, device=sheet.device)
+        self._state = state
+        self._velocity = wp.zeros((sheet.tool_count, count), dtype=sheet.types.vec3, device=sheet.device)
         self._friction = wp.zeros((3 * sheet.tool_count, count), dtype=real, device=sheet.device)
         self._push = wp.zeros((sheet.tool_count, count), dtype=real, device=sheet.device)
         self._drag = wp.zeros(self._push.shape, dtype=sheet.types.vec3, device=sheet.device)
@@ -76,7 +79,8 @@ class ToolForces:
             return PointForces(empty, empty[..., None], empty[..., None])
         self._half_thickness.assign(half_thickness)
         corners = velocity[sheet.blank.quads]
-        self._velocity.assign(np.concatenate([velocity, *np.einsum("sc,eci->sei", self._shares, corners)]))
+        of_points = np.concatenate([velocity, *np.einsum("sc,eci->sei", self._shares, corners)])
+        self._velocity.assign(of_points - self._surface_velocity())
         self._friction.assign(self._springs())
         for launch in self.launches:
             launch.launch()
@@ -84,8 +88,35 @@ class ToolForces:
         push[~self._acts], drag[~self._acts] = 0.0, 0.0
         return PointForces(push, self._gaps.normals(), drag)
 
+    def _poses(self) -> np.ndarray:
+        """Entries of the poses of its tools, if they are carried."""
+        places = self._sheet.places.tools
+        return self._state.tool_pose.numpy()[places.start : places.stop]
+
+    def _surface_velocity(self) -> np.ndarray:
+        """Of carried tools at the points, (tool_count, point_count, 3) [m/s]; of others the kernel knows it."""
+        sheet, places = self._sheet, self._sheet.places.tools
+        if not sheet.node_traits.carried:
+            return np.zeros((sheet.tool_count, 1, 3))
+        poses, along = self._poses(), self._state.tool_velocity.numpy()[places.start : places.stop]
+        axes = np.array([tool.axis for tool in self._tools])
+        arms = self._gaps.points - poses[:, None, ToolPoseRow.pivot.span]
+        turning = np.cross(poses[:, None, ToolPoseRow.spin.span], arms)
+        velocity: np.ndarray = (poses[:, ToolPoseRow.velocity.span] + along[:, None] * axes)[:, None] + turning
+        return velocity
+
     def _springs(self) -> np.ndarray:
-        """Friction springs at the points, (3 tool_count, point_count) [m]."""
+        """Friction springs at the points, turned with carried tools, (3 tool_count, point_count) [m]."""
+        springs = self._kept_springs()
+        if not self._sheet.node_traits.carried:
+            return springs
+        vectors = springs.reshape(self._sheet.tool_count, 3, -1).astype(np.float64)
+        step = float(self._state.clock.numpy()[ClockEntry.mean_step])
+        turned = vectors + step * np.cross(self._poses()[:, ToolPoseRow.spin.span, None], vectors, axis=1)
+        return turned.reshape(springs.shape)
+
+    def _kept_springs(self) -> np.ndarray:
+        """Friction springs as the steps keep them."""
         sheet, rows = self._sheet, 3 * self._sheet.tool_count
         parts = [sheet.friction_layout.read(self._own.friction)[:rows, : self._node_count]]
         if places := len(sheet.samples.places):
@@ -101,6 +132,8 @@ class ToolForces:
         own = sheet.places.tools.of
         of_tools.tool, of_tools.law = own(tools.tool), own(tools.law)
         of_tools.displacement, of_tools.velocity = own(state.tool_displacement), own(state.tool_velocity)
+        if sheet.node_traits.carried:  # velocities are relative to their surfaces
+            of_tools.velocity = wp.zeros(sheet.tool_count, dtype=wp.float64, device=sheet.device)
         return wp.launch(
             tool_push_kernel(sheet.real, sheet.node_traits.friction_laws),
             dim=self._push.shape,

@@ -14,8 +14,7 @@ import numpy as np
 from ..engine.setup import Setup
 from ..errors import InputError
 from ..job.build import setup_of
-from ..job.key_units import unit_of_key
-from ..job.read import JobFile, read_job
+from ..job.read import JobFile, read_job, unit_of_key
 from ..job.scenes import scene_of
 from ..measures.defects.judgement import Limits
 from ..output.folder import ResultFolder

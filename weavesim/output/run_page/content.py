@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -41,6 +42,8 @@ _HEADLINE = (
 )  # fmt: skip
 # Pictures that the page shows by itself, and better.
 _DRAWN_ANEW = ("tool_forces", "energies", "drive_forces")
+# Of a run in progress the page has at most about so many frames: it is written often.
+LIVE_FRAME_COUNT = 24
 SHARES = {1.0: "whole blank", 0.5: "half of the blank", 0.25: "quarter of the blank"}
 
 
@@ -73,6 +76,11 @@ class ConstantParts:
 
     def __init__(self, info: RunInfo) -> None:
         self._info = info
+
+    def prepare(self) -> None:
+        """Compute them now; what fails does so again where it is used, and is told there."""
+        with suppress(Exception):
+            _ = self.fabrics, self.setup
 
     @cached_property
     def fabrics(self) -> list[dict[str, Any]]:
@@ -116,7 +124,8 @@ def page_of(
 def page_so_far(
     info: RunInfo, history: History, recorder: FrameRecorder, folder: Path, constant: ConstantParts | None = None
 ) -> PageContent:
-    """The page of a run that goes on."""
+    """The page of a run that goes on: of its frames so far at most about ``LIVE_FRAME_COUNT``, evenly spaced."""
+    recorder = recorder.thinned(LIVE_FRAME_COUNT)
     constant = constant or ConstantParts(info)
     content = _frame_of_page(info, history, recorder, folder, "running", [], None, constant)
     content.verdict = verdict_of({}, "running", None)
@@ -245,9 +254,9 @@ def _own(key: str, unit: Unit) -> Unit:
 
 def _shear_angles(recorder: FrameRecorder, info: RunInfo) -> Iterator[list[np.ndarray]]:
     fields = [recorder.fields(k).get("shear_angle") for k in range(len(info.sheets) if recorder.frame_count else 0)]
-    if fields and all(values is not None for values in fields):
+    if fields and all(kept is not None for kept in fields):
         for place in range(len(recorder.places)):
-            yield [np.abs(np.rad2deg(values[place])) for values in fields if values is not None]
+            yield [np.abs(np.rad2deg(kept.values[place])) for kept in fields if kept is not None]
 
 
 def _angles(sheets: list[np.ndarray]) -> list[float]:

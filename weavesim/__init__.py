@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from .process.grippers import Gripper
     from .process.interfaces import Interface
     from .process.loads import NodalLoads
+    from .process.motions.paths import PathMotion, Rotation
     from .process.pressure import Pressure
     from .process.self_contact import SelfContact
     from .process.stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetLoads, SheetPressure, Stage, StageEnd
@@ -156,6 +157,7 @@ _names_in = {
     "process.grippers": ("Gripper",),
     "process.interfaces": ("Interface",),
     "process.loads": ("NodalLoads",),
+    "process.motions.paths": ("PathMotion", "Rotation"),
     "process.pressure": ("Pressure",),
     "process.self_contact": ("SelfContact",),
     "process.stages": (

@@ -5,6 +5,7 @@ from .friction import Coulomb, Friction, PressureFriction, StribeckFriction, Vis
 from .grippers import Gripper
 from .interfaces import Interface
 from .loads import NodalLoads
+from .motions.paths import PathMotion, Rotation
 from .pressure import Pressure
 from .self_contact import SelfContact
 from .stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetLoads, SheetPressure, Stage, StageEnd
@@ -28,8 +29,10 @@ __all__ = [
     "Motion",
     "Move",
     "NodalLoads",
+    "PathMotion",
     "Pressure",
     "PressureFriction",
+    "Rotation",
     "SelfContact",
     "SheetLoads",
     "SheetPressure",

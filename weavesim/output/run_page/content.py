@@ -18,7 +18,7 @@ from ...run.verdict import RUN_FINDINGS
 from ..history import History
 from ..results import Results
 from .fabric_part import fabrics_of
-from .history_part import charts_of, tool_copies
+from .history_part import charts_of, energy_copies, share_text, tool_copies
 from .judged_part import JudgedPart, Remark, judge, verdict_of, warnings_of
 from .provenance import provenance_rows, record_of
 from .recorder import FrameRecorder
@@ -113,7 +113,7 @@ def page_of(
     content.draw_in = [item for item in pictures if item[0].stem.startswith("draw_in")]
     content.pictures = [item for item in pictures if item not in (*content.fallback, *content.draw_in)]
     content.forces = list(_forces(info, results.history, summary))
-    content.numbers = _numbers(summary)
+    content.numbers = _numbers(info, {**summary, "support_force_n": _on_supports(info, summary)})
     content.options = [
         Row(words(name), text_of(value)) for name, value in results.setup.items() if not _says_nothing(value)
     ]
@@ -174,7 +174,7 @@ def _subtitle(info: RunInfo, outcome: str) -> str:
     shares = ", ".join(dict.fromkeys(SHARES[sheet.symmetry.share] for sheet in info.sheets))
     state = "in progress" if outcome == "running" else outcome
     plies = f"{len(info.sheets)} sheets · " if len(info.sheets) > 1 else ""
-    return f"{fabrics} · {plies}{shares} computed · {info.element_count} elements · run {state}"
+    return f"{fabrics} · {plies}{shares} computed{share_text(info)} · {info.element_count} elements · run {state}"
 
 
 def _headline(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -201,13 +201,25 @@ def _forces(info: RunInfo, history: History, summary: Mapping[str, Any]) -> Iter
         yield name.replace("_", " "), last, peak
 
 
-def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, list[Row]]]:
+def _numbers(info: RunInfo, summary: Mapping[str, Any]) -> list[tuple[str, list[Row]]]:
     tables = [("Numbers of the run", list(_rows(summary)))]
     tables += [(f"Sheet {sheet['name']}", list(_rows(sheet))) for sheet in summary.get("sheets") or ()]
     if isinstance(energies := summary.get("energies_j"), Mapping):
-        rows = [Row(words(name), number(float(value), "J")) for name, value in energies.items() if value]
-        tables.append(("Energies at the end, computed part", rows))
+        copies = energy_copies(info)
+        rows = [Row(words(name), number(copies * float(value), "J")) for name, value in energies.items() if value]
+        tables.append(("Energies at the end", rows))
     return [(heading, rows) for heading, rows in tables if rows]
+
+
+def _on_supports(info: RunInfo, summary: Mapping[str, Any]) -> dict[str, list[float]]:
+    """Force of each support and its mirror images on the whole part [N]: what points across a plane cancels."""
+    forces = summary.get("support_force_n") or {}
+    found = {}
+    for sheet in info.sheets:
+        factors = np.sum([(*each, 1.0) for each in sheet.symmetry.mirror_factors], axis=0)
+        names = [info.supports[place].name for place in sheet.supports]
+        found |= {name: (factors * np.asarray(forces[name])).tolist() for name in names if name in forces}
+    return found
 
 
 def _rows(summary: Mapping[str, Any]) -> Iterator[Row]:

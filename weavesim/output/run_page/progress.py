@@ -117,7 +117,5 @@ class PagePace:
         """The page has been written."""
         now = time.monotonic()
         self._count += 1
-        interval, share = (
-            (EARLY_INTERVAL, EARLY_SHARE) if self._count < EARLY_PAGES else (PAGE_INTERVAL, LARGEST_SHARE)
-        )
+        interval, share = (EARLY_INTERVAL, EARLY_SHARE) if self._count < EARLY_PAGES else (PAGE_INTERVAL, LARGEST_SHARE)
         self._next = now + max(interval, (now - self._started) / share)

@@ -168,10 +168,7 @@ class _Kept:
 
     def _bytes(self, *, main: bool) -> int:
         return sum(
-            array.nbytes
-            for fields in self.fields
-            for name, array in fields.items()
-            if (name in MAIN_FIELDS) is main
+            array.nbytes for fields in self.fields for name, array in fields.items() if (name in MAIN_FIELDS) is main
         )
 
     def drop_others(self) -> None:

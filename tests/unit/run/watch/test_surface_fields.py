@@ -8,6 +8,7 @@ from tests.support.runs import one_sheet_run, small_run
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.measures.defects.judgement import Judgement, Limits
 from weavesim.measures.findings import FormedSheet
+from weavesim.process.dynamics import Dynamics
 from weavesim.sheet.blank import Blank
 from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import Plane, Sphere
@@ -20,18 +21,18 @@ X, Y = BLANK.material_coordinates.T
 MIDDLE = np.linalg.norm(BLANK.material_coordinates[BLANK.quads].mean(axis=1), axis=1) < 0.05
 
 
-def ledger_with(*shapes):
+def ledger_with(*shapes, **given):
     """Ledger of a large flat sheet with tools of these shapes."""
     tools = [Tool(f"tool {k}", shape) for k, shape in enumerate(shapes)]
-    simulation = one_sheet_run(name="large", blank=BLANK, fabric=FABRIC, tools=tools, duration=1.0, threads=1)
+    simulation = one_sheet_run(name="large", blank=BLANK, fabric=FABRIC, tools=tools, duration=1.0, threads=1, **given)
     return simulation.ledger.sheets[0]
 
 
-def fields_of(ledger, z):
+def fields_of(ledger, z, thickness=THICKNESS):
     """Fields of the sheet with its nodes at the heights ``z``."""
     position = np.column_stack([X, Y, np.broadcast_to(z, X.shape)])
     distance = ledger._contact_gaps(position)
-    return ledger._surface_fields(position, np.full(len(BLANK.quads), THICKNESS), distance)
+    return ledger._surface_fields(position, np.full(len(BLANK.quads), thickness), distance)
 
 
 @pytest.mark.parametrize("wavelength", [0.03, 0.05])
@@ -44,6 +45,24 @@ def test_a_sine_has_its_height_with_and_without_tools(wavelength):
     over = fields_of(ledger_with(plane), sine)
     assert over["wrinkle_height"][MIDDLE] == pytest.approx(2e-3, rel=0.15)
     assert over["tool_gap"].mean() == pytest.approx(0.01 - 0.5 * THICKNESS, rel=1e-3)
+
+
+@pytest.mark.parametrize(("contact_thickness", "gap"), [("initial", 0.0), ("current", -0.25 * THICKNESS)])
+def test_a_sheet_that_thickens_enters_a_tool_only_if_contact_follows_it(contact_thickness, gap):
+    """A sheet that lies on a plane at half its initial thickness, where contact puts it, and is half as thick again."""
+    dynamics = Dynamics(contact_thickness=contact_thickness)
+    ledger = ledger_with(Plane(origin=(0.0, 0.0, -0.5 * THICKNESS)), dynamics=dynamics)
+    found = fields_of(ledger, 0.0, 1.5 * THICKNESS)["tool_gap"]
+    assert found == pytest.approx(np.full(len(BLANK.quads), gap), abs=1e-8)
+    # the verdict says the same
+    values = dict.fromkeys(("warp_stretch", "weft_stretch"), np.ones(len(BLANK.quads)))
+    values |= dict.fromkeys(("shear_angle", "warp_force", "weft_force"), np.zeros(len(BLANK.quads)))
+    values["thickness"] = np.full(len(BLANK.quads), 1.5 * THICKNESS)
+    formed = FormedSheet(
+        BLANK, BLANK.node_position, values, THICKNESS, follows_thickness=contact_thickness == "current"
+    )
+    judged = Judgement(formed, Limits(), lambda points: points[:, 2] + 0.5 * THICKNESS)
+    assert judged.fields["gap"] == pytest.approx(found, abs=1e-8)
 
 
 def test_neither_the_shape_of_a_tool_nor_a_change_of_the_nearest_one_is_a_wrinkle():

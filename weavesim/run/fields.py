@@ -111,7 +111,8 @@ FIELDS: list[Field] = [
     Field("tool_friction_below", "Pa", "friction of the tools below over the same area", _of_contact),
     Field("tool_friction_above", "Pa", "friction of the tools above over the same area", _of_contact),
     Field(
-        "tool_gap", "m", "from the face of the sheet, at the thickness of contact, to the nearest tool; negative inside",
+        "tool_gap", "m",
+        "from the face of the sheet, at the thickness of contact, to the nearest tool; negative inside",
         _of_contact,
     ),
     Field("wrinkle_height", "m", f"of waves up to {LONGEST_WAVELENGTH:g} m long, from trough to crest", _of_contact),

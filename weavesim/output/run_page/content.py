@@ -15,10 +15,10 @@ from ...measures.findings import SHEET_FINDINGS
 from ...measures.units import Unit, split_unit
 from ...run.frame import Outcome, RunInfo
 from ...run.verdict import RUN_FINDINGS
-from ..history import History
+from ..history import History, energy_copies, tool_copies
 from ..results import Results
 from .fabric_part import fabrics_of
-from .history_part import charts_of, energy_copies, share_text, tool_copies
+from .history_part import charts_of, share_text
 from .judged_part import JudgedPart, Remark, judge, verdict_of, warnings_of
 from .provenance import provenance_rows, record_of
 from .recorder import FrameRecorder
@@ -205,7 +205,7 @@ def _numbers(info: RunInfo, summary: Mapping[str, Any]) -> list[tuple[str, list[
     tables = [("Numbers of the run", list(_rows(summary)))]
     tables += [(f"Sheet {sheet['name']}", list(_rows(sheet))) for sheet in summary.get("sheets") or ()]
     if isinstance(energies := summary.get("energies_j"), Mapping):
-        copies = energy_copies(info)
+        copies = energy_copies(info) or 1.0
         rows = [Row(words(name), number(copies * float(value), "J")) for name, value in energies.items() if value]
         tables.append(("Energies at the end", rows))
     return [(heading, rows) for heading, rows in tables if rows]

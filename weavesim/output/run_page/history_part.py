@@ -7,25 +7,11 @@ from typing import Any
 import numpy as np
 
 from ...run.frame import RunInfo
-from ..history import History
+from ..history import History, energy_copies, tool_copies
 from .packing import rounded
 
 # An energy is drawn if it ever exceeds this share of the largest.
 _SHOWN_SHARE = 0.004
-
-
-def tool_copies(info: RunInfo) -> list[float]:
-    """By what the force of each tool on the computed part is multiplied to be that on the whole."""
-    shares = [
-        [sheet.symmetry.share for sheet in info.sheets if place in sheet.tools] for place in range(len(info.tools))
-    ]
-    return [1.0 / own[0] if own else 1.0 for own in shares]
-
-
-def energy_copies(info: RunInfo) -> float:
-    """The same of energies, supports and grippers; 1 if the sheets are different shares of their wholes."""
-    shares = {sheet.symmetry.share for sheet in info.sheets}
-    return 1.0 / shares.pop() if len(shares) == 1 else 1.0
 
 
 def share_text(info: RunInfo) -> str:
@@ -80,7 +66,7 @@ def _forces(info: RunInfo, history: History) -> list[dict[str, Any]]:
 
 
 def _drives(info: RunInfo, history: History) -> list[dict[str, Any]]:
-    copies = energy_copies(info)
+    copies = energy_copies(info) or 1.0
     lines = [
         _line(name.replace("_", " "), copies * history.drive_force[:, k]) for k, name in enumerate(history.drive_names)
     ]
@@ -98,7 +84,7 @@ def _energies(info: RunInfo, history: History) -> list[dict[str, Any]]:
     # it loads Warp, which the options of a run do not need
     from ...run.ledger import SUMS, SUPPLIED
 
-    book, copies = history.energies, energy_copies(info)
+    book, copies = history.energies, energy_copies(info) or 1.0
     size = {name: float(np.abs(values).max(initial=0.0)) for name, values in book.items()}
     largest = max(size.values(), default=0.0) or 1.0
     names = [name for name in book if name not in (*SUPPLIED, *SUMS) and size[name] > _SHOWN_SHARE * largest]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...version import __version__
+from ..colours import COLOUR_MAP
 from ..files import plain, write_text
 from .content import PageContent
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 _LIBRARIES = {"three": "three.min.js", "uplot": "uplot.min.js"}
 _SCRIPTS = ("data", "colours", "sheets", "view", "section", "charts", "probe", "page", "controls", "live", "main")
 # All of them read without telling red from green, and in grey.
-COLOUR_TABLES = ("viridis", "cividis", "magma")
+COLOUR_TABLES = (COLOUR_MAP, "cividis", "magma")
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from ..documents import Document, read_document
 from ..errors import InputError, did_you_mean
 from ..input_files import shown, within_folder
 from ..names import file_name
-from ..ranges import quantity_of
 from .overrides import LISTS, overridden
 from .schema import (
     GripperTable,
@@ -95,34 +94,6 @@ class JobFile:
                 return path
         named = "" if len(self.folders) > 1 else ", or name its folder with --files-from"
         self.refuse(place, f"{problem}{named}")
-
-
-def unit_of_key(file: JobFile, key: str) -> str:
-    """SI unit of a key as --set takes it, such as "N" for "tools.ring.force"; "" for a pure number, or for no number.
-
-    Raises:
-        InputError: a table or an entry that the job does not have.
-    """
-    from ..fabric.fabric import Fabric
-    from .scenes import known_scenes
-
-    _, places = overridden(file.values, [f"{key}=0"])
-    ((first, *parts),) = places
-    table: type[Parameters] | None = Job
-    if first == "scene" and file.job.scene is not None:
-        scene = known_scenes().get(str(file.job.scene.get("name")))
-        table = None if scene is None else scene.load().parameters
-    elif first == "fabric":
-        table, parts = Fabric, parts[1:]
-    else:
-        parts = [first, *parts]
-    quantity = None
-    for part in parts:
-        if part.isdecimal():  # place in a list
-            continue
-        field = table.model_fields.get(part) if table is not None else None
-        table, quantity = (None, None) if field is None else (table_within(field), quantity_of(field))
-    return "" if quantity is None or quantity.row.unit == "1" else quantity.row.unit
 
 
 def read_job(path: str | Path, settings: Iterable[str] = (), files_from: Iterable[str | Path] = ()) -> JobFile:

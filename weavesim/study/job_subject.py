@@ -14,7 +14,7 @@ import numpy as np
 from ..engine.setup import Setup
 from ..errors import InputError
 from ..job.build import setup_of
-from ..job.read import JobFile, read_job, unit_of_key
+from ..job.read import JobFile, read_job
 from ..job.scenes import scene_of
 from ..measures.defects.judgement import Limits
 from ..output.folder import ResultFolder
@@ -24,6 +24,7 @@ from ..run.guards.guard import VERDICTS
 from ..run.interruption import Interrupted, interruption
 from ..run.simulation import Simulation
 from .factors import Factor
+from .key_units import unit_of_key
 from .material_points import SheetPoints, fields_at, points_of
 from .measures import STUDY_FINDINGS, flattened, study_numbers
 from .plans.trials import Trial

@@ -111,7 +111,10 @@ FIELDS: list[Field] = [
     Field("tool_friction_below", "Pa", "friction of the tools below over the same area", _of_contact),
     Field("tool_friction_above", "Pa", "friction of the tools above over the same area", _of_contact),
     Field("tool_gap", "m", "from the face of the sheet to the nearest tool, negative inside it", _of_contact),
-    Field("wrinkle_height", "m", f"of waves up to {LONGEST_WAVELENGTH:g} m long, from trough to crest", _of_contact),
+    Field(
+        "wrinkle_height", "m",
+        f"from trough to crest of waves up to {LONGEST_WAVELENGTH:g} m long, where yarns are shortened", _of_contact,
+    ),
     Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_contact),
     Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_contact),
     Field("ply_slip_below", "m", "way slid so far on the ply below", _of_contact),

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 # Longer waves are the shape of the part, unless a user says otherwise [m].
 LONGEST_WAVELENGTH = 0.1
+# Shortening of a yarn from which a wave is a wrinkle, unless a user says otherwise.
+WRINKLE_COMPRESSION = 1.0e-4
 # Below this share of the longest wavelength's amplitude the filter passes too little to tell the amplitude.
 LEAST_PASSED = 0.05
 

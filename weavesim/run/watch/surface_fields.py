@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
 
 from ...engine.model import Model
 from ...engine.state import State
-from ...measures.defects.waves import LONGEST_WAVELENGTH, WaveFilter
+from ...measures.defects.regions import largest_around, yarn_compression
+from ...measures.defects.waves import LONGEST_WAVELENGTH, WRINKLE_COMPRESSION, WaveFilter
 from ...sheet.blank import Blank
 from .tool_gaps import ToolGaps
 
@@ -53,23 +55,27 @@ class SurfaceFields:
     def _filter(self) -> WaveFilter:
         return WaveFilter(self._part[0], LONGEST_WAVELENGTH)
 
-    def __call__(self, position: np.ndarray, thickness: np.ndarray, node_distance: np.ndarray) -> dict[str, np.ndarray]:
+    def __call__(
+        self, position: np.ndarray, fields: Mapping[str, np.ndarray], node_distance: np.ndarray
+    ) -> dict[str, np.ndarray]:
         """The fields by name, (element_count,) each [m]; waits for the device.
 
         A gap is not a number where no tool acts, or where the nearest one is a mesh out of the reach of its samples.
 
         Args:
             position: of the nodes, (node_count, 3) [m].
-            thickness: of the elements, (element_count,) [m].
+            fields: of the elements, by name.
             node_distance: of the nodes from each tool, infinite where it does not act, (tool_count, node_count) [m].
         """
         found, quads = {}, self._sheet.blank.quads
         if self._sheet.tool_count:
             middle = self._nearest(self._gaps(position[quads].mean(axis=1)))
-            found["tool_gap"] = middle - 0.5 * thickness
+            found["tool_gap"] = middle - 0.5 * fields["thickness"]
         if self._sheet.blank.node_count <= LARGEST_NODE_COUNT:
-            nodes, height = self._part[1], np.full(len(quads), np.nan)
-            height[self._sheet.kept] = self._height(position[nodes], node_distance[:, nodes])
+            (part, nodes), kept, height = self._part, self._sheet.kept, np.full(len(quads), np.nan)
+            shortened = largest_around(part.quads, yarn_compression(fields)[kept]) > WRINKLE_COMPRESSION
+            waves = self._height(position[nodes], node_distance[:, nodes]) if shortened.any() else 0.0
+            height[kept] = np.where(shortened, waves, 0.0)
             found["wrinkle_height"] = height
         return found
 
@@ -81,7 +87,7 @@ class SurfaceFields:
         return np.where(known, nearest, np.nan)
 
     def _height(self, position: np.ndarray, node_distance: np.ndarray) -> np.ndarray:
-        """From trough to crest, twice the amplitude.
+        """Of waves, from trough to crest: twice the amplitude.
 
         What the sheet deviates from its smoothed self contains the shape of the part; what its distance to the nearest
         tool deviates contains creases where another tool becomes the nearest. A wrinkle is in both: at every node the

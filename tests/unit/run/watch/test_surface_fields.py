@@ -27,11 +27,13 @@ def ledger_with(*shapes):
     return simulation.ledger.sheets[0]
 
 
-def fields_of(ledger, z):
-    """Fields of the sheet with its nodes at the heights ``z``."""
+def fields_of(ledger, z, shortening=0.001):
+    """Fields of the sheet with its nodes at the heights ``z``, its wefts shortened."""
     position = np.column_stack([X, Y, np.broadcast_to(z, X.shape)])
     distance = ledger._contact_gaps(position)
-    return ledger._surface_fields(position, np.full(len(BLANK.quads), THICKNESS), distance)
+    of_all = {"thickness": THICKNESS, "warp_stretch": 1.01, "weft_stretch": 1.0 - shortening}
+    given = {name: np.full(len(BLANK.quads), value) for name, value in of_all.items()}
+    return ledger._surface_fields(position, given, distance)
 
 
 @pytest.mark.parametrize("wavelength", [0.03, 0.05])
@@ -43,6 +45,7 @@ def test_a_sine_has_its_height_with_and_without_tools(wavelength):
     plane = Plane(origin=(0.0, 0.0, -0.01))
     over = fields_of(ledger_with(plane), sine)
     assert over["wrinkle_height"][MIDDLE] == pytest.approx(2e-3, rel=0.15)
+    assert not fields_of(ledger_with(), sine, shortening=0.0)["wrinkle_height"].any()  # taut, as over a tool
     assert over["tool_gap"].mean() == pytest.approx(0.01 - 0.5 * THICKNESS, rel=1e-3)
 
 

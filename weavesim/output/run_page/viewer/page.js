@@ -105,7 +105,7 @@ weavesim.Page = class {
       }
       if (!(high >= low)) [low, high] = [0, 1];
       // sizes begin at zero
-      if (field.absolute || ["yarn_compression", "wrinkle_amplitude"].includes(field.name)) low = 0;
+      if (field.absolute || ["yarn_compression", "wrinkle_amplitude", "wrinkle_height"].includes(field.name)) low = 0;
       if (!(high > low)) high = low + (Math.abs(low) * 1e-3 || 1);
       this.ranges.set(key, [low, high]);
     }

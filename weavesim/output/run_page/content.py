@@ -14,10 +14,10 @@ from ...measures.findings import SHEET_FINDINGS
 from ...measures.units import Unit, split_unit
 from ...run.frame import Outcome, RunInfo
 from ...run.verdict import RUN_FINDINGS
-from ..history import History
+from ..history import History, tool_copies
 from ..results import Results
 from .fabric_part import fabrics_of
-from .history_part import charts_of, tool_copies
+from .history_part import charts_of
 from .judged_part import JudgedPart, Remark, judge, verdict_of, warnings_of
 from .provenance import provenance_rows, record_of
 from .recorder import FrameRecorder

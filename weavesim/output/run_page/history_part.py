@@ -7,25 +7,11 @@ from typing import Any
 import numpy as np
 
 from ...run.frame import RunInfo
-from ..history import History
+from ..history import History, computed_part, energy_copies, tool_copies
 from .packing import rounded
 
 # An energy is drawn if it ever exceeds this share of the largest.
 _SHOWN_SHARE = 0.004
-
-
-def tool_copies(info: RunInfo) -> list[float]:
-    """By what the force of each tool on the computed part is multiplied to be that on the whole."""
-    shares = [
-        [sheet.symmetry.share for sheet in info.sheets if place in sheet.tools] for place in range(len(info.tools))
-    ]
-    return [1.0 / own[0] if own else 1.0 for own in shares]
-
-
-def energy_copies(info: RunInfo) -> float | None:
-    """The same of energies; None if the sheets are different shares of their wholes."""
-    shares = {sheet.symmetry.share for sheet in info.sheets}
-    return 1.0 / shares.pop() if len(shares) == 1 else None
 
 
 def charts_of(
@@ -42,7 +28,7 @@ def charts_of(
     by_stroke = bool(history.frame_count) and float(np.ptp(history.stroke)) > 0.0
     x = 1.0e3 * (history.stroke if by_stroke else history.time)
     label = "stroke [mm]" if by_stroke else "time [ms]"
-    charts = [*_forces(info, history), *_drives(history), *_energies(info, history)]
+    charts = [*_forces(info, history), *_drives(info, history), *_energies(info, history)]
     found = [{"xLabel": label, "x": rounded(x), **chart} for chart in charts if chart["lines"]]
     if largest_angle:
         found.append({"xLabel": label, "x": rounded(x[places]), **_angles(largest_angle)})
@@ -70,14 +56,14 @@ def _forces(info: RunInfo, history: History) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _drives(history: History) -> list[dict[str, Any]]:
+def _drives(info: RunInfo, history: History) -> list[dict[str, Any]]:
     lines = [_line(name.replace("_", " "), history.drive_force[:, k]) for k, name in enumerate(history.drive_names)]
     lines += [
         _line(f"gripper {name.replace('_', ' ')}", history.gripper_force[:, k])
         for k, name in enumerate(history.gripper_names)
     ]
     return [
-        {"name": "drives", "title": "Forces of supports and grippers, computed part", "yLabel": "force [N]",
+        {"name": "drives", "title": f"Forces of supports and grippers, {computed_part(info)}", "yLabel": "force [N]",
          "lines": lines}
     ]  # fmt: skip
 

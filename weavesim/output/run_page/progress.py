@@ -11,7 +11,7 @@ import numpy as np
 
 from ...run.frame import Frame, Outcome, RunInfo
 from ..files import write_summary
-from .history_part import tool_copies
+from ..history import tool_copies
 
 PROGRESS_NAME = "progress.json"
 # Between two writes [s].

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...version import __version__
+from ..colours import COLOUR_MAP
 from ..files import plain, write_text
 from .content import PageContent
 
@@ -20,7 +21,7 @@ from .content import PageContent
 _LIBRARIES = {"three": "three.min.js", "uplot": "uplot.min.js"}
 _SCRIPTS = ("data", "colours", "sheets", "view", "section", "charts", "probe", "page", "controls", "live", "main")
 # All of them read without telling red from green, and in grey.
-COLOUR_TABLES = ("viridis", "cividis", "magma")
+COLOUR_TABLES = (COLOUR_MAP, "cividis", "magma")
 
 
 @dataclass(frozen=True)

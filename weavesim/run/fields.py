@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..kernels.rows import ElementField
-from ..measures.defects.waves import LONGEST_WAVELENGTH
+from ..measures.defects.waves import WAVELENGTH_OF_FRAMES
 
 if TYPE_CHECKING:
     from ..fabric.fabric import Fabric
@@ -113,7 +113,7 @@ FIELDS: list[Field] = [
     Field("tool_gap", "m", "from the face of the sheet to the nearest tool, negative inside it", _of_contact),
     Field(
         "wrinkle_height", "m",
-        f"from trough to crest of waves up to {LONGEST_WAVELENGTH:g} m long, where yarns are shortened", _of_contact,
+        f"of waves up to {WAVELENGTH_OF_FRAMES:g} m long across shortened yarns, from trough to crest", _of_contact,
     ),
     Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_contact),
     Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_contact),

@@ -17,7 +17,7 @@ from ...checks import NotNegative, Parameters, Positive
 from ...ranges import Quantity
 from ..angles import yarn_vectors
 from ..findings import FormedSheet
-from .regions import largest_around, regions, yarn_compression
+from .regions import largest_around, regions
 from .touching import distance_to_others
 from .waves import LONGEST_WAVELENGTH, WRINKLE_COMPRESSION, waves
 
@@ -133,7 +133,7 @@ class Judgement:
             "wrinkle_amplitude": wave.amplitude,
             "wrinkle_wavelength": wave.wavelength,
             "deviation": wave.deviation[sheet.blank.quads].mean(axis=1),
-            "yarn_compression": yarn_compression(given),
+            "yarn_compression": np.maximum(1.0 - np.minimum(given["warp_stretch"], given["weft_stretch"]), 0.0),
             "yarn_tension": np.maximum(given["warp_force"], given["weft_force"]),
             "shear_angle_deg": sheet.shear_angle_deg,
         }

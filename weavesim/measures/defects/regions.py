@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from ...sheet.topology import part_of_nodes
@@ -25,11 +23,6 @@ def regions(quads: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
     part = part_of_nodes(local.reshape(-1, 4), len(nodes))[local.reshape(-1, 4)[:, 0]]
     found = [rows[part == number] for number in np.unique(part)]
     return sorted(found, key=lambda region: (-len(region), int(region[0])))
-
-
-def yarn_compression(fields: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Shortening of the yarn of each element that is shortened most, not below zero, (element_count,)."""
-    return np.maximum(1.0 - np.minimum(fields["warp_stretch"], fields["weft_stretch"]), 0.0)
 
 
 def largest_around(quads: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...engine.model import Model
 from ...engine.state import State
-from ...measures.defects.regions import largest_around, yarn_compression
-from ...measures.defects.waves import LONGEST_WAVELENGTH, WRINKLE_COMPRESSION, WaveFilter
+from ...measures.defects.regions import largest_around
+from ...measures.defects.waves import WAVELENGTH_OF_FRAMES, WRINKLE_COMPRESSION, WaveFilter
 from ...sheet.blank import Blank
 from .tool_gaps import ToolGaps
 
@@ -53,7 +53,7 @@ class SurfaceFields:
 
     @cached_property
     def _filter(self) -> WaveFilter:
-        return WaveFilter(self._part[0], LONGEST_WAVELENGTH)
+        return WaveFilter(self._part[0], WAVELENGTH_OF_FRAMES)
 
     def __call__(
         self, position: np.ndarray, fields: Mapping[str, np.ndarray], node_distance: np.ndarray
@@ -73,9 +73,11 @@ class SurfaceFields:
             found["tool_gap"] = middle - 0.5 * fields["thickness"]
         if self._sheet.blank.node_count <= LARGEST_NODE_COUNT:
             (part, nodes), kept, height = self._part, self._sheet.kept, np.full(len(quads), np.nan)
-            shortened = largest_around(part.quads, yarn_compression(fields)[kept]) > WRINKLE_COMPRESSION
-            waves = self._height(position[nodes], node_distance[:, nodes]) if shortened.any() else 0.0
-            height[kept] = np.where(shortened, waves, 0.0)
+            stretches = (fields[f"{yarn}_stretch"][kept] for yarn in ("warp", "weft"))
+            # a crease is an element or two wide: the yarns beside it count too
+            shortened = [largest_around(part.quads, 1.0 - each) > WRINKLE_COMPRESSION for each in stretches]
+            deviation = self._deviation(position[nodes], node_distance[:, nodes])
+            height[kept] = 2.0 * self._filter.along_yarns(deviation, np.array(shortened))
             found["wrinkle_height"] = height
         return found
 
@@ -86,8 +88,8 @@ class SurfaceFields:
         known = np.isfinite(nearest) & (nearest < _KNOWN_SHARE * self._reach[bound])
         return np.where(known, nearest, np.nan)
 
-    def _height(self, position: np.ndarray, node_distance: np.ndarray) -> np.ndarray:
-        """Of waves, from trough to crest: twice the amplitude.
+    def _deviation(self, position: np.ndarray, node_distance: np.ndarray) -> np.ndarray:
+        """Of every node, what may be a wave, (node_count,) [m].
 
         What the sheet deviates from its smoothed self contains the shape of the part; what its distance to the nearest
         tool deviates contains creases where another tool becomes the nearest. A wrinkle is in both: at every node the
@@ -101,4 +103,4 @@ class SurfaceFields:
             if known.any():
                 over_tools = waves.of_height(np.where(known, height, height.max(where=known, initial=-np.inf)))
                 deviation = np.where(known & (abs(over_tools) < abs(deviation)), over_tools, deviation)
-        return 2.0 * waves.measured(deviation)[0]
+        return deviation

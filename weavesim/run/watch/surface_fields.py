@@ -9,6 +9,7 @@ import numpy as np
 
 from ...engine.model import Model
 from ...engine.state import State
+from ...measures.defects.contact import half_thickness
 from ...measures.defects.regions import largest_around
 from ...measures.defects.waves import WAVELENGTH_OF_FRAMES, WRINKLE_COMPRESSION, WaveFilter
 from ...sheet.blank import Blank
@@ -70,7 +71,10 @@ class SurfaceFields:
         found, quads = {}, self._sheet.blank.quads
         if self._sheet.tool_count:
             middle = self._nearest(self._gaps(position[quads].mean(axis=1)))
-            found["tool_gap"] = middle - 0.5 * fields["thickness"]
+            sheet = self._sheet
+            found["tool_gap"] = middle - half_thickness(
+                sheet.fabric.thickness, fields["thickness"], sheet.follows_thickness
+            )
         if self._sheet.blank.node_count <= LARGEST_NODE_COUNT:
             (part, nodes), kept, height = self._part, self._sheet.kept, np.full(len(quads), np.nan)
             stretches = (fields[f"{yarn}_stretch"][kept] for yarn in ("warp", "weft"))

@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 from tests.support.runs import one_sheet_run, small_run
+from weavesim.engine.sheet_model import SheetModel
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.measures.defects.judgement import Judgement, Limits
 from weavesim.measures.findings import FormedSheet
@@ -27,11 +28,11 @@ def ledger_with(*shapes):
     return simulation.ledger.sheets[0]
 
 
-def fields_of(ledger, z, warp=0.999, weft=1.01):
+def fields_of(ledger, z, warp=0.999, weft=1.01, thickness=THICKNESS):
     """Fields of the sheet with its nodes at the heights ``z``, and stretches of its yarns."""
     position = np.column_stack([X, Y, np.broadcast_to(z, X.shape)])
     distance = ledger._contact_gaps(position)
-    of_all = {"thickness": THICKNESS, "warp_stretch": warp, "weft_stretch": weft}
+    of_all = {"thickness": thickness, "warp_stretch": warp, "weft_stretch": weft}
     given = {name: np.full(len(BLANK.quads), value) for name, value in of_all.items()}
     return ledger._surface_fields(position, given, distance)
 
@@ -48,6 +49,25 @@ def test_a_sine_has_its_height_with_and_without_tools(wavelength):
     # crests along the warp: yarns that are shortened along the crest do not make it a wrinkle
     assert fields_of(ledger_with(), sine, warp=1.0, weft=0.999)["wrinkle_height"][MIDDLE].max() < 2e-4
     assert over["tool_gap"].mean() == pytest.approx(0.01 - 0.5 * THICKNESS, rel=1e-3)
+
+
+@pytest.mark.parametrize(("contact_thickness", "gap"), [("initial", 0.0), ("current", -0.25 * THICKNESS)])
+def test_a_sheet_that_thickens_enters_a_tool_only_if_contact_follows_it(contact_thickness, gap, monkeypatch):
+    """A sheet that lies on a plane at half its initial thickness, where contact puts it, and is half as thick again."""
+    ledger = ledger_with(Plane(origin=(0.0, 0.0, -0.5 * THICKNESS)))
+    # no kernel is asked: nothing steps
+    monkeypatch.setattr(SheetModel, "follows_thickness", contact_thickness == "current")
+    found = fields_of(ledger, 0.0, thickness=1.5 * THICKNESS)["tool_gap"]
+    assert found == pytest.approx(np.full(len(BLANK.quads), gap), abs=1e-8)
+    # the verdict says the same
+    values = dict.fromkeys(("warp_stretch", "weft_stretch"), np.ones(len(BLANK.quads)))
+    values |= dict.fromkeys(("shear_angle", "warp_force", "weft_force"), np.zeros(len(BLANK.quads)))
+    values["thickness"] = np.full(len(BLANK.quads), 1.5 * THICKNESS)
+    formed = FormedSheet(
+        BLANK, BLANK.node_position, values, THICKNESS, follows_thickness=contact_thickness == "current"
+    )
+    judged = Judgement(formed, Limits(), lambda points: points[:, 2] + 0.5 * THICKNESS)
+    assert judged.fields["gap"] == pytest.approx(found, abs=1e-8)
 
 
 def test_neither_the_shape_of_a_tool_nor_a_change_of_the_nearest_one_is_a_wrinkle():

@@ -39,6 +39,7 @@ def tool_set_struct(real: type):
         part: wp.array(dtype=ToolPart)
         displacement: wp.array(dtype=wp.float64)  # along each tool's axis [m]
         velocity: wp.array(dtype=wp.float64)  # [m/s]
+        pose: wp.array2d(dtype=wp.float64)  # [tool, entry], entries: see ToolPoseRow; of runs with carried tools
         law: wp.array(dtype=ToolFriction)  # of each tool
         argument: wp.array(dtype=real)  # tables of all laws, ascending within each
         coefficient: wp.array(dtype=real)
@@ -85,6 +86,21 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
 
 
 @cache
+def part_clearance_function(real: type, lane_count: int):
+    """wp.func (part, distances of points from it) -> their clearances; see ``tool_distance_function``."""
+    lanes, ToolPart = lane_types(real, lane_count).lanes, part_struct(real)
+
+    @wp.func
+    def part_clearance(part: ToolPart, distance: lanes):
+        clearance = distance
+        if part.kind == wp.static(shape_number("volume")):
+            clearance = sampled_clearance(part.reach, number(part, 0), number(part, 1), number(part, 2), distance)
+        return clearance
+
+    return part_clearance
+
+
+@cache
 def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...], rotated: bool):
     """wp.func (parts, tool, displacement, x, remainder) -> (signed distance, outward normal, clearance), in lanes.
 
@@ -97,12 +113,7 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
     lanes, lanes3 = types.lanes, types.lanes3
     Tool, ToolPart = tool_struct(real), part_struct(real)
     part_distance = part_distance_function(real, lane_count, shape_kinds)
-
-    @wp.func
-    def part_clearance(part: ToolPart, distance: lanes):
-        if part.kind == wp.static(shape_number("volume")):
-            distance = sampled_clearance(part.reach, number(part, 0), number(part, 1), number(part, 2), distance)
-        return distance
+    part_clearance = part_clearance_function(real, lane_count)
 
     @wp.func
     def tool_distance(

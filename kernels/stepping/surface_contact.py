@@ -8,6 +8,9 @@ from functools import cache
 
 import warp as wp
 
+from ..carried.contact import meeting_function
+from ..carried.pose import away_function, read_pose_function, surface_speed_functions
+from ..contact.tool_distance import tool_set_struct
 from ..lanes import dot, lane_maximum, lane_types, rows3, step_options, store_rows3
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, record4
@@ -15,6 +18,7 @@ from ..rows import (
     CORNER_ROW_COUNT,
     ClockEntry,
     CornerRow,
+    MotionRow,
     MovedRow,
     NodeWorkRow,
     SampleRow,
@@ -22,18 +26,34 @@ from ..rows import (
 )
 from .node_data import NodeTraits, node_laws_struct, present_struct, surroundings_struct
 from .sample_data import load_struct, patch_struct, point_struct, sampled_struct, samples_struct
-from .surface_point import load_functions, patch_function, point_function, weight_function
-from .tool_contact import meet_tools_function
+from .surface_point import corner_function, load_functions, patch_function, point_function, weight_function
 
+# Largest distance of a sample from the first corner of its element, over the initial size of the largest one.
+FURTHEST_SAMPLE = wp.constant(2.0)
 # A little more than one, against the rounding of sums.
 _LESS = wp.constant(0.999999)
 
 
 @cache
-def watch_function(real: type, lane_count: int):
+def watch_function(real: type, lane_count: int, carried: bool = False):
     """wp.func that reduces the gaps of a block's samples by what everything moved -> whether a contact is possible."""
     Samples, Sampled = samples_struct(real, lane_count), sampled_struct(real, lane_count)
     NodeLaws, Surroundings = node_laws_struct(real), surroundings_struct(real, lane_count)
+    Tools, read_pose, away = tool_set_struct(real), read_pose_function(real), away_function(real, lane_count)
+    _, _, largest_speed = surface_speed_functions(real, lane_count)
+    corner = corner_function(real, lane_count)
+
+    @wp.func
+    def tool_speed(samples: Samples, block: wp.int32, tools: Tools, k: wp.int32, motion: wp.array(dtype=real)):
+        """Largest speed of a tool at the samples, which are near the first corners of their elements."""
+        speed = wp.abs(real(tools.velocity[k]))
+        if wp.static(carried):
+            pose = read_pose(tools, k)
+            position = corner(samples, block, 0, motion, MotionRow.position)
+            remainder = corner(samples, block, 0, motion, MotionRow.remainder)
+            beside = real(FURTHEST_SAMPLE) * samples.lever * wp.length(pose.spin)
+            speed = largest_speed(pose, away(pose.pivot, position, remainder)) + beside
+        return speed
 
     @wp.func
     def way_of_samples(samples: Samples, block: wp.int32, moved: wp.array2d(dtype=real)):
@@ -53,6 +73,7 @@ def watch_function(real: type, lane_count: int):
         laws: NodeLaws,
         around: Surroundings,
         moved: wp.array2d(dtype=real),
+        motion: wp.array(dtype=real),
         thickened: real,
         sampled: Sampled,
     ):
@@ -60,7 +81,7 @@ def watch_function(real: type, lane_count: int):
         tool_share = real(2.0) * real(around.clock[ClockEntry.mean_step])
         near = wp.int32(0)
         for k in range(laws.tool_count):
-            tool_way = tool_share * wp.abs(real(around.tools.velocity[k]))
+            tool_way = tool_share * tool_speed(samples, block, around.tools, k, motion)
             for j in range(samples.place.shape[0]):
                 number = j * samples.block_count + block
                 gap = real(_LESS) * sampled.touch.gap[k, number] - way
@@ -70,7 +91,7 @@ def watch_function(real: type, lane_count: int):
         if near == 0:
             # else done where the tools are met
             for k in range(laws.tool_count):
-                tool_way = tool_share * wp.abs(real(around.tools.velocity[k]))
+                tool_way = tool_share * tool_speed(samples, block, around.tools, k, motion)
                 for j in range(samples.place.shape[0]):
                     number = j * samples.block_count + block
                     sampled.touch.gap[k, number] = sampled.touch.gap[k, number] - tool_way - thickened
@@ -182,9 +203,9 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
     Samples, Sampled = samples_struct(*layout), sampled_struct(*layout)
     NodeLaws, Surroundings = node_laws_struct(real), surroundings_struct(*layout)
     read_patch, weight_at = patch_function(*layout), weight_function(real)
-    surface_point, reduce_gaps = point_function(*layout), watch_function(*layout)
+    surface_point, reduce_gaps = point_function(*layout), watch_function(*layout, traits.carried)
     present_elements, present_sample = present_sample_function(*layout, traits.follows_thickness)
-    meet_tools, book = meet_tools_function(*layout, traits), book_function(*layout)
+    meet_tools, book = meeting_function(*layout, traits), book_function(*layout)
     Load, (add_load, store_load) = load_struct(*layout), load_functions(*layout)
 
     @wp.func
@@ -194,6 +215,11 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
             for j in range(1, samples.place.shape[0]):
                 total = total + sampled.touch.reaction[k, j * samples.block_count + block]
             sampled.reaction[k, block] = total
+            if wp.static(traits.carried):
+                moment = sampled.touch.moment[k, block]
+                for j in range(1, samples.place.shape[0]):
+                    moment = moment + sampled.touch.moment[k, j * samples.block_count + block]
+                sampled.moment[k, block] = moment
 
     @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real, inlined=True))
     def surface_contact(
@@ -210,7 +236,7 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
     ):
         block = first_block + wp.tid()
         present = present_elements(block, samples, laws, around.clock, corner_force, sampled)
-        if reduce_gaps(samples, block, laws, around, moved, present.thickened, sampled) != 0:
+        if reduce_gaps(samples, block, laws, around, moved, motion, present.thickened, sampled) != 0:
             patch = read_patch(samples, block, motion)
             load = Load()
             for j in range(samples.place.shape[0]):

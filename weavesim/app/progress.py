@@ -22,7 +22,7 @@ from ..input_files import shown
 from ..measures.fabric_table import summary_of
 from ..notebook import NotebookBar, in_notebook
 from ..output.folder import LOG_NAME
-from ..output.run_page.history_part import tool_copies
+from ..output.history import tool_copies
 from ..output.run_page.values import in_words
 from ..process.friction import in_words as friction_in_words
 from ..run.frame import Frame, Outcome, RunInfo
@@ -193,7 +193,9 @@ def frame_line(frame: Frame, info: RunInfo) -> str:
             parts.append(f"{text} N")
     angles = [sheet.fields["shear_angle"] for sheet in frame.sheets if "shear_angle" in sheet.fields]
     if angles:
-        parts.append(f"shear up to {math.degrees(max(float(np.abs(angle).max()) for angle in angles)):.1f} degrees")
+        parts.append(
+            f"shear up to {math.degrees(max(float(np.nanmax(np.abs(angle))) for angle in angles)):.1f} degrees"
+        )
     ratio = kinetic_ratio(frame.energies)
     if ratio is not None:
         parts.append(f"kinetic/internal {ratio:.2%}")

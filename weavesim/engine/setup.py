@@ -25,6 +25,7 @@ from ..sheet.symmetry import Symmetry
 from ..tools.proportions import disproportionate_tools
 from ..tools.tool import Tool
 from .staging.acting import Parts
+from .staging.change_checks import check_changes
 from .staging.checks import check_stages
 
 # Largest share of the stable step 2/omega that may be used.
@@ -250,7 +251,9 @@ class Setup(Parameters):
             raise ValueError(
                 f"duration = {self.duration:g}: the stages take {_duration_of(self.stages):g} s together; leave it out"
             )
-        check_stages(self.stages, Parts(self.tools, self.supports, self.grippers), self.sheets)
+        check_changes(self.stages, self.tools, self.sheets, self.interfaces)
+        touching = frozenset(name for each in self.interfaces for name in (each.lower, each.upper))
+        check_stages(self.stages, Parts(self.tools, self.supports, self.grippers), self.sheets, touching)
 
     @model_validator(mode="after")
     def _is_usual(self) -> Self:
@@ -265,6 +268,11 @@ class Setup(Parameters):
             return (self.frame_count,)
         shares = [self.frame_count * stage.duration / self.duration for stage in self.stages]
         return tuple(each.frame_count or max(1, round(share)) for each, share in zip(self.stages, shares, strict=True))
+
+    @property
+    def trims(self) -> bool:
+        """Whether a stage trims a sheet."""
+        return any(stage.trims for stage in self.stages)
 
     @property
     def sheets(self) -> tuple[Sheet, ...]:
@@ -324,4 +332,5 @@ def hash_of_run(setup: Setup) -> str:
     """What is the same for set-ups whose runs have the same states, wherever they are computed and shown."""
     elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
     solver = setup.solver.model_copy(update=elsewhere)
-    return setup.model_copy(update={"solver": solver, "frame_count": 1}).content_hash
+    stages = tuple(stage.model_copy(update={"frame_count": None}) for stage in setup.stages)
+    return setup.model_copy(update={"solver": solver, "frame_count": 1, "stages": stages}).content_hash

@@ -92,12 +92,13 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
     )
     check_bounds(expected, setup)
     logger.info("%s takes %s", setup.name, expected)
-    ledger = Ledger(stepper, StageBook(course[0].stage.name, course[0].tools, {}) if course else None)
-    frame = ledger.frame(0)
+    book = StageBook(course[0].stage.name, course[0].tools, {}, setup.trims) if course else None
+    ledger = Ledger(stepper, book)
+    frame = ledger.completed(ledger.frame(0))
     for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
         check_cell_at_rest(sheet.fabric.unit_cell, first)
     guards = Guards()
-    doubts = guards.before(Start(model, ledger, frame, phases))
+    doubts = guards.before(Start(model, ledger, frame, phases, setup.accept_unusual))
     info = RunInfo(
         name=setup.name,
         setup=setup,
@@ -128,7 +129,10 @@ def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
         for sheet in world.sheets:
             supports = tuple(range(support_count, support_count + len(sheet.supports)))
             support_count += len(sheet.supports)
-            yield SheetInfo(sheet.name, sheet.oriented_blank, sheet.fabric, world.symmetry, tools, supports, world.name)
+            yield SheetInfo(
+                sheet.name, sheet.oriented_blank, sheet.fabric, world.symmetry, tools, supports, world.name,
+                world.dynamics.contact_thickness == "current",
+            )  # fmt: skip
 
 
 def check_cell_at_rest(cell: UnitCell, frame: SheetFrame) -> None:

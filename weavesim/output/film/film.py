@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
+from ...process.motions.paths import Pose
 from ...run.frame import Frame, Outcome, RunInfo, unique_names
 from ...version import __version__
 from ..files import note, temporary_name
@@ -44,7 +45,8 @@ class Film:
     symmetry, mirrored copies reference it, so that the whole part is visible but stored once. It has ``displayColor``
     from the absolute shear angle (averaged to the nodes, 0 to 60 degrees, ``/World/legend``) and, per element and
     frame, the fields of ``weavesim.run.fields`` except those of the solver, with their names and units in files; the
-    documentation of each tells what it is, and its unit. Each tool is the mesh ``/World/tools/NAME``: its
+    documentation of each tells what it is, and its unit. What a stage trims away has no faces from its frame on, and a
+    tool that does not act is invisible. Each tool is the mesh ``/World/tools/NAME``: its
     ``display_triangles``, without mirroring. ``/World/camera`` looks at the side to which the part bulges,
     ``/World/camera_back`` at the other; tools on the side of the first are transparent.
 
@@ -112,10 +114,13 @@ class Film:
             define_tool(stage, name, tool, tool.display_triangles())
             for name, tool in zip(names, info.tools, strict=True)
         ]
+        self._tools = filmed
         self._axes = [np.asarray(tool.axis, dtype=float) for tool in info.tools]
         self._above = [tool for tool in filmed if tool.height > rest]
         self._below = [tool for tool in filmed if tool.height <= rest]
-        self._moves = []
+        self._moves, self._meshes = [], [tool.mesh for tool in filmed]
+        self._turns: dict[int, Any] = {}
+        self._quaternions: dict[int, Any] = {}
         for tool in filmed:
             if len(info.sheets) > 1:
                 tool.mesh.AddTranslateOp(opSuffix="exploded")
@@ -126,8 +131,14 @@ class Film:
 
         for sheet, state in zip(self._sheets, frame.sheets, strict=True):
             sheet.add(state, float(frame.index))
-        for axis, move, distance in zip(self._axes, self._moves, frame.tool_displacement, strict=True):
-            move.Set(Gf.Vec3d(*(float(distance) * axis).tolist()), float(frame.index))
+        for k, move in enumerate(self._moves):
+            place = frame.place(k)
+            shift = place.shift if isinstance(place, Pose) else (place * self._axes[k]).tolist()
+            move.Set(Gf.Vec3d(*shift), float(frame.index))
+            if isinstance(place, Pose):
+                self._turn(k, place, float(frame.index))
+        for k, tool in enumerate(self._tools):
+            tool.show(frame.acts(k), float(frame.index))
         for attribute, value in zip(self._clock, (frame.time, frame.stroke), strict=True):
             attribute.Set(float(value), float(frame.index))
         self._frames.append(frame.index)
@@ -140,6 +151,20 @@ class Film:
         elif len(self._frames) % _FRAMES_PER_FLUSH == 0:
             with usd_errors():
                 self._stage.Save()
+
+    def _turn(self, tool: int, pose: Pose, code: float) -> None:
+        """Rotate a tool at a time code, as a quaternion, between which programs interpolate."""
+        from pxr import Gf, UsdGeom
+
+        if tool not in self._turns:
+            self._turns[tool] = self._meshes[tool].AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+        # USD's vectors are rows
+        turn = Gf.Matrix3d(*pose.matrix.T.ravel().tolist()).ExtractRotation().GetQuat()
+        last = self._quaternions.get(tool)
+        if last is not None and Gf.Dot(last, turn) < 0.0:  # the same rotation, the short way round
+            turn = -turn
+        self._quaternions[tool] = turn
+        self._turns[tool].Set(turn, code)
 
     def finish(self, outcome: Outcome) -> None:
         if self._stage is None or not self._frames:
@@ -202,7 +227,7 @@ class Film:
 
     def _release(self) -> None:
         self._stage, self._sheets, self._moves, self._clock = None, [], [], []
-        self._above, self._below = [], []
+        self._tools, self._above, self._below = [], [], []
 
 
 def prim_names(names: Iterable[str]) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from ...measures.angles import yarn_components
 from ..colours import DISTINCT_COLOURS
 from .packing import packed, packed_series
-from .recorder import FrameRecorder
+from .recorder import FrameRecorder, KeptField
 from .shown_fields import JUDGED_FIELDS, ShownField, in_order, shown_field
 
 if TYPE_CHECKING:
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 # Tools are for looking at: finer ones are shown by fewer triangles.
 LARGEST_TRIANGLE_COUNT = 40_000
+# Of the entries of a pose, over those of the run: a rotation matrix, and a shift in millimetres.
+_POSE_UNITS = np.array([1.0] * 9 + [1.0e3] * 3)
 
 
 def scene_of(
@@ -54,13 +56,14 @@ def scene_of(
 def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[str, np.ndarray]) -> dict[str, Any]:
     sheet: SheetInfo = info.sheets[place]
     blank, values = sheet.blank, recorder.fields(place)
-    fields = []
-    for name in in_order(list(values)):
-        field = shown_field(name)
-        fields.append(_field(field, values[name]))
-    for field in JUDGED_FIELDS:
-        if field.name in judged:
-            fields.append(_field(field, judged[field.name][None]))
+    last = len(recorder.places) - 1
+    fields = [_field(shown_field(name), values[name], last) for name in in_order(list(values))]
+    fields += [
+        _field(field, KeptField([last], judged[field.name][None]), last)
+        for field in JUDGED_FIELDS
+        if field.name in judged
+    ]
+    kept = recorder.elements(place)
     return {
         "name": sheet.name,
         "fabric": sheet.fabric.name,
@@ -77,16 +80,19 @@ def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[s
         # millimetres: numbers of the page are those that readers see
         "position": packed_series(1.0e3 * recorder.positions(place)),
         "fields": fields,
+        **({} if kept is None else {"kept": packed_series(kept.astype(np.float32))}),
     }
 
 
-def _field(field: ShownField, values: np.ndarray) -> dict[str, Any]:
-    return field.as_dict() | {"values": packed_series(field.factor * values, logarithmic=field.logarithmic)}
+def _field(field: ShownField, kept: KeptField, last: int) -> dict[str, Any]:
+    """With the frames that have it, ``at``; null if all have."""
+    packed_values = packed_series(field.factor * kept.values, logarithmic=field.logarithmic)
+    return field.as_dict() | {"at": None if len(kept.at) == last + 1 else kept.at, "values": packed_values}
 
 
 def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
     rest = float(np.mean(np.concatenate([sheet.blank.node_position[:, 2] for sheet in info.sheets])))
-    displacement = recorder.tool_displacement
+    displacement, pose, acts = recorder.tool_displacement, recorder.tool_pose, recorder.tool_acts
     found = []
     for k, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
         vertices, faces = _drawn(tool)
@@ -99,6 +105,9 @@ def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
                 "above": bool(0.5 * (height.min() + height.max()) > rest),
                 "sheets": [place for place, sheet in enumerate(info.sheets) if k in sheet.tools],
                 "displacement": (1.0e3 * displacement[:, k]).tolist(),
+                # rotation row by row, and shift in millimetres, of each frame of a run in which a tool is carried
+                "pose": (pose[:, k] * _POSE_UNITS).tolist() if pose.size else [],
+                **({} if all(each[k] for each in acts) else {"acts": [each[k] for each in acts]}),
                 "vertices": packed((1.0e3 * vertices).astype(np.float32)),
                 "faces": packed(faces.astype(np.uint32)),
             }

@@ -6,7 +6,7 @@ Groups ``sheets/0``, ``sheets/1``, ... in the order of the set-up, and ``tools/0
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +16,10 @@ import numpy as np
 from ...errors import InputError
 from ...input_files import check_bounded, read_bounded, shown
 from ...measures.findings import FormedSheet
+from ...process.motions.paths import Place, Pose
 from ...run.fields import FIELDS
 from ...run.frame import Frame, RunInfo
+from ...run.staging.part import part_of
 from ...sheet.blank import Blank
 from ...sheet.symmetry import Symmetry
 from ...tools.tool import Tool
@@ -90,6 +92,8 @@ class StoredRun:
         sheets: in the order of the set-up.
         tool_displacement: along each tool's axis, (tool_count,) [m].
         tool_acts: whether each tool acts at the end, (tool_count,) bool; empty if all do.
+        tool_pose: rotation matrix, row by row, and shift [m] of each tool of a run in which one is carried,
+            (tool_count, 12); else (0, 12).
     """
 
     folder: Path
@@ -100,6 +104,7 @@ class StoredRun:
     sheets: tuple[StoredSheet, ...]
     tool_displacement: np.ndarray
     tool_acts: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    tool_pose: np.ndarray = field(default_factory=lambda: np.zeros((0, 12)))
 
     @cached_property
     def setup(self) -> Setup:
@@ -118,6 +123,10 @@ class StoredRun:
         """In the order of ``tool_displacement``."""
         return self.setup.tools
 
+    def place(self, tool: int) -> Place:
+        """Where a tool is at the end, by its number: its displacement along its axis [m], or its pose."""
+        return Pose.from_numbers(self.tool_pose[tool]) if len(self.tool_pose) else float(self.tool_displacement[tool])
+
     def acting_tools(self, sheet: StoredSheet) -> tuple[int, ...]:
         """Places of the tools that a sheet may touch and that act at the end."""
         return tuple(place for place in sheet.tools if not len(self.tool_acts) or self.tool_acts[place])
@@ -125,6 +134,11 @@ class StoredRun:
     def fabric(self, sheet: StoredSheet) -> Fabric:
         """The fabric of one of its sheets."""
         return self.setup.sheets[self.sheets.index(sheet)].fabric
+
+    def formed(self, sheet: StoredSheet) -> FormedSheet:
+        """One of its sheets with its measures, and the thickness at which it meets tools, which the set-up tells."""
+        dynamics = [world.dynamics for world in self.setup.worlds for _ in world.sheets][self.sheets.index(sheet)]
+        return replace(sheet.formed, follows_thickness=dynamics.contact_thickness == "current")
 
 
 def write_results(path: Path, info: RunInfo, frame: Frame, outcome: str) -> None:
@@ -136,7 +150,8 @@ def write_results(path: Path, info: RunInfo, frame: Frame, outcome: str) -> None
             {"format": FORMAT, "format_version": FORMAT_VERSION, "weavesim_version": __version__,
              "run_id": info.run_id, "name": info.name, "time": frame.time, "outcome": outcome}
         )  # fmt: skip
-        for index, (sheet, state) in enumerate(zip(info.sheets, frame.sheets, strict=True)):
+        for index, each in enumerate(zip(info.sheets, frame.sheets, strict=True)):
+            sheet, state = part_of(*each)
             group = file.create_group(f"sheets/{index}")
             group.attrs.update(
                 {"name": sheet.name, "fabric": sheet.fabric.name, "thickness": sheet.fabric.thickness,
@@ -150,6 +165,8 @@ def write_results(path: Path, info: RunInfo, frame: Frame, outcome: str) -> None
             group = file.create_group(f"tools/{index}")
             group.attrs.update({"name": name, "axis": tool.axis, "displacement": frame.tool_displacement[index],
                                 "reaction": frame.tool_reaction[index], "acts": frame.acts(index)})  # fmt: skip
+            if len(frame.tool_pose):
+                group.attrs.update({"pose": frame.tool_pose[index], "moment": frame.tool_moment[index]})
 
 
 def write_values(group: Any, values: dict[str, ElementValue]) -> None:
@@ -189,9 +206,11 @@ def read_results(folder: str | Path) -> StoredRun:
             displacement = np.array([tools[str(k)].attrs["displacement"] for k in range(len(tools))], dtype=float)
             # a file of a version before it has none, and all tools acted
             acts = np.array([tools[str(k)].attrs.get("acts", True) for k in range(len(tools))], dtype=bool)
+            poses = [tools[str(k)].attrs["pose"] for k in range(len(tools)) if "pose" in tools[str(k)].attrs]
+            pose = np.array(poses, dtype=float).reshape(-1, 12)
             text = {name: str(file.attrs[name]) for name in ("run_id", "name", "outcome")}
             return StoredRun(folder, text["run_id"], text["name"], float(file.attrs["time"]), text["outcome"],
-                             sheets, displacement, acts)  # fmt: skip
+                             sheets, displacement, acts, pose)  # fmt: skip
     except (OSError, KeyError, ValueError) as error:
         if isinstance(error, InputError):
             raise

@@ -19,6 +19,7 @@ from .file import StoredRun, StoredSheet
 
 if TYPE_CHECKING:
     from ...fabric.fabric import Fabric
+    from ...process.motions.paths import Place
     from ...tools.tool import Tool
 
 _COLUMNS = (
@@ -101,9 +102,13 @@ def region_text(region: Region) -> str:
         "wrinkle": "amplitude {amplitude_mm:.2f} mm, wavelength {wavelength_mm:.0f} mm, {crest_count} crests",
         "locking": "shear angle {shear_angle_deg:.1f} degrees",
     }.get(row["kind"], "gap {gap_mm:.2f} mm")
-    x, y, z = row["place_mm"]
-    text = f"{size.format(**row)}, {row['severity']:.2g} times the limit, {row['area_mm2']:.0f} mm2"
-    return f"{row['kind']} at ({x:.0f}, {y:.0f}, {z:.0f}) mm: {text}"
+    text = f"{size.format(**row)}, {row['severity']:.2g} times the limit, {row['area_mm2']:.0f} mm²"
+    return f"{row['kind']} at {place_text(row['place_mm'])} mm: {text}"
+
+
+def place_text(place: Sequence[float]) -> str:
+    """A place in whole numbers: "(72, -0.3, -12)" as "(72, 0, -12)"."""
+    return f"({', '.join(f'{round(value):d}' for value in place)})"
 
 
 def judge_run(run: StoredRun, limits: Limits) -> JudgedRun:
@@ -112,7 +117,7 @@ def judge_run(run: StoredRun, limits: Limits) -> JudgedRun:
 
 
 def _judge(run: StoredRun, sheet: StoredSheet, limits: Limits) -> Judgement:
-    return Judgement(sheet.formed, limits, tool_distance(run, sheet), own_locking_angle(run.fabric(sheet)))
+    return Judgement(run.formed(sheet), limits, tool_distance(run, sheet), own_locking_angle(run.fabric(sheet)))
 
 
 def own_locking_angle(fabric: Fabric) -> float | None:
@@ -124,17 +129,17 @@ def own_locking_angle(fabric: Fabric) -> float | None:
 
 def tool_distance(run: StoredRun, sheet: StoredSheet) -> Distance | None:
     """Distance to the nearest tool of a sheet that acts at the end of its run; None without one."""
-    return distance_to([(run.tools[place], float(run.tool_displacement[place])) for place in run.acting_tools(sheet)])
+    return distance_to([(run.tools[k], run.place(k)) for k in run.acting_tools(sheet)])
 
 
-def distance_to(tools: Sequence[tuple[Tool, float]]) -> Distance | None:
-    """Distance to the nearest of tools at their displacements [m]; None without tools."""
+def distance_to(tools: Sequence[tuple[Tool, Place]]) -> Distance | None:
+    """Distance to the nearest of tools at their places; None without tools."""
     if not tools:
         return None
-    sampled = [(ToolDistance(tool), displacement) for tool, displacement in tools]
+    sampled = [(ToolDistance(tool), place) for tool, place in tools]
 
     def distance(points: np.ndarray) -> np.ndarray:
-        return np.min([tool(points, displacement)[0] for tool, displacement in sampled], axis=0)
+        return np.min([tool(points, place)[0] for tool, place in sampled], axis=0)
 
     return distance
 

@@ -67,6 +67,7 @@ weavesim.Section = class {
         if (!sheet.copies[place].visible) return;
         const point = (node) => [x * sheet.nodes[3 * node], y * sheet.nodes[3 * node + 1], sheet.nodes[3 * node + 2] + lift];
         for (let e = 0; e < sheet.elementCount; e += 1) {
+          if (!sheet.has(e)) continue;
           const corner = [0, 1, 2, 3].map((k) => point(sheet.quads[4 * e + k]));
           segments.push(...this.through([corner[0], corner[1], corner[2]], normal),
             ...this.through([corner[0], corner[2], corner[3]], normal));
@@ -76,8 +77,9 @@ weavesim.Section = class {
     }
     for (const tool of this.view.tools) {
       if (!tool.mesh.visible) continue;
-      const shift = tool.mesh.position.toArray();
-      const point = (node) => [0, 1, 2].map((c) => tool.vertices[3 * node + c] + shift[c]);
+      const at = tool.mesh.matrix.elements; // column by column
+      const point = (node) => [0, 1, 2].map((c) => at[12 + c]
+        + [0, 1, 2].reduce((sum, k) => sum + at[4 * k + c] * tool.vertices[3 * node + k], 0));
       const segments = [];
       for (let i = 0; i < tool.faces.length; i += 3) {
         segments.push(...this.through([point(tool.faces[i]), point(tool.faces[i + 1]), point(tool.faces[i + 2])], normal));

@@ -1,5 +1,8 @@
 "use strict";
 // The picture in three dimensions: camera, light, tools, the plane that cuts.
+// Of all tools until the reader moves the slider: the part is seen through those above it.
+weavesim.TOOL_OPACITY = 0.25;
+
 weavesim.View = class {
   constructor(canvas) {
     THREE.ColorManagement.enabled = false;
@@ -78,12 +81,12 @@ weavesim.View = class {
     const [red, green, blue] = given.colour;
     const material = new THREE.MeshLambertMaterial({
       color: new THREE.Color(red, green, blue), side: THREE.DoubleSide, clippingPlanes: this.clip,
-      transparent: true, opacity: given.above ? 0.25 : 1, depthWrite: !given.above,
+      transparent: true,
     });
     const mesh = new THREE.Mesh(flat, material);
-    mesh.renderOrder = given.above ? 5 : 0;
-    const tool = { given, mesh, vertices, faces, name: given.name, displacement: 0 };
+    const tool = { given, mesh, vertices, faces, name: given.name, displacement: 0, wanted: false, acts: true };
     mesh.visible = false;
+    this.setOpacity(tool, weavesim.TOOL_OPACITY);
     this.scene.add(mesh);
     this.tools.push(tool);
   }
@@ -94,10 +97,27 @@ weavesim.View = class {
     tool.mesh.renderOrder = opacity < 1 ? 5 : 0;
   }
 
+  // Shows or hides a tool; one that does not act in this frame is not there.
+  showTool(tool, wanted) {
+    tool.wanted = wanted;
+    tool.mesh.visible = wanted && tool.acts;
+  }
+
   moveTools(frame) {
     for (const tool of this.tools) {
+      tool.acts = !tool.given.acts || tool.given.acts[frame];
+      this.showTool(tool, tool.wanted);
+      const pose = tool.given.pose[frame];
+      if (pose) {
+        const [a, b, c, d, e, f, g, h, i, x, y, z] = pose;
+        tool.mesh.matrixAutoUpdate = false;
+        tool.mesh.matrix.set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
+        tool.mesh.matrixWorldNeedsUpdate = true;
+        continue;
+      }
       tool.displacement = tool.given.displacement[frame] || 0;
       tool.mesh.position.set(...tool.given.axis.map((x) => x * tool.displacement));
+      tool.mesh.updateMatrix();
     }
   }
 
@@ -108,6 +128,7 @@ weavesim.View = class {
       sheet.given.copies.forEach(([x, y], place) => {
         if (!sheet.copies[place].visible) return;
         for (let i = 0; i < sheet.nodes.length; i += 3) {
+          if (!sheet.hasNode(i / 3)) continue;
           use([x * sheet.nodes[i], y * sheet.nodes[i + 1], sheet.nodes[i + 2] + sheet.group.position.z]);
         }
       });

@@ -110,7 +110,11 @@ FIELDS: list[Field] = [
     Field("tool_pressure_above", "Pa", "the same of the tools on the side to which the normal points", _of_contact),
     Field("tool_friction_below", "Pa", "friction of the tools below over the same area", _of_contact),
     Field("tool_friction_above", "Pa", "friction of the tools above over the same area", _of_contact),
-    Field("tool_gap", "m", "from the face of the sheet to the nearest tool, negative inside it", _of_contact),
+    Field(
+        "tool_gap", "m",
+        "from the face of the sheet, at the thickness of contact, to the nearest tool; negative inside",
+        _of_contact,
+    ),
     Field("wrinkle_height", "m", f"of waves up to {LONGEST_WAVELENGTH:g} m long, from trough to crest", _of_contact),
     Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_contact),
     Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_contact),

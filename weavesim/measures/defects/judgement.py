@@ -143,13 +143,8 @@ class Judgement:
             out["self_contact_gap"] = apart - thickness
         if self.distance is not None:
             middle, out["tool_curvature"] = self._tool_height()
-            out["gap"] = middle - 0.5 * self._thickness
+            out["gap"] = middle - self.sheet.half_thickness
         return out
-
-    @property
-    def _thickness(self) -> np.ndarray:
-        """Of each element [m]."""
-        return np.broadcast_to(self.sheet.fields.get("thickness", self.sheet.thickness), self.sheet.blank.element_count)
 
     @cached_property
     def _nodal_gap(self) -> np.ndarray | None:

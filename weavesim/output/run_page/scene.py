@@ -10,7 +10,7 @@ import numpy as np
 from ...measures.angles import yarn_components
 from ..colours import DISTINCT_COLOURS
 from .packing import packed, packed_series
-from .recorder import FrameRecorder
+from .recorder import FrameRecorder, KeptField
 from .shown_fields import JUDGED_FIELDS, ShownField, in_order, shown_field
 
 if TYPE_CHECKING:
@@ -56,13 +56,13 @@ def scene_of(
 def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[str, np.ndarray]) -> dict[str, Any]:
     sheet: SheetInfo = info.sheets[place]
     blank, values = sheet.blank, recorder.fields(place)
-    fields = []
-    for name in in_order(list(values)):
-        field = shown_field(name)
-        fields.append(_field(field, values[name]))
-    for field in JUDGED_FIELDS:
-        if field.name in judged:
-            fields.append(_field(field, judged[field.name][None]))
+    last = len(recorder.places) - 1
+    fields = [_field(shown_field(name), values[name], last) for name in in_order(list(values))]
+    fields += [
+        _field(field, KeptField([last], judged[field.name][None]), last)
+        for field in JUDGED_FIELDS
+        if field.name in judged
+    ]
     kept = recorder.elements(place)
     return {
         "name": sheet.name,
@@ -84,8 +84,10 @@ def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[s
     }
 
 
-def _field(field: ShownField, values: np.ndarray) -> dict[str, Any]:
-    return field.as_dict() | {"values": packed_series(field.factor * values, logarithmic=field.logarithmic)}
+def _field(field: ShownField, kept: KeptField, last: int) -> dict[str, Any]:
+    """With the frames that have it, ``at``; null if all have."""
+    packed_values = packed_series(field.factor * kept.values, logarithmic=field.logarithmic)
+    return field.as_dict() | {"at": None if len(kept.at) == last + 1 else kept.at, "values": packed_values}
 
 
 def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:

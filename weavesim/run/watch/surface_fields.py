@@ -8,6 +8,7 @@ import numpy as np
 
 from ...engine.model import Model
 from ...engine.state import State
+from ...measures.defects.contact import half_thickness
 from ...measures.defects.waves import LONGEST_WAVELENGTH, WaveFilter
 from ...sheet.blank import Blank
 from .tool_gaps import ToolGaps
@@ -66,7 +67,8 @@ class SurfaceFields:
         found, quads = {}, self._sheet.blank.quads
         if self._sheet.tool_count:
             middle = self._nearest(self._gaps(position[quads].mean(axis=1)))
-            found["tool_gap"] = middle - 0.5 * thickness
+            sheet = self._sheet
+            found["tool_gap"] = middle - half_thickness(sheet.fabric.thickness, thickness, sheet.follows_thickness)
         if self._sheet.blank.node_count <= LARGEST_NODE_COUNT:
             nodes, height = self._part[1], np.full(len(quads), np.nan)
             height[self._sheet.kept] = self._height(position[nodes], node_distance[:, nodes])

@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 from tests.support.runs import one_sheet_run, small_run
+from weavesim.engine.sheet_model import SheetModel
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.measures.defects.judgement import Judgement, Limits
 from weavesim.measures.findings import FormedSheet
@@ -27,11 +28,11 @@ def ledger_with(*shapes):
     return simulation.ledger.sheets[0]
 
 
-def fields_of(ledger, z):
+def fields_of(ledger, z, thickness=THICKNESS):
     """Fields of the sheet with its nodes at the heights ``z``."""
     position = np.column_stack([X, Y, np.broadcast_to(z, X.shape)])
     distance = ledger._contact_gaps(position)
-    return ledger._surface_fields(position, np.full(len(BLANK.quads), THICKNESS), distance)
+    return ledger._surface_fields(position, np.full(len(BLANK.quads), thickness), distance)
 
 
 @pytest.mark.parametrize("wavelength", [0.03, 0.05])
@@ -44,6 +45,25 @@ def test_a_sine_has_its_height_with_and_without_tools(wavelength):
     over = fields_of(ledger_with(plane), sine)
     assert over["wrinkle_height"][MIDDLE] == pytest.approx(2e-3, rel=0.15)
     assert over["tool_gap"].mean() == pytest.approx(0.01 - 0.5 * THICKNESS, rel=1e-3)
+
+
+@pytest.mark.parametrize(("contact_thickness", "gap"), [("initial", 0.0), ("current", -0.25 * THICKNESS)])
+def test_a_sheet_that_thickens_enters_a_tool_only_if_contact_follows_it(contact_thickness, gap, monkeypatch):
+    """A sheet that lies on a plane at half its initial thickness, where contact puts it, and is half as thick again."""
+    ledger = ledger_with(Plane(origin=(0.0, 0.0, -0.5 * THICKNESS)))
+    # no kernel is asked: nothing steps
+    monkeypatch.setattr(SheetModel, "follows_thickness", contact_thickness == "current")
+    found = fields_of(ledger, 0.0, 1.5 * THICKNESS)["tool_gap"]
+    assert found == pytest.approx(np.full(len(BLANK.quads), gap), abs=1e-8)
+    # the verdict says the same
+    values = dict.fromkeys(("warp_stretch", "weft_stretch"), np.ones(len(BLANK.quads)))
+    values |= dict.fromkeys(("shear_angle", "warp_force", "weft_force"), np.zeros(len(BLANK.quads)))
+    values["thickness"] = np.full(len(BLANK.quads), 1.5 * THICKNESS)
+    formed = FormedSheet(
+        BLANK, BLANK.node_position, values, THICKNESS, follows_thickness=contact_thickness == "current"
+    )
+    judged = Judgement(formed, Limits(), lambda points: points[:, 2] + 0.5 * THICKNESS)
+    assert judged.fields["gap"] == pytest.approx(found, abs=1e-8)
 
 
 def test_neither_the_shape_of_a_tool_nor_a_change_of_the_nearest_one_is_a_wrinkle():

@@ -167,8 +167,8 @@ class DiaphragmParameters(RunOptions):
         oblique = [ply.angle for ply in LayUp.parse(self.lay_up).plies if ply.angle % 90.0 != 0.0]
         if oblique and self.part != "full":
             raise InputError(
-                f"part = {self.part}: a ply at {oblique[0]:g} degrees is not symmetric, only plies at 0 and 90 are; "
-                "choose the full part"
+                f"lay_up = {self.lay_up}, part = {self.part}: a ply at {oblique[0]:g} degrees is not symmetric, only "
+                "plies at 0 and 90 are; choose the full part"
             )
         return SYMMETRY[self.part]
 

@@ -146,6 +146,7 @@ class SheetModel:
         self.samples = Samples.of(
             world.tools if self.node_traits.sampled else (), fabric.thickness, self.geometry,
             blank.node_position[blank.quads], 4.0 * corner_mass, self._contact_frequency, self.corners,
+            world.dynamics.contact_allowance,
         )  # fmt: skip
 
         # padding elements keep an infinite areal density: they never limit the step

@@ -69,7 +69,7 @@ class SheetState:
     sample_friction: wp.array  # flat, ``Samples.layout`` [m]
     sample_depth: wp.array  # (tools, samples), as depth
     sample_friction_argument: wp.array  # (2 tools, samples), as friction_argument
-    sample_gap: wp.array  # (tools, sample blocks), as gap
+    sample_gap: wp.array  # (tools, sample blocks, then blocks of elements), as gap, and the smallest of each block
     sample_reaction: wp.array  # (tools, sample blocks) vec3, force of each block of samples on each tool [N]
     contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
     awake: wp.array  # (1,) int32: 0 while nothing is near enough to touch, so that normals are not needed
@@ -131,7 +131,7 @@ class SheetState:
             sample_friction=zeros(3 * tool_rows * samples),
             sample_depth=zeros(tool_rows, samples),
             sample_friction_argument=wp.array(argument_rows(model, samples), dtype=real, device=device),
-            sample_gap=zeros(tool_rows, sample_blocks),
+            sample_gap=zeros(tool_rows, sample_blocks + sample_blocks // max(len(model.samples.places), 1)),
             sample_reaction=zeros(tool_rows, sample_blocks, dtype=model.types.vec3),
             contact_force=zeros(3, model.node_count if touched else BLOCK),
             awake=wp.ones(1, dtype=wp.int32, device=device),

@@ -210,6 +210,7 @@ class SheetLedger:
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
             half_thickness = np.concatenate([own[:node_count], np.tile(between[:element_count], sample_count)])
+        half_thickness[node_count:] -= sheet.samples.allowance
         stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
         penetration = np.maximum(half_thickness - self._contact_gaps(np.concatenate(points)), 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]

@@ -27,23 +27,26 @@ class SurfaceContact:
 
     Attributes:
         kernel: that is launched.
+        samples, laws, sampled: its arguments.
         works: of the last steps, as [row, block of samples] of lanes [J].
     """
 
     def __init__(self, sheet: SheetModel, own: SheetState, reaction: wp.array) -> None:
         self.kernel = surface_contact_kernel(sheet.real, sheet.lane_count, sheet.node_traits)
         self._sheet, self._own = sheet, own
-        self._samples, self._sampled = device_samples(sheet), _sampled(sheet, own, reaction)
+        self.laws = sheet.node_laws()
+        self.laws.spare_distance = sheet.samples.spare_distance
+        self.samples, self.sampled = device_samples(sheet), _sampled(sheet, own, reaction)
         self.works = lanes_view(own.sample_work, sheet.lane_count)
 
-    def launch(self, first: int, count: int | None, laws: Any, around: Any, corner_force: wp.array) -> None:
+    def launch(self, first: int, count: int | None, around: Any, corner_force: wp.array) -> None:
         """Add the forces to ``corner_force``, in ``count`` blocks of elements from ``first``."""
         sheet = self._sheet
         wp.launch(
             self.kernel,
             dim=sheet.element_count // sheet.lane_count if count is None else count,
-            inputs=[first, self._samples, laws, around, self._own.moved, self._own.motion],
-            outputs=[corner_force, self._sampled],
+            inputs=[first, self.samples, self.laws, around, self._own.moved, self._own.motion],
+            outputs=[corner_force, self.sampled],
             device=sheet.device,
             block_dim=block_size(self.kernel, sheet.device),
         )
@@ -58,6 +61,7 @@ def device_samples(sheet: SheetModel) -> Any:
     samples.corner_node, samples.node_stride = sheet.elements.corner_node, sheet.elements.node_stride
     samples.place = wp.array(sheet.samples.places, dtype=wp.vec2d, device=sheet.device)
     samples.block_count, samples.lever = block_count, sheet.geometry.largest_size
+    samples.allowance = sheet.samples.allowance
     samples.mass = lanes_view(wp.array(mass, dtype=sheet.real, device=sheet.device), lane_count)
     corners = (sheet.element_nodes // lane_count).reshape(4, block_count, lane_count).swapaxes(0, 1)
     around = [np.unique(blocks) for blocks in corners]

@@ -29,7 +29,8 @@ def argument_rows(sheet: SheetModel, count: int) -> np.ndarray:
 def set_friction(touch: Any, sheet: SheetModel, argument: wp.array, *, samples: bool) -> None:
     """Give the friction laws of its tools to the contact of a sheet: the arrays of its state, and areas.
 
-    On a blunt tool nodes and samples share the load as they share the stiffness, and so they share the area.
+    On a blunt tool nodes and samples share the load as they share the stiffness, and so they share the area; with an
+    allowance nodes have all of it, as samples push at a few places only.
     """
     touch.argument = lanes_view(argument, sheet.lane_count)
     area = np.zeros(0)
@@ -52,7 +53,7 @@ def _node_areas(sheet: SheetModel) -> np.ndarray:
     """Area that each node stands for in contact, (padded nodes,) [m^2]."""
     area = np.zeros(sheet.node_count)
     np.add.at(area, sheet.blank.quads.ravel(), np.repeat(0.25 * sheet.geometry.area, 4))
-    return area / _whole(sheet)
+    return area if sheet.samples.allowance > 0.0 else area / _whole(sheet)
 
 
 def _sample_areas(sheet: SheetModel) -> np.ndarray:

@@ -14,6 +14,8 @@ from ..layout import RowLayout
 # Stiffness of all samples over that of the nodes: where tools are blunt nodes carry the sheet, and where one is sharp a
 # sample does.
 BLUNT_SHARE, SHARP_SHARE = 0.25, 1.0
+# Of the thickness: margin of the distance before contact, for the rounding of positions and distances.
+SPARE_DISTANCE = 0.002
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,8 @@ class Samples:
         stiffness: of that spring, (element_count,) [N/m].
         frequency: largest squared frequency of all samples by motions of the corners, with one tool [1/s^2].
         turning: the same by turns of the directors, times the squared radius of their inertia [m^2/s^2].
+        allowance: depth in a tool from which they push [m].
+        spare_distance: see ``SPARE_DISTANCE`` [m].
     """
 
     places: np.ndarray
@@ -37,6 +41,8 @@ class Samples:
     stiffness: np.ndarray
     frequency: float
     turning: float
+    allowance: float
+    spare_distance: float
 
     @classmethod
     def of(
@@ -48,6 +54,7 @@ class Samples:
         mass: np.ndarray,
         contact_frequency: float,
         corner_layout: RowLayout,
+        allowance: float = 0.0,
     ) -> Samples:
         """Samples for some tools.
 
@@ -59,16 +66,21 @@ class Samples:
             mass: of them, (element_count,) [kg].
             contact_frequency: squared, of a node on its spring [1/s^2].
             corner_layout: of what elements write at their corners.
+            allowance: depth in a tool from which samples push, over the thickness.
         """
         side_count, sway, turning = 0, 0.0, 0.0
         if tools:
             sharpest = min(min(tool.fillet_radius, 0.5 * tool.smallest_width) for tool in tools)
             side_count = samples_per_side(geometry.largest_size, sharpest + 0.5 * thickness)
-        share = SHARP_SHARE if side_count > FEWEST_PER_SIDE else BLUNT_SHARE
+        # with an allowance samples push only where nodes do not carry the sheet
+        share = SHARP_SHARE if side_count > FEWEST_PER_SIDE or allowance > 0.0 else BLUNT_SHARE
         places = sample_places(side_count)
         if tools:
             sway, turning = sample_motion(corners, places)
         own = share / max(len(places), 1) * mass
         largest = share * contact_frequency
         layout = RowLayout(3 * max(len(tools), 1), len(places) * corner_layout.length, corner_layout.lane_count)
-        return cls(places, layout.length, layout, own, contact_frequency * own, largest * sway, largest * turning)
+        return cls(
+            places, layout.length, layout, own, contact_frequency * own, largest * sway, largest * turning,
+            allowance * thickness, SPARE_DISTANCE * thickness,
+        )  # fmt: skip

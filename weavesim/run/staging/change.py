@@ -113,6 +113,7 @@ def _let_go(state: State, model: Model, tool: int) -> None:
                 array.assign(layout.flat(rows))
         if own.sample_reaction.size:
             own.sample_reaction[place].zero_()
+            own.sample_memory.zero_()  # half of the last step's impulses: nothing would book it
     state.reaction[tool].zero_()
     state.tool_force[tool : tool + 1].zero_()
 

@@ -12,7 +12,8 @@ from ..lanes import lane_types
 def samples_struct(real: type, lane_count: int):
     """Constants of the samples of a sheet, and how far its nodes moved in the last step.
 
-    Sample j of the elements of a block has the number ``j * block_count + block`` in all arrays of [row, block].
+    Sample j of the elements of a block has the number ``j * block_count + block`` in all arrays of [row, block]. Blocks
+    are not those of the elements: they are as compact as the sheet allows, so that few have to be looked at.
     """
     types = lane_types(real, lane_count)
 
@@ -20,6 +21,8 @@ def samples_struct(real: type, lane_count: int):
     class Samples:
         corner_node: wp.array2d(dtype=types.indices)  # 4 rows: first entry of the node in the flat motion array
         node_stride: wp.int32  # entries between two of its rows
+        element: wp.array(dtype=types.indices)  # of a block: its first entry in the flat array of corners
+        corner_stride: wp.int32  # entries between two of its rows
         place: wp.array(dtype=wp.vec2d)  # of each sample in any element, -1 to 1 in both directions
         block_count: wp.int32  # of elements
         mass: wp.array(dtype=types.lanes)  # of one sample of each element [kg]; 0 for padding

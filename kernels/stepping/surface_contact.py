@@ -10,9 +10,8 @@ import warp as wp
 
 from ..lanes import dot, lane_maximum, lane_types, rows3, step_options, store_rows3
 from ..operators import div, mul  # noqa: F401
-from ..records import SCALAR, record4
+from ..records import SCALAR, gather4
 from ..rows import (
-    CORNER_ROW_COUNT,
     ClockEntry,
     CornerRow,
     MovedRow,
@@ -187,14 +186,16 @@ def present_sample_function(real: type, lane_count: int, follows_thickness: bool
 
     @wp.func
     def follow_thickness(
-        block: wp.int32, samples: Samples, laws: NodeLaws, corner_force: wp.array2d(dtype=lanes), sampled: Sampled
+        block: wp.int32, samples: Samples, laws: NodeLaws, corner_force: wp.array(dtype=real), sampled: Sampled
     ):
         layer = Layer()
         half = lanes(laws.half_thickness)
         if wp.static(follows_thickness):
             # as at nodes: the work of the springs from half a step ago to half a step ahead
             thickness = sampled.touch.thickness
-            half = real(0.5) * record4(corner_force, CORNER_ROW_COUNT, CornerRow.force, block)[SCALAR]
+            stride = samples.corner_stride
+            piece = gather4(corner_force, samples.element[block], CornerRow.force * stride, stride)
+            half = real(0.5) * piece[SCALAR]
             last = half - thickness[ThicknessRow.half, block]
             layer.growth = real(1.5) * last - real(0.5) * thickness[ThicknessRow.growth, block]
             layer.thickened = wp.max(lane_maximum(last), real(0.0))
@@ -223,15 +224,14 @@ def present_sample_function(real: type, lane_count: int, follows_thickness: bool
 @cache
 def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
     """wp.func (block of elements, ...) -> contact at its samples; see ``surface_contact_kernel``."""
-    types = lane_types(real, lane_count)
-    lanes, lanes3, layout = types.lanes, types.lanes3, (real, lane_count)
+    lanes3, layout = lane_types(real, lane_count).lanes3, (real, lane_count)
     Samples, Sampled, Layer = samples_struct(*layout), sampled_struct(*layout), layer_struct(*layout)
     NodeLaws, Surroundings = node_laws_struct(real), surroundings_struct(*layout)
     read_patch, surface_point = patch_function(*layout), point_function(*layout)
     is_near, wake, touches, note_smallest = watch_function(*layout)
     follow_thickness, present_sample = present_sample_function(*layout, traits.follows_thickness)
     meet_tools, book = meet_tools_function(*layout, traits), book_function(*layout)
-    Load, (add_load, store_load) = load_struct(*layout), load_functions(*layout)
+    Load, (add_load, store_forces, store_couples) = load_struct(*layout), load_functions(*layout)
 
     @wp.func
     def push_tools(samples: Samples, block: wp.int32, tool_count: wp.int32, sampled: Sampled):
@@ -249,7 +249,7 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
         laws: NodeLaws,
         around: Surroundings,
         motion: wp.array(dtype=real),
-        corner_force: wp.array2d(dtype=lanes),
+        corner_force: wp.array(dtype=real),
         sampled: Sampled,
     ):
         """Apart, so that variables are set to zero in blocks that come here only."""
@@ -278,7 +278,8 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
                     load = add_load(load, point, u, v, force, force - friction - dashpots)
                     loaded = wp.int32(1)
         if loaded != 0:
-            store_load(block, load, corner_force)
+            store_forces(samples, block, load, corner_force)
+            store_couples(samples, block, load, corner_force)
         if loaded | touched != 0:
             push_tools(samples, block, laws.tool_count, sampled)
         note_smallest(samples, block, laws.tool_count, sampled)
@@ -291,7 +292,7 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
         around: Surroundings,
         moved: wp.array2d(dtype=real),
         motion: wp.array(dtype=real),
-        corner_force: wp.array2d(dtype=lanes),
+        corner_force: wp.array(dtype=real),
         sampled: Sampled,
     ):
         layer = follow_thickness(block, samples, laws, corner_force, sampled)
@@ -304,7 +305,6 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
 @cache
 def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
     """Kernel, launched once per step after ``element_forces``: contact at the samples between nodes."""
-    lanes = lane_types(real, lane_count).lanes
     Samples, Sampled = samples_struct(real, lane_count), sampled_struct(real, lane_count)
     NodeLaws, Surroundings = node_laws_struct(real), surroundings_struct(real, lane_count)
     contact_of_block = surface_contact_function(real, lane_count, traits)
@@ -319,7 +319,7 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
         moved: wp.array2d(dtype=real),  # of blocks of nodes, rows: see MovedRow
         motion: wp.array(dtype=real),
         # Out
-        corner_force: wp.array2d(dtype=lanes),  # rows: see CornerRow
+        corner_force: wp.array(dtype=real),  # flat, rows: see CornerRow
         sampled: Sampled,
     ):
         contact_of_block(first_block + wp.tid(), samples, laws, around, moved, motion, corner_force, sampled)

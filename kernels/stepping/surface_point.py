@@ -10,8 +10,8 @@ import warp as wp
 
 from ..lanes import dot, fill, lane_types, larger, scale, square_root
 from ..operators import div, mul  # noqa: F401
-from ..records import SCALAR, gather4, record4, store_record4, vector_of
-from ..rows import CORNER_ROW_COUNT, ROWS_PER_CORNER, CornerRow, MotionRow
+from ..records import SCALAR, gather4, scatter4, vector_of
+from ..rows import ROWS_PER_CORNER, CornerRow, MotionRow
 from .sample_data import load_struct, patch_struct, point_struct, samples_struct
 
 # Shortest sum of the directors of a patch that is taken for a direction: they point all ways beyond.
@@ -121,9 +121,9 @@ def load_functions(real: type, lane_count: int):
     normal, the corner I gets share S + q/2 [(1 - u^2) share_,u d_,u + ...] and the couple
     q/2 [(1 - u^2) share_,u x_,u + ...] + share s (S - q n)/|d|. All else acts on the patch of the corners.
     """
-    types = lane_types(real, lane_count)
-    lanes, lanes3 = types.lanes, types.lanes3
-    Point, Load = point_struct(real, lane_count), load_struct(real, lane_count)
+    lanes3 = lane_types(real, lane_count).lanes3
+    Samples, Point = samples_struct(real, lane_count), point_struct(real, lane_count)
+    Load = load_struct(real, lane_count)
 
     @wp.func
     def add_load(load: Load, point: Point, u: real, v: real, force: lanes3, spring: lanes3):
@@ -146,35 +146,35 @@ def load_functions(real: type, lane_count: int):
         return load
 
     @wp.func
-    def add_at(block: wp.int32, row: wp.int32, vector: lanes3, corner_force: wp.array2d(dtype=lanes)):
-        piece = record4(corner_force, CORNER_ROW_COUNT, row, block)
-        store_record4(corner_force, CORNER_ROW_COUNT, row, block, vector_of(piece) + vector, piece[SCALAR])
+    def add_at(samples: Samples, block: wp.int32, row: wp.int32, vector: lanes3, corner_force: wp.array(dtype=real)):
+        element, stride = samples.element[block], samples.corner_stride
+        piece = gather4(corner_force, element, row * stride, stride)
+        scatter4(corner_force, element, row * stride, stride, vector_of(piece) + vector, piece[SCALAR])
 
     @wp.func
-    def add_to_corners(
-        block: wp.int32,
-        row: wp.int32,
-        all: lanes3,
-        on_u: lanes3,
-        on_v: lanes3,
-        on_uv: lanes3,
-        corner_force: wp.array2d(dtype=lanes),
-    ):
+    def store_forces(samples: Samples, block: wp.int32, load: Load, corner_force: wp.array(dtype=real)):
         quarter = real(0.25)
-        near = quarter * (all - on_v)
-        far = quarter * (all + on_v)
-        along = quarter * (on_u - on_uv)
-        across = quarter * (on_u + on_uv)
-        add_at(block, row, near - along, corner_force)
-        add_at(block, ROWS_PER_CORNER + row, near + along, corner_force)
-        add_at(block, 2 * ROWS_PER_CORNER + row, far + across, corner_force)
-        add_at(block, 3 * ROWS_PER_CORNER + row, far - across, corner_force)
+        near = quarter * (load.force - load.force_v)
+        far = quarter * (load.force + load.force_v)
+        along = quarter * (load.force_u - load.force_uv)
+        across = quarter * (load.force_u + load.force_uv)
+        row = CornerRow.force
+        add_at(samples, block, row, near - along, corner_force)
+        add_at(samples, block, ROWS_PER_CORNER + row, near + along, corner_force)
+        add_at(samples, block, 2 * ROWS_PER_CORNER + row, far + across, corner_force)
+        add_at(samples, block, 3 * ROWS_PER_CORNER + row, far - across, corner_force)
 
     @wp.func
-    def store_load(block: wp.int32, load: Load, corner_force: wp.array2d(dtype=lanes)):
-        row = CornerRow.force
-        add_to_corners(block, row, load.force, load.force_u, load.force_v, load.force_uv, corner_force)
+    def store_couples(samples: Samples, block: wp.int32, load: Load, corner_force: wp.array(dtype=real)):
+        quarter = real(0.25)
+        near = quarter * (load.couple - load.couple_v)
+        far = quarter * (load.couple + load.couple_v)
+        along = quarter * (load.couple_u - load.couple_uv)
+        across = quarter * (load.couple_u + load.couple_uv)
         row = CornerRow.couple
-        add_to_corners(block, row, load.couple, load.couple_u, load.couple_v, load.couple_uv, corner_force)
+        add_at(samples, block, row, near - along, corner_force)
+        add_at(samples, block, ROWS_PER_CORNER + row, near + along, corner_force)
+        add_at(samples, block, 2 * ROWS_PER_CORNER + row, far + across, corner_force)
+        add_at(samples, block, 3 * ROWS_PER_CORNER + row, far - across, corner_force)
 
-    return add_load, store_load
+    return add_load, store_forces, store_couples

@@ -63,7 +63,7 @@ def sample_arguments(real: type, lane_count: int):
         around: surroundings_struct(real, lane_count)
         moved: wp.array2d(dtype=real)
         motion: wp.array(dtype=real)
-        corner_force: wp.array2d(dtype=lane_types(real, lane_count).lanes)
+        corner_force: wp.array(dtype=real)
         sampled: sampled_struct(real, lane_count)
 
     return SampleArguments

@@ -214,7 +214,7 @@ class Launches:
         """
         if index in self.surface:
             arguments = self.arguments[index]
-            self.surface[index].launch(first, count, arguments.around, arguments.corner_force)
+            self.surface[index].launch(first, count, arguments.around)
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""

@@ -205,13 +205,14 @@ class SheetLedger:
         """Energies of the springs of contact and friction, at nodes and at the samples between them."""
         sheet, node_count, element_count = self._model, len(position), self._model.blank.element_count
         sample_count = len(sheet.samples.places)
-        points = [position, *self._surfaces(position, director, sheet.samples.places)]
+        order = sheet.samples.order
+        points = [position, *self._surfaces(position, director, sheet.samples.places)[:, order]]
         half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
             half_thickness = np.concatenate([own[:node_count], np.tile(between[:element_count], sample_count)])
         half_thickness[node_count:] -= sheet.samples.allowance
-        stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
+        stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness[order], sample_count)])
         penetration = np.maximum(half_thickness - self._contact_gaps(np.concatenate(points)), 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
         of_samples = sheet.samples.layout.read(ahead.sample_friction)[: 3 * sheet.tool_count]
@@ -236,7 +237,7 @@ class SheetLedger:
         if count := len(sheet.samples.places):
             rows = self._own.sample_friction_argument.numpy()[2 * tool : 2 * tool + 2]
             rows = rows.reshape(2, count, sheet.element_count)[..., : sheet.blank.element_count]
-            yield flat[sheet.blank.quads].mean(axis=1), rows[0].min(axis=0), rows[1].max(axis=0)
+            yield flat[sheet.blank.quads[sheet.samples.order]].mean(axis=1), rows[0].min(axis=0), rows[1].max(axis=0)
 
     # --- distances to the tools --------------------------------------------------------------------------------------
 

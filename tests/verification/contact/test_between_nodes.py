@@ -10,6 +10,7 @@ from weavesim.engine.sheet_model import CONTACT_SHARE
 from weavesim.engine.state import State
 from weavesim.engine.stepper import Stepper
 from weavesim.engine.surface.samples import BLUNT_SHARE
+from weavesim.errors import InputError
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
@@ -213,7 +214,7 @@ def test_a_pin_between_nodes_is_met(manual):
     case.table(["tools are met", "pin", "force on the pin [N]", "deepest overlap with the sheet's face [mm]"], rows)
 
 
-def pressed(cloth, symmetry: Symmetry, **given):
+def pressed(cloth, symmetry: Symmetry, run=True, **given):
     """A ball comes into a free sheet on a ring of another tool; all of it, or what the planes leave."""
     lower = tuple(0.0 if plane in symmetry.planes else -0.04 for plane in ("x", "y"))
     blank = Blank.rectangle(lower, (0.04, 0.04), 0.008)
@@ -230,7 +231,8 @@ def pressed(cloth, symmetry: Symmetry, **given):
         ),
     }  # fmt: skip
     simulation = one_sheet_run(blank=blank, fabric=cloth, symmetry=symmetry, **(free | given))
-    simulation.run()
+    if run:
+        simulation.run()
     return simulation
 
 
@@ -273,3 +275,47 @@ def test_same_bits_for_any_number_of_threads_and_from_a_saved_state(cloth, tmp_p
     again.advance(2)
     for (name, first), (_, other) in zip(state.arrays(), loaded.arrays(), strict=True):
         assert np.array_equal(first.numpy(), other.numpy()), name
+
+
+def test_samples_are_passed_over_without_changing_a_bit(cloth):
+    """Where they cannot touch: a run that looks at all of them in every step gets the same bits."""
+    ends = {}
+    for spare in (None, np.inf):
+        dynamics = Dynamics(
+            damping=100.0, director_damping=1e3, gravity=(0.0, 0.0, -50.0), contact_samples="surface",
+            contact_allowance=0.02,
+        )  # fmt: skip
+        run = pressed(cloth, Symmetry(("x", "y")), run=False, dynamics=dynamics)
+        asleep = []
+        for surface in run.stepper._launches.surface.values():
+            if spare is not None:
+                surface.laws.spare_distance = spare
+        while run.state.time < 0.014:
+            run.stepper.advance(10)
+            asleep.append(float((run.state.sheet.sample_gap.numpy() > 0.0).mean()))
+        assert max(asleep) == 0.0 if spare else np.mean(asleep) > 0.3
+        sheet = run.state.sheet
+        assert sheet.sample_friction.numpy().any()
+        ends[spare] = {
+            name: array.numpy().tobytes() for name, array in run.state.arrays() if not name.endswith("sample_gap")
+        }
+    assert [name for name, value in ends[None].items() if ends[np.inf][name] != value] == []
+
+
+def test_samples_push_from_the_allowed_depth_on(cloth):
+    """On a plane nodes carry all of a sheet, as if there were no samples; the surface over a ball sinks less."""
+    depth = {}
+    for allowance in (None, 0.0, 0.02):
+        samples = {} if allowance is None else {"contact_samples": "surface", "contact_allowance": allowance}
+        dynamics = Dynamics(damping=100.0, director_damping=1e3, gravity=(0.0, 0.0, -50.0), **samples)
+        run = pressed(cloth, Symmetry(("x", "y")), precision="float64", duration=0.03, dynamics=dynamics)
+        energies = run.frame.energies
+        assert abs(energies["balance_error"]) < 2e-3 * max(energies["supplied"], energies["used"])
+        depth[allowance] = run.penetration.at_surface / cloth.thickness
+    print(depth)
+    assert depth[0.0] < 0.02 < depth[0.02] < depth[None]
+
+
+def test_an_allowance_needs_samples():
+    with pytest.raises(InputError, match="it needs contact_samples"):
+        Dynamics(contact_allowance=0.04)

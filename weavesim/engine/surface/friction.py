@@ -59,5 +59,5 @@ def _node_areas(sheet: SheetModel) -> np.ndarray:
 def _sample_areas(sheet: SheetModel) -> np.ndarray:
     """Area that each sample stands for in contact, (samples,) [m^2], those of all elements one after the other."""
     area, places = np.zeros(sheet.element_count), len(sheet.samples.places)
-    area[: sheet.blank.element_count] = sheet.geometry.area
+    area[: sheet.blank.element_count] = sheet.geometry.area[sheet.samples.order]
     return np.tile(area * (1.0 - 1.0 / _whole(sheet)) / max(places, 1), places)

@@ -10,6 +10,7 @@ from ...sheet.geometry import ElementGeometry
 from ...sheet.samples import FEWEST_PER_SIDE, sample_motion, sample_places, samples_per_side
 from ...tools.tool import Tool
 from ..layout import RowLayout
+from .order import compact_order, window
 
 # Stiffness of all samples over that of the nodes: where tools are blunt nodes carry the sheet, and where one is sharp a
 # sample does.
@@ -30,6 +31,8 @@ class Samples:
         stiffness: of that spring, (element_count,) [N/m].
         frequency: largest squared frequency of all samples by motions of the corners, with one tool [1/s^2].
         turning: the same by turns of the directors, times the squared radius of their inertia [m^2/s^2].
+        order: the elements as their samples lie in memory, (element_count,).
+        window: blocks of elements that neither tiles nor threads divide, see ``compact_order``.
         allowance: depth in a tool from which they push [m].
         spare_distance: see ``SPARE_DISTANCE`` [m].
     """
@@ -41,6 +44,8 @@ class Samples:
     stiffness: np.ndarray
     frequency: float
     turning: float
+    order: np.ndarray
+    window: int
     allowance: float
     spare_distance: float
 
@@ -49,24 +54,24 @@ class Samples:
         cls,
         tools: tuple[Tool, ...],
         thickness: float,
+        allowance: float,
         geometry: ElementGeometry,
         corners: np.ndarray,
         mass: np.ndarray,
         contact_frequency: float,
         corner_layout: RowLayout,
-        allowance: float = 0.0,
     ) -> Samples:
         """Samples for some tools.
 
         Args:
             tools: that are met between nodes; none of them, no samples.
             thickness: of the sheet [m].
+            allowance: depth in a tool from which samples push, over the thickness.
             geometry: of its elements.
             corners: of them, (element_count, 4, 3) [m].
             mass: of them, (element_count,) [kg].
             contact_frequency: squared, of a node on its spring [1/s^2].
             corner_layout: of what elements write at their corners.
-            allowance: depth in a tool from which samples push, over the thickness.
         """
         side_count, sway, turning = 0, 0.0, 0.0
         if tools:
@@ -79,8 +84,12 @@ class Samples:
             sway, turning = sample_motion(corners, places)
         own = share / max(len(places), 1) * mass
         largest = share * contact_frequency
+        own_window, order = 1, np.arange(len(corners))
+        if tools:
+            own_window = window(len(corners), corner_layout.lane_count)
+            order = compact_order(corners.mean(axis=1), own_window)
         layout = RowLayout(3 * max(len(tools), 1), len(places) * corner_layout.length, corner_layout.lane_count)
         return cls(
             places, layout.length, layout, own, contact_frequency * own, largest * sway, largest * turning,
-            allowance * thickness, SPARE_DISTANCE * thickness,
+            order, own_window, allowance * thickness, SPARE_DISTANCE * thickness,
         )  # fmt: skip

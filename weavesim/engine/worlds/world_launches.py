@@ -241,7 +241,7 @@ def _structs(own: Launches) -> dict[str, Any]:
         samples = sample_arguments(*layout)()
         samples.samples, samples.laws, samples.sampled = between.samples, between.laws, between.sampled
         samples.around, samples.moved, samples.motion = arguments.around, of_sheet.moved, of_sheet.motion
-        samples.corner_force = arguments.corner_force
+        samples.corner_force = of_sheet.corner_force
         given["samples"] = samples
         folded = record_arguments(*layout)()
         folded.elements, folded.motion, folded.extremes = records.elements, records.motion, records.extremes

@@ -75,6 +75,7 @@ if TYPE_CHECKING:
     from .process.stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
     from .process.supports import Drive, Support
+    from .process.trims import Trim
     from .run.batch.batch import run_batch
     from .run.batch.batch_run import BatchRun
     from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
@@ -160,6 +161,7 @@ _names_in = {
     "process.stages": ("AtForce", "AtRest", "AtStroke", "Move", "SheetPressure", "Stage", "StageEnd"),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),
     "process.supports": ("Drive", "Support"),
+    "process.trims": ("Trim",),
     "run.batch.batch": ("run_batch",),
     "run.batch.batch_run": ("BatchRun",),
     "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),

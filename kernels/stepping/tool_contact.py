@@ -8,7 +8,7 @@ from ..contact.penalty import friction_spring, normal_force, touch_struct
 from ..contact.tool_distance import tool_distance_function, tool_set_struct
 from ..lanes import dot, lane_maximum, lane_sum, lane_types, larger, rows3, scale, store_rows3
 from ..operators import div, mul  # noqa: F401
-from ..rows import NodeWorkRow
+from ..rows import ClockEntry, NodeWorkRow
 from .node_data import NodeTraits, node_laws_struct, present_struct
 from .tool_friction import rub_by_law_function
 
@@ -123,3 +123,81 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
         return force, friction, friction_power, dashpots, dashpot_power
 
     return meet_tools
+
+
+@cache
+def touching_struct(real: type):
+    """Points of a sheet, nodes or samples, whose distances to the tools are known; constants and the present."""
+    types = lane_types(real, 1)
+
+    @wp.struct
+    class Touching:
+        clock: wp.array(dtype=wp.float64)  # see ClockEntry
+        mass: wp.array(dtype=real)  # on the contact spring of each [kg]
+        half_thickness: wp.array(dtype=real)  # of the sheet there [m]
+        velocity: wp.array(dtype=types.vec3)  # [m/s]
+        distance: wp.array2d(dtype=real)  # [tool, point] [m]
+        normal: wp.array2d(dtype=types.vec3)  # [tool, point], outward
+
+    return Touching
+
+
+@cache
+def tool_push_kernel(real: type, friction_laws: bool):
+    """Kernel of (tool, point): the forces of ``meet_tools`` at points, one by one, without moving anything.
+
+    ``touch`` has the friction springs of the points, their areas, and room for the extremes of friction laws.
+    """
+    types = lane_types(real, 1)
+    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    Present, NodeLaws, Touching = present_struct(real, 1), node_laws_struct(real), touching_struct(real)
+    Tools, Touch = tool_set_struct(real), touch_struct(real, 1)
+    contact, rub_by_law = contact_function(real, 1), rub_by_law_function(real, 1)
+
+    @wp.func
+    def column(vector: vec3):
+        result = lanes3()
+        for c in range(3):
+            result[c, 0] = vector[c]
+        return result
+
+    @wp.func
+    def present_point(point: wp.int32, points: Touching):
+        present = Present()
+        present.block = point
+        present.mean_step = real(points.clock[ClockEntry.mean_step])
+        present.mass = lanes(points.mass[point])
+        present.velocity = column(points.velocity[point])
+        return present
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def tool_push(
+        # In
+        laws: NodeLaws,
+        tools: Tools,
+        points: Touching,
+        touch: Touch,
+        # Out
+        pushed: wp.array2d(dtype=real),  # [tool, point]: force along the normal [N]
+        dragged: wp.array2d(dtype=vec3),  # [tool, point]: force of friction [N]
+    ):
+        k, point = wp.tid()
+        present = present_point(point, points)
+        penetration = lanes(points.half_thickness[point] - points.distance[k, point])
+        push = lanes()
+        drag = lanes3()
+        if not penetration[0] <= real(0.0):
+            normal = column(points.normal[k, point])
+            tool = tools.tool[k]
+            tool_velocity = real(tools.velocity[k]) * vec3(real(tool.axis[0]), real(tool.axis[1]), real(tool.axis[2]))
+            stretch = rows3(touch.friction, 3 * k, point)
+            spring, pressed, dashpot, drag, stretch = contact(
+                present, laws, tool.friction, tool_velocity, penetration, normal, stretch
+            )
+            if wp.static(friction_laws):
+                drag, stretch = rub_by_law(present, laws, tools, k, tool_velocity, normal, pressed, touch)
+            push = dot(pressed, normal)
+        pushed[k, point] = push[0]
+        dragged[k, point] = vec3(drag[0, 0], drag[1, 0], drag[2, 0])
+
+    return tool_push

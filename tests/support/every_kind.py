@@ -43,6 +43,7 @@ from weavesim.process import (
     Stage,
     StribeckFriction,
     Stroke,
+    Trim,
     ViscousFilm,
     YarnAngleFriction,
 )
@@ -188,6 +189,10 @@ def in_stages(solver: Solver) -> Setup:
         Stage(
             "release", 5.0e-4, AtRest(10.0, 100.0),
             tools=(), supports=("held", "pulled"), grippers=(), target_step=2.0e-6, frame_count=2,
+            trims=(
+                Trim([(-1.0, -1.0), (0.008, -1.0), (0.008, 1.0), (-1.0, 1.0)], "above"),
+                Trim([(0.031, -1.0), (1.0, -1.0), (1.0, 1.0), (0.031, 1.0)], "sheet", "blank", "outside"),
+            ),
         ),
         Stage("carry on", 2.0e-4, tools=("far",), moves={"far": Fixed()}, frame_count=1),
     )  # fmt: skip

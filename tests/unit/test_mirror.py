@@ -121,6 +121,7 @@ TESTED_ELSEWHERE = {
     "weavesim/run/start.py": "unit/run/test_simulation.py",
     "weavesim/engine/staging/acting.py": "unit/engine/staging/test_derive.py",
     "weavesim/run/guards/staging/ends.py": "unit/run/test_staging.py",
+    "weavesim/run/watch/crossing_record.py": "verification/contact/test_folds.py",
     "weavesim/run/touching.py": "verification/process/test_driven_tools.py",
     "weavesim/study/execution/executor.py": "unit/study/execution/test_processes.py",
     "weavesim/study/schema.py": "unit/study/test_read.py",

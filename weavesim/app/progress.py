@@ -193,7 +193,9 @@ def frame_line(frame: Frame, info: RunInfo) -> str:
             parts.append(f"{text} N")
     angles = [sheet.fields["shear_angle"] for sheet in frame.sheets if "shear_angle" in sheet.fields]
     if angles:
-        parts.append(f"shear up to {math.degrees(max(float(np.abs(angle).max()) for angle in angles)):.1f} degrees")
+        parts.append(
+            f"shear up to {math.degrees(max(float(np.nanmax(np.abs(angle))) for angle in angles)):.1f} degrees"
+        )
     ratio = kinetic_ratio(frame.energies)
     if ratio is not None:
         parts.append(f"kinetic/internal {ratio:.2%}")

@@ -49,6 +49,7 @@ from ..kernels.stepping.step import (
 )
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.surface_contact import surface_contact_kernel
+from ..kernels.stepping.tool_contact import tool_push_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
 from .plies.ply_kernels import own_contact_kernels, ply_kernels
@@ -176,6 +177,10 @@ class KernelSet:
                 for flat in dict.fromkeys(sheet.flat for sheet in self.sheets)
             ),
             *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
+            *(
+                tool_push_kernel(real, laws)
+                for laws in dict.fromkeys(node.friction_laws for node in self.nodes if self.tools)
+            ),
             *(mesh_kernels() if self.meshes else []),
             *(ply_kernels(real, lane_count) if self.plies else []),
             *(own_contact_kernels(real, lane_count) if self.own_contact else []),

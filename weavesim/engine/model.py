@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import warp as wp
 
 from ..device import initialise, load_kernel, resolve_device
@@ -37,6 +38,8 @@ class Model:
     Args:
         setup: of the run.
         samples: sampled distances of its triangle meshes, if there are some from another model.
+        kept: elements of every sheet that are there, (element_count,) bool each, or None for all of a sheet; see
+            ``Trim``.
 
     Attributes:
         sheets: constants of every sheet, in the order of ``setup.sheets``.
@@ -52,18 +55,22 @@ class Model:
         InputError: no such device, tools that cannot be sampled, or a mesh that the sheet cannot carry.
     """
 
-    def __init__(self, setup: Setup, samples: Mapping[Any, SampledDistance] | None = None) -> None:
+    def __init__(
+        self,
+        setup: Setup,
+        samples: Mapping[Any, SampledDistance] | None = None,
+        kept: Sequence[np.ndarray | None] = (),
+    ) -> None:
         initialise()
         self.setup, solver = setup, setup.solver
         self.device, self.precision = resolve_device(solver.device), solver.precision
         self.lane_count = solver.lanes(is_cpu=self.device.is_cpu)
         numerics = Numerics(self.device, self.precision, self.lane_count, solver.target_step)
         self.real, self.types = numerics.real, numerics.types
+        placed = _placed(setup, lambda sheet, world: _reaction_count(sheet, world) // self.lane_count)
         self.sheets = tuple(
-            SheetModel(numerics, sheet, world, places)
-            for sheet, world, places in _placed(
-                setup, lambda sheet, world: _reaction_count(sheet, world) // self.lane_count
-            )
+            SheetModel(numerics, *each, there)
+            for each, there in zip(placed, kept or [None] * len(setup.sheets), strict=True)
         )
         self.reaction_count = max(sheet.places.last_reaction for sheet in self.sheets)
         self.drives = build_device_drives(setup.supports, self.device)

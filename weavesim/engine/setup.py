@@ -250,7 +250,8 @@ class Setup(Parameters):
             raise ValueError(
                 f"duration = {self.duration:g}: the stages take {_duration_of(self.stages):g} s together; leave it out"
             )
-        check_stages(self.stages, Parts(self.tools, self.supports, self.grippers), self.sheets)
+        touching = frozenset(name for each in self.interfaces for name in (each.lower, each.upper))
+        check_stages(self.stages, Parts(self.tools, self.supports, self.grippers), self.sheets, touching)
 
     @model_validator(mode="after")
     def _is_usual(self) -> Self:
@@ -265,6 +266,11 @@ class Setup(Parameters):
             return (self.frame_count,)
         shares = [self.frame_count * stage.duration / self.duration for stage in self.stages]
         return tuple(each.frame_count or max(1, round(share)) for each, share in zip(self.stages, shares, strict=True))
+
+    @property
+    def trims(self) -> bool:
+        """Whether a stage trims a sheet."""
+        return any(stage.trims for stage in self.stages)
 
     @property
     def sheets(self) -> tuple[Sheet, ...]:
@@ -324,4 +330,5 @@ def hash_of_run(setup: Setup) -> str:
     """What is the same for set-ups whose runs have the same states, wherever they are computed and shown."""
     elsewhere = {"device": "cpu", "precision": "float32", "threads": None, "lane_count": None}
     solver = setup.solver.model_copy(update=elsewhere)
-    return setup.model_copy(update={"solver": solver, "frame_count": 1}).content_hash
+    stages = tuple(stage.model_copy(update={"frame_count": None}) for stage in setup.stages)
+    return setup.model_copy(update={"solver": solver, "frame_count": 1, "stages": stages}).content_hash

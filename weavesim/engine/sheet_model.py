@@ -33,8 +33,10 @@ from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
-from .layout import BLOCK, RowLayout, Span, lanes_view, padded
+from .layout import RowLayout, Span, lanes_view, padded
+from .mesh.elements import element_tables, inverse, rows_padded
 from .setup import STEP_SAFETY, World
+from .staging.trimming import waste_nodes
 from .surface.samples import Samples
 from .traits import node_traits, sheet_traits
 
@@ -101,8 +103,12 @@ class SheetModel:
         numerics: how the run is computed.
         sheet, world: the sheet, and what it shares with others.
         places: ranges of its tools, drives and nodes in the arrays of the run.
+        kept: elements that are there, (element_count,) bool; None for all. Others are as padding, and their nodes stand
+            still without mass.
 
     Attributes:
+        kept: as given, or all.
+        waste: nodes of no element that is there, (node_count,) bool.
         blank: with the yarn directions of the sheet's orientation.
         free: (node_count, 6) bool, False where a displacement (x, y, z) or a rotation of the director about x, y, z is
             held; a held component keeps its initial velocity.
@@ -114,8 +120,12 @@ class SheetModel:
         added_mass_ratio: mass added by scaling over the mass of the blank.
     """
 
-    def __init__(self, numerics: Numerics, sheet: Sheet, world: World, places: Places) -> None:
+    def __init__(
+        self, numerics: Numerics, sheet: Sheet, world: World, places: Places, kept: np.ndarray | None = None
+    ) -> None:
         blank, fabric = sheet.oriented_blank, sheet.fabric
+        self.kept = np.ones(blank.element_count, dtype=bool) if kept is None else kept
+        self.waste = waste_nodes(blank, self.kept)
         self.name, self.blank, self.fabric = sheet.name, blank, fabric
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
         self.symmetry = world.symmetry
@@ -123,7 +133,7 @@ class SheetModel:
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count
-        self.free = sheet.freedom(world.symmetry)
+        self.free = sheet.freedom(world.symmetry) & ~self.waste[:, None]
         self.start_velocity = sheet.start_velocity
         self.element_count = padded(blank.element_count, 1)
         self.node_count = padded(blank.node_count, SPARE_NODE_COUNT)
@@ -137,7 +147,7 @@ class SheetModel:
 
         self.areal_density, frequencies = self._scaled_mass(numerics.target_step)
         self.reference_step = STEP_SAFETY * 2.0 / math.sqrt((frequencies.straight + frequencies.constant).max())
-        corner_mass = 0.25 * self.areal_density * self.geometry.area
+        corner_mass = np.where(self.kept, 0.25 * self.areal_density * self.geometry.area, 0.0)
         self.node_mass = self._to_nodes(corner_mass)
         self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
         # squared, of one tool's spring [1/s^2]
@@ -149,8 +159,8 @@ class SheetModel:
         )  # fmt: skip
 
         # padding elements keep an infinite areal density: they never limit the step
-        inertia = np.stack([1.0 / self.areal_density, 1.0 / frequencies.rotary_radius_squared])
-        self.step_inertia = self._array(self._padded(inertia, self.element_count), self.real)
+        inertia = np.stack([self.kept / self.areal_density, 1.0 / frequencies.rotary_radius_squared])
+        self.step_inertia = self._array(rows_padded(inertia, self.element_count), self.real)
         self.step_bounds = self._step_bounds()
         self._element_arrays = self._fill_elements()
         self.elements = self._elements(self.lane_count)
@@ -160,7 +170,7 @@ class SheetModel:
         self.laws = self._sheet_laws()
         self.nodes = self._nodes(self.free)
         self.held, self.drive_direction = build_support_arrays(
-            sheet.supports, self.node_count, self.real, self.lane_count, self.device
+            sheet.supports, self.node_count, self.real, self.lane_count, self.device, np.flatnonzero(self.waste)
         )
 
     def _scaled_mass(self, target_step: float | None) -> tuple[np.ndarray, Frequencies]:
@@ -193,7 +203,7 @@ class SheetModel:
     @property
     def _grip_frequency(self) -> float:
         """Largest squared frequency of the springs of grippers [1/s^2]."""
-        found = (each.stiffness * self.shares(each) / self.node_mass[each.nodes] for each in self.grippers)
+        found = (inverse(self.node_mass[each.nodes], each.stiffness * self.shares(each)) for each in self.grippers)
         return max((float(squared.max()) for squared in found), default=0.0)
 
     def shares(self, gripper: Gripper) -> np.ndarray:
@@ -233,39 +243,15 @@ class SheetModel:
     def _array(self, values: np.ndarray, dtype: type, shape: tuple[int, ...] | None = None) -> wp.array:
         return wp.array(values, dtype=dtype, device=self.device, shape=shape)
 
-    @staticmethod
-    def _padded(values: np.ndarray, length: int) -> np.ndarray:
-        """``values`` with zeros up to ``length`` on the last axis."""
-        values = np.asarray(values, dtype=np.float64)
-        result = np.zeros((*values.shape[:-1], length))
-        result[..., : values.shape[-1]] = values
-        return result
-
     def _fill_elements(self) -> dict[str, wp.array]:
         """Arrays of the element struct, [row, element], by its field names."""
-        geometry, element_count = self.geometry, self.blank.element_count
-        quads = np.empty((4, self.element_count), dtype=np.int32)
-        quads[:, :element_count] = self.blank.quads.T
-        # padding elements use the four padding nodes, a unit square that never moves
-        quads[:, element_count:] = (self.blank.node_count + np.arange(4, dtype=np.int32))[:, None]
-        gradient = self._padded(geometry.gradient, self.element_count)
-        gradient[:, element_count:] = np.array([-0.5, -0.5, 0.5, -0.5])[:, None]
-        self.element_nodes = quads
-        values = {
-            "shape_gradient": gradient,
-            "hourglass_offset": self._padded(geometry.hourglass_offset, self.element_count),
-            "area": self._padded(geometry.area, self.element_count),
-            "yarn_inertia": self._padded(0.25 * self.areal_density / geometry.largest_gradient, self.element_count),
-        }
-        for name, strain in (
-            ("initial_curvature", geometry.curvature),
-            ("initial_transverse_shear", geometry.transverse_shear),
-            ("initial_hourglass", geometry.hourglass),
-        ):
-            # a flat blank never reads them
-            values[name] = np.zeros((len(strain), BLOCK)) if geometry.flat else self._padded(strain, self.element_count)
-        arrays = {name: self._array(value, self.real) for name, value in values.items()}
-        return {"corner_node": self._array(self.motion_layout.entry(0, quads), wp.int32), **arrays}
+        tables = element_tables(
+            self.blank.quads, self.geometry, self.areal_density, self.kept, self.blank.node_count, self.element_count
+        )
+        # those of the whole mesh: the same tiles whatever has been trimmed
+        self.element_nodes = tables.nodes
+        arrays = {name: self._array(value, self.real) for name, value in tables.values.items()}
+        return {"corner_node": self._array(self.motion_layout.entry(0, tables.corners), wp.int32), **arrays}
 
     def _elements(self, lane_count: int):
         elements = element_struct(self.real, lane_count)()
@@ -290,7 +276,7 @@ class SheetModel:
         count = self.blank.node_count
         if free.shape != (count, 6):
             raise InputError(f"free: shape {free.shape}, but ({count}, 6) is needed")
-        if np.any(self.node_mass == 0.0):
+        if np.any((self.node_mass == 0.0) & ~self.waste):
             raise InputError(f"blank mesh: node {int(np.argmin(self.node_mass))} belongs to no element; remove it")
         nodes = node_struct(self.real, self.lane_count)()
         lane_indices = self.types.indices
@@ -305,28 +291,29 @@ class SheetModel:
         table[slot, node[order]] = self.corners.entry(ROWS_PER_CORNER * corner, element)[order]
         nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
         nodes.corner_stride = self.corners.stride
-        count_around = np.bincount(node, minlength=count)
-        angle_weight = np.where(nodes_of_odd_angle(self.blank, free), 0.0, 1.0 / count_around)
+        # elements that are not there write zeros
+        sharing = inverse(np.bincount(self.blank.quads[self.kept].ravel(), minlength=count).astype(np.float64))
+        angle_weight = np.where(nodes_of_odd_angle(self.blank, free), 0.0, sharing)
         bits = (free @ (1 << np.arange(6))).astype(np.int32)
         freedom = np.zeros(self.node_count, dtype=np.int32)
         freedom[:count] = bits
         nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
         loads = np.zeros((LoadRow.row_count(), self.node_count if self.loads else 0, 3))
         if self.loads:
-            loads[:, :count] = self.loads.arrays(count)
+            loads[:, :count] = self.loads.arrays(count) * ~self.waste[:, None]
         nodes.load = self._array(loads, self.types.vec3)
         nodes.load_time = self._array(np.array(self.loads.times if self.loads else ()), wp.float64)
         nodes.load_share = self._array(np.array(self.loads.shares if self.loads else ()), wp.float64)
 
         def lanes(values):
-            return lanes_view(self._array(self._padded(values, self.node_count), self.real), self.lane_count)
+            return lanes_view(self._array(rows_padded(values, self.node_count), self.real), self.lane_count)
 
         nodes.angle_weight = lanes(angle_weight)
         if self.follows_thickness:
-            nodes.thickness_weight = lanes(1.0 / count_around)
+            nodes.thickness_weight = lanes(sharing)
         nodes.mass = lanes(self.node_mass)
-        nodes.inverse_mass = lanes(1.0 / self.node_mass)
-        nodes.inverse_inertia = lanes(1.0 / self.node_inertia)
+        nodes.inverse_mass = lanes(inverse(self.node_mass))
+        nodes.inverse_inertia = lanes(inverse(self.node_inertia))
         return nodes
 
     def node_laws(self):

@@ -180,7 +180,7 @@ def _of_sheets(frame: Frame) -> dict[str, float]:
         return {}
     found: dict[str, float] = {}
     for sheet in frame.sheets:
-        found[f"{sheet.name}_max_shear_angle_deg"] = float(np.abs(np.rad2deg(sheet.fields["shear_angle"])).max())
+        found[f"{sheet.name}_max_shear_angle_deg"] = float(np.nanmax(np.abs(np.rad2deg(sheet.fields["shear_angle"]))))
         for name in _ENERGIES_OF_A_SHEET:
             if name in sheet.energies:
                 found[f"{sheet.name}_{name}{'' if name.endswith(_NOT_ENERGIES) else '_energy'}_j"] = sheet.energies[

@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..measures.angles import locate
 from ..measures.findings import SHEET_FINDINGS, FormedSheet, found
 from ..run.frame import Frame, Outcome, RunInfo, SheetFrame, SheetInfo
+from ..run.staging.part import part_of
 from ..tools.tool import Tool
 from .curves import Curves, LastCurve
 from .files import file_endings
@@ -72,16 +73,26 @@ class SheetResult:
     """One sheet at the last frame.
 
     Attributes:
-        info: known before the run.
+        info: known before the run, without what was trimmed since.
         formed: the formed sheet and its measures.
         ending: suffix of its file names; "" for the only sheet.
         tools: name, tool and displacement [m] of each tool that it may touch and that acts.
+        elements: places of its elements among those of the whole sheet, of which a stage may have trimmed some, (k,).
+        whole_count: elements of that.
     """
 
     info: SheetInfo
     formed: FormedSheet
     ending: str
     tools: tuple[tuple[str, Tool, float], ...]
+    elements: np.ndarray
+    whole_count: int
+
+    def in_whole(self, values: np.ndarray) -> np.ndarray:
+        """Values of its elements as those of the whole sheet, not a number where it has been trimmed."""
+        whole = np.full(self.whole_count, np.nan)
+        whole[self.elements] = values
+        return whole
 
     def file(self, name: str) -> str:
         """File name for this sheet: "draw_in.csv" becomes "draw_in_upper.csv" if there are several."""
@@ -139,12 +150,15 @@ def sheet_results(info: RunInfo, wanted: Wanted, frame: Frame) -> tuple[SheetRes
 def _sheet_result(
     info: RunInfo, wanted: Wanted, frame: Frame, sheet: SheetInfo, state: SheetFrame, ending: str
 ) -> SheetResult:
+    whole_count = sheet.blank.element_count
+    elements = np.flatnonzero(state.kept) if len(state.kept) else np.arange(whole_count)
+    sheet, state = part_of(sheet, state)
     formed = FormedSheet(
         sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry, wanted.points, wanted.draw_in
     )
     acting = (k for k in sheet.tools if frame.acts(k))
     tools = tuple((info.tool_names[k], info.tools[k], float(frame.tool_displacement[k])) for k in acting)
-    return SheetResult(sheet, formed, ending, tools)
+    return SheetResult(sheet, formed, ending, tools, elements, whole_count)
 
 
 def run_summary(

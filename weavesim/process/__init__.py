@@ -10,6 +10,7 @@ from .self_contact import SelfContact
 from .stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
+from .trims import Trim
 
 __all__ = [
     "AtForce",
@@ -36,6 +37,7 @@ __all__ = [
     "StribeckFriction",
     "Stroke",
     "Support",
+    "Trim",
     "ViscousFilm",
     "YarnAngleFriction",
 ]

@@ -41,7 +41,12 @@ def build_device_drives(supports: Sequence[Support], device: wp.Device) -> Devic
 
 
 def build_support_arrays(
-    supports: Sequence[Support], node_count: int, real: type, lane_count: int, device: wp.Device
+    supports: Sequence[Support],
+    node_count: int,
+    real: type,
+    lane_count: int,
+    device: wp.Device,
+    left_out: np.ndarray | None = None,
 ) -> tuple[wp.array, wp.array]:
     """Which components of the nodes of a sheet its supports hold, and the directions of its drives.
 
@@ -51,6 +56,7 @@ def build_support_arrays(
         real: scalar type of the run.
         lane_count: nodes per kernel thread.
         device: of the arrays.
+        left_out: nodes that no support holds, (k,); None for none.
 
     Returns:
         Bits 0-2 of every node for x, y, z, (node blocks,) of lanes of int32; displacement over that of the drive,
@@ -63,6 +69,8 @@ def build_support_arrays(
         held[support.nodes] = support.held[:3] @ (1 << np.arange(3))
     for row, (support, k) in enumerate(drives):
         direction[row, support.nodes] = support.directions(k)
+    if left_out is not None and supports:
+        held[left_out], direction[:, left_out] = 0, 0.0
     return (
         _array(held.reshape(-1, lane_count), wp.types.vector(lane_count, wp.int32), device),
         _array(direction, wp.types.vector(3, real), device),

@@ -13,6 +13,7 @@ from ..quantities import FiniteVector
 from ..ranges import Quantity
 from .pressure import Pressure
 from .strokes import Motion
+from .trims import Trim
 
 
 class StageEnd(Kinded):
@@ -146,6 +147,7 @@ class Stage(Parameters):
         grippers: names of those that pull; one that has been released stays open.
         moves: motions that begin with the stage; a mapping from names to motions will do.
         pressures: all pressures on sheets from the stage on.
+        trims: cuts through sheets as it begins; what they take away does not come back.
         gravity: (3,) [m/s^2].
         damping: mass-proportional damping rate of the nodes [1/s].
         director_damping: the same for the directors [1/s].
@@ -163,6 +165,7 @@ class Stage(Parameters):
     grippers: tuple[Label, ...] | None = None
     moves: tuple[Move, ...] = ()
     pressures: tuple[SheetPressure, ...] | None = None
+    trims: tuple[Trim, ...] = ()
     gravity: Annotated[FiniteVector, Quantity("acceleration")] | None = None
     damping: Annotated[NotNegative, Quantity("damping rate")] | None = None
     director_damping: Annotated[NotNegative, Quantity("damping rate")] | None = None

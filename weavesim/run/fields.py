@@ -15,6 +15,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..kernels.rows import ElementField
+from ..measures.defects.waves import LONGEST_WAVELENGTH
 
 if TYPE_CHECKING:
     from ..fabric.fabric import Fabric
@@ -78,8 +79,8 @@ def _failed(fabric: Fabric, fields: Values, report: Values) -> np.ndarray:
     return (~(report["worst_residual"] < UNIT_CELL_FAILURE)).astype(np.float64)
 
 
-def _of_plies(fabric: Fabric, fields: Values, report: Values) -> None:
-    """The ledger of the interfaces adds these."""
+def _of_contact(fabric: Fabric, fields: Values, report: Values) -> None:
+    """The ledgers of sheets and interfaces add these."""
 
 
 FIELDS: list[Field] = [
@@ -102,10 +103,19 @@ FIELDS: list[Field] = [
         "unit_cell_failed", "1", f"1 where that residual is not below {UNIT_CELL_FAILURE:g}, else 0", _failed,
         diagnostic=True,
     ),
-    Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_plies),
-    Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_plies),
-    Field("ply_slip_below", "m", "way slid so far on the ply below", _of_plies),
-    Field("ply_slip_above", "m", "way slid so far under the ply above", _of_plies),
+    Field(
+        "tool_pressure_below", "Pa",
+        "pressure of the tools on the side from which the normal points, on the current area", _of_contact,
+    ),
+    Field("tool_pressure_above", "Pa", "the same of the tools on the side to which the normal points", _of_contact),
+    Field("tool_friction_below", "Pa", "friction of the tools below over the same area", _of_contact),
+    Field("tool_friction_above", "Pa", "friction of the tools above over the same area", _of_contact),
+    Field("tool_gap", "m", "from the face of the sheet to the nearest tool, negative inside it", _of_contact),
+    Field("wrinkle_height", "m", f"of waves up to {LONGEST_WAVELENGTH:g} m long, from trough to crest", _of_contact),
+    Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_contact),
+    Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_contact),
+    Field("ply_slip_below", "m", "way slid so far on the ply below", _of_contact),
+    Field("ply_slip_above", "m", "way slid so far under the ply above", _of_contact),
 ]  # fmt: skip
 
 

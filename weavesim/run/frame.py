@@ -146,6 +146,8 @@ class SheetFrame:
         energies: the entries of the ledger that belong to one sheet [J], by name.
         resultants: of each element, (element_count,), by the names of ``ResultantRow``; ``measures.stresses`` makes
             forces and stresses of them.
+        kept: elements that are there, (element_count,) bool; empty if all are. Others are waste that a stage has cut
+            away: their values are not numbers, and their nodes stand where they were (``run.staging.part``).
     """
 
     name: str
@@ -154,6 +156,7 @@ class SheetFrame:
     fields: dict[str, np.ndarray]
     energies: dict[str, float]
     resultants: dict[str, np.ndarray] = field(default_factory=dict)
+    kept: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,8 @@ SUPPLIED = (
 )  # fmt: skip
 # Of a run in stages: what changes between stages put into what is stored.
 STAGE_SUPPLIED = ("stage_work",)
+# Of a run whose stages trim a sheet: what the waste stored when it was cut away.
+TRIM_LOST = ("trimmed_energy",)
 # Derived from the other entries.
 SUMS = ("internal", "supplied", "used", "balance_error")
 # Positions of the entries of the tools among those of the sheets.
@@ -56,11 +58,13 @@ class StageBook(NamedTuple):
         name: of the stage.
         tools: names of those that act.
         carried: what is added to entries of the ledger, by name, so that they go on from the stage before [J].
+        trims: whether any stage of the run trims a sheet.
     """
 
     name: str
     tools: frozenset[str]
     carried: dict[str, float]
+    trims: bool = False
 
 
 class Ledger:
@@ -92,6 +96,7 @@ class Ledger:
         self.tool_names = unique_names(tool.name for tool in tools)
         self._driven = np.array([tool.motion.by_force for tool in tools], dtype=bool)
         self._tool_mass = np.array([tool.motion.driven_mass for tool in tools])
+        self._last: Frame | None = None
 
     def frame(self, index: int) -> Frame:
         """A frame of the current state; waits for the device."""
@@ -109,7 +114,7 @@ class Ledger:
             for model, own in zip(self._stepper.model.sheets, ahead.sheets, strict=True)
         ]
         leading = tool_displacement[self._setup.leading_tool :] if len(tool_displacement) else drive_displacement
-        return Frame(
+        self._last = Frame(
             index=index,
             step_count=state.step_count,
             time=state.time,
@@ -127,6 +132,20 @@ class Ledger:
             tool_acts=self.acting,
             stage=self.stage.name if self.stage else "",
         )
+        return self._last
+
+    def completed(self, frame: Frame) -> Frame:
+        """A frame with the fields that only those of observers have, if it is the last one that was taken.
+
+        Others, such as those of a checkpoint, have them. Waits for the device.
+        """
+        if frame is not self._last:
+            return frame
+        sheets = tuple(
+            replace(sheet, fields=sheet.fields | ledger.written_fields(sheet))
+            for ledger, sheet in zip(self.sheets, frame.sheets, strict=True)
+        )
+        return replace(frame, sheets=sheets)
 
     def _support_outputs(self, ahead: State) -> tuple[np.ndarray, np.ndarray]:
         """Current forces of all supports (support_count, 3), and along all drives (drive_count,) [N]."""
@@ -162,6 +181,9 @@ class Ledger:
         if self.stage is not None:
             supplied += STAGE_SUPPLIED
             entries["stage_work"] = 0.0
+            if self.stage.trims:
+                lost += TRIM_LOST
+                entries |= dict.fromkeys(TRIM_LOST, 0.0)
             for name, value in self.stage.carried.items():
                 entries[name] += value
         entries["supplied"] = sum(entries[name] for name in supplied)
@@ -169,24 +191,29 @@ class Ledger:
         entries["balance_error"] = entries["supplied"] - entries["used"]
         return entries
 
-    def carry_on(self, last: Mapping[str, float], index: int) -> None:
+    def carry_on(self, last: Mapping[str, float], index: int, trimmed: bool = False) -> None:
         """Begin a stage: works and losses go on from the ``last`` entries of the stage before, of the same state.
 
-        What the change puts into the stored energies is booked as ``stage_work``.
+        What the change puts into the stored energies is booked as ``stage_work``; what a trim takes out of them, as
+        ``trimmed_energy``.
 
         Args:
-            last: entries of the ledger at the end of the stage before [J].
+            last: entries of the ledger before the change [J].
             index: of the frame at that time.
+            trimmed: whether a trim is all that has changed.
         """
         assert self.stage is not None
         carried = self.stage.carried
         carried.clear()
         now = self.frame(index).energies
         stored = [name for name in STORED + PLY_STORED if name in now]
-        booked = [name for name in LOST + PLY_LOST + SUPPLIED + PLY_SUPPLIED if name in now]
-        carried |= {name: last[name] - now[name] for name in booked}
+        names = LOST + PLY_LOST + SUPPLIED + PLY_SUPPLIED + STAGE_SUPPLIED + TRIM_LOST
+        carried |= {name: last[name] - now[name] for name in names if name in now}
         change = sum(now[name] for name in stored) - sum(last[name] for name in stored)
-        carried["stage_work"] = last["stage_work"] + change
+        if trimmed:
+            carried["trimmed_energy"] -= change
+        else:
+            carried["stage_work"] += change
 
     def watched(self) -> dict[str, np.ndarray]:
         """What every step has booked of the tools so far, by names of ``ToolWatchRow``, (tool_count,) each."""

@@ -26,6 +26,8 @@ from ..kernels.shell.energy import element_ledger_kernel
 from ..sheet.samples import surfaces
 from .fields import complete
 from .frame import SheetFrame
+from .watch.surface_fields import SurfaceFields
+from .watch.tool_forces import PointForces, ToolForces, tool_fields
 from .watch.tool_gaps import ToolGaps
 
 # Elastic energies of the sheet; the internal energy is their sum plus those of its unit cell.
@@ -98,7 +100,10 @@ class SheetLedger:
         # packed once: a launch from Python costs more than the work of a small sheet
         self._element_ledger: wp.Launch | None = None
         elements, nodes = sheet.blank.element_count, sheet.blank.node_count
-        self._contact_gaps = ToolGaps(model, index, state, nodes + len(sheet.samples.places) * elements, acting)
+        points = nodes + len(sheet.samples.places) * elements
+        self._contact_gaps = ToolGaps(model, index, state, points, acting, keep_normals=True)
+        self._tool_forces = ToolForces(model, index, state, self._contact_gaps, acting)
+        self._surface_fields = SurfaceFields(model, index, state, acting)
         self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements, acting)
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
         velocity, spin = _rates(start)
@@ -113,6 +118,9 @@ class SheetLedger:
         self._launch(ahead.sheets[self._index])
         motion = self._motion(self._own.motion)
         fields, resultants = self._read_fields(ahead.sheets[self._index])
+        whole = bool(self._model.kept.all())
+        if not whole:
+            fields, resultants = self._without_waste(fields), self._without_waste(resultants)
         position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
         return SheetFrame(
             name=self._model.name,
@@ -121,7 +129,22 @@ class SheetLedger:
             fields=fields,
             energies=self._entries(position, motion, ahead.sheets[self._index]),
             resultants=resultants,
+            kept=np.zeros(0, dtype=bool) if whole else self._model.kept,
         )
+
+    def _without_waste(self, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Not a number where an element is waste: nobody can take it for a value of the sheet."""
+        return {name: np.where(self._model.kept, each, np.nan) for name, each in values.items()}
+
+    def tool_forces(self) -> PointForces:
+        """Forces of the tools at its nodes and samples at the frame just taken; waits for the device."""
+        return self._tool_forces(self._half_thickness, self._velocity)
+
+    def written_fields(self, frame: SheetFrame) -> dict[str, np.ndarray]:
+        """Fields that only the frames of observers have, of the frame just taken; waits for the device."""
+        forces, node_distance = self.tool_forces(), self._distance[:, : len(frame.position)]
+        pressed = tool_fields(self._model, forces, frame.director, frame.fields["area_ratio"])
+        return pressed | self._surface_fields(frame.position, frame.fields["thickness"], node_distance)
 
     def _launch(self, ahead: SheetState) -> None:
         sheet = self._model
@@ -172,6 +195,7 @@ class SheetLedger:
         entries = dict(zip(self._energy_names, element.tolist(), strict=True))
         entries["internal"] = sum(entries[name] for name in self.internal)
         velocity, spin = _rates(motion)
+        self._velocity = velocity
         next_velocity, next_spin = _rates(self._motion(ahead.motion))
         entries["kinetic"] = (
             self._kinetic(velocity, next_velocity, spin, next_spin) if started else self.initial_kinetic
@@ -205,19 +229,21 @@ class SheetLedger:
         """Energies of the springs of contact and friction, at nodes and at the samples between them."""
         sheet, node_count, element_count = self._model, len(position), self._model.blank.element_count
         sample_count = len(sheet.samples.places)
-        order = sheet.samples.order
-        points = [position, *self._surfaces(position, director, sheet.samples.places)[:, order]]
+        slot = sheet.samples.slot
+        points = [position, *self._surfaces(position, director, sheet.samples.places)]
         half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
-            half_thickness = np.concatenate([own[:node_count], np.tile(between[:element_count], sample_count)])
+            half_thickness = np.concatenate([own[:node_count], np.tile(between[slot], sample_count)])
         half_thickness[node_count:] -= sheet.samples.allowance
-        stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness[order], sample_count)])
-        penetration = np.maximum(half_thickness - self._contact_gaps(np.concatenate(points)), 0.0)
+        self._half_thickness = half_thickness
+        stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
+        self._distance = self._contact_gaps(np.concatenate(points))
+        penetration = np.maximum(half_thickness - self._distance, 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
         of_samples = sheet.samples.layout.read(ahead.sample_friction)[: 3 * sheet.tool_count]
         of_samples = of_samples.reshape(len(friction), sample_count, sheet.element_count)
-        of_samples = of_samples[..., :element_count].reshape(len(friction), sample_count * element_count)
+        of_samples = of_samples[..., slot].reshape(len(friction), sample_count * element_count)
         friction = np.concatenate([friction, of_samples], axis=1, dtype=np.float64)
         return {
             "contact": 0.5 * float((stiffness * np.square(penetration)).sum()),
@@ -233,11 +259,12 @@ class SheetLedger:
         if not sheet.node_traits.friction_laws:
             return
         low, high = self._own.friction_argument.numpy()[2 * tool : 2 * tool + 2, : len(flat)]
-        yield flat, low, high
+        there = ~sheet.waste
+        yield flat[there], low[there], high[there]
         if count := len(sheet.samples.places):
             rows = self._own.sample_friction_argument.numpy()[2 * tool : 2 * tool + 2]
-            rows = rows.reshape(2, count, sheet.element_count)[..., : sheet.blank.element_count]
-            yield flat[sheet.blank.quads[sheet.samples.order]].mean(axis=1), rows[0].min(axis=0), rows[1].max(axis=0)
+            rows = rows.reshape(2, count, sheet.element_count)[..., sheet.samples.slot[sheet.kept]]
+            yield flat[sheet.blank.quads[sheet.kept]].mean(axis=1), rows[0].min(axis=0), rows[1].max(axis=0)
 
     # --- distances to the tools --------------------------------------------------------------------------------------
 
@@ -257,9 +284,11 @@ class SheetLedger:
             at_elements = 0.5 * frame.fields["thickness"]
             sharing = np.bincount(quads.ravel())
             at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
+        gone, count = ~sheet.kept, len(JUDGED_PLACES)
         points = [position, *self._surfaces(position, frame.director, JUDGED_PLACES)]
         distance = self._judged_gaps(np.concatenate([*points, position[quads].mean(axis=1)]))
-        half = np.concatenate([at_nodes, np.tile(at_elements, len(JUDGED_PLACES) + 1)])
+        half = np.concatenate([at_nodes, np.tile(at_elements, count + 1)])
+        half[np.concatenate([sheet.waste, np.tile(gone, count + 1)])] = -np.inf
         depth = (half - distance).max(axis=0)
         return Penetration(
             at_nodes=float(depth[: len(position)].max()),

@@ -41,8 +41,7 @@ class Simulation:
     Simulations in several threads step side by side on a CPU; whatever else they do, such as taking frames, waits for
     each other. ``run_batch`` uses this.
 
-    Construction is cheap. The first access to device data, such as ``frame`` or ``state``, prepares the run, which
-    compiles kernels that are not cached.
+    Construction is cheap. The first access to ``frame`` or ``state`` prepares the run, and compiles its kernels.
 
     Args:
         setup: of the run.
@@ -307,7 +306,7 @@ class Simulation:
     def enter(self, prepared: Prepared) -> None:
         """Go on in a stage, whose model is on the state of this run."""
         self._prepared = prepared
-        self.watch.begin_stage(self.ledger, self.stages.begin, self.stages.duration)
+        self.watch.begin_stage(self.model, self.ledger, self.stages.begin, self.stages.duration)
 
     def _finish(self, observer: Observer) -> None:
         observer.finish(self.outcome or Outcome.INTERRUPTED)
@@ -322,12 +321,13 @@ class Simulation:
 
     def _take(self, frame: Frame, observers: Sequence[Observer]) -> None:
         """Publish a frame that every run of this set-up has."""
+        frame = self.ledger.completed(frame)
         if self._checkpoints is not None:
             self._checkpoints.add(frame)
         self._publish(frame, observers)
 
     def _publish(self, frame: Frame, observers: Sequence[Observer]) -> None:
-        self._frame = frame
+        self._frame = frame = self.ledger.completed(frame)
         self.stages.keep(frame)
         self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
         for observer in observers:

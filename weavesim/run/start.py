@@ -92,8 +92,9 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
     )
     check_bounds(expected, setup)
     logger.info("%s takes %s", setup.name, expected)
-    ledger = Ledger(stepper, StageBook(course[0].stage.name, course[0].tools, {}) if course else None)
-    frame = ledger.frame(0)
+    book = StageBook(course[0].stage.name, course[0].tools, {}, setup.trims) if course else None
+    ledger = Ledger(stepper, book)
+    frame = ledger.completed(ledger.frame(0))
     for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
         check_cell_at_rest(sheet.fabric.unit_cell, first)
     guards = Guards()

@@ -13,7 +13,9 @@ import numpy as np
 from ..measures.findings import SHEET_FINDINGS, Finding, FormedSheet, found
 from ..measures.units import DEGREES, JOULES, MILLIMETRES, NEWTONS, PER_SECOND, PURE, SECONDS
 from ..version import __version__
+from .frame import SheetFrame, SheetInfo
 from .guards.law_range import beyond_data
+from .staging.part import part_of
 
 if TYPE_CHECKING:
     from .simulation import Simulation
@@ -37,11 +39,15 @@ class Judged:
 
     @cached_property
     def sheets(self) -> list[FormedSheet]:
-        """At the last frame."""
+        """At the last frame, without what was trimmed."""
         return [
             FormedSheet(info.blank, frame.position, frame.fields, info.fabric.thickness, info.symmetry)
-            for info, frame in zip(self.run.info.sheets, self.run.frame.sheets, strict=True)
+            for info, frame in self._parts
         ]
+
+    @cached_property
+    def _parts(self) -> list[tuple[SheetInfo, SheetFrame]]:
+        return [part_of(*each) for each in zip(self.run.info.sheets, self.run.frame.sheets, strict=True)]
 
     @cached_property
     def step_count(self) -> int:
@@ -127,7 +133,7 @@ class Judged:
 
     def values(self, name: str) -> list[np.ndarray]:
         """A field of every sheet at the last frame."""
-        return [frame.fields[name] for frame in self.run.frame.sheets]
+        return [frame.fields[name] for _, frame in self._parts]
 
 
 def _of_sheets(name: str, which: Callable[[Any], float]) -> Finding:
@@ -235,6 +241,12 @@ RUN_FINDINGS: tuple[Finding, ...] = (
     Finding(
         "stages", PURE, "of every stage: name, begin, end, what ended it, whether that was wanted, stroke",
         lambda judged: judged.run.stages.ended or None,
+    ),
+    Finding(
+        "trims", PURE,
+        "of every trim: stage, sheet, time, area, mass, momentum and energy of the waste, and how far the new border "
+        "is off the curves",
+        lambda judged: judged.run.stages.trimmed or None,
     ),
     _of_sheets("max_shear_angle", max),
     _of_sheets("min_stretch", min),

@@ -96,6 +96,21 @@ class Blank(Parameters):
         """Initial centres of the elements, (element_count, 3) [m]."""
         return self.node_position[self.quads].mean(axis=1)
 
+    def part(self, kept: np.ndarray) -> tuple[Blank, np.ndarray]:
+        """The blank of some elements, (element_count,) bool, in order, and the nodes of the whole that it has, (k,).
+
+        Raises:
+            InputError: they do not hang together.
+        """
+        nodes, corners = np.unique(self.quads[kept], return_inverse=True)
+        position, flat, director = (
+            values[nodes] for values in (self.node_position, self.material_coordinates, self.initial_director)
+        )
+        warp, weft = self.warp_direction[kept], self.weft_direction[kept]
+        return Blank(
+            position, flat, corners.reshape(-1, 4), warp, weft, director, source_notes=self.source_notes
+        ), nodes
+
     def boundary_loop(self) -> np.ndarray:
         """Nodes of the longest closed outline, in order, counter-clockwise, (k,)."""
         edges = np.concatenate([self.quads[:, [i, (i + 1) % 4]] for i in range(4)])

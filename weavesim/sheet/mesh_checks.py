@@ -155,7 +155,7 @@ def check_connection(position: np.ndarray, quads: np.ndarray, names: Names = ROW
             f"{' and more' if len(parts) > 5 else ''} elements; they would pass through each other undetected: "
             "make each part a separate sheet, or join them (merge_nodes) if they are one"
         )
-    corner = np.bincount(_border_edges(quads, len(position)).ravel(), minlength=len(position)) > 2
+    corner = np.bincount(border_edges(quads, len(position)).ravel(), minlength=len(position)) > 2
     if np.any(corner):
         raise InputError(
             f"{names.mesh}: elements meet only in a corner at {_some(corner, 'node')}, the first is node "
@@ -171,7 +171,7 @@ def check_coincident(position: np.ndarray, quads: np.ndarray, names: Names = ROW
         InputError: some do.
     """
     tolerance = _COINCIDENT * _shortest_edge(position, quads)
-    border = np.unique(_border_edges(quads, len(position)))
+    border = np.unique(border_edges(quads, len(position)))
     pairs = border[close_pairs(position[border], tolerance)]
     if len(pairs):
         a, b = pairs[0]
@@ -249,7 +249,7 @@ def _shortest_edge(position: np.ndarray, quads: np.ndarray) -> float:
     return float(np.linalg.norm(edge, axis=2).min())
 
 
-def _border_edges(quads: np.ndarray, node_count: int) -> np.ndarray:
+def border_edges(quads: np.ndarray, node_count: int) -> np.ndarray:
     """Edges (k, 2) of one element only."""
     following = np.roll(quads, -1, axis=1)
     key = np.minimum(quads, following).astype(np.int64) * node_count + np.maximum(quads, following)

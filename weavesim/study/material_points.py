@@ -13,6 +13,7 @@ import numpy as np
 from ..measures.angles import located, smoothed_shear_angle
 from ..output.files import replacing
 from ..run.fields import FIELDS
+from ..run.staging.part import part_of
 from ..version import __version__
 
 if TYPE_CHECKING:
@@ -61,7 +62,8 @@ def fields_at(simulation: Simulation, sheets: Sequence[SheetPoints]) -> dict[str
     A point that is not on the blank of this run, whose outline may vary, has values that are not numbers.
     """
     found: dict[str, np.ndarray] = {}
-    for info, frame in zip(simulation.info.sheets, simulation.frame.sheets, strict=True):
+    for each in zip(simulation.info.sheets, simulation.frame.sheets, strict=True):
+        info, frame = part_of(*each)
         points = next((each for each in sheets if each.name == info.name), None)
         if points is not None:
             for name, values in _of_sheet(info, frame, points.flat).items():

@@ -19,6 +19,7 @@ from ..measures.defects.judgement import Judgement, Limits
 from ..measures.findings import Finding, FormedSheet, found
 from ..measures.units import DEGREES, MILLIMETRES, PURE, Unit, split_unit
 from ..output.stored.judged import distance_to, own_locking_angle
+from ..run.staging.part import part_of
 from ..sheet.topology import flat_areas
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ def formed_run(simulation: Simulation, limits: Limits) -> FormedRun:
     info, frame = simulation.info, simulation.frame
 
     def judged(place: int) -> Judgement:
-        sheet, state = info.sheets[place], frame.sheets[place]
+        sheet, state = part_of(info.sheets[place], frame.sheets[place])
         acting = [(info.tools[k], float(frame.tool_displacement[k])) for k in sheet.tools if frame.acts(k)]
         formed = FormedSheet(sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry)
         return Judgement(formed, limits, distance_to(acting), own_locking_angle(sheet.fabric))

@@ -55,7 +55,7 @@ def launched_by(simulation: Simulation) -> list[wp.Kernel]:
     """All that a run launches once its tools are sampled."""
     own = []
     for ledger in simulation.ledger.sheets:
-        gaps = (ledger._contact_gaps, ledger._judged_gaps)
+        gaps = (ledger._contact_gaps, ledger._judged_gaps, ledger._tool_forces, ledger._surface_fields)
         own += [ledger._kernel, *(command.kernel for each in gaps for command in each.launches)]
     return [*simulation.stepper.kernels, *own]
 

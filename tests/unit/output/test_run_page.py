@@ -262,6 +262,7 @@ def test_two_plies_are_two_sheets(tmp_path, stack):
 @pytest.mark.parametrize("kind", ["wrinkle", "bridging", "locking", "gap", "self-contact"])
 def test_a_region_of_any_kind_leads_to_a_field_of_the_menu(kind):
     region = Region(kind, np.array([3, 5]), 5, 1e-4, (0.0, 0.1, 0.2), (0.0, 0.1), 1e-3, 2.0, 0.02, 2)
-    found = region_of_page(region, 0, "sheet")
-    assert found["worst"] == 5 and found["elements"] == [3, 5]
+    found = region_of_page(region, 0, "sheet", np.arange(100) + 5)
+    # by the elements that the page shows: a stage may have trimmed some
+    assert found["worst"] == 10 and found["elements"] == [8, 10]
     assert found["field"] in {field.name for field in (*JUDGED_FIELDS, *FIELDS)}

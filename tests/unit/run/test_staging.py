@@ -126,7 +126,7 @@ def test_a_run_goes_on_in_any_stage(tmp_path, monkeypatch, of_every_kind):
         assert again.run([shown]) is Outcome.FINISHED
         assert bits(again.state) == bits(reference.state)
         assert again.history == reference.history and again.watch.history == reference.watch.history
-        assert again.stages.ended == reference.stages.ended
+        assert again.stages.ended == reference.stages.ended and again.stages.trimmed == reference.stages.trimmed
         kept, wanted = again.stages.frames, reference.stages.frames
         assert {name: frame.time for name, frame in kept.items()} == {
             name: frame.time for name, frame in wanted.items()

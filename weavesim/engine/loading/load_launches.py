@@ -28,11 +28,7 @@ class LoadLaunches:
         self._pressing = element_pressure_kernel(model.real, model.lane_count)
         self._pulling = grip_kernel(model.real)
         self._pressures = {
-            index: device_pressures(
-                sheet.pressures, sheet.blank, sheet.element_count, sheet.real, sheet.lane_count, sheet.device
-            )
-            for index, sheet in enumerate(model.sheets)
-            if sheet.pressures
+            index: device_pressures(sheet) for index, sheet in enumerate(model.sheets) if sheet.pressures
         }
         self.grips = {index: device_grips(sheet) for index, sheet in enumerate(model.sheets) if sheet.grippers}
 

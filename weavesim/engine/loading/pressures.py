@@ -2,36 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import warp as wp
 
 from ...kernels.loads.pressure import pressure_struct
-from ...process.pressure import Pressure
 from ...sheet.blank import Blank
 from ..layout import lanes_view
+from ..sheet_model import SheetModel
 
 
-def device_pressures(
-    pressures: Sequence[Pressure], blank: Blank, element_count: int, real: type, lane_count: int, device: wp.Device
-) -> Any:
-    """``kernels.loads.pressure.pressure_struct``, with all curves on common knots.
-
-    Args:
-        pressures: at least one.
-        blank: the sheet's.
-        element_count: with padding.
-        real: scalar type of the run.
-        lane_count: elements per kernel thread.
-        device: of the arrays.
-    """
+def device_pressures(sheet: SheetModel) -> Any:
+    """``kernels.loads.pressure.pressure_struct`` of a sheet that has some, with all curves on common knots."""
+    pressures, blank = sheet.pressures, sheet.blank
+    element_count, real, lane_count, device = sheet.element_count, sheet.real, sheet.lane_count, sheet.device
     times = np.unique(np.concatenate([pressure.times for pressure in pressures]))
     share = np.zeros((len(pressures), element_count))
     up = _turns(blank)
     for row, pressure in zip(share, pressures, strict=True):
-        acts = pressure.acts_on(blank.element_count)
+        acts = pressure.acts_on(blank.element_count) & sheet.kept
         row[: blank.element_count] = np.where(acts, up if pressure.face == "bottom" else -up, 0.0)
     result = pressure_struct(real, lane_count)()
     result.share = lanes_view(wp.array(share, dtype=real, device=device), lane_count)

@@ -11,6 +11,7 @@ from ...errors import did_you_mean
 from ...process.stages import AtForce, AtRest, AtStroke, Move, Stage
 from ...process.strokes import ForceDriven
 from .acting import Acting, Given, Parts, acting_in
+from .trimming import check_trims
 
 if TYPE_CHECKING:
     from ...process.supports import Support
@@ -22,8 +23,10 @@ LOOK_COUNT = 100
 NO_START = 1.0e-12
 
 
-def check_stages(stages: Sequence[Stage], parts: Parts, sheets: Sequence[Sheet]) -> None:
-    """Check the stages of a run against what it has.
+def check_stages(
+    stages: Sequence[Stage], parts: Parts, sheets: Sequence[Sheet], touching: frozenset[str] = frozenset()
+) -> None:
+    """Check the stages of a run against what it has; ``touching`` has the names of sheets that meet others.
 
     Raises:
         ValueError: a name that is not there, a motion that does not fit, or an end that can never come.
@@ -35,6 +38,7 @@ def check_stages(stages: Sequence[Stage], parts: Parts, sheets: Sequence[Sheet])
         _check_grippers(now, before, parts)
         _check_motions(now, before, parts)
         _check_end(now, stages)
+    check_trims(acts, sheets, touching)
     for tool in parts.tools:
         if not any(tool.name in now.tools for now in acts):
             raise ValueError(

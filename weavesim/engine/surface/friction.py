@@ -33,15 +33,18 @@ def set_friction(touch: Any, sheet: SheetModel, argument: wp.array, *, samples: 
     allowance nodes have all of it, as samples push at a few places only.
     """
     touch.argument = lanes_view(argument, sheet.lane_count)
-    area = np.zeros(0)
-    if sheet.node_traits.friction_laws:
-        area = _sample_areas(sheet) if samples else _node_areas(sheet)
+    area = contact_areas(sheet, samples=samples) if sheet.node_traits.friction_laws else np.zeros(0)
     lanes = np.ascontiguousarray(area.reshape(-1, sheet.lane_count))
     touch.area = (
         wp.array(lanes, dtype=sheet.types.lanes, device=sheet.device)
         if area.size
         else wp.empty(0, dtype=sheet.types.lanes, device=sheet.device)
     )
+
+
+def contact_areas(sheet: SheetModel, *, samples: bool) -> np.ndarray:
+    """Area that each node, or each sample, stands for in contact, with padding [m^2]."""
+    return _sample_areas(sheet) if samples else _node_areas(sheet)
 
 
 def _whole(sheet: SheetModel) -> float:

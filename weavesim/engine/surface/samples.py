@@ -32,6 +32,7 @@ class Samples:
         frequency: largest squared frequency of all samples by motions of the corners, with one tool [1/s^2].
         turning: the same by turns of the directors, times the squared radius of their inertia [m^2/s^2].
         order: the elements as their samples lie in memory, (element_count,).
+        slot: where those of each element lie, (element_count,).
         window: blocks of elements that neither tiles nor threads divide, see ``compact_order``.
         allowance: depth in a tool from which they push [m].
         spare_distance: see ``SPARE_DISTANCE`` [m].
@@ -45,6 +46,7 @@ class Samples:
     frequency: float
     turning: float
     order: np.ndarray
+    slot: np.ndarray
     window: int
     allowance: float
     spare_distance: float
@@ -91,5 +93,5 @@ class Samples:
         layout = RowLayout(3 * max(len(tools), 1), len(places) * corner_layout.length, corner_layout.lane_count)
         return cls(
             places, layout.length, layout, own, contact_frequency * own, largest * sway, largest * turning,
-            order, own_window, allowance * thickness, SPARE_DISTANCE * thickness,
+            order, np.argsort(order), own_window, allowance * thickness, SPARE_DISTANCE * thickness,
         )  # fmt: skip

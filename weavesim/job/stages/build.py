@@ -5,17 +5,23 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+import numpy as np
+
 from ...engine.staging.acting import Parts
 from ...engine.staging.checks import check_stages
 from ...errors import InputError, did_you_mean
+from ...output.flat.part_edge import read_part_edge
 from ...process.stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
 from ...process.strokes import Fixed, ForceDriven, Motion, Stroke
+from ...process.trims import Trim
 from ...sheet.sheet import Sheet
 from ...tools.tool import Tool
+from ..blanks.plies import DISC_CORNERS
 from ..loads import Loads
 from ..placing import FORCE_RAMP, RAMP_SHARE
 from ..read import JobFile
-from .tables import EndTable, MoveTable, StagePressureTable
+from ..units import length_unit
+from .tables import EndTable, MoveTable, StagePressureTable, TrimTable
 
 # What the engine says of motions, in the words of a job.
 IN_A_JOB = (
@@ -44,8 +50,9 @@ def stages_of(file: JobFile, sheets: Sequence[Sheet], tools: Sequence[Tool], sha
     builder = _Builder(file, sheets, tools, share)
     stages = tuple(builder.stage(index) for index in range(len(file.job.stage)))
     grippers = tuple(gripper for sheet in sheets for gripper in sheet.grippers)
+    touching = frozenset(sheet.name for sheet in sheets if len(sheets) > 1)
     try:
-        check_stages(stages, Parts(tuple(tools), (), grippers), sheets)
+        check_stages(stages, Parts(tuple(tools), (), grippers), sheets, touching)
     except ValueError as error:
         text = str(error)
         for theirs, ours in IN_A_JOB:
@@ -105,6 +112,7 @@ class _Builder:
                 grippers=None if table.grippers is None else self._grippers(keys, table.grippers),
                 moves=tuple(Move(name, motion) for name, motion in moves.items()),
                 pressures=pressures,
+                trims=tuple(self._trim([*keys, "trim", k], each) for k, each in enumerate(table.trim)),
                 gravity=None if table.gravity is None else (0.0, 0.0, -table.gravity if table.gravity else 0.0),
                 damping=table.damping,
                 director_damping=table.director_damping,
@@ -113,6 +121,26 @@ class _Builder:
             )
         except InputError as error:
             self.file.refuse(keys, str(error).removeprefix("Stage: "))
+
+    def _trim(self, keys: Sequence[object], table: TrimTable) -> Trim:
+        if table.file is not None:
+            path = self.file.file(table.file, [*keys, "file"])
+            try:
+                edge = read_part_edge(
+                    path, metres_per_unit=None if table.unit is None else length_unit(table.unit), layer=table.layer
+                )
+            except InputError as error:
+                self.file.refuse([*keys, "file"], error)
+            curves = [curve[:, :2] for curve in (edge.outline, *edge.holes)]
+        elif table.disc is not None:
+            angle = np.linspace(0.0, 2.0 * np.pi, DISC_CORNERS, endpoint=False)
+            curves = [0.5 * table.disc * np.column_stack([np.cos(angle), np.sin(angle)])]
+        elif table.rectangle is not None:
+            curves = [0.5 * np.array(table.rectangle) * [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]]
+        else:
+            curves = [np.array(table.polygon)]
+        ply = self.loads.ply(keys, table.ply)
+        return Trim(tuple(curve + table.centre for curve in curves), ply, table.view, table.keeps)
 
     def _known(self, keys: Sequence[object], name: str, what: str, known: Sequence[str]) -> None:
         if name not in known:

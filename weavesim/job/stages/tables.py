@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ...checks import Finite, NotNegative, Positive
 from ...names import Label
 from ...ranges import Quantity
 from ..tables import JobTable, Point, one_of, without
+from ..units import length_unit
 
 MOTIONS = ("stroke", "fixed", "force", "forces")
 ENDS = ("time", "stroke", "force", "rest")
+CURVES = ("rectangle", "disc", "polygon", "file")
 
 
 class PressureTable(JobTable):
@@ -124,6 +126,44 @@ class EndTable(JobTable):
         return self
 
 
+class TrimTable(JobTable):
+    """A cut through a ply along closed curves, as the stage begins. `[[stage.trim]]`, below its stage."""
+
+    ply: str | None = Field(default=None, description="that is cut; the only one if left out")
+    rectangle: Annotated[tuple[Positive, Positive], Quantity("length")] | None = Field(
+        default=None, description="curve: sides along x and y"
+    )
+    disc: Annotated[Positive, Quantity("length")] | None = Field(default=None, description="curve: diameter")
+    polygon: tuple[Point, ...] | None = Field(default=None, description="curve: points in order")
+    file: str | None = Field(
+        default=None,
+        description="curves: a DXF drawing of closed lines, a table of points, or a mesh whose border it is, beside "
+        "the job; seen from above",
+    )
+    layer: str | None = Field(default=None, description="layer of the DXF drawing; all layers if left out")
+    unit: str | None = Field(default=None, description="unit of the file, such as mm; a file may say its own")
+    centre: Point = Field(default=(0.0, 0.0), description="where the middle of rectangle or disc, or the origin, lies")
+    view: Literal["formed", "blank"] = Field(
+        default="formed", description="what the curves are drawn on: the part as it is then, from above, or the blank"
+    )
+    keeps: Literal["inside", "outside"] = Field(default="inside", description="what stays")
+
+    @field_validator("unit")
+    @classmethod
+    def _is_a_length(cls, value: str | None) -> str | None:
+        if value is not None:
+            length_unit(value)
+        return value
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        if one_of(self, CURVES) != "file":
+            without(self, ("layer", "unit"), "a file")
+        elif self.file is not None and not self.file.lower().endswith(".dxf"):
+            without(self, ("layer",), "a DXF drawing as file")
+        return self
+
+
 class StageTable(JobTable):
     """A part of the process; what it does not say stays as in the stage before it. `[[stage]]`, in order of time."""
 
@@ -143,6 +183,7 @@ class StageTable(JobTable):
     pressure: tuple[StagePressureTable, ...] | None = Field(
         default=None, description="[[stage.pressure]]: all pressures from here on; [] for none"
     )
+    trim: tuple[TrimTable, ...] = Field(default=(), description="[[stage.trim]]: cuts through plies as it begins")
     gravity: Annotated[NotNegative, Quantity("acceleration")] | None = Field(default=None, description="downwards")
     damping: Annotated[NotNegative, Quantity("damping rate")] | None = Field(
         default=None, description="mass-proportional damping of the nodes"

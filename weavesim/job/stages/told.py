@@ -29,6 +29,7 @@ def _acts(now: Acting, share: float) -> str:
     for pressed in now.stage.pressures or ():
         on = f" on {pressed.sheet}" if pressed.sheet else ""
         parts.append(f"{1e-3 * pressed.pressure.pressures[-1]:.4g} kPa{on}")
+    parts += [f"{trim.sheet or 'the sheet'} is trimmed" for trim in now.stage.trims]
     return ", ".join(parts)
 
 

@@ -19,7 +19,7 @@ from ..angles import yarn_vectors
 from ..findings import FormedSheet
 from .regions import regions
 from .touching import distance_to_others
-from .waves import waves
+from .waves import LONGEST_WAVELENGTH, waves
 
 # (points (k, 3) [m]) -> distance to the nearest of the tools (k,) [m], negative inside.
 Distance = Callable[[np.ndarray], np.ndarray]
@@ -35,7 +35,7 @@ class Limits(Parameters):
         default=1.0e-4, description="shortening of a yarn from which a wave is a wrinkle"
     )
     longest_wavelength: Annotated[Positive, Quantity("length")] = Field(
-        default=0.1, description="waves longer than this are the shape of the part [m]"
+        default=LONGEST_WAVELENGTH, description="waves longer than this are the shape of the part [m]"
     )
     bridging_gap: Annotated[Positive, Quantity("gap")] | None = Field(
         default=0.5e-3, description="gap to the nearest tool under taut yarns, where the tool is concave [m]"

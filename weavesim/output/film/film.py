@@ -44,7 +44,8 @@ class Film:
     symmetry, mirrored copies reference it, so that the whole part is visible but stored once. It has ``displayColor``
     from the absolute shear angle (averaged to the nodes, 0 to 60 degrees, ``/World/legend``) and, per element and
     frame, the fields of ``weavesim.run.fields`` except those of the solver, with their names and units in files; the
-    documentation of each tells what it is, and its unit. Each tool is the mesh ``/World/tools/NAME``: its
+    documentation of each tells what it is, and its unit. What a stage trims away has no faces from its frame on, and a
+    tool that does not act is invisible. Each tool is the mesh ``/World/tools/NAME``: its
     ``display_triangles``, without mirroring. ``/World/camera`` looks at the side to which the part bulges,
     ``/World/camera_back`` at the other; tools on the side of the first are transparent.
 
@@ -112,6 +113,7 @@ class Film:
             define_tool(stage, name, tool, tool.display_triangles())
             for name, tool in zip(names, info.tools, strict=True)
         ]
+        self._tools = filmed
         self._axes = [np.asarray(tool.axis, dtype=float) for tool in info.tools]
         self._above = [tool for tool in filmed if tool.height > rest]
         self._below = [tool for tool in filmed if tool.height <= rest]
@@ -128,6 +130,8 @@ class Film:
             sheet.add(state, float(frame.index))
         for axis, move, distance in zip(self._axes, self._moves, frame.tool_displacement, strict=True):
             move.Set(Gf.Vec3d(*(float(distance) * axis).tolist()), float(frame.index))
+        for k, tool in enumerate(self._tools):
+            tool.show(frame.acts(k), float(frame.index))
         for attribute, value in zip(self._clock, (frame.time, frame.stroke), strict=True):
             attribute.Set(float(value), float(frame.index))
         self._frames.append(frame.index)
@@ -202,7 +206,7 @@ class Film:
 
     def _release(self) -> None:
         self._stage, self._sheets, self._moves, self._clock = None, [], [], []
-        self._above, self._below = [], []
+        self._tools, self._above, self._below = [], [], []
 
 
 def prim_names(names: Iterable[str]) -> list[str]:

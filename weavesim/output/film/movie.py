@@ -199,12 +199,16 @@ def _add_sheet(
 
     def values(frame: float) -> np.ndarray:
         own = film.values(sheet, field.name, frame)
-        shown = np.full(len(sheet.faces), np.nan) if own is None else factor * own
+        shown = np.full(len(film.faces(sheet, frame)), np.nan) if own is None else factor * own
         return np.tile(np.abs(shown) if field.name == _ANGLE else shown, len(mirrors))
 
     count = len(film.points(sheet, film.frames[0]))
-    faces = np.concatenate([sheet.faces + k * count for k in range(len(mirrors))])
-    mesh = _mesh(points(film.frames[0]), faces)
+
+    def faces(frame: float) -> np.ndarray:
+        return np.concatenate([film.faces(sheet, frame) + k * count for k in range(len(mirrors))])
+
+    trimmed = film.is_trimmed(sheet)
+    mesh = _mesh(points(film.frames[0]), faces(film.frames[0]))
     mesh.cell_data["value"] = values(film.frames[0])
     plotter.add_mesh(
         mesh, scalars="value", cmap=colour_map(), clim=list(limits), nan_color="#c8ccd4",
@@ -213,6 +217,8 @@ def _add_sheet(
 
     def show(frame: float) -> None:
         mesh.points = points(frame)
+        if trimmed and mesh.n_cells != len(now := faces(frame)):
+            mesh.faces = _with_counts(now)
         mesh.cell_data["value"] = values(frame)
 
     return show
@@ -222,9 +228,10 @@ def _add_tool(plotter: Any, film: StoredFilm, tool: FilmedMesh) -> Callable[[flo
     """The same for a tool."""
     mesh = _mesh(film.points(tool, film.frames[0]), tool.faces)
     colour = encoded(np.array(tool.colour)).tolist()
-    plotter.add_mesh(mesh, color=colour, opacity=tool.opacity, specular=0.1, ambient=0.15)
+    actor = plotter.add_mesh(mesh, color=colour, opacity=tool.opacity, specular=0.1, ambient=0.15)
 
     def show(frame: float) -> None:
+        actor.SetVisibility(film.is_shown(tool, frame))
         mesh.points = film.points(tool, frame)
 
     return show
@@ -233,7 +240,12 @@ def _add_tool(plotter: Any, film: StoredFilm, tool: FilmedMesh) -> Callable[[flo
 def _mesh(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
     import pyvista
 
-    return pyvista.PolyData(points, np.insert(faces, 0, faces.shape[1], axis=1).ravel())
+    return pyvista.PolyData(points, _with_counts(faces))
+
+
+def _with_counts(faces: np.ndarray) -> np.ndarray:
+    """Faces as VTK has them: each with its number of corners before them, flat."""
+    return np.insert(faces, 0, faces.shape[1], axis=1).ravel()
 
 
 def _look(plotter: Any, film: StoredFilm, movie: Movie) -> None:

@@ -41,6 +41,17 @@ def define_mesh(stage: Any, path: str, faces: np.ndarray) -> Any:
     return mesh
 
 
+def set_faces(mesh: Any, faces: np.ndarray, time: float) -> None:
+    """Other faces from a time code on."""
+    from pxr import Vt
+
+    counts = np.full(len(faces), faces.shape[1], dtype=np.int32)
+    mesh.GetFaceVertexCountsAttr().Set(Vt.IntArray.FromNumpy(counts), time)
+    mesh.GetFaceVertexIndicesAttr().Set(
+        Vt.IntArray.FromNumpy(np.ascontiguousarray(faces, dtype=np.int32).ravel()), time
+    )
+
+
 def set_points(mesh: Any, points: np.ndarray) -> None:
     """Points that do not change, (n, 3), with their extent."""
     from pxr import Vt
@@ -79,12 +90,25 @@ class FilmedTool:
 
     def __init__(self, mesh: Any, shader: Any, vertices: np.ndarray) -> None:
         self.mesh, self._shader = mesh, shader
+        self._acted = True
         self.height = 0.5 * float(vertices[:, 2].min() + vertices[:, 2].max())
 
     @property
     def path(self) -> str:
         """Of its prim."""
         return str(self.mesh.GetPath())
+
+    def show(self, acts: bool, time: float) -> None:
+        """Show the tool, or hide one that does not act, from a time code on."""
+        from pxr import UsdGeom
+
+        if acts == self._acted:
+            return
+        self._acted = acts
+        attribute = UsdGeom.Imageable(self.mesh).CreateVisibilityAttr()
+        if not attribute.GetNumTimeSamples() and time > 0.0:
+            attribute.Set(UsdGeom.Tokens.invisible if acts else UsdGeom.Tokens.inherited, 0.0)
+        attribute.Set(UsdGeom.Tokens.inherited if acts else UsdGeom.Tokens.invisible, time)
 
     def set_opacity(self, opacity: float) -> None:
         """From 0 to 1, for programs with materials and for those without."""

@@ -36,7 +36,7 @@ class FilmedMesh:
 
     Attributes:
         name: of its prim.
-        faces: (face_count, 3) or (face_count, 4).
+        faces: of the first frame, (face_count, 3) or (face_count, 4).
         mirrors: factors of (x, y, z) for it and for each of its mirrored copies.
         colour: linear red, green and blue; None for a sheet.
         opacity: from 0 to 1.
@@ -98,9 +98,10 @@ class StoredFilm:
             np.array([world.GetAttribute(name).Get(frame) for frame in self.frames]) for name in (TIME, STROKE)
         )
         prims = {prim.GetName(): prim for prim in sheets.GetChildren()}
-        self.sheets = tuple(_sheet(name, prims) for name in prims if MIRRORED not in name)
+        first = self.frames[0]
+        self.sheets = tuple(_sheet(name, prims, first) for name in prims if MIRRORED not in name)
         tools = self._stage.GetPrimAtPath("/World/tools")
-        self.tools = tuple(_tool(UsdGeom.Mesh(prim)) for prim in tools.GetChildren()) if tools else ()
+        self.tools = tuple(_tool(UsdGeom.Mesh(prim), first) for prim in tools.GetChildren()) if tools else ()
         self.fields = {
             found.name: found for mesh in self.sheets for found in self._fields_of(mesh)
         }  # sheets may have different fabrics, and so different fields
@@ -129,6 +130,24 @@ class StoredFilm:
         move = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(frame).ExtractTranslation()
         return points + np.array(move)
 
+    def faces(self, mesh: FilmedMesh, frame: float) -> np.ndarray:
+        """Of a mesh at a time code, (face_count, 3) or (face_count, 4): a sheet that is trimmed loses some."""
+        from pxr import UsdGeom
+
+        return _faces(UsdGeom.Mesh(self._prim(mesh)), frame)
+
+    def is_trimmed(self, mesh: FilmedMesh) -> bool:
+        """Whether its faces change."""
+        from pxr import UsdGeom
+
+        return UsdGeom.Mesh(self._prim(mesh)).GetFaceVertexCountsAttr().GetNumTimeSamples() > 0
+
+    def is_shown(self, mesh: FilmedMesh, frame: float) -> bool:
+        """Whether a mesh is visible at a time code: a tool that does not act is not."""
+        from pxr import UsdGeom
+
+        return UsdGeom.Imageable(self._prim(mesh)).ComputeVisibility(frame) != UsdGeom.Tokens.invisible
+
     def values(self, mesh: FilmedMesh, field: str, frame: float) -> np.ndarray | None:
         """Of the elements of a sheet at a time code, (m,); None if it has no such field."""
         from pxr import UsdGeom
@@ -147,12 +166,12 @@ class StoredFilm:
         return FilmedView(eye, eye - seen.focusDistance * to_eye, up, angle)
 
 
-def _faces(mesh: Any) -> np.ndarray:
-    counts = np.array(mesh.GetFaceVertexCountsAttr().Get())
-    return np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(len(counts), -1)
+def _faces(mesh: Any, frame: float) -> np.ndarray:
+    counts = np.array(mesh.GetFaceVertexCountsAttr().Get(frame))
+    return np.array(mesh.GetFaceVertexIndicesAttr().Get(frame)).reshape(len(counts), -1)
 
 
-def _sheet(name: str, prims: dict[str, Any]) -> FilmedMesh:
+def _sheet(name: str, prims: dict[str, Any], first: float) -> FilmedMesh:
     from pxr import UsdGeom
 
     mirrors = [(1.0, 1.0, 1.0)]
@@ -160,12 +179,11 @@ def _sheet(name: str, prims: dict[str, Any]) -> FilmedMesh:
         if other.startswith(f"{name}{MIRRORED}_"):
             scale = UsdGeom.Xformable(prim).GetScaleOp().Get()
             mirrors.append((float(scale[0]), float(scale[1]), float(scale[2])))
-    return FilmedMesh(name, _faces(UsdGeom.Mesh(prims[name])), tuple(mirrors))
+    return FilmedMesh(name, _faces(UsdGeom.Mesh(prims[name]), first), tuple(mirrors))
 
 
-def _tool(mesh: Any) -> FilmedMesh:
+def _tool(mesh: Any, first: float) -> FilmedMesh:
     red, green, blue = map(float, mesh.GetDisplayColorAttr().Get()[0])
     opacity = mesh.GetDisplayOpacityAttr().Get()
-    return FilmedMesh(
-        mesh.GetPrim().GetName(), _faces(mesh), colour=(red, green, blue), opacity=float(opacity[0]) if opacity else 1.0
-    )  # fmt: skip
+    name, faces = mesh.GetPrim().GetName(), _faces(mesh, first)
+    return FilmedMesh(name, faces, colour=(red, green, blue), opacity=float(opacity[0]) if opacity else 1.0)

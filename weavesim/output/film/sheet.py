@@ -10,8 +10,9 @@ from ...measures.angles import smoothed, smoothing_weights
 from ...measures.border import outline
 from ...run.fields import FIELDS, Field
 from ...run.frame import SheetFrame, SheetInfo
+from ...run.staging.part import Part
 from ..colours import LARGEST_SHOWN_ANGLE, distinct_colour, shear_colours
-from .prims import bind, define_mesh, in_variant, node_normals, plain_material, sheet_material
+from .prims import bind, define_mesh, in_variant, node_normals, plain_material, set_faces, sheet_material
 
 # Where sheets are in a film, and how the names of mirrored copies go on.
 SHEETS = "/World/sheets"
@@ -64,6 +65,8 @@ class FilmedSheet:
             copy.AddScaleOp().Set(Gf.Vec3f(*factors, 1.0))
         self._border = outline(self._blank, self._symmetry).node
         self._fields: dict[str, Any] = {}
+        self._part = Part(info, np.zeros(0, dtype=bool))
+        self._whole, self._last_time = info, 0.0
         self._extent = np.array([np.full(3, np.inf), np.full(3, -np.inf)])
 
     def _paint(self, stage: Any, name: str, place: int | None) -> None:
@@ -81,20 +84,41 @@ class FilmedSheet:
         """Write the state of a frame at its time code."""
         from pxr import Vt
 
+        if not self._part.holds(frame):
+            self._trim(frame.kept, time)
+        self._last_time = time
         points = frame.position.astype(np.float32)
-        extent = np.array([points.min(axis=0), points.max(axis=0)])
+        _, shown = self._part.of(frame)
+        extent = np.array([shown.position.min(axis=0), shown.position.max(axis=0)]).astype(np.float32)
         self._extent = np.array([np.minimum(self._extent[0], extent[0]), np.maximum(self._extent[1], extent[1])])
-        height = frame.position[:, 2]
+        height = shown.position[:, 2]
         self.bulges_down = float(height[self._border].mean()) > float(height.mean()) + 1.0e-3 * float(np.ptp(height))
-        colours = shear_colours(np.rad2deg(smoothed(self._blank, self._smoothing_weights, frame.fields["shear_angle"])))
+        angle = smoothed(self._part.info.blank, self._smoothing_weights, shown.fields["shear_angle"])
+        colours = np.zeros((len(points), 3))
+        colours[self._part.nodes] = shear_colours(np.rad2deg(angle))
         self._mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points), time)
         self._mesh.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent), time)
-        self._normals.Set(Vt.Vec3fArray.FromNumpy(node_normals(frame.position, self._blank.quads)), time)
+        self._normals.Set(Vt.Vec3fArray.FromNumpy(node_normals(frame.position, self._quads)), time)
         self._colour.Set(Vt.Vec3fArray.FromNumpy(colours.astype(np.float32)), time)
         for field in FIELDS:
-            if field.name in frame.fields and not field.diagnostic:
-                values = field.in_file(frame.fields[field.name]).astype(np.float32)
+            if field.name in shown.fields and not field.diagnostic:
+                values = field.in_file(shown.fields[field.name]).astype(np.float32)
                 self._attribute(field).Set(Vt.FloatArray.FromNumpy(values), time)
+
+    @property
+    def _quads(self) -> np.ndarray:
+        """Elements that are there, by the nodes of the whole sheet."""
+        return self._blank.quads[self._part.kept] if len(self._part.kept) else self._blank.quads
+
+    def _trim(self, kept: np.ndarray, time: float) -> None:
+        """Show only some elements from a time code on; the nodes stay those of the whole sheet."""
+        if not self._mesh.GetFaceVertexCountsAttr().GetNumTimeSamples():
+            set_faces(self._mesh, self._quads, self._last_time)
+        self._part = Part(self._whole, kept)
+        set_faces(self._mesh, self._quads, time)
+        blank = self._part.info.blank
+        self._smoothing_weights = smoothing_weights(blank, self._symmetry)
+        self._border = outline(blank, self._symmetry).node
 
     def _attribute(self, field: Field) -> Any:
         """The attribute of a field, created on first use."""

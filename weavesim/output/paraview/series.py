@@ -23,8 +23,9 @@ class ParaViewSeries:
     ``frame_0000.vtm`` ...; and ``final_state.vtu``.
 
     Each sheet is a block by its name, whole: mirrored copies belong to it (cell data ``mirrored``), as mirror images,
-    whose values are those of the original. The block "tools" has one for each tool, where it is in that frame; tools
-    of very many triangles are coarser there than in the run.
+    whose values are those of the original. What a stage trims away is not there from its frame on. The block "tools"
+    has one for each tool that acts, where it is in that frame; tools of very many triangles are coarser there than in
+    the run.
 
     Names of data end in their unit, as those of all numbers do; without one it is a pure number. Point data:
     ``displacement_m`` and ``flat_coordinates_m``, where the node was on the flat blank. Cell data: the fields of the
@@ -112,6 +113,9 @@ class ParaViewSeries:
         if self._tools:
             blocks[self._blocks[-1]] = {
                 name: tool.write(float(place), stem)
-                for (name, tool), place in zip(self._tools.items(), frame.tool_displacement, strict=True)
+                for k, ((name, tool), place) in enumerate(
+                    zip(self._tools.items(), frame.tool_displacement, strict=True)
+                )
+                if frame.acts(k)
             }
         write_text(self.folder / f"{stem}.vtm", blocks_text(blocks, self._run_id))

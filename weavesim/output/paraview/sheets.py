@@ -12,6 +12,7 @@ from ...measures.stresses import STRESS_FIELDS, stress_fields
 from ...measures.units import with_unit
 from ...run.fields import FIELDS
 from ...run.frame import SheetFrame, SheetInfo
+from ...run.staging.part import Part
 from .files import Grid
 
 
@@ -41,12 +42,24 @@ class SheetFiles:
         diagnostics: bool,
     ) -> None:
         self._folder, self._run_id, self._file_name = folder, run_id, file_name
-        self._blank, self._symmetry, self._fabric = info.blank, info.symmetry, info.fabric
+        self._symmetry, self._fabric = info.symmetry, info.fabric
         self.name, self._place, self._shift, self._several = info.name, place, shift, several
         self._diagnostics = diagnostics
-        self._yarn_components = yarn_components(info.blank)
         self._copies = len(self._symmetry.mirror_factors)
+        self._info = info
+        self._see(Part(info, np.zeros(0, dtype=bool)))
+
+    def _see(self, part: Part) -> None:
+        """Write a part of the sheet from now on: what a stage has left of it."""
+        self._part, self._blank = part, part.info.blank
+        self._yarn_components = yarn_components(self._blank)
         self._whole = self._grid(whole=True, real=np.float32)
+
+    def _there(self, frame: SheetFrame) -> SheetFrame:
+        """A frame without what has been trimmed."""
+        if not self._part.holds(frame):
+            self._see(Part(self._info, frame.kept))
+        return self._part.of(frame)[1]
 
     def _grid(self, *, whole: bool, real: type) -> Grid:
         """Elements, with what does not change."""
@@ -69,7 +82,7 @@ class SheetFiles:
 
     def write(self, frame: SheetFrame, stem: str) -> str:
         """Write the whole part in single precision; returns the name of the file."""
-        mirrored = self._symmetry.mirrored
+        mirrored, frame = self._symmetry.mirrored, self._there(frame)
         position = mirrored(frame.position)
         points = {"displacement_m": mirrored(frame.position - self._blank.node_position).astype(np.float32)}
         cells = {
@@ -84,6 +97,7 @@ class SheetFiles:
 
     def write_final(self, frame: SheetFrame, file: str) -> None:
         """Write the computed part in double precision, with everything that is known of it."""
+        frame = self._there(frame)
         blank = self._blank
         cells = self._fields(frame, diagnostics=True)
         angles = np.rad2deg(yarn_angles(blank, frame.position))

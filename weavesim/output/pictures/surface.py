@@ -10,6 +10,7 @@ from ...errors import InputError
 from ...measures.findings import FormedSheet
 from ...run.fields import FIELDS, Field
 from ...run.frame import Frame, RunInfo
+from ...run.staging.part import part_of
 from .sheet import OBLIQUE, PLAN, formed_sheet, projection
 from .style import INK, colour_map, fitting_height, new_axes, new_figure
 
@@ -93,7 +94,7 @@ def picture_of(info: RunInfo, frame: Frame, field: str = "shear_angle", sheet: s
     if sheet is not None and sheet not in names:
         raise InputError(f"sheet {sheet!r}: choose one of {', '.join(names)}")
     place = 0 if sheet is None else names.index(sheet)
-    about, state = info.sheets[place], frame.sheets[place]
+    about, state = part_of(info.sheets[place], frame.sheets[place])
     formed = FormedSheet(about.blank, state.position, state.fields, about.fabric.thickness, about.symmetry)
     found = _field(field, state.fields)
     return formed_sheet(formed) if found.name == "shear_angle" else field_picture(formed, found)

@@ -18,7 +18,7 @@ from .values import number, words
 
 # Field that shows what a region is about.
 _FIELD = {
-    "wrinkle": "wrinkle_amplitude", "bridging": "gap", "gap": "gap", "locking": "shear_angle",
+    "wrinkle": "wrinkle_amplitude", "bridging": "tool_gap", "gap": "tool_gap", "locking": "shear_angle",
     "self-contact": "self_contact_gap",
 }  # fmt: skip
 # More regions or elements than a reader looks at.
@@ -86,24 +86,36 @@ def judge(results: Results, options: Mapping[str, Any]) -> JudgedPart | None:
         found = {one.name: judgement.fields.get(one.name) for one in JUDGED_FIELDS}
         # a sheet without folds is nowhere near itself
         fields.append(
-            {name: values for name, values in found.items() if values is not None and np.isfinite(values).any()}
+            {
+                name: sheet.in_whole(values)
+                for name, values in found.items()
+                if values is not None and np.isfinite(values).any()
+            }
         )
         several = len(results.sheets) > 1
-        regions += [region_of_page(region, place, sheet.info.name if several else "") for region in judgement.regions]
+        name = sheet.info.name if several else ""
+        regions += [region_of_page(region, place, name, sheet.elements) for region in judgement.regions]
     regions.sort(key=lambda region: -region["severity"])
     return JudgedPart(limits, tuple(sheets), tuple(regions[:LARGEST_REGION_COUNT]), tuple(fields))
 
 
-def region_of_page(region: Region, place: int, name: str) -> dict[str, Any]:
-    """A region for the page: of the sheet number ``place``, whose name is said if it is given."""
+def region_of_page(region: Region, place: int, name: str, elements: np.ndarray) -> dict[str, Any]:
+    """A region for the page.
+
+    Args:
+        region: of a sheet.
+        place: number of the sheet.
+        name: of it, which is said if it is given.
+        elements: places of its elements among those that the page shows, (k,).
+    """
     text = region_text(region)
     return {
         "sheet": place,
         "kind": region.kind,
         "text": f"{name}: {text}" if name else text,
         "field": _FIELD[region.kind],
-        "worst": region.worst,
-        "elements": region.elements.tolist(),
+        "worst": int(elements[region.worst]),
+        "elements": elements[region.elements].tolist(),
         "severity": region.severity,
     }
 
@@ -156,7 +168,8 @@ def _of_doubt(results: Results, doubt: Mapping[str, Any]) -> Remark:
             sheet = 0 if len(names) == 1 else names.index(str(doubt["sheet"]))
             blank = results.sheets[sheet].info.blank
             centre = blank.material_coordinates[blank.quads].mean(axis=1)
-            element = int(np.argmin(np.linalg.norm(centre - np.asarray(place, dtype=float)[:2], axis=1)))
+            nearest = int(np.argmin(np.linalg.norm(centre - np.asarray(place, dtype=float)[:2], axis=1)))
+            element = int(results.sheets[sheet].elements[nearest])
     if doubt.get("time_s") is not None:
         where.append(f"at {number(float(doubt['time_s']), 's')}")
     return Remark(

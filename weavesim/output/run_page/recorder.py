@@ -59,6 +59,17 @@ class FrameRecorder:
         """Of the kept frames, (kept_count, tool_count) [m]."""
         return np.array([kept.tool_displacement for kept in self._shown])
 
+    @property
+    def tool_acts(self) -> list[list[bool]]:
+        """Whether each tool acts in the kept frames, by frame."""
+        return [kept.acts for kept in self._shown]
+
+    def elements(self, sheet: int) -> np.ndarray | None:
+        """Which elements of a sheet are there, (kept_count, element_count) bool; None if all are in all frames."""
+        kept = [kept.kept[sheet] for kept in self._shown]
+        count = max((len(each) for each in kept), default=0)
+        return np.stack([each if len(each) else np.ones(count, dtype=bool) for each in kept]) if count else None
+
     def positions(self, sheet: int) -> np.ndarray:
         """Nodes of a sheet, (kept_count, node_count, 3) [m]."""
         return np.stack([kept.positions[sheet] for kept in self._shown])
@@ -81,6 +92,8 @@ class _Kept:
 
     def __init__(self, place: int, frame: Frame) -> None:
         self.place, self.stage = place, frame.stage
+        self.acts = [frame.acts(k) for k in range(len(frame.tool_displacement))]
+        self.kept = [sheet.kept for sheet in frame.sheets]
         self.tool_displacement = np.array(frame.tool_displacement, dtype=float)
         self.positions = [sheet.position.astype(np.float32) for sheet in frame.sheets]
         self.fields = [

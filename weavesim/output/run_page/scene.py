@@ -61,6 +61,7 @@ def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[s
     for field in JUDGED_FIELDS:
         if field.name in judged:
             fields.append(_field(field, judged[field.name][None]))
+    kept = recorder.elements(place)
     return {
         "name": sheet.name,
         "fabric": sheet.fabric.name,
@@ -77,6 +78,7 @@ def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[s
         # millimetres: numbers of the page are those that readers see
         "position": packed_series(1.0e3 * recorder.positions(place)),
         "fields": fields,
+        **({} if kept is None else {"kept": packed_series(kept.astype(np.float32))}),
     }
 
 
@@ -86,7 +88,7 @@ def _field(field: ShownField, values: np.ndarray) -> dict[str, Any]:
 
 def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
     rest = float(np.mean(np.concatenate([sheet.blank.node_position[:, 2] for sheet in info.sheets])))
-    displacement = recorder.tool_displacement
+    displacement, acts = recorder.tool_displacement, recorder.tool_acts
     found = []
     for k, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
         vertices, faces = _drawn(tool)
@@ -99,6 +101,7 @@ def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
                 "above": bool(0.5 * (height.min() + height.max()) > rest),
                 "sheets": [place for place, sheet in enumerate(info.sheets) if k in sheet.tools],
                 "displacement": (1.0e3 * displacement[:, k]).tolist(),
+                **({} if all(each[k] for each in acts) else {"acts": [each[k] for each in acts]}),
                 "vertices": packed((1.0e3 * vertices).astype(np.float32)),
                 "faces": packed(faces.astype(np.uint32)),
             }

@@ -24,6 +24,10 @@ _FIRST = (
     "weft_stretch",
     "warp_force",
     "weft_force",
+    "tool_pressure_below",
+    "tool_pressure_above",
+    "tool_gap",
+    "wrinkle_height",
 )
 _LAST = ("unit_cell_residual", "unit_cell_failed")
 
@@ -40,7 +44,6 @@ class ShownField:
         description: one sentence.
         absolute: colours show its size, without sign.
         logarithmic: whether it spreads over decades.
-        diverging: whether zero is its middle.
         last_only: whether only the last frame has it.
     """
 
@@ -51,7 +54,6 @@ class ShownField:
     description: str
     absolute: bool = False
     logarithmic: bool = False
-    diverging: bool = False
     last_only: bool = False
 
     def as_dict(self) -> dict[str, object]:
@@ -81,10 +83,8 @@ def shown_field(name: str) -> ShownField:
 # What the judgement of the formed sheet adds, at the last frame.
 JUDGED_FIELDS = (
     ShownField("wrinkle_amplitude", "wrinkle amplitude", "mm", 1.0e3,
-               "half the height of a wave from trough to crest", last_only=True),
+               "half the height of a wave from trough to crest, as the verdict takes it", last_only=True),
     ShownField("wrinkle_wavelength", "wavelength", "mm", 1.0e3, "length of these waves", last_only=True),
-    ShownField("gap", "gap to the nearest tool", "mm", 1.0e3,
-               "between the surface of the sheet and the nearest tool, negative inside it", last_only=True),
     ShownField("self_contact_gap", "gap to the sheet itself", "mm", 1.0e3,
                "between the surfaces of parts of the sheet that lie on each other; no value where none is near",
                last_only=True),

@@ -18,6 +18,7 @@ from ...input_files import check_bounded, read_bounded, shown
 from ...measures.findings import FormedSheet
 from ...run.fields import FIELDS
 from ...run.frame import Frame, RunInfo
+from ...run.staging.part import part_of
 from ...sheet.blank import Blank
 from ...sheet.symmetry import Symmetry
 from ...tools.tool import Tool
@@ -136,7 +137,8 @@ def write_results(path: Path, info: RunInfo, frame: Frame, outcome: str) -> None
             {"format": FORMAT, "format_version": FORMAT_VERSION, "weavesim_version": __version__,
              "run_id": info.run_id, "name": info.name, "time": frame.time, "outcome": outcome}
         )  # fmt: skip
-        for index, (sheet, state) in enumerate(zip(info.sheets, frame.sheets, strict=True)):
+        for index, each in enumerate(zip(info.sheets, frame.sheets, strict=True)):
+            sheet, state = part_of(*each)
             group = file.create_group(f"sheets/{index}")
             group.attrs.update(
                 {"name": sheet.name, "fabric": sheet.fabric.name, "thickness": sheet.fabric.thickness,

@@ -108,9 +108,10 @@ class Unloading(Guard):
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """One note for each sheet in which it matters."""
-        angles = run.values("shear_angle")
-        for info, angle, sheet in zip(run.run.info.sheets, angles, run.extremes.sheets, strict=True):
-            back = sheet.rows[ExtremeRow.angle] - np.abs(angle)
+        frames = run.run.frame.sheets
+        for info, frame, sheet in zip(run.run.info.sheets, frames, run.extremes.sheets, strict=True):
+            back = sheet.rows[ExtremeRow.angle] - np.abs(frame.fields["shear_angle"])
+            back = back[np.isfinite(back)]  # without what was trimmed
             share = float((back > UNLOADED_ANGLE).mean())
             if share > UNLOADED_SHARE and (assumption := unloading_doubt(info.fabric)):
                 yield self.doubt(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -101,11 +101,23 @@ def _ways(
     start: Start, world: int, tool: int, nodes: np.ndarray, distance: Callable[..., tuple[np.ndarray, ...]]
 ) -> Iterator[np.ndarray]:
     """Displacements that a tool may have in every stage in which it acts [m]."""
+    place = since = 0.0  # where a force last took it over, and when
     for phase in start.phases:
         own = phase.setup.worlds[world].tools[tool]
-        if own.name in phase.tools:
-            by_force = own.motion.by_force
-            yield _flight(own, phase.end, nodes, distance) if by_force else _way(own, phase.begin, phase.end)
+        acts = own.name in phase.tools
+        if own.motion.by_force:
+            if acts:
+                yield place + _flight(own, phase.end - since, nodes, partial(_from, distance, place))
+        else:
+            place = own.motion.displacement_at(phase.end)
+            if acts:
+                yield _way(own, phase.begin, phase.end)
+        if not (acts and own.motion.by_force):
+            since = phase.end
+
+
+def _from(distance: Callable[..., tuple[np.ndarray, ...]], place: float, at: float, nodes: np.ndarray) -> Any:
+    return distance(place + at, nodes)
 
 
 def _near(start: Start, distances: ToolDistances, tool: int, way: np.ndarray, reach: float) -> bool:

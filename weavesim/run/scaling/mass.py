@@ -15,6 +15,7 @@ from ...measures.border import outline
 from ...quantities import positive
 from ..frame import Frame
 from ..simulation import Simulation
+from ..staging.part import Part
 
 logger = logging.getLogger(__name__)
 
@@ -144,8 +145,11 @@ def choose_mass_scaling(
 def _changes(unscaled: Simulation, frame: Frame) -> tuple[float, float]:
     """Changes of the angles of ``KEPT_SHARE`` of the elements [degrees], and of the border [m], of all sheets."""
     angles, moves = [], []
-    for sheet, own, other in zip(unscaled.info.sheets, unscaled.frame.sheets, frame.sheets, strict=True):
-        angles.append(np.abs(other.fields["shear_angle"] - own.fields["shear_angle"]))
-        border = outline(sheet.blank, sheet.symmetry).node
+    for whole, own, other in zip(unscaled.info.sheets, unscaled.frame.sheets, frame.sheets, strict=True):
+        angle = np.abs(other.fields["shear_angle"] - own.fields["shear_angle"])
+        angles.append(angle[np.isfinite(angle)])  # what a stage has trimmed has none
+        part = Part(whole, own.kept)
+        border = part.nodes[outline(part.info.blank, whole.symmetry).node]
+        border = np.intersect1d(border, Part(whole, other.kept).nodes)
         moves.append(np.linalg.norm((other.position - own.position)[border], axis=1))
     return float(np.degrees(np.quantile(np.concatenate(angles), KEPT_SHARE))), float(np.concatenate(moves).max())

@@ -15,6 +15,7 @@ from ...errors import InputError, RunError
 from ..ledger import Ledger, StageBook
 from ..start import Prepared
 from .change import change_state, refuse_overlap
+from .waste import clear_waste, cut_sheets, waste_of
 
 if TYPE_CHECKING:
     from ..simulation import Simulation
@@ -44,6 +45,11 @@ def begin_stage(simulation: Simulation) -> None:
     if model.setup.solver.target_step != before.setup.solver.target_step:
         following.stepper.refresh_step()
     following.ledger.carry_on(frame.energies, frame.index)
+    if now.stage.trims:
+        try:
+            following = trim(simulation, following, frame.index)
+        except ValueError as error:
+            raise RunError(f"stage {course.name}: trim at {frame.time:.4g} s: {error}") from None
     simulation.enter(following)
     logger.info("%s: stage %s begins at %.6g s", simulation.name, course.name, frame.time)
     simulation.checkpoint()
@@ -62,10 +68,37 @@ def recall_stage(simulation: Simulation, memory: Mapping[str, Any]) -> None:
         simulation.enter(_prepared(simulation, _model(simulation), dict(memory["carried"])))
 
 
+def trim(simulation: Simulation, whole: Prepared, index: int) -> Prepared:
+    """Trim the sheets of a run at the begin of its present stage.
+
+    Args:
+        simulation: whose course is in that stage.
+        whole: the stage with the sheets as they were.
+        index: of the last frame.
+
+    Raises:
+        ValueError: a trim that leaves nothing or several pieces, or cuts away what a gripper holds.
+    """
+    course, state = simulation.stages, whole.state
+    before = whole.ledger.frame(index).energies
+    cuts = cut_sheets(course.acting[course.index], whole.model, state, course.kept)
+    for each in cuts:
+        course.kept[each.sheet] = each.kept
+    model = _model(simulation)
+    lost = [waste_of(each, whole.model, model, state) for each in cuts]
+    clear_waste(state, model)
+    trimmed = _prepared(simulation, model, {})
+    trimmed.stepper.refresh_step()
+    trimmed.ledger.carry_on(before, index, trimmed=True)
+    energy = trimmed.ledger.frame(index).energies["trimmed_energy"] - before["trimmed_energy"]
+    course.trimmed += [{"stage": course.name, "time_s": state.time, "energy_J": energy, **each} for each in lost]
+    return trimmed
+
+
 def _model(simulation: Simulation) -> Model:
     course = simulation.stages
     own = stage_setup(simulation.setup, course.acting[course.index], course.begins)
-    return Model(own, simulation.model.samples)
+    return Model(own, simulation.model.samples, course.kept)
 
 
 def _prepared(simulation: Simulation, model: Model, carried: dict[str, float]) -> Prepared:
@@ -79,5 +112,6 @@ def _prepared(simulation: Simulation, model: Model, carried: dict[str, float]) -
         step_safety=solver.step_safety,
     )
     stepper.load()
-    ledger = Ledger(stepper, StageBook(course.name, course.acting[course.index].tools, carried))
+    book = StageBook(course.name, course.acting[course.index].tools, carried, simulation.setup.trims)
+    ledger = Ledger(stepper, book)
     return replace(prepared, model=model, stepper=stepper, ledger=ledger)

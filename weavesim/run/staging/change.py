@@ -50,7 +50,7 @@ def change_state(state: State, model: Model, last: Acting, now: Acting) -> None:
         and tool.motion.in_touch
     ]
     if arriving:
-        touch_sheets(model, state, arriving, [_positions(model, state, k) for k in range(len(model.sheets))])
+        touch_sheets(model, state, arriving, [positions_of(model, state, k) for k in range(len(model.sheets))])
     for index, sheet in enumerate(model.sheets):
         held = np.zeros((sheet.blank.node_count, 6), dtype=bool)
         for support in sheet.supports:
@@ -74,7 +74,7 @@ def refuse_overlap(model: Model, state: State, last: Acting, now: Acting) -> Non
             sheet = model.sheets[index]
             thickness = sheet.fabric.thickness
             limit = (0.5 - LARGEST_OVERLAP) * thickness
-            found = distances.deepest(k, float(displacement[k]), _positions(model, state, index), sheet, limit)
+            found = distances.deepest(k, float(displacement[k]), positions_of(model, state, index), sheet, limit)
             if found.element is not None:
                 raise RunError(
                     f"stage {now.stage.name}: {tool.name} begins to act at {state.time:.4g} s, where it overlaps sheet "
@@ -139,7 +139,7 @@ def _restart_tools(state: State, names: list[str], last: Acting, now: Acting) ->
     state.tool_velocity.assign(velocity)
 
 
-def _positions(model: Model, state: State, index: int) -> np.ndarray:
+def positions_of(model: Model, state: State, index: int) -> np.ndarray:
     sheet = model.sheets[index]
     vectors = sheet.read_motion(state.sheets[index].motion)[:, : sheet.blank.node_count].astype(np.float64)
     return vectors[MotionRow.position.vector] + vectors[MotionRow.remainder.vector]

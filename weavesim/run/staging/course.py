@@ -36,6 +36,8 @@ class Course:
         index: of the present stage.
         ended: the stages that are over, as the summary tells them.
         frames: the last frame of every stage so far, by its name.
+        kept: elements of every sheet that no trim has taken away, (element_count,) bool; None for all of a sheet.
+        trimmed: what every trim so far has done, as the summary tells it.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -44,6 +46,8 @@ class Course:
         self.begins: list[Begin] = [first_begin(setup)] if setup.stages else []
         self.ended: list[dict[str, Any]] = []
         self.frames: dict[str, Frame] = {}
+        self.kept: list[np.ndarray | None] = [None] * len(setup.sheets)
+        self.trimmed: list[dict[str, Any]] = []
         self.index = self._first_frame = 0
         self._frame_counts = setup.frame_counts
         self._start_anew()
@@ -202,6 +206,8 @@ class Course:
         return {
             "begins": [[*begin[:2], *map(list, begin[2:])] for begin in self.begins],
             "ended": [dict(each) for each in self.ended],
+            "kept": list(self.kept),
+            "trimmed": [dict(each) for each in self.trimmed],
             "index": self.index,
             "first_frame": self._first_frame,
             "next_check": self._next_check,
@@ -214,6 +220,7 @@ class Course:
         """Be where ``memory`` was."""
         self.begins = [Begin(*each[:2], *map(tuple, each[2:])) for each in memory["begins"]]
         self.ended = [dict(each) for each in memory["ended"]]
+        self.kept, self.trimmed = list(memory["kept"]), [dict(each) for each in memory["trimmed"]]
         self.index, self._first_frame = memory["index"], memory["first_frame"]
         self._next_check, self._rests = memory["next_check"], memory["rests"]
         self._largest_internal, self._reached = memory["largest_internal"], memory["reached"]

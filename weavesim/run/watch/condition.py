@@ -11,6 +11,7 @@ import numpy as np
 from ...measures.crossings import Crossings, CrossingsBetween
 from ...measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
 from ..frame import SheetFrame, SheetInfo
+from ..staging.part import Part
 
 # What is tallied of a sheet.
 TALLIES = ("crossings", "folded", "inverted", "beyond")
@@ -48,16 +49,24 @@ class Condition:
     """
 
     def __init__(self, info: SheetInfo) -> None:
-        self._info, blank = info, info.blank
+        self._whole = info
+        self._see(Part(info, np.zeros(0, dtype=bool)))
+        self.crossings = self.folded = self.inverted = self.beyond = Tally()
+
+    def _see(self, part: Part) -> None:
+        """Look at a part of the sheet from now on: what a stage has left of it."""
+        self._part, blank = part, part.info.blank
         self._crossings = Crossings(blank.quads, blank.node_count)
         self._neighbours = neighbours(blank.quads)
         self._nodes = blank.material_coordinates
         self._centres = self._nodes[blank.quads].mean(axis=1)
-        self.crossings = self.folded = self.inverted = self.beyond = Tally()
 
     def look(self, frame: SheetFrame, time: float) -> None:
         """Look at the sheet at ``time`` [s]."""
-        blank = self._info.blank
+        if not self._part.holds(frame):
+            self._see(Part(self._whole, frame.kept))
+        info, frame = self._part.of(frame)
+        blank = info.blank
         pairs = self._crossings.pairs(frame.position)
         self.crossings = self._counted(self.crossings, len(pairs), np.unique(pairs // 2), time)
         element = folded_elements(frame.position, blank.quads)
@@ -66,7 +75,7 @@ class Condition:
         self.folded = self._counted(self.folded, int(element.sum()) + len(onto), concerned, time)
         inverted = np.flatnonzero(inverted_elements(frame.position, frame.director, blank))
         self.inverted = self._counted(self.inverted, len(inverted), inverted, time)
-        beyond = beyond_symmetry(frame.position, blank, self._info.symmetry)
+        beyond = beyond_symmetry(frame.position, blank, info.symmetry)
         node = int(beyond.argmax())
         self.beyond = _worse(self.beyond, float(beyond[node]), time, self._nodes[node], 0.0)
 
@@ -98,17 +107,28 @@ class StackCondition:
     """
 
     def __init__(self, infos: Sequence[SheetInfo]) -> None:
-        self._infos = tuple(infos)
-        self._crossings = CrossingsBetween([info.blank.quads for info in infos])
+        self._whole = tuple(infos)
+        self._see([Part(info, np.zeros(0, dtype=bool)) for info in infos])
         names = [info.name for info in infos]
         self.crossings = {pair: Tally() for pair in combinations(names, 2)}
         self.total = dict.fromkeys(self.crossings, 0)
         self.look_count = 0
 
+    def _see(self, parts: Sequence[Part]) -> None:
+        """Look at parts of the sheets from now on."""
+        self._parts = tuple(parts)
+        self._infos = tuple(part.info for part in parts)
+        self._crossings = CrossingsBetween([info.blank.quads for info in self._infos])
+
     def look(self, frames: Sequence[SheetFrame], time: float) -> None:
         """Look at the sheets at ``time`` [s]; ``frames`` may be those of the whole run."""
-        own = {frame.name: frame.position for frame in frames}
-        pairs = self._crossings.pairs([own[info.name] for info in self._infos])
+        by_name = {frame.name: frame for frame in frames}
+        own = [by_name[info.name] for info in self._whole]
+        if not all(part.holds(frame) for part, frame in zip(self._parts, own, strict=True)):
+            self._see([Part(info, frame.kept) for info, frame in zip(self._whole, own, strict=True)])
+        pairs = self._crossings.pairs(
+            [part.of(frame)[1].position for part, frame in zip(self._parts, own, strict=True)]
+        )
         self.look_count += 1
         for (a, first), (b, second) in combinations(enumerate(self._infos), 2):
             meeting = pairs[(pairs[:, 0] == a) & (pairs[:, 2] == b)]

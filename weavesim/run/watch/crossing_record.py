@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ...measures.crossings import Crossings
-from ..frame import Frame, Outcome, RunInfo
+from ..frame import Frame, Outcome, RunInfo, SheetInfo
+from ..staging.part import part_of
 from .condition import StackCondition
 
 # Parts of a sheet that are closer on the flat blank than this, over the thickness, are neighbours.
@@ -31,7 +32,7 @@ class CrossingRecord:
 
     def start(self, info: RunInfo) -> None:
         self._info = info
-        self._crossings = [Crossings(sheet.blank.quads, sheet.blank.node_count) for sheet in info.sheets]
+        self._crossings = [_crossings(sheet) for sheet in info.sheets]
         self._stacks = [StackCondition(sheets) for sheets in info.worlds if len(sheets) > 1]
         self.within = {sheet.name: [] for sheet in info.sheets}
         self.between = {names: [] for stack in self._stacks for names in stack.crossings}
@@ -39,6 +40,9 @@ class CrossingRecord:
     def frame(self, frame: Frame) -> None:
         for sheet, crossings, state in zip(self._info.sheets, self._crossings, frame.sheets, strict=True):
             limit = self._neighbour_distance * sheet.fabric.thickness
+            if len(state.kept):
+                sheet, state = part_of(sheet, state)
+                crossings = _crossings(sheet)
             pairs = crossings.distant(crossings.pairs(state.position), sheet.blank.material_coordinates, limit)
             self.within[sheet.name].append(len(pairs))
         for stack in self._stacks:
@@ -53,3 +57,7 @@ class CrossingRecord:
     def total(self) -> int:
         """Pairs of all frames."""
         return sum(map(sum, (*self.within.values(), *self.between.values())))
+
+
+def _crossings(sheet: SheetInfo) -> Crossings:
+    return Crossings(sheet.blank.quads, sheet.blank.node_count)

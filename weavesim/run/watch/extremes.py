@@ -57,6 +57,10 @@ class SheetExtremes:
         self.rows = np.zeros((ExtremeRow.row_count(), model.blank.element_count))
         self.touched = np.zeros(model.tool_count, dtype=bool)
 
+    def begin_stage(self, model: SheetModel) -> None:
+        """Read a stage from now on, whose constants are ``model``."""
+        self._model = model
+
     def read(self, state: SheetState, time: float) -> None:
         """Read what the device has found by ``time`` [s]; waits for it."""
         rows = state.extremes.numpy()[:, : self._model.blank.element_count].astype(np.float64)
@@ -68,13 +72,14 @@ class SheetExtremes:
         self.angle = self._further(self.angle, 0.0, 1.0, rows[ExtremeRow.angle], time)
         if self._model.tool_count:
             depth = state.depth.numpy()[:, : self._model.blank.node_count].astype(np.float64)
+            depth[:, self._model.waste] = 0.0
             tool, node = np.unravel_index(int(np.argmax(depth)), depth.shape)
             if depth[tool, node] > self.depth.value:
                 x, y = self._nodes[node]
                 of_run = self._model.places.tools.start + int(tool)
                 self.depth = Extreme(float(depth[tool, node]), time, (float(x), float(y)), of_run)
             self.touched |= depth.max(axis=1) > 0.0
-            if self._model.samples.count:
+            if self._model.samples.count and self._model.kept.all():
                 self.touched |= state.sample_depth.numpy().max(axis=1) > 0.0
 
     def memory(self) -> dict[str, Any]:
@@ -119,6 +124,11 @@ class Extremes:
         for places, sheet in zip(self._places, self.sheets, strict=True):
             touched[places.start : places.stop] |= sheet.touched
         return touched
+
+    def begin_stage(self, model: Model) -> None:
+        """Read a stage from now on, whose constants are ``model``."""
+        for extremes, sheet in zip(self.sheets, model.sheets, strict=True):
+            extremes.begin_stage(sheet)
 
     def read(self, state: State, time: float) -> None:
         """Read what the device has found by ``time`` [s]; waits for it."""

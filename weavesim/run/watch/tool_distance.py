@@ -74,11 +74,13 @@ class ToolDistances:
             limit: only points nearer than this are looked for [m].
             director: at the nodes, (node_count, 3): of the surface that they describe; None takes flat elements.
         """
-        quads, resolution = sheet.blank.quads, RESOLUTION * sheet.fabric.thickness
+        (there,), resolution = np.nonzero(sheet.kept), RESOLUTION * sheet.fabric.thickness
+        quads = sheet.blank.quads[there]
         directors = None if director is None else director[quads]
-        return deepest_point(
+        found = deepest_point(
             lambda points: self(tool, displacement, points)[0], position[quads], limit, resolution, directors
         )
+        return found if found.element is None else found._replace(element=int(there[found.element]))
 
 
 class Deepest(NamedTuple):

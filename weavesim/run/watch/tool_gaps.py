@@ -20,17 +20,24 @@ class ToolGaps:
         state: of the run, which is read.
         point_count: number of points.
         acting: whether each tool of the run acts, (tool_count,) bool; others are infinitely far away.
+        keep_normals: whether ``normals`` are wanted.
 
     Attributes:
         launches: of every tool.
+        distances, normal: of the points called last, of all tools, also of those that do not act, [tool, point];
+            ``normal`` has a row for all tools together without ``keep_normals``.
     """
 
-    def __init__(self, model: Model, index: int, state: State, point_count: int, acting: np.ndarray) -> None:
+    def __init__(
+        self, model: Model, index: int, state: State, point_count: int, acting: np.ndarray, keep_normals: bool = False
+    ) -> None:
         self._sheet, self._tools, self._state = model.sheets[index], model.tools, state
         count, places = self._sheet.tool_count, self._sheet.places.tools
         self._away = ~acting[places.start : places.stop]
         self._points = wp.zeros(point_count if count else 0, dtype=wp.vec3d, device=model.device)
-        self._distances = wp.zeros((count, len(self._points)), dtype=model.real, device=model.device)
+        self.distances = wp.zeros((count, len(self._points)), dtype=model.real, device=model.device)
+        self.normal = wp.zeros((count if keep_normals else min(count, 1), len(self._points)), dtype=model.types.vec3,
+                               device=model.device)  # fmt: skip
         # packed once: a launch from Python costs more than the work of a small sheet
         self.launches = self._record() if len(self._points) else []
 
@@ -44,20 +51,23 @@ class ToolGaps:
         for launch, value in zip(self.launches, displacement, strict=True):
             launch.set_param_by_name("displacement", wp.float64(value))
             launch.launch()
-        result = self._distances.numpy().astype(np.float64)
+        result = self.distances.numpy().astype(np.float64)
         result[self._away] = np.inf
         return result
 
+    def normals(self) -> np.ndarray:
+        """Outward normals of the tools at the points called last, (tool_count, point_count, 3)."""
+        return self.normal.numpy().astype(np.float64)
+
     def _record(self) -> list[wp.Launch]:
         sheet, tools = self._sheet, self._tools
-        normal = wp.zeros(self._points.shape, dtype=sheet.types.vec3, device=sheet.device)
         kernel = sample_distance_kernel(sheet.real, 1, further_kinds(sheet.node_traits.shape_kinds))
         return [
             wp.launch(
                 kernel,
                 dim=self._points.shape[0],
                 inputs=[tools.tool, tools.part, sheet.places.tools.start + k, wp.float64(0.0), self._points],
-                outputs=[self._distances[k], normal],
+                outputs=[self.distances[k], self.normal[min(k, len(self.normal) - 1)]],
                 device=sheet.device,
                 record_cmd=True,
             )

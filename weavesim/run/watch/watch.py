@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import astuple
 from typing import Any
 
+from ...engine.model import Model
 from ..frame import Frame
 from ..ledger import Ledger
 from ..sheet_ledger import NO_PENETRATION, Penetration
@@ -55,15 +56,16 @@ class Watch:
         """When to look again [s]."""
         return self._begin + self._duration * self._next / self._count
 
-    def begin_stage(self, ledger: Ledger, begin: float, duration: float) -> None:
+    def begin_stage(self, model: Model, ledger: Ledger, begin: float, duration: float) -> None:
         """Look at a stage of a run that begins now, with a state that has been looked at.
 
         Args:
-            ledger: of the stage.
+            model, ledger: of the stage.
             begin: from which its times count [s].
             duration: of it [s].
         """
         self._ledger, self._begin, self._duration = ledger, begin, duration
+        self.extremes.begin_stage(model)
         self._next = self._following(self._state.time)
 
     def _following(self, time: float) -> int:

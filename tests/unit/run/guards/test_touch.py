@@ -5,6 +5,7 @@ import pytest
 
 from tests.support.runs import small_run
 from weavesim.process.dynamics import Dynamics
+from weavesim.process.stages import Stage
 from weavesim.process.strokes import ForceDriven, Stroke
 from weavesim.run.frame import Outcome
 from weavesim.run.guards import Level
@@ -141,3 +142,22 @@ def test_a_tool_by_force_reaches_as_far_as_its_force_carries_it(height, force, d
         axis=(0.0, 0.0, -1.0),
     )  # fmt: skip
     assert ("tool_reach" in spoken(small_run(tools=[weight], duration=duration))) == told
+
+
+@pytest.mark.parametrize(
+    ("stroke", "duration", "told"),
+    [
+        (0.0, 1e-3, True),  # 0.05 mm from its place at 30 mm, however long it stood there
+        (0.0, 0.1, False),
+        (0.0299, 2e-3, False),  # 0.2 mm from where its stroke ended
+    ],
+)
+def test_a_force_of_a_later_stage_carries_a_tool_from_its_place_in_the_time_of_the_stage(stroke, duration, told):
+    weight = Tool(
+        "weight", Sphere(0.01, origin=(0.01, 0.01, 0.0406)), Stroke((0.0, 0.1), (0.0, stroke)), axis=(0.0, 0.0, -1.0)
+    )
+    stages = (
+        Stage("wait", 0.1),
+        Stage("push", duration, moves={"weight": ForceDriven.constant(1.0, 0.01)}),
+    )
+    assert ("tool_reach" in spoken(small_run(tools=[weight], stages=stages, duration=0.1 + duration))) == told

@@ -120,8 +120,8 @@ weavesim.Controls = class {
     if (page.view.tools.length === 0) return null;
     const parts = page.view.tools.map((tool) => {
       const [red, green, blue] = tool.given.colour.map((x) => Math.round(255 * x));
-      return this.check(tool.name, tool.mesh.visible, (on) => {
-        tool.mesh.visible = on;
+      return this.check(tool.name, tool.wanted, (on) => {
+        page.view.showTool(tool, on);
         page.section.update();
         page.view.draw();
       }, `rgb(${red} ${green} ${blue})`);

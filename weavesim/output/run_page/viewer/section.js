@@ -67,6 +67,7 @@ weavesim.Section = class {
         if (!sheet.copies[place].visible) return;
         const point = (node) => [x * sheet.nodes[3 * node], y * sheet.nodes[3 * node + 1], sheet.nodes[3 * node + 2] + lift];
         for (let e = 0; e < sheet.elementCount; e += 1) {
+          if (!sheet.has(e)) continue;
           const corner = [0, 1, 2, 3].map((k) => point(sheet.quads[4 * e + k]));
           segments.push(...this.through([corner[0], corner[1], corner[2]], normal),
             ...this.through([corner[0], corner[2], corner[3]], normal));

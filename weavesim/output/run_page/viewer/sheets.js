@@ -11,7 +11,29 @@ weavesim.Sheet = class {
     ]);
     sheet.positions = await weavesim.Series.of(given.position, frameCount, 3 * given.nodeCount);
     sheet.nodes = new Float32Array(3 * given.nodeCount);
+    // which elements are there: a stage may trim some away
+    sheet.kept = given.kept ? await weavesim.Series.of(given.kept, frameCount, given.elementCount) : null;
+    sheet.there = sheet.nodesThere = null;
     return sheet;
+  }
+
+  has(element) {
+    return this.there === null || this.there[element] > 0.5;
+  }
+
+  hasNode(node) {
+    return this.nodesThere === null || this.nodesThere[node] === 1;
+  }
+
+  // What is there in a frame; the sides of the mesh are drawn anew where that has changed.
+  trim(frame) {
+    if (this.kept === null) return;
+    const before = this.there;
+    this.there = this.kept.frame(frame);
+    if (before !== null && before.every((value, e) => value === this.there[e])) return;
+    this.nodesThere = new Uint8Array(this.given.nodeCount);
+    for (let i = 0; i < this.quads.length; i += 1) if (this.has(i >> 2)) this.nodesThere[this.quads[i]] = 1;
+    this.meshLines.geometry.setIndex(new THREE.BufferAttribute(this.edges(), 1));
   }
 
   get elementCount() {
@@ -108,6 +130,7 @@ weavesim.Sheet = class {
     const seen = new Set();
     const found = [];
     for (let e = 0; e < this.elementCount; e += 1) {
+      if (!this.has(e)) continue;
       for (let k = 0; k < 4; k += 1) {
         const a = this.quads[4 * e + k];
         const b = this.quads[4 * e + ((k + 1) % 4)];
@@ -126,11 +149,13 @@ weavesim.Sheet = class {
     if (frame === this.frame) return;
     this.frame = frame;
     this.nodes = this.positions.frame(frame);
+    this.trim(frame);
     const normal = this.normals();
     const position = this.geometry.attributes.position;
     const target = this.geometry.attributes.normal;
     for (let i = 0; i < this.quads.length; i += 1) {
-      const node = 3 * this.quads[i];
+      // an element that is not there is drawn as a point
+      const node = 3 * this.quads[this.has(i >> 2) ? i : i & ~3];
       for (let c = 0; c < 3; c += 1) {
         position.array[3 * i + c] = this.nodes[node + c];
         target.array[3 * i + c] = normal[node + c];
@@ -159,6 +184,7 @@ weavesim.Sheet = class {
     const found = new Float32Array(this.nodes.length);
     const x = this.nodes;
     for (let e = 0; e < this.elementCount; e += 1) {
+      if (!this.has(e)) continue;
       const [a, b, c, d] = [0, 1, 2, 3].map((k) => 3 * this.quads[4 * e + k]);
       const [px, py, pz] = [x[c] - x[a], x[c + 1] - x[a + 1], x[c + 2] - x[a + 2]];
       const [qx, qy, qz] = [x[d] - x[b], x[d + 1] - x[b + 1], x[d + 2] - x[b + 2]];
@@ -184,7 +210,7 @@ weavesim.Sheet = class {
       const [p, q] = [this.yarns[4 * e + 2 * yarn], this.yarns[4 * e + 2 * yarn + 1]];
       const along = [0, 1, 2].map((k) => p * (x[a + k] - x[c + k]) + q * (x[b + k] - x[d + k]));
       const size = Math.hypot(...[0, 1, 2].map((k) => x[c + k] - x[a + k]));
-      const reach = (0.3 * size * Math.sqrt(every)) / (Math.hypot(...along) || 1);
+      const reach = (this.has(e) ? 1 : 0) * (0.3 * size * Math.sqrt(every)) / (Math.hypot(...along) || 1);
       for (let k = 0; k < 3; k += 1) {
         const centre = 0.25 * (x[a + k] + x[b + k] + x[c + k] + x[d + k]);
         found[6 * i + k] = centre - reach * along[k];

@@ -82,7 +82,7 @@ weavesim.View = class {
     });
     const mesh = new THREE.Mesh(flat, material);
     mesh.renderOrder = given.above ? 5 : 0;
-    const tool = { given, mesh, vertices, faces, name: given.name, displacement: 0 };
+    const tool = { given, mesh, vertices, faces, name: given.name, displacement: 0, wanted: false, acts: true };
     mesh.visible = false;
     this.scene.add(mesh);
     this.tools.push(tool);
@@ -94,8 +94,16 @@ weavesim.View = class {
     tool.mesh.renderOrder = opacity < 1 ? 5 : 0;
   }
 
+  // Shows or hides a tool; one that does not act in this frame is not there.
+  showTool(tool, wanted) {
+    tool.wanted = wanted;
+    tool.mesh.visible = wanted && tool.acts;
+  }
+
   moveTools(frame) {
     for (const tool of this.tools) {
+      tool.acts = !tool.given.acts || tool.given.acts[frame];
+      this.showTool(tool, tool.wanted);
       tool.displacement = tool.given.displacement[frame] || 0;
       tool.mesh.position.set(...tool.given.axis.map((x) => x * tool.displacement));
     }
@@ -108,6 +116,7 @@ weavesim.View = class {
       sheet.given.copies.forEach(([x, y], place) => {
         if (!sheet.copies[place].visible) return;
         for (let i = 0; i < sheet.nodes.length; i += 3) {
+          if (!sheet.hasNode(i / 3)) continue;
           use([x * sheet.nodes[i], y * sheet.nodes[i + 1], sheet.nodes[i + 2] + sheet.group.position.z]);
         }
       });

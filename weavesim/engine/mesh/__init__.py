@@ -1,0 +1,1 @@
+"""The mesh of a sheet in the form that the kernels read."""

@@ -1,0 +1,100 @@
+"""Gap to the tools and height of wrinkles of a sheet at one instant, for the frames that are written."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ...engine.model import Model
+from ...engine.state import State
+from ...measures.defects.waves import LONGEST_WAVELENGTH, WaveFilter
+from ...sheet.blank import Blank
+from .tool_gaps import ToolGaps
+
+# A larger sheet has no heights of wrinkles in its frames: the equations of the waves would take gigabytes.
+LARGEST_NODE_COUNT = 200_000
+# Share of the reach of sampled distances up to which they are distances, not bounds.
+_KNOWN_SHARE = 1.0 - 1.0e-5
+
+
+class SurfaceFields:
+    """Takes both fields of one sheet.
+
+    Args:
+        model: of the run.
+        index: of the sheet.
+        state: of the run, which is read.
+        acting: whether each tool of the run acts, (tool_count,) bool.
+    """
+
+    def __init__(self, model: Model, index: int, state: State, acting: np.ndarray) -> None:
+        sheet = self._sheet = model.sheets[index]
+        self._gaps = ToolGaps(model, index, state, sheet.blank.element_count, acting)
+        tools = model.setup.tools[sheet.places.tools.start : sheet.places.tools.stop]
+        surfaces = [[part.surface for part in tool.shape.parts() if part.surface is not None] for tool in tools]
+        # beyond the reach of its samples, the distance to a mesh is only a lower bound
+        self._reach = np.array(
+            [min((model.samples[surface].reach for surface in own), default=np.inf) for own in surfaces]
+        )
+
+    @property
+    def launches(self) -> list:
+        """Of the distances to the tools."""
+        return self._gaps.launches
+
+    @cached_property
+    def _part(self) -> tuple[Blank, np.ndarray]:
+        """What no stage has trimmed away, and its nodes."""
+        blank, kept = self._sheet.blank, self._sheet.kept
+        return (blank, np.arange(blank.node_count)) if kept.all() else blank.part(kept)
+
+    @cached_property
+    def _filter(self) -> WaveFilter:
+        return WaveFilter(self._part[0], LONGEST_WAVELENGTH)
+
+    def __call__(self, position: np.ndarray, thickness: np.ndarray, node_distance: np.ndarray) -> dict[str, np.ndarray]:
+        """The fields by name, (element_count,) each [m]; waits for the device.
+
+        A gap is not a number where no tool acts, or where the nearest one is a mesh out of the reach of its samples.
+
+        Args:
+            position: of the nodes, (node_count, 3) [m].
+            thickness: of the elements, (element_count,) [m].
+            node_distance: of the nodes from each tool, infinite where it does not act, (tool_count, node_count) [m].
+        """
+        found, quads = {}, self._sheet.blank.quads
+        if self._sheet.tool_count:
+            middle = self._nearest(self._gaps(position[quads].mean(axis=1)))
+            found["tool_gap"] = middle - 0.5 * thickness
+        if self._sheet.blank.node_count <= LARGEST_NODE_COUNT:
+            nodes, height = self._part[1], np.full(len(quads), np.nan)
+            height[self._sheet.kept] = self._height(position[nodes], node_distance[:, nodes])
+            found["wrinkle_height"] = height
+        return found
+
+    def _nearest(self, distance: np.ndarray) -> np.ndarray:
+        """Distance from the nearest tool, (n,), not a number where it is unknown, of (tool_count, n) [m]."""
+        nearest = distance.min(axis=0)
+        bound = distance.argmin(axis=0)
+        known = np.isfinite(nearest) & (nearest < _KNOWN_SHARE * self._reach[bound])
+        return np.where(known, nearest, np.nan)
+
+    def _height(self, position: np.ndarray, node_distance: np.ndarray) -> np.ndarray:
+        """From trough to crest, twice the amplitude.
+
+        Waves of the sheet itself contain the shape of the part; those of its distance to the nearest tool contain
+        creases where another one becomes the nearest. A wrinkle is in both: the smaller one counts, and the first
+        alone where that distance is unknown.
+        """
+        waves, deviations, known = self._filter, [self._filter.of_surface(position)], None
+        if len(node_distance):
+            height = self._nearest(node_distance)
+            there = np.isfinite(height)
+            if there.any():
+                known = there[self._part[0].quads].all(axis=1)
+                deviations.append(waves.of_height(np.where(there, height, height[there].max())))
+        amplitude, _ = waves.measured(np.stack(deviations))
+        if known is None:
+            return 2.0 * amplitude[0]
+        return 2.0 * np.where(known, amplitude.min(axis=0), amplitude[0])

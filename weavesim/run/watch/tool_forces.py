@@ -1,0 +1,171 @@
+"""Forces of the tools at every point of a sheet, by the contact law of the steps, computed when a frame wants them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import warp as wp
+
+from ...engine.layout import lanes_view
+from ...engine.model import Model
+from ...engine.sheet_model import SheetModel
+from ...engine.state import State
+from ...engine.surface.friction import argument_rows, contact_areas
+from ...kernels.contact.penalty import touch_struct
+from ...kernels.contact.tool_distance import tool_set_struct
+from ...kernels.stepping.tool_contact import tool_push_kernel, touching_struct
+from ...sheet.samples import corner_shares
+from .tool_gaps import ToolGaps
+
+
+class PointForces(NamedTuple):
+    """Forces of the tools at points of a sheet.
+
+    Attributes:
+        push: along the outward normal of each tool, (tool_count, point_count) [N].
+        normal: these normals, (tool_count, point_count, 3).
+        drag: of friction, (tool_count, point_count, 3) [N].
+    """
+
+    push: np.ndarray
+    normal: np.ndarray
+    drag: np.ndarray
+
+
+class ToolForces:
+    """Forces of the tools of one sheet at its nodes, and at its samples where it meets tools between them.
+
+    They are those of the step to come, which starts from the state. The step itself keeps only their sums.
+
+    Args:
+        model: of the run.
+        index: of the sheet.
+        state: of the run, which is read.
+        gaps: distances and normals at these points, nodes first.
+        acting: whether each tool of the run acts, (tool_count,) bool.
+
+    Attributes:
+        launches: that compute them; none without tools.
+    """
+
+    def __init__(self, model: Model, index: int, state: State, gaps: ToolGaps, acting: np.ndarray) -> None:
+        sheet = self._sheet = model.sheets[index]
+        self._own, self._gaps = state.sheets[index], gaps
+        self._acts = acting[sheet.places.tools.start : sheet.places.tools.stop]
+        self._node_count, self._element_count = sheet.blank.node_count, sheet.blank.element_count
+        real, count = sheet.real, self._node_count + len(sheet.samples.places) * self._element_count
+        self._shares = corner_shares(sheet.samples.places)[0]
+        self._half_thickness = wp.zeros(count, dtype=real, device=sheet.device)
+        self._velocity = wp.zeros(count, dtype=sheet.types.vec3, device=sheet.device)
+        self._friction = wp.zeros((3 * sheet.tool_count, count), dtype=real, device=sheet.device)
+        self._push = wp.zeros((sheet.tool_count, count), dtype=real, device=sheet.device)
+        self._drag = wp.zeros(self._push.shape, dtype=sheet.types.vec3, device=sheet.device)
+        self.launches = [self._record(model, state)] if sheet.tool_count else []
+
+    def __call__(self, half_thickness: np.ndarray, velocity: np.ndarray) -> PointForces:
+        """Forces at the points whose distances ``gaps`` has just taken; waits for the device.
+
+        Args:
+            half_thickness: at the points, (point_count,) [m].
+            velocity: of the nodes, (node_count, 3) [m/s].
+        """
+        sheet = self._sheet
+        if not self.launches:
+            empty = np.zeros((0, len(half_thickness)))
+            return PointForces(empty, empty[..., None], empty[..., None])
+        self._half_thickness.assign(half_thickness)
+        corners = velocity[sheet.blank.quads]
+        self._velocity.assign(np.concatenate([velocity, *np.einsum("sc,eci->sei", self._shares, corners)]))
+        self._friction.assign(self._springs())
+        for launch in self.launches:
+            launch.launch()
+        push, drag = (array.numpy().astype(np.float64) for array in (self._push, self._drag))
+        push[~self._acts], drag[~self._acts] = 0.0, 0.0
+        return PointForces(push, self._gaps.normals(), drag)
+
+    def _springs(self) -> np.ndarray:
+        """Friction springs at the points, (3 tool_count, point_count) [m]."""
+        sheet, rows = self._sheet, 3 * self._sheet.tool_count
+        parts = [sheet.friction_layout.read(self._own.friction)[:rows, : self._node_count]]
+        if places := len(sheet.samples.places):
+            between = sheet.samples.layout.read(self._own.sample_friction)[:rows]
+            between = between.reshape(rows, places, sheet.element_count)[..., sheet.samples.slot]
+            parts.append(between.reshape(rows, -1))
+        return np.concatenate(parts, axis=1)
+
+    def _record(self, model: Model, state: State) -> wp.Launch:
+        sheet, tools = self._sheet, model.tools
+        of_tools = tool_set_struct(sheet.real)()
+        of_tools.part, of_tools.argument, of_tools.coefficient = tools.part, tools.argument, tools.coefficient
+        own = sheet.places.tools.of
+        of_tools.tool, of_tools.law = own(tools.tool), own(tools.law)
+        of_tools.displacement, of_tools.velocity = own(state.tool_displacement), own(state.tool_velocity)
+        return wp.launch(
+            tool_push_kernel(sheet.real, sheet.node_traits.friction_laws),
+            dim=self._push.shape,
+            inputs=[sheet.node_laws(), of_tools, self._points(state), self._touch()],
+            outputs=[self._push, self._drag],
+            device=sheet.device,
+            record_cmd=True,
+        )
+
+    def _points(self, state: State) -> Any:
+        sheet, points = self._sheet, touching_struct(self._sheet.real)()
+        mass = [sheet.node_mass, np.tile(sheet.samples.mass, len(sheet.samples.places))]
+        points.clock = state.clock
+        points.mass = wp.array(np.concatenate(mass), dtype=sheet.real, device=sheet.device)
+        points.half_thickness, points.velocity = self._half_thickness, self._velocity
+        points.distance, points.normal = self._gaps.distances, self._gaps.normal
+        return points
+
+    def _touch(self) -> Any:
+        """Friction of the points, with room for what laws note of their arguments, which nobody reads."""
+        sheet, touch = self._sheet, touch_struct(self._sheet.real, 1)()
+        touch.friction = lanes_view(self._friction, 1)
+        if sheet.node_traits.friction_laws:
+            count = self._push.shape[1]
+            area = [contact_areas(sheet, samples=False)[: self._node_count]]
+            if places := len(sheet.samples.places):
+                between = contact_areas(sheet, samples=True).reshape(places, -1)[:, sheet.samples.slot]
+                area.append(between.ravel())
+            arguments = wp.array(argument_rows(sheet, count), dtype=sheet.real, device=sheet.device)
+            areas = wp.array(np.concatenate(area), dtype=sheet.real, device=sheet.device)
+            touch.argument, touch.area = lanes_view(arguments, 1), lanes_view(areas, 1)
+        return touch
+
+
+def tool_fields(
+    sheet: SheetModel, forces: PointForces, director: np.ndarray, area_ratio: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Pressure and friction of the tools on either face, of every element, (element_count,) [Pa].
+
+    Forces at a node are shared by its elements as their areas on the flat sheet share it; those at a sample belong to
+    its element. Their sum over the current area of the element is its pressure: summed over the elements, pressure
+    times area is the force of the tools.
+
+    Args:
+        sheet: of the run.
+        forces: of its tools.
+        director: at the nodes, (node_count, 3).
+        area_ratio: current over initial area of the elements, (element_count,).
+    """
+    if not sheet.tool_count:
+        return {}
+    quads, initial = sheet.blank.quads, sheet.geometry.area
+    there = initial * sheet.kept
+    around = np.bincount(quads.ravel(), np.repeat(0.25 * there, 4), sheet.blank.node_count)
+    share = 0.25 * there[:, None] / np.where(sheet.waste, 1.0, around)[quads]
+    shares = corner_shares(sheet.samples.places)[0]
+    directors = np.concatenate([director, *np.einsum("sc,eci->sei", shares, director[quads])])
+    # a tool below pushes up, along the director
+    below = np.einsum("tpi,pi->tp", forces.normal, directors) > 0.0
+    rubbed = np.linalg.norm(forces.drag, axis=2)
+    found = {}
+    for name, values in (("pressure", forces.push), ("friction", rubbed)):
+        for face, here in (("below", below), ("above", ~below)):
+            total = np.where(here, values, 0.0).sum(axis=0)
+            between = total[sheet.blank.node_count :].reshape(-1, len(quads)).sum(axis=0)
+            force = (share * total[: sheet.blank.node_count][quads]).sum(axis=1) + between
+            found[f"tool_{name}_{face}"] = force / (area_ratio * initial)
+    return found

@@ -6,6 +6,7 @@ row, add a member; to change the order, move one: nothing else counts rows. This
 """
 
 from enum import IntEnum
+from functools import cache
 from typing import Self
 
 
@@ -16,20 +17,24 @@ class Rows(IntEnum):
         unit: in SI; "1" for a pure number.
         description: contents of the row.
         width: number of rows, starting from its own number.
+        vector: index of a vector among those of its array, for arrays (vector, item, component).
     """
 
     unit: str
     description: str
     width: int
+    vector: int
 
     def __new__(cls, unit: str, description: str, width: int = 1) -> Self:
         first = sum(member.width for member in cls)
         member = int.__new__(cls, first)
         member._value_ = first
         member.unit, member.description, member.width = unit, description, width
+        member.vector = sum(other.width == 3 for other in cls)
         return member
 
     @classmethod
+    @cache
     def names(cls) -> tuple[str, ...]:
         """Names of all members, in order."""
         return tuple(member.name for member in cls)
@@ -43,11 +48,6 @@ class Rows(IntEnum):
     def span(self) -> slice:
         """All rows of the member."""
         return slice(int(self), self + self.width)
-
-    @property
-    def vector(self) -> int:
-        """Index of a vector among those of its array, for arrays (vector, item, component)."""
-        return sum(other.width == 3 for other in type(self) if other < self)
 
 
 class MotionRow(Rows):
@@ -222,6 +222,19 @@ class ToolWorkRow(Rows):
     on_sheet = "J", "work of the tool on the sheet so far"
     driving = "J", "work of the driving force so far"
     damping = "J", "energy lost in the damper of a tool that a force moves"
+    carrying = "J", "work of the path and the rotation of a tool on the sheet so far"
+
+
+class ToolPoseRow(Rows):
+    """Pose of a tool that is carried along a path and turned: a point X of it, as drawn, is at rotation X + shift."""
+
+    rotation = "1", "turn, row by row", 9
+    shift = "m", "of the origin", 3
+    pivot = "m", "where the point is about which it turns", 3
+    velocity = "m/s", "along its path, without that along its axis, half a step before", 3
+    spin = "rad/s", "rate at which it turns, half a step before", 3
+    offset = "m", "way along its path", 3
+    angle = "rad", "of its rotation"
 
 
 class ToolDriveRow(Rows):

@@ -70,9 +70,10 @@ if TYPE_CHECKING:
     from .process.grippers import Gripper
     from .process.interfaces import Interface
     from .process.loads import NodalLoads
+    from .process.motions.paths import PathMotion, Rotation
     from .process.pressure import Pressure
     from .process.self_contact import SelfContact
-    from .process.stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
+    from .process.stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetLoads, SheetPressure, Stage, StageEnd
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
     from .process.supports import Drive, Support
     from .process.trims import Trim
@@ -156,9 +157,20 @@ _names_in = {
     "process.grippers": ("Gripper",),
     "process.interfaces": ("Interface",),
     "process.loads": ("NodalLoads",),
+    "process.motions.paths": ("PathMotion", "Rotation"),
     "process.pressure": ("Pressure",),
     "process.self_contact": ("SelfContact",),
-    "process.stages": ("AtForce", "AtRest", "AtStroke", "Move", "SheetPressure", "Stage", "StageEnd"),
+    "process.stages": (
+        "AtForce",
+        "AtRest",
+        "AtStroke",
+        "FrictionOf",
+        "Move",
+        "SheetLoads",
+        "SheetPressure",
+        "Stage",
+        "StageEnd",
+    ),
     "process.strokes": ("Fixed", "ForceDriven", "Motion", "SmoothStroke", "Stroke"),
     "process.supports": ("Drive", "Support"),
     "process.trims": ("Trim",),

@@ -43,6 +43,7 @@ SLIPS: dict[str, tuple[tuple[str, float], ...]] = {
     "m/s": (("mm/s", 1.0e-3), ("mm/min", 1.0e-3 / 60.0)),
     "m/s^2": (("mm/s^2", 1.0e-3),),
     "s": (("ms", 1.0e-3), ("us", 1.0e-6)),
+    "rad/s": (("degrees/s", math.pi / 180.0), ("rpm", math.pi / 30.0)),
     "1/s": (),
     "Pa s": (("mPa s", 1.0e-3),),
     "1": (("per cent", 1.0e-2),),
@@ -135,6 +136,8 @@ QUANTITIES: dict[str, Row] = {
     "time step": Row("time step", "s", (1.0e-15, 10.0), (1.0e-9, 0.01)),
     "energy share": Row("ratio of energies", "1", (0.0, 1.0e9), (0.0, 0.5)),
     "angle": Row("angle of yarns or of a test", "degrees", (0.0, 3600.0), (0.0, 180.0)),
+    "turn of a tool": Row("angle of a tool that turns", "degrees", (0.0, 1.0e7), (0.0, 36000.0)),
+    "turning speed": Row("speed of a tool that turns", "rad/s", (0.0, 1.0e6), (1.0e-4, 1.0e3)),
     "turn": Row("angle of a rotation", "rad", (0.0, 2.0 * math.pi), (0.0, 2.0 * math.pi)),
     "unit scale": Row("metres per unit of a file", "m/unit", (1.0e-9, 1.0e3), (1.0e-7, 1.0)),
 }

@@ -22,6 +22,7 @@ def touch_struct(real: type, lane_count: int):
         argument: wp.array2d(dtype=types.lanes)  # smallest and largest of each tool's friction law; none without laws
         area: wp.array(dtype=types.lanes)  # constant: of each node in contact, for friction laws [m^2]; or none
         reaction: wp.array2d(dtype=types.vec3)  # [tool, block]: force of the sheet on the tool [N]
+        moment: wp.array2d(dtype=types.vec3)  # [tool, block]: of it about the pivot, of runs with carried tools [N m]
         thickness: wp.array2d(dtype=types.lanes)  # rows: see ThicknessRow; none for the initial thickness
         moved: wp.array2d(dtype=real)  # [row, block], rows: see MovedRow; none without contact between nodes
 

@@ -39,6 +39,7 @@ def tool_set_struct(real: type):
         part: wp.array(dtype=ToolPart)
         displacement: wp.array(dtype=wp.float64)  # along each tool's axis [m]
         velocity: wp.array(dtype=wp.float64)  # [m/s]
+        pose: wp.array2d(dtype=wp.float64)  # [tool, entry], entries: see ToolPoseRow; of runs with carried tools
         law: wp.array(dtype=ToolFriction)  # of each tool
         argument: wp.array(dtype=real)  # tables of all laws, ascending within each
         coefficient: wp.array(dtype=real)

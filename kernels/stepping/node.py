@@ -4,6 +4,7 @@ from functools import cache
 
 import warp as wp
 
+from ..carried.contact import meeting_function
 from ..contact.penalty import touch_struct
 from ..lanes import dot, lane_types, rows3, step_options
 from ..operators import div, mul  # noqa: F401
@@ -24,7 +25,6 @@ from .node_forces import (
     follow_thickness_function,
     gather_corners_function,
 )
-from .tool_contact import meet_tools_function
 
 
 @cache
@@ -41,7 +41,7 @@ def node_motion_function(real: type, lane_count: int, traits: NodeTraits):
         follow_angle_function(real, lane_count),
         follow_thickness_function(real, lane_count),
     )
-    apply_loads, meet_tools = apply_loads_function(real, lane_count), meet_tools_function(real, lane_count, traits)
+    apply_loads, meet_tools = apply_loads_function(real, lane_count), meeting_function(real, lane_count, traits)
     translate, turn = translate_function(real, lane_count, traits.loaded), turn_function(real, lane_count)
     follow_supports = follow_supports_function(real, lane_count)
     support_work = support_work_function(real, lane_count, traits.supported)

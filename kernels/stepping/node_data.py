@@ -22,6 +22,7 @@ class NodeTraits:
         touched: whether other plies may touch it.
         sampled: whether tools are met between nodes too.
         friction_laws: whether the friction of a tool is more than one coefficient.
+        carried: whether a tool follows a path or turns.
     """
 
     follows_thickness: bool = False
@@ -32,6 +33,7 @@ class NodeTraits:
     touched: bool = False
     sampled: bool = False
     friction_laws: bool = False
+    carried: bool = False
 
 
 @cache

@@ -42,6 +42,7 @@ def sampled_struct(real: type, lane_count: int):
     class Sampled:
         touch: touch_struct(real, lane_count)  # as of nodes; its thickness is that of elements, [row, block]
         reaction: wp.array2d(dtype=types.vec3)  # [tool, block]: force of all samples of a block on the tool [N]
+        moment: wp.array2d(dtype=types.vec3)  # [tool, block]: of them about its pivot, of runs with carried tools [N m]
         memory: wp.array2d(dtype=types.lanes)  # rows: see SampleRow
         works: wp.array2d(dtype=types.lanes)  # rows: see NodeWorkRow
 

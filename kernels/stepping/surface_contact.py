@@ -8,12 +8,16 @@ from functools import cache
 
 import warp as wp
 
+from ..carried.contact import meeting_function
+from ..carried.pose import away_function, read_pose_function, surface_speed_functions
+from ..contact.tool_distance import tool_set_struct
 from ..lanes import dot, lane_maximum, lane_types, rows3, step_options, store_rows3
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, gather4
 from ..rows import (
     ClockEntry,
     CornerRow,
+    MotionRow,
     MovedRow,
     NodeWorkRow,
     SampleRow,
@@ -21,18 +25,34 @@ from ..rows import (
 )
 from .node_data import NodeTraits, node_laws_struct, present_struct, surroundings_struct
 from .sample_data import layer_struct, load_struct, patch_struct, point_struct, sampled_struct, samples_struct
-from .surface_point import load_functions, patch_function, point_function
-from .tool_contact import meet_tools_function
+from .surface_point import corner_function, load_functions, patch_function, point_function
 
+# Largest distance of a sample from the first corner of its element, over the initial size of the largest one.
+FURTHEST_SAMPLE = wp.constant(2.0)
 # A little more than one, against the rounding of sums.
 _LESS = wp.constant(0.999999)
 
 
 @cache
-def watch_function(real: type, lane_count: int):
+def watch_function(real: type, lane_count: int, carried: bool = False):
     """wp.func that reduces the gaps of a block's samples by what everything moved -> whether a contact is possible."""
     Samples, Sampled = samples_struct(real, lane_count), sampled_struct(real, lane_count)
     NodeLaws, Surroundings = node_laws_struct(real), surroundings_struct(real, lane_count)
+    Tools, read_pose, away = tool_set_struct(real), read_pose_function(real), away_function(real, lane_count)
+    _, _, largest_speed = surface_speed_functions(real, lane_count)
+    corner = corner_function(real, lane_count)
+
+    @wp.func
+    def tool_speed(samples: Samples, block: wp.int32, tools: Tools, k: wp.int32, motion: wp.array(dtype=real)):
+        """Largest speed of a tool at the samples, which are near the first corners of their elements."""
+        speed = wp.abs(real(tools.velocity[k]))
+        if wp.static(carried):
+            pose = read_pose(tools, k)
+            position = corner(samples, block, 0, motion, MotionRow.position)
+            remainder = corner(samples, block, 0, motion, MotionRow.remainder)
+            beside = real(FURTHEST_SAMPLE) * samples.lever * wp.length(pose.spin)
+            speed = largest_speed(pose, away(pose.pivot, position, remainder)) + beside
+        return speed
 
     @wp.func
     def way_of_samples(samples: Samples, block: wp.int32, moved: wp.array2d(dtype=real)):
@@ -52,6 +72,7 @@ def watch_function(real: type, lane_count: int):
         laws: NodeLaws,
         around: Surroundings,
         moved: wp.array2d(dtype=real),
+        motion: wp.array(dtype=real),
         thickened: real,
         sampled: Sampled,
     ):
@@ -61,7 +82,7 @@ def watch_function(real: type, lane_count: int):
         smallest = samples.place.shape[0] * samples.block_count + block
         near = wp.int32(0)
         for k in range(laws.tool_count):
-            tool_way = tool_share * wp.abs(real(around.tools.velocity[k]))
+            tool_way = tool_share * tool_speed(samples, block, around.tools, k, motion)
             left = real(_LESS) * sampled.touch.gap[k, smallest] - (way + tool_way)
             if not left > real(0.0):
                 near = wp.int32(1)
@@ -74,6 +95,7 @@ def watch_function(real: type, lane_count: int):
         block: wp.int32,
         laws: NodeLaws,
         around: Surroundings,
+        motion: wp.array(dtype=real),
         thickened: real,
         sampled: Sampled,
     ):
@@ -95,7 +117,7 @@ def watch_function(real: type, lane_count: int):
                     awake = awake | (1 << j)
                 sampled.touch.gap[k, number] = gap
         for k in range(laws.tool_count):
-            last_way = tool_share * wp.abs(real(around.tools.velocity[k])) + thickened
+            last_way = tool_share * tool_speed(samples, block, around.tools, k, motion) + thickened
             for j in range(count):
                 if (awake >> j) & 1 != 0:
                     # subtracted where the tools are met
@@ -228,9 +250,9 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
     Samples, Sampled, Layer = samples_struct(*layout), sampled_struct(*layout), layer_struct(*layout)
     NodeLaws, Surroundings = node_laws_struct(real), surroundings_struct(*layout)
     read_patch, surface_point = patch_function(*layout), point_function(*layout)
-    is_near, wake, touches, note_smallest = watch_function(*layout)
+    is_near, wake, touches, note_smallest = watch_function(*layout, traits.carried)
     follow_thickness, present_sample = present_sample_function(*layout, traits.follows_thickness)
-    meet_tools, book = meet_tools_function(*layout, traits), book_function(*layout)
+    meet_tools, book = meeting_function(*layout, traits), book_function(*layout)
     Load, (add_load, store_forces, store_couples) = load_struct(*layout), load_functions(*layout)
 
     @wp.func
@@ -240,6 +262,11 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
             for j in range(1, samples.place.shape[0]):
                 total = total + sampled.touch.reaction[k, j * samples.block_count + block]
             sampled.reaction[k, block] = total
+            if wp.static(traits.carried):
+                moment = sampled.touch.moment[k, block]
+                for j in range(1, samples.place.shape[0]):
+                    moment = moment + sampled.touch.moment[k, j * samples.block_count + block]
+                sampled.moment[k, block] = moment
 
     @wp.func
     def meet(
@@ -257,7 +284,7 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
         touched = wp.int32(0)
         for j in range(count):
             touched = touched | (touches(samples, j * samples.block_count + block, laws, sampled) << j)
-        awake = wake(samples, block, laws, around, layer.thickened, sampled)
+        awake = wake(samples, block, laws, around, motion, layer.thickened, sampled)
         patch = read_patch(samples, block, motion)
         mean_step = real(around.clock[ClockEntry.mean_step])
         load = Load()
@@ -296,7 +323,7 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
         sampled: Sampled,
     ):
         layer = follow_thickness(block, samples, laws, corner_force, sampled)
-        if is_near(samples, block, laws, around, moved, layer.thickened, sampled) != 0:
+        if is_near(samples, block, laws, around, moved, motion, layer.thickened, sampled) != 0:
             meet(block, layer, samples, laws, around, motion, corner_force, sampled)
 
     return contact_of_block

@@ -19,15 +19,24 @@ SHORTEST_DIRECTOR = wp.constant(0.1)
 
 
 @cache
-def patch_function(real: type, lane_count: int):
-    """wp.func that reads the ``Patch`` of a block of elements."""
-    lanes3 = lane_types(real, lane_count).lanes3
-    Samples, Patch = samples_struct(real, lane_count), patch_struct(real, lane_count)
+def corner_function(real: type, lane_count: int):
+    """wp.func that reads a vector of the motion of one corner of a block of elements."""
+    Samples = samples_struct(real, lane_count)
 
     @wp.func
     def corner(samples: Samples, block: wp.int32, index: wp.int32, motion: wp.array(dtype=real), row: wp.int32):
         stride = samples.node_stride
         return vector_of(gather4(motion, samples.corner_node[index, block], row * stride, stride))
+
+    return corner
+
+
+@cache
+def patch_function(real: type, lane_count: int):
+    """wp.func that reads the ``Patch`` of a block of elements."""
+    lanes3 = lane_types(real, lane_count).lanes3
+    Samples, Patch = samples_struct(real, lane_count), patch_struct(real, lane_count)
+    corner = corner_function(real, lane_count)
 
     @wp.func
     def from_first(

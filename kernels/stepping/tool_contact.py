@@ -16,10 +16,14 @@ THICKNESS_WORK = wp.constant(int(NodeWorkRow.thickness_work))
 
 
 @cache
-def contact_function(real: type, lane_count: int):
-    """wp.func -> (normal spring's force, force of spring and dashpot, of the dashpot, of friction, friction spring)."""
+def contact_function(real: type, lane_count: int, carried: bool = False):
+    """wp.func -> (normal spring's force, force of spring and dashpot, of the dashpot, of friction, friction spring).
+
+    The velocity of a tool that is ``carried`` differs between the lanes.
+    """
     types = lane_types(real, lane_count)
-    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    lanes, lanes3 = types.lanes, types.lanes3
+    velocity_type = types.lanes3 if carried else types.vec3
     Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
@@ -27,7 +31,7 @@ def contact_function(real: type, lane_count: int):
         present: Present,
         laws: NodeLaws,
         friction: real,
-        tool_velocity: vec3,
+        tool_velocity: velocity_type,
         penetration: lanes,
         normal: lanes3,
         stretch: lanes3,
@@ -135,7 +139,7 @@ def touching_struct(real: type):
         clock: wp.array(dtype=wp.float64)  # see ClockEntry
         mass: wp.array(dtype=real)  # on the contact spring of each [kg]
         half_thickness: wp.array(dtype=real)  # of the sheet there [m]
-        velocity: wp.array(dtype=types.vec3)  # [m/s]
+        velocity: wp.array2d(dtype=types.vec3)  # [tool, point]; of carried tools, relative to their surface [m/s]
         distance: wp.array2d(dtype=real)  # [tool, point] [m]
         normal: wp.array2d(dtype=types.vec3)  # [tool, point], outward
 
@@ -162,12 +166,12 @@ def tool_push_kernel(real: type, friction_laws: bool):
         return result
 
     @wp.func
-    def present_point(point: wp.int32, points: Touching):
+    def present_point(k: wp.int32, point: wp.int32, points: Touching):
         present = Present()
         present.block = point
         present.mean_step = real(points.clock[ClockEntry.mean_step])
         present.mass = lanes(points.mass[point])
-        present.velocity = column(points.velocity[point])
+        present.velocity = column(points.velocity[k, point])
         return present
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -182,7 +186,7 @@ def tool_push_kernel(real: type, friction_laws: bool):
         dragged: wp.array2d(dtype=vec3),  # [tool, point]: force of friction [N]
     ):
         k, point = wp.tid()
-        present = present_point(point, points)
+        present = present_point(k, point, points)
         penetration = lanes(points.half_thickness[point] - points.distance[k, point])
         push = lanes()
         drag = lanes3()

@@ -13,10 +13,14 @@ from .node_data import node_laws_struct, present_struct
 
 
 @cache
-def rub_by_law_function(real: type, lane_count: int):
-    """wp.func -> (force of friction, friction spring); the extremes of the law's argument are written."""
+def rub_by_law_function(real: type, lane_count: int, carried: bool = False):
+    """wp.func -> (force of friction, friction spring); the extremes of the law's argument are written.
+
+    The velocity of a tool that is ``carried`` differs between the lanes.
+    """
     types = lane_types(real, lane_count)
-    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    lanes, lanes3 = types.lanes, types.lanes3
+    velocity_type = types.lanes3 if carried else types.vec3
     Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
     Tools, Touch = tool_set_struct(real), touch_struct(real, lane_count)
     ToolFriction = tool_friction_struct(real)
@@ -38,7 +42,7 @@ def rub_by_law_function(real: type, lane_count: int):
         laws: NodeLaws,
         tools: Tools,
         tool: wp.int32,
-        tool_velocity: vec3,
+        tool_velocity: velocity_type,
         n: lanes3,
         pressed: lanes3,
         touch: Touch,

@@ -37,8 +37,11 @@ from weavesim.process import (
     ForceDriven,
     Gripper,
     Interface,
+    PathMotion,
     Pressure,
     PressureFriction,
+    Rotation,
+    SheetLoads,
     SheetPressure,
     Stage,
     StribeckFriction,
@@ -125,6 +128,29 @@ def pressed(solver: Solver, under: list[Shape], length: float = 0.04, contact_th
     )
 
 
+def carried(solver: Solver) -> Setup:
+    """A strip on a drum that turns and wanders, under a weight that rocks: met between nodes too, then in a stage."""
+    fabric = rubbing()
+    blank = Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.01, yarn_angle=30.0)
+    half = 0.499 * fabric.thickness
+    face_down = rotation_matrix((1.0, 0.0, 0.0), math.pi)
+    wander = PathMotion(
+        (0.0, 0.5, 1.0), ((0.0, 0.0, 0.0), (0.01, 0.0, 0.02), (0.02, 0.01, 0.0)),
+        Rotation((0.0, 1.0, 0.0), (0.0, 0.0, -0.01), (0.0, 1.0), (0.0, 7200.0), at_rest=False),
+        Stroke((0.0, 1.0), (0.0, 0.1)), at_rest=False,
+    )  # fmt: skip
+    rocks = Rotation((0.0, 1.0, 0.0), (0.0, 0.0, half), (0.0, 1.0), (0.0, 90.0), at_rest=False)
+    tools = (
+        Tool("drum", Capsule(0.01, 0.03, origin=(0.0, 0.0, -0.01 - half)), wander, ViscousFilm(5.0, 1e-3, 0.1)),
+        Tool("weight", Plane(origin=(0.0, 0.0, half), rotation=face_down),
+             PathMotion(rotation=rocks, along=ForceDriven.constant(2.0, 0.01)), axis=(0.0, 0.0, -1.0)),
+    )  # fmt: skip
+    world = World((Sheet(blank, fabric),), tools, dynamics=Dynamics(damping=10.0, contact_samples="surface"))
+    back = PathMotion((0.0, 1e-3), ((0.0, 0.0, 0.0), (0.0, 0.0, 1e-4)))
+    stages = (Stage("on", 4.0e-4, frame_count=2), Stage("back", 4.0e-4, moves={"drum": back}, frame_count=2))
+    return Setup(name="carried", worlds=(world,), stages=stages, solver=solver, accept_unusual=True)
+
+
 def pulled(solver: Solver) -> Setup:
     """A sheet with edges that are held, driven smoothly and driven along knots, and with loads."""
     blank = Blank.rectangle((0.0, 0.0), (0.04, 0.02), 0.005)
@@ -189,6 +215,7 @@ def in_stages(solver: Solver) -> Setup:
         Stage(
             "release", 5.0e-4, AtRest(10.0, 100.0),
             tools=(), supports=("held", "pulled"), grippers=(), target_step=2.0e-6, frame_count=2,
+            friction={"far": 0.1}, loads=(SheetLoads(NodalLoads(np.full((45, 3), 1e-3), times=(1e-4,)), "sheet"),),
             trims=(
                 Trim([(-1.0, -1.0), (0.008, -1.0), (0.008, 1.0), (-1.0, 1.0)], "above"),
                 Trim([(0.031, -1.0), (1.0, -1.0), (1.0, 1.0), (0.031, 1.0)], "sheet", "blank", "outside"),
@@ -249,6 +276,7 @@ def every_kind() -> dict[str, Setup]:
     ball = Sphere(0.02, origin=(0.0, 0.0, -0.02 - half))
     cases["current thickness"] = pressed(ONE_LANE, [ball], contact_thickness="current")
     cases["supports and loads"] = pulled(ONE_LANE)
+    cases["carried tools"] = carried(ONE_LANE)
     cases["worlds"] = two_worlds(ONE_LANE)
     cases["worlds in lanes"] = two_worlds(IN_LANES)
     cases["stages"] = in_stages(ONE_LANE)

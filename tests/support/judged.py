@@ -28,6 +28,7 @@ def judged(
     tallies: dict[str, Tally] | None = None,
     stacks: tuple[Any, ...] = (),
     setup: Any = None,
+    fabric: Any = None,
     **numbers: Any,
 ) -> Any:
     """A sound run of a sheet 1 mm thick without tools, but for these numbers, extremes, tallies, stacks."""
@@ -35,7 +36,7 @@ def judged(
         "min_stretch": Extreme(0.99), "max_stretch": Extreme(1.01), "angle": Extreme(0.5), "depth": Extreme(1e-5),
         "rows": np.zeros((ExtremeRow.row_count(), 1)),
     }  # fmt: skip
-    fabric = glass_polypropylene().model_copy(update={"thickness": THICKNESS})
+    fabric = fabric or glass_polypropylene().model_copy(update={"thickness": THICKNESS})
     sheet = SimpleNamespace(name="sheet", fabric=fabric, tools=())
     return SimpleNamespace(
         number=(SOUND | numbers).__getitem__,
@@ -52,7 +53,8 @@ def judged(
             outcome=Outcome.FINISHED,
             failed=None,
             setup=SimpleNamespace(stages=()),
-            stages=SimpleNamespace(ended=[]),
+            stages=SimpleNamespace(ended=[], trimmed=[]),
+            frame=SimpleNamespace(sheets=[SimpleNamespace(fields={"shear_angle": np.zeros(1)})]),
             model=SimpleNamespace(setup=SimpleNamespace(tools=())),
             info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=(), setup=setup),
         ),

@@ -14,6 +14,7 @@ BETWEEN_NODES = "verification/contact/test_between_nodes.py"
 SHELL = "verification/element/test_energies.py"
 PLIES = "verification/contact/test_plies.py"
 WORLDS = "unit/engine/worlds/test_world_stepper.py"
+CARRIED = "verification/process/test_carried_tools.py"
 SELF_CONTACT = "verification/contact/test_self_contact.py"
 # Modules whose test has another name, with the file that tests them.
 TESTED_ELSEWHERE = {
@@ -32,6 +33,11 @@ TESTED_ELSEWHERE = {
     "kernels/laws/yarn_bending.py": SHELL,
     "kernels/shell/laws.py": SHELL,
     "kernels/shell/membrane.py": SHELL,
+    "kernels/carried/contact.py": CARRIED,
+    "kernels/carried/motion.py": CARRIED,
+    "kernels/carried/pose.py": CARRIED,
+    "weavesim/tools/carried/device.py": CARRIED,
+    "weavesim/tools/surfaces/distance.py": "unit/run/test_carried_tools.py",
     "kernels/loads/grippers.py": "verification/process/test_grippers.py",
     "weavesim/engine/loading/grips.py": "verification/process/test_grippers.py",
     "weavesim/engine/loading/load_launches.py": "verification/process/test_pressure.py",

@@ -22,6 +22,7 @@ import warp as wp
 from ..device import Precision, available_threads, initialise, is_compiled, load_kernel, resolve_device
 from ..fabric.cell import UnitCell
 from ..kernel_cache import ensure_room
+from ..kernels.carried.motion import carried_motion_kernel
 from ..kernels.contact.mesh_distance import (
     doubt_cells_kernel,
     fill_tiles_kernel,
@@ -165,6 +166,8 @@ class KernelSet:
         is_cpu = resolve_device(self.device).is_cpu
         real, law, lane_count = self.precision.real, self.unit_cell.law(), self.lane_count
         frequency_lanes = frequency_lane_count(lane_count, law)
+        carried = dict.fromkeys(node.carried for node in self.nodes)
+        motions = [carried_motion_kernel if each else tool_motion_kernel for each in carried]
         further = dict.fromkeys(further_kinds(node.shape_kinds) for node in self.nodes)
         return [
             *(element_force_kernel(real, lane_count, law, sheet) for sheet in self.sheets),
@@ -176,7 +179,7 @@ class KernelSet:
                 element_extremes_kernel(real, lane_count, flat)
                 for flat in dict.fromkeys(sheet.flat for sheet in self.sheets)
             ),
-            *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
+            *(sample_distance_kernel(real, lane_count, kinds) for kinds in further if self.tools),
             *(
                 tool_push_kernel(real, laws)
                 for laws in dict.fromkeys(node.friction_laws for node in self.nodes if self.tools)
@@ -184,11 +187,8 @@ class KernelSet:
             *(mesh_kernels() if self.meshes else []),
             *(ply_kernels(real, lane_count) if self.plies else []),
             *(own_contact_kernels(real, lane_count) if self.own_contact else []),
-            *(
-                [tool_motion_kernel(real)]
-                if is_cpu or not self.tools
-                else [tool_motion_kernel(wp.float64), *map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))]
-            ),
+            *(motion(real if is_cpu or not self.tools else wp.float64) for motion in motions),
+            *([] if is_cpu or not self.tools else map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))),
             *([support_motion_kernel(real)] if self.driven else []),
             *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
             *([grip_kernel(real)] if self.gripped else []),

@@ -9,6 +9,7 @@ from typing import Any
 import warp as wp
 
 from ..device import block_size
+from ..kernels.carried.motion import carried_motion_kernel
 from ..kernels.contact.penalty import touch_struct
 from ..kernels.contact.tool_distance import tool_set_struct
 from ..kernels.shell.extremes import element_extremes_kernel
@@ -26,6 +27,7 @@ from ..kernels.stepping.step import (
 )
 from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.tools import SUM_GROUP, ToolBooks, partial_sum_kernel, tool_motion_kernel
+from ..tools.carried.device import carried_motion
 from .layout import lanes_view
 from .loading.load_launches import LoadLaunches
 from .model import Model
@@ -102,14 +104,20 @@ class Launches:
         self.arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
         self.node_laws = [sheet.node_laws() for sheet in model.sheets]
         self.surface = {
-            index: SurfaceContact(sheet, state.sheets[index], self._reaction(sheet)[:, sheet.block_count :])
+            index: SurfaceContact(
+                sheet,
+                state.sheets[index],
+                self._reaction(sheet)[:, sheet.block_count :],
+                self._reaction(sheet, moments=True)[:, sheet.block_count :] if sheet.node_traits.carried else None,
+            )  # fmt: skip
             for index, sheet in enumerate(model.sheets)
             if sheet.samples.count
         }
         self.plies = PlyLaunches(model, state)
         self._sums = self._reaction_sums()
         # sums are in double precision
-        self._tool_motion = tool_motion_kernel(wp.float64 if len(self._sums) > 1 else real)
+        motion = tool_motion_kernel if model.tools.carriers is None else carried_motion_kernel
+        self._tool_motion = motion(wp.float64 if len(self._sums) > 1 else real)
         self.tool_books = ToolBooks()
         self.tool_books.work, self.tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)
@@ -135,9 +143,9 @@ class Launches:
             and self.model.tools.count
             and (len(arrays) == 1 or arrays[-1].shape[1] > LARGEST_SINGLE_REDUCTION)
         ):
-            tool_count, entry_count = arrays[-1].shape
-            shape = (tool_count, -(-entry_count // SUM_GROUP))
-            arrays.append(wp.zeros(shape, dtype=wp.vec3d, device=self.model.device))
+            row_count, entry_count = arrays[-1].shape
+            of_groups = (row_count, -(-entry_count // SUM_GROUP))
+            arrays.append(wp.zeros(of_groups, dtype=wp.vec3d, device=self.model.device))
         return arrays
 
     def _partial_sums_of(self, values: wp.array) -> wp.Kernel:
@@ -158,6 +166,7 @@ class Launches:
         tools.tool, tools.law = map(sheet.places.tools.of, (self.model.tools.tool, self.model.tools.law))
         tools.argument, tools.coefficient = self.model.tools.argument, self.model.tools.coefficient
         tools.displacement, tools.velocity = map(sheet.places.tools.of, (state.tool_displacement, state.tool_velocity))
+        tools.pose = sheet.places.tools.of(state.tool_pose) if sheet.node_traits.carried else None
         around.tools = tools
         supports = support_struct(sheet.real, sheet.lane_count)()
         supports.held, supports.direction = sheet.held, sheet.drive_direction
@@ -175,6 +184,8 @@ class Launches:
         touch.thickness, touch.moved = lanes_view(own.thickness, lane_count), own.moved
         set_friction(touch, sheet, own.friction_argument, samples=False)
         touch.reaction = self._reaction(sheet)[:, : sheet.block_count]
+        if sheet.node_traits.carried:
+            touch.moment = self._reaction(sheet, moments=True)[:, : sheet.block_count]
         return SheetArguments(
             sheet=sheet.device_sheet(lane_count),
             stable_sheet=sheet.device_sheet(self.sheet_kernels[index].frequency_lane_count),
@@ -188,10 +199,12 @@ class Launches:
             node_work=lanes_view(own.node_work, lane_count),
         )  # fmt: skip
 
-    def _reaction(self, sheet: SheetModel) -> wp.array:
-        """The entries of one sheet in the forces on its tools, [tool, block]."""
+    def _reaction(self, sheet: SheetModel, moments: bool = False) -> wp.array:
+        """The entries of one sheet in the forces on its tools, or in their moments, [tool, block]."""
         rows, places = sheet.places.tools if sheet.tool_count else slice(0, 1), sheet.places
-        return self.state.reaction[rows.start : rows.stop, places.first_reaction : places.last_reaction]
+        first = self.model.tools.count if moments else 0
+        of_tools = self.state.reaction[first + rows.start : first + rows.stop]
+        return of_tools[:, places.first_reaction : places.last_reaction]
 
     # --- the launches of a step --------------------------------------------------------------------------------------
 
@@ -252,16 +265,16 @@ class Launches:
                 outputs=[sums],
                 device=device,
             )
+        inputs, moved = [tools.drives], [state.tool_displacement, state.tool_velocity]
+        if tools.carriers is not None:
+            inputs, moved = [*inputs, tools.carriers], [carried_motion(*moved, state.tool_pose, state.tool_moment)]
         wp.launch(
             self._tool_motion,
             dim=tools.drives.thread_count,
-            inputs=[tools.drives, self._sums[-1]],
-            outputs=[
-                state.clock, state.tool_displacement, state.tool_velocity, state.tool_force, state.tool_drive,
-                self.tool_books,
-            ],
+            inputs=[*inputs, self._sums[-1]],
+            outputs=[state.clock, *moved, state.tool_force, state.tool_drive, self.tool_books],
             device=device,
-        )  # fmt: skip
+        )
 
     # --- the stable step ---------------------------------------------------------------------------------------------
 

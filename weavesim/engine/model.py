@@ -30,6 +30,9 @@ from .traits import node_traits
 # Largest row sum of the contact stiffness of one interface over the mass, over k_a/rho: nodes of one ply on the facets
 # of another, and the reverse. Equal meshes have 2; up to 3.4 was measured for unequal and rotated ones.
 LARGEST_PLY_ROW = 4.0
+# A sheet whose own stable step is longer than that of its world by more than this factor, such as rubber on a fabric,
+# meets tools as stiffly as that step allows: its own would let it sink into them.
+SOFT = 2.0
 
 
 class Model:
@@ -67,11 +70,15 @@ class Model:
         self.lane_count = solver.lanes(is_cpu=self.device.is_cpu)
         numerics = Numerics(self.device, self.precision, self.lane_count, solver.target_step)
         self.real, self.types = numerics.real, numerics.types
-        placed = _placed(setup, lambda sheet, world: _reaction_count(sheet, world) // self.lane_count)
-        self.sheets = tuple(
-            SheetModel(numerics, *each, there)
-            for each, there in zip(placed, kept or [None] * len(setup.sheets), strict=True)
-        )
+        placed = list(_placed(setup, lambda sheet, world: _reaction_count(sheet, world) // self.lane_count))
+        there = kept or [None] * len(setup.sheets)
+        sheets = [SheetModel(numerics, *each, own) for each, own in zip(placed, there, strict=True)]
+        for index, (_, world, _) in enumerate(placed):
+            beside = (sheet for sheet, each in zip(sheets, placed, strict=True) if each[1] is world)
+            smallest = min(sheet.reference_step for sheet in beside)
+            if sheets[index].reference_step > SOFT * smallest:
+                sheets[index] = SheetModel(numerics, *placed[index], there[index], smallest)
+        self.sheets = tuple(sheets)
         self.reaction_count = max(sheet.places.last_reaction for sheet in self.sheets)
         self.drives = build_device_drives(setup.supports, self.device)
         self.samples = sampled_meshes(setup, str(self.device)) if samples is None else dict(samples)

@@ -25,6 +25,7 @@ from ..sheet.symmetry import Symmetry
 from ..tools.proportions import disproportionate_tools
 from ..tools.tool import Tool
 from .staging.acting import Parts
+from .staging.change_checks import check_changes
 from .staging.checks import check_stages
 
 # Largest share of the stable step 2/omega that may be used.
@@ -250,6 +251,7 @@ class Setup(Parameters):
             raise ValueError(
                 f"duration = {self.duration:g}: the stages take {_duration_of(self.stages):g} s together; leave it out"
             )
+        check_changes(self.stages, self.tools, self.sheets, self.interfaces)
         touching = frozenset(name for each in self.interfaces for name in (each.lower, each.upper))
         check_stages(self.stages, Parts(self.tools, self.supports, self.grippers), self.sheets, touching)
 

@@ -105,6 +105,7 @@ class SheetModel:
         places: ranges of its tools, drives and nodes in the arrays of the run.
         kept: elements that are there, (element_count,) bool; None for all. Others are as padding, and their nodes stand
             still without mass.
+        contact_step: on which contact stiffness is based [s]; None for ``reference_step``.
 
     Attributes:
         kept: as given, or all.
@@ -121,7 +122,13 @@ class SheetModel:
     """
 
     def __init__(
-        self, numerics: Numerics, sheet: Sheet, world: World, places: Places, kept: np.ndarray | None = None
+        self,
+        numerics: Numerics,
+        sheet: Sheet,
+        world: World,
+        places: Places,
+        kept: np.ndarray | None = None,
+        contact_step: float | None = None,
     ) -> None:
         blank, fabric = sheet.oriented_blank, sheet.fabric
         self.kept = np.ones(blank.element_count, dtype=bool) if kept is None else kept
@@ -151,7 +158,7 @@ class SheetModel:
         self.node_mass = self._to_nodes(corner_mass)
         self.node_inertia = self._to_nodes(corner_mass * frequencies.rotary_radius_squared)
         # squared, of one tool's spring [1/s^2]
-        self._contact_frequency = CONTACT_SHARE / self.reference_step**2
+        self._contact_frequency = CONTACT_SHARE / (contact_step or self.reference_step) ** 2
         self.contact_stiffness = self._contact_frequency * self.node_mass
         self.samples = Samples.of(
             world.tools if self.node_traits.sampled else (), fabric.thickness, world.dynamics.contact_allowance,

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 7
+FILE_VERSION = 8
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,9 @@ class SheetState:
     sample_depth: wp.array  # (tools, samples), as depth
     sample_friction_argument: wp.array  # (2 tools, samples), as friction_argument
     sample_gap: wp.array  # (tools, sample blocks, then blocks of elements), as gap, and the smallest of each block
-    sample_reaction: wp.array  # (tools, sample blocks) vec3, force of each block of samples on each tool [N]
+    # (tools, sample blocks) vec3, force of each block of samples on each tool [N]; where tools are carried, as many
+    # rows of moments below [N m]
+    sample_reaction: wp.array
     contact_force: wp.array  # (3, nodes), of other plies on the nodes [N]; (3, BLOCK) without interfaces
     awake: wp.array  # (1,) int32: 0 while nothing is near enough to touch, so that normals are not needed
     grip: wp.array  # (rows, gripped nodes) float64, GripRow
@@ -132,7 +134,9 @@ class SheetState:
             sample_depth=zeros(tool_rows, samples),
             sample_friction_argument=wp.array(argument_rows(model, samples), dtype=real, device=device),
             sample_gap=zeros(tool_rows, sample_blocks + sample_blocks // max(len(model.samples.places), 1)),
-            sample_reaction=zeros(tool_rows, sample_blocks, dtype=model.types.vec3),
+            sample_reaction=zeros(
+                (2 if model.node_traits.carried else 1) * tool_rows, sample_blocks, dtype=model.types.vec3
+            ),
             contact_force=zeros(3, model.node_count if touched else BLOCK),
             awake=wp.ones(1, dtype=wp.int32, device=device),
             grip=zeros(GripRow.row_count(), sum(len(each.nodes) for each in model.grippers), dtype=wp.float64),
@@ -148,10 +152,13 @@ class State:
         sheets: in the order of ``Setup.sheets``.
         tool_displacement, tool_velocity: along each tool's axis, (tool_count,) float64 [m], [m/s].
         tool_force: of the sheets on each tool, (tool_count,) vec3d [N].
+        tool_pose: entries ToolPoseRow, (tool_count, entries) float64; (0, entries) where no tool is carried.
+        tool_moment: of the sheets on each tool about its pivot, (tool_count,) vec3d [N m]; empty likewise.
         tool_work: rows ToolWorkRow, (rows, tool_count) float64 [J].
         tool_watch: rows ToolWatchRow, (rows, tool_count) float64.
         tool_drive: rows ToolDriveRow, (rows, tool_count) float64.
-        reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N].
+        reaction: parts of ``tool_force``, (tool_count, node blocks of the largest world) vec3 [N]; where tools are
+            carried, as many rows of parts of ``tool_moment`` below [N m].
         drive_displacement, drive_increment: of every drive of every support, at the end of the last step and within it,
             (drive_count,) [m].
         clock: rows ClockEntry, float64 [s].
@@ -163,6 +170,8 @@ class State:
     tool_displacement: wp.array
     tool_velocity: wp.array
     tool_force: wp.array
+    tool_pose: wp.array
+    tool_moment: wp.array
     tool_work: wp.array
     tool_watch: wp.array
     tool_drive: wp.array
@@ -177,6 +186,8 @@ class State:
     def initial(cls, model: Model) -> Self:
         """The state at time zero, before ``Stepper.start``."""
         device, tool_count, drive_count = model.device, model.tools.count, model.drives.count
+        carried = model.tools.carriers is not None
+        reaction_rows = 2 * tool_count if carried else tool_count
         clock = np.zeros(ClockEntry.row_count())
         clock[[ClockEntry.step, ClockEntry.mean_step]] = model.reference_step
 
@@ -189,10 +200,12 @@ class State:
             tool_displacement=doubles(model.tools.initial_displacement),
             tool_velocity=doubles(model.tools.initial_velocity),
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
+            tool_pose=doubles(model.tools.initial_pose),
+            tool_moment=wp.zeros(tool_count if carried else 0, dtype=wp.vec3d, device=device),
             tool_work=wp.zeros((ToolWorkRow.row_count(), tool_count), dtype=wp.float64, device=device),
             tool_watch=wp.zeros((ToolWatchRow.row_count(), tool_count), dtype=wp.float64, device=device),
             tool_drive=wp.zeros((ToolDriveRow.row_count(), tool_count), dtype=wp.float64, device=device),
-            reaction=wp.zeros((max(tool_count, 1), model.reaction_count), dtype=model.types.vec3, device=device),
+            reaction=wp.zeros((max(reaction_rows, 1), model.reaction_count), dtype=model.types.vec3, device=device),
             drive_displacement=wp.zeros(drive_count, dtype=wp.float64, device=device),
             drive_increment=wp.zeros(drive_count, dtype=model.real, device=device),
             clock=doubles(clock),

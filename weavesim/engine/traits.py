@@ -38,5 +38,6 @@ def node_traits(sheet: Sheet, world: World) -> NodeTraits:
         touched=sheet.self_contact is not None
         or any(sheet.name in (interface.lower, interface.upper) for interface in world.interfaces),
         sampled=bool(world.tools) and world.dynamics.contact_samples == "surface",
+        carried=any(tool.motion.is_carried for tool in world.tools),
         friction_laws=any(not isinstance(law_of(tool.friction), Coulomb) for tool in world.tools),
     )

@@ -206,7 +206,7 @@ class Builder:
         process = self.file.job.process
         if process.duration is not None:
             return process.duration
-        strokes = [tool.motion.duration for tool in tools if not tool.motion.by_force]
+        strokes = [tool.motion.travel_time for tool in tools]
         if not any(strokes):
-            self.file.refuse(["process"], "duration: is required, since no tool has a stroke")
+            self.file.refuse(["process"], "duration: is required, since no tool has a stroke, a path or a rotation")
         return max(strokes) + process.hold

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..engine.setup import Setup
+from ..process.motions.paths import PathMotion
+from ..process.strokes import Motion
 from ..run.guards import Doubt, Level, Start
 from ..run.guards.closing import on_both_sides, smallest_gap
 from ..run.guards.tool_mesh import FEWEST_ELEMENTS_PER_QUARTER_TURN, LEAST_ELEMENTS_PER_QUARTER_TURN
@@ -83,7 +85,8 @@ def check_setup(setup: Setup) -> Checked:
     Raises:
         InputError: the run would be refused.
     """
-    prepared = Simulation(setup).prepare()
+    # what the run would ask about is told in the table
+    prepared = Simulation(setup.model_copy(update={"accept_unusual": True})).prepare()
     start = Start(prepared.model, prepared.ledger, prepared.frame, phases_of(setup))
     doubts = tuple(prepared.guards.first)
     errors = _errors(start)
@@ -186,6 +189,9 @@ def _gaps(setup: Setup, start: Start) -> Iterator[Row]:
             pressed = any(tool.motion.by_force for tool in (world.tools[a], world.tools[b]))
             if share < TIGHT:
                 judgement, advice = LOOK, f"{advice}: too tight, shorten the stroke or widen the gap"
+                limited = any(tool.motion.limiting_force for tool in (world.tools[a], world.tools[b]))
+                if not (pressed or limited or setup.accept_unusual):
+                    advice += ", or give it a largest_force; a run is refused without --accept-unusual"
             elif share > LOOSE and not pressed:
                 judgement, advice = NOTE, f"{advice}: it is not pressed"
             yield Row(
@@ -202,7 +208,7 @@ def _holders(setup: Setup, start: Start) -> Iterator[Row]:
         if not tool.motion.by_force:
             continue
         found = [
-            float(distances(index, 0.0, frame.position)[0].min()) - 0.5 * sheet.fabric.thickness
+            float(distances(index, tool.place(0.0, 0.0), frame.position)[0].min()) - 0.5 * sheet.fabric.thickness
             for sheet, frame in zip(setup.sheets, start.frame.sheets, strict=True)
         ]
         gap, stack = min(found), sum(sheet.fabric.thickness for sheet in setup.sheets)
@@ -237,6 +243,7 @@ def _speeds(setup: Setup) -> Iterator[Row]:
         if move.name in named
     ]
     for name, motion in motions:
+        yield from _turning_speeds(name, motion, speed, setup)
         times, travel = motion.curve()
         if motion.by_force or len(set(travel)) < 2:
             continue
@@ -248,6 +255,23 @@ def _speeds(setup: Setup) -> Iterator[Row]:
             OK if fastest <= TOO_FAST * speed else LOOK,
             f"suggested: {speed:g} m/s, at which inertia is about a hundredth of the work of shearing",
         )
+
+
+def _turning_speeds(name: str, motion: Motion, speed: float, setup: Setup) -> Iterator[Row]:
+    """Along the path of a tool that is carried, and about its axis at the distance of the furthest node."""
+    if not isinstance(motion, PathMotion):
+        return
+    along, spin = motion.largest_rates(0.0, motion.duration)
+    nodes = np.concatenate([sheet.blank.node_position for sheet in setup.sheets]) - np.array(motion.point)
+    radius = float(np.linalg.norm(np.cross(nodes, np.array(motion.axis)), axis=1).max())
+    fastest = along + spin * radius
+    yield Row(
+        "speeds",
+        f"{name}, path",
+        f"{along:.3g} m/s and {spin:.3g} rad/s: up to {fastest:.3g} m/s at the blank",
+        OK if fastest <= TOO_FAST * speed else LOOK,
+        f"suggested: {speed:g} m/s, at which inertia is about a hundredth of the work of shearing",
+    )
 
 
 def _cost(expected: Estimate | None) -> Iterator[Row]:

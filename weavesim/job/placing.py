@@ -104,7 +104,7 @@ def start_shift(tool: ToolTable, facing: str | None, reached: float | None, face
 
 
 def motion_of(tool: ToolTable, shift: float, share: float) -> Motion:
-    """How a tool moves.
+    """How a tool moves: along its axis, and along a path and about an axis.
 
     Args:
         tool: as given.
@@ -114,6 +114,10 @@ def motion_of(tool: ToolTable, shift: float, share: float) -> Motion:
     Raises:
         InputError: a stroke that is none.
     """
+    return tool.carried(_along_axis(tool, shift, share))
+
+
+def _along_axis(tool: ToolTable, shift: float, share: float) -> Motion:
     if tool.force is not None:
         ramp = FORCE_RAMP if tool.ramp is None else tool.ramp
         return ForceDriven.constant(tool.force * share, tool.mass * share, ramp)

@@ -12,6 +12,7 @@ from ..names import FileName, Label
 from ..ranges import Quantity
 from ..sheet.lay_up_code import angles_of
 from .friction import LAWS, FrictionValue
+from .stages.paths import CarriedTable
 from .stages.tables import PressureTable, StageTable
 from .tables import Coordinate, JobTable, Point, one_of, without
 from .units import length_unit
@@ -92,7 +93,7 @@ class PlyTable(JobTable):
         return self
 
 
-class ToolTable(JobTable):
+class ToolTable(CarriedTable):
     """A rigid tool: its surface, where it starts, and how it moves. `[[tool]]`, one table per tool."""
 
     name: Label = Field(description="name in all results")

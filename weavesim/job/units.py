@@ -21,11 +21,11 @@ EXAMPLES = {
     "m": "5 mm", "m^2": "2 cm^2", "m^4": "0.1 mm^4", "1/m": "0.1 1/mm", "rad": "45 deg", "degrees": "45 deg",
     "Pa": "20 kPa", "Pa s": "0.2 Pa s", "N/m": "2 N/mm", "N m": "3 mN mm", "N": "600 N", "kg": "2 kg",
     "kg/m^2": "300 g/m^2", "kg/m^3": "2.5 g/cm^3", "m/s": "500 mm/s", "m/s^2": "9.81 m/s^2", "s": "2 ms",
-    "1/s": "100 1/s", "1": "0.2", "m/unit": "1 mm",
+    "1/s": "100 1/s", "rad/s": "90 deg/s", "1": "0.2", "m/unit": "1 mm",
 }  # fmt: skip
 _KNOWN = (
     "mm", "cm", "m", "um", "inch", "deg", "rad", "N", "kN", "mN", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "g", "kg",
-    "s", "ms", "min", "m/s", "mm/s", "mm/min", "g/m^2", "kg/m^2", "N/mm", "N/m", "1/s", "%",
+    "s", "ms", "min", "m/s", "mm/s", "mm/min", "g/m^2", "kg/m^2", "N/mm", "N/m", "1/s", "deg/s", "rad/s", "%",
 )  # fmt: skip
 # What plain numbers are in.
 _METRE = Unit("m", (0, 1, 0, 0))

@@ -25,6 +25,9 @@ class History:
         index, step_count, time [s], stroke [m]: one per frame.
         tool_displacement: (frame_count, tool_count) [m].
         tool_reaction: force of the sheet on each tool, (frame_count, tool_count, 3) [N].
+        tool_pose: of each tool of a run in which one is carried, (frame_count, tool_count, 12): rotation matrix, row by
+            row, and shift [m]; else (frame_count, 0, 12).
+        tool_moment: of the sheets on each tool of such a run about its pivot, (frame_count, tool_count, 3) [N m].
         tool_wanted: force that drives each tool, (frame_count, tool_count) [N]; not a number where a stroke does.
         energies: by name, (frame_count,) [J].
         support_names, drive_names: in the order of the supports, and of all their drives.
@@ -71,6 +74,8 @@ class History:
                 ),
                 np.array(frame.gripper_force, dtype=float),
                 np.array(frame.gripper_slip, dtype=float),
+                np.array(frame.tool_pose, dtype=float).reshape(-1, 12),
+                np.array(frame.tool_moment, dtype=float).reshape(-1, 3),
             )
         )
 
@@ -135,6 +140,14 @@ class History:
         return self._column(12).reshape(self.frame_count, len(self.gripper_names))
 
     @property
+    def tool_pose(self) -> np.ndarray:
+        return self._column(13)
+
+    @property
+    def tool_moment(self) -> np.ndarray:
+        return self._column(14)
+
+    @property
     def sheet_columns(self) -> dict[str, np.ndarray]:
         names = self._of_sheets[0] if self._of_sheets else {}
         return {name: np.array([row.get(name, math.nan) for row in self._of_sheets]) for name in names}
@@ -143,14 +156,18 @@ class History:
         return np.array([row[place] for row in self._rows])
 
     def write(self, path: str | Path) -> None:
-        """Write ``history.csv``: frame, step count, time, stroke; displacement and force of each tool; force that
-        drives each of those that a force moves; force of each support; displacement and force of each drive;
+        """Write ``history.csv``: frame, step count, time, stroke; displacement and force of each tool; of each of a run
+        in which one is carried, shift, turn (a rotation vector) and moment about its pivot; force that drives
+        each of those that a force moves; force of each support; displacement and force of each drive;
         force and slip of each gripper; every energy; what there is of each of several sheets.
         """
         energies, of_sheets = self.energies, self.sheet_columns
         header = ["frame", "step_count", "time_s", "stroke_m"]
         for name in self.tool_names:
             header += [f"{name}_displacement_m", *(f"{name}_force_{axis}_n" for axis in "xyz")]
+        if self.tool_pose.size:
+            header += [f"{name}_{what}" for name in self.tool_names for what in _OF_CARRIED]
+        carried = _of_carried(self.tool_pose, self.tool_moment)
         wanted = self.tool_wanted
         driven = np.isfinite(wanted).any(axis=0) if len(wanted) else np.zeros(len(self.tool_names), dtype=bool)
         header += [f"{name}_wanted_force_n" for name, by_force in zip(self.tool_names, driven, strict=True) if by_force]
@@ -166,12 +183,31 @@ class History:
             self._rows
         ):
             tools = np.column_stack([displacement, reaction]).ravel().tolist() if len(displacement) else []
+            tools += carried[i].ravel().tolist()
             supports = [*support.ravel().tolist(), *np.column_stack([travel, force]).ravel().tolist()]
             values = (float(values[i]) for values in (*energies.values(), *of_sheets.values()))
             rest = [*wanted[i][driven].tolist(), *supports, *grippers[i].tolist(), *values]
             rows.append([index, step_count, time, stroke, *tools, *rest])
         # a tool and a support may have the same name
         write_table(path, unique_names(header), rows)
+
+
+# Columns of each tool of a run in which one is carried along a path or turned.
+_OF_CARRIED = (
+    *(f"shift_{axis}_m" for axis in "xyz"),
+    *(f"turn_{axis}_deg" for axis in "xyz"),
+    *(f"moment_{axis}_n_m" for axis in "xyz"),
+)
+
+
+def _of_carried(pose: np.ndarray, moment: np.ndarray) -> np.ndarray:
+    """Shift, rotation vector [degrees] and moment of every tool in every frame, (frame_count, tool_count, 9)."""
+    if not pose.size:
+        return np.zeros((len(pose), 0, len(_OF_CARRIED)))
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_matrix(pose[..., :9].reshape(-1, 3, 3)).as_rotvec(degrees=True)
+    return np.concatenate([pose[..., 9:], turn.reshape(*pose.shape[:2], 3), moment], axis=2)
 
 
 def _of_sheets(frame: Frame) -> dict[str, float]:

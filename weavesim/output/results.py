@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import InputError
 from ..measures.angles import locate
 from ..measures.findings import SHEET_FINDINGS, FormedSheet, found
+from ..process.motions.paths import Place
 from ..run.frame import Frame, Outcome, RunInfo, SheetFrame, SheetInfo
 from ..run.staging.part import part_of
 from ..tools.tool import Tool
@@ -76,7 +77,7 @@ class SheetResult:
         info: known before the run, without what was trimmed since.
         formed: the formed sheet and its measures.
         ending: suffix of its file names; "" for the only sheet.
-        tools: name, tool and displacement [m] of each tool that it may touch and that acts.
+        tools: name, tool and place of each tool that it may touch and that acts.
         elements: places of its elements among those of the whole sheet, of which a stage may have trimmed some, (k,).
         whole_count: elements of that.
     """
@@ -84,7 +85,7 @@ class SheetResult:
     info: SheetInfo
     formed: FormedSheet
     ending: str
-    tools: tuple[tuple[str, Tool, float], ...]
+    tools: tuple[tuple[str, Tool, Place], ...]
     elements: np.ndarray
     whole_count: int
 
@@ -157,7 +158,7 @@ def _sheet_result(
         sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry, wanted.points, wanted.draw_in
     )
     acting = (k for k in sheet.tools if frame.acts(k))
-    tools = tuple((info.tool_names[k], info.tools[k], float(frame.tool_displacement[k])) for k in acting)
+    tools = tuple((info.tool_names[k], info.tools[k], frame.place(k)) for k in acting)
     return SheetResult(sheet, formed, ending, tools, elements, whole_count)
 
 

@@ -5,9 +5,10 @@ from .friction import Coulomb, Friction, PressureFriction, StribeckFriction, Vis
 from .grippers import Gripper
 from .interfaces import Interface
 from .loads import NodalLoads
+from .motions.paths import PathMotion, Rotation
 from .pressure import Pressure
 from .self_contact import SelfContact
-from .stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
+from .stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetLoads, SheetPressure, Stage, StageEnd
 from .strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from .supports import Drive, Support
 from .trims import Trim
@@ -22,14 +23,18 @@ __all__ = [
     "Fixed",
     "ForceDriven",
     "Friction",
+    "FrictionOf",
     "Gripper",
     "Interface",
     "Motion",
     "Move",
     "NodalLoads",
+    "PathMotion",
     "Pressure",
     "PressureFriction",
+    "Rotation",
     "SelfContact",
+    "SheetLoads",
     "SheetPressure",
     "SmoothStroke",
     "Stage",

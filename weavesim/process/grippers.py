@@ -63,7 +63,7 @@ class Gripper(Parameters):
     @field_validator("motion")
     @classmethod
     def _moves_anchors(cls, value: Motion) -> Motion:
-        if not value.moves_tools or value.by_force or value.limiting_force:
+        if not value.moves_tools or value.by_force or value.limiting_force or value.is_carried:
             raise ValueError("a Stroke without a largest_force, or Fixed, is needed")
         return value
 

@@ -11,6 +11,7 @@ from ..checks import Finite, Kinded, NotNegative, Parameters, Positive
 from ..names import Label
 from ..quantities import FiniteVector
 from ..ranges import Quantity
+from .loads import NodalLoads
 from .pressure import Pressure
 from .strokes import Motion
 from .trims import Trim
@@ -130,6 +131,34 @@ class SheetPressure(Parameters):
     sheet: Label | None = None
 
 
+class SheetLoads(Parameters):
+    """Loads on the nodes of one sheet, in the time since their stage began.
+
+    Attributes:
+        loads: forces and couples, with their curve.
+        sheet: name of the sheet; None for the only one of a run.
+    """
+
+    positional = ("loads", "sheet")
+
+    loads: NodalLoads
+    sheet: Label | None = None
+
+
+class FrictionOf(Parameters):
+    """Another coefficient of friction, as a lubricant or a heated tool has.
+
+    Attributes:
+        name: of a tool, or of an interface between plies, "LOWER / UPPER".
+        coefficient: from the stage on; the friction must be one coefficient from the start.
+    """
+
+    positional = ("name", "coefficient")
+
+    name: Label
+    coefficient: Annotated[NotNegative, Quantity("friction")]
+
+
 class Stage(Parameters):
     """A part of a process. What a stage does not say stays as in the stage before it.
 
@@ -147,6 +176,8 @@ class Stage(Parameters):
         grippers: names of those that pull; one that has been released stays open.
         moves: motions that begin with the stage; a mapping from names to motions will do.
         pressures: all pressures on sheets from the stage on.
+        loads: all loads on the nodes of sheets from the stage on.
+        friction: other coefficients of tools and interfaces; a mapping from names to coefficients will do.
         trims: cuts through sheets as it begins; what they take away does not come back.
         gravity: (3,) [m/s^2].
         damping: mass-proportional damping rate of the nodes [1/s].
@@ -165,6 +196,8 @@ class Stage(Parameters):
     grippers: tuple[Label, ...] | None = None
     moves: tuple[Move, ...] = ()
     pressures: tuple[SheetPressure, ...] | None = None
+    loads: tuple[SheetLoads, ...] | None = None
+    friction: tuple[FrictionOf, ...] = ()
     trims: tuple[Trim, ...] = ()
     gravity: Annotated[FiniteVector, Quantity("acceleration")] | None = None
     damping: Annotated[NotNegative, Quantity("damping rate")] | None = None
@@ -177,6 +210,13 @@ class Stage(Parameters):
     def _a_mapping_will_do(cls, value: Any) -> Any:
         if isinstance(value, Mapping):
             return tuple(Move(name, motion) for name, motion in value.items())
+        return value
+
+    @field_validator("friction", mode="before")
+    @classmethod
+    def _coefficients_will_do(cls, value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return tuple(FrictionOf(name, coefficient) for name, coefficient in value.items())
         return value
 
     @field_validator("moves")

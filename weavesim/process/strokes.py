@@ -26,12 +26,25 @@ class Motion(Kinded):
     Attributes:
         moves_tools: whether it has a ``curve``.
         moves_supports: whether it has ``pieces``.
-        by_force: whether the curve is that of a force, which moves ``driven_mass``.
     """
 
     moves_tools: ClassVar[bool] = True
     moves_supports: ClassVar[bool] = False
-    by_force: ClassVar[bool] = False
+
+    @property
+    def by_force(self) -> bool:
+        """Whether the curve is that of a force, which moves ``driven_mass``."""
+        return False
+
+    @property
+    def is_carried(self) -> bool:
+        """Whether it has a pose beside its displacement along the axis: a ``PathMotion``."""
+        return False
+
+    @property
+    def along_axis(self) -> Motion:
+        """The part of it that moves a tool along its axis."""
+        return self
 
     @property
     def driven_mass(self) -> float:
@@ -73,6 +86,11 @@ class Motion(Kinded):
     def duration(self) -> float:
         """Time after which nothing changes [s]."""
         return 0.0
+
+    @property
+    def travel_time(self) -> float:
+        """Time after which a prescribed motion is over [s]; zero by force."""
+        return 0.0 if self.by_force else self.duration
 
 
 class Knots(Motion):
@@ -213,7 +231,6 @@ class ForceDriven(Knots):
 
     positional = ("times", "forces", "mass")
     values_name = "forces"
-    by_force = True
 
     forces: Annotated[Numbers, Quantity("force")]
     mass: Annotated[Positive, Quantity("mass")]
@@ -236,6 +253,11 @@ class ForceDriven(Knots):
         if ramp_time > 0.0:
             return cls((0.0, ramp_time), (0.0, force), mass, **values)
         return cls((0.0,), (force,), mass, **values)
+
+    @property
+    def by_force(self) -> bool:
+        """True."""
+        return True
 
     @property
     def driven_mass(self) -> float:

@@ -13,6 +13,7 @@ from uuid import uuid4
 import numpy as np
 
 from ..errors import InputError
+from ..process.motions.paths import Place, Pose
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup
@@ -171,6 +172,9 @@ class Frame:
         sheets: in the order of the set-up.
         tool_displacement: along each tool's axis, (tool_count,) [m].
         tool_reaction: force of the sheets on each tool, (tool_count, 3) [N].
+        tool_pose: of each tool in a run in which one is carried, (tool_count, 12): rotation matrix, row by row, and
+            shift [m]; else (0, 12).
+        tool_moment: of the sheets on each tool of such a run, about its pivot, (tool_count, 3) [N m]; else (0, 3).
         tool_wanted: force that drives each tool along its axis, (tool_count,) [N]; not a number where a stroke does.
         energies: every entry of the ledger [J], by name, summed over the sheets.
         support_force: force of each support on its sheet, (support_count, 3) [N]: it balances all other forces on
@@ -195,11 +199,19 @@ class Frame:
     support_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     drive_displacement: np.ndarray = field(default_factory=lambda: np.zeros(0))
     drive_force: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    tool_pose: np.ndarray = field(default_factory=lambda: np.zeros((0, 12)))
+    tool_moment: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     tool_wanted: np.ndarray = field(default_factory=lambda: np.zeros(0))
     gripper_force: np.ndarray = field(default_factory=lambda: np.zeros(0))
     gripper_slip: np.ndarray = field(default_factory=lambda: np.zeros(0))
     tool_acts: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     stage: str = ""
+
+    def place(self, tool: int) -> Place:
+        """Where a tool is, by its number: its displacement along its axis [m], or in a run with carried ones a pose."""
+        if len(self.tool_pose):
+            return Pose.from_numbers(self.tool_pose[tool])
+        return float(self.tool_displacement[tool])
 
     def acts(self, tool: int) -> bool:
         """Whether a tool acts, by its place; all do in a frame that does not tell."""

@@ -14,6 +14,7 @@ from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..kernels.rows import ToolWatchRow, ToolWorkRow
 from ..process.device import support_forces
+from ..tools.carried.device import pose_of
 from .frame import Frame, SheetFrame, unique_names
 from .interface_ledger import InterfaceLedger
 from .sheet_ledger import NO_PENETRATION, Penetration, SheetLedger, centred
@@ -122,6 +123,8 @@ class Ledger:
             sheets=sheets,
             tool_displacement=tool_displacement,
             tool_reaction=state.tool_force.numpy().copy(),
+            tool_pose=np.array([pose_of(entries).numbers for entries in state.tool_pose.numpy()]).reshape(-1, 12),
+            tool_moment=state.tool_moment.numpy().copy(),
             energies=self._balance(sheets, ahead),
             support_force=support_force,
             gripper_force=np.concatenate([each.force for each in grippers]),
@@ -168,7 +171,8 @@ class Ledger:
         of_tools = {
             "tool_kinetic": 0.5 * float(self._tool_mass @ (state.tool_velocity.numpy() * ahead.tool_velocity.numpy())),
             "tool_damping_loss": float(work[ToolWorkRow.damping].sum()),
-            "tool_work": float(work[ToolWorkRow.on_sheet][~self._driven].sum()),
+            # also of tools that a force moves along their axes
+            "tool_work": float(work[ToolWorkRow.on_sheet][~self._driven].sum() + work[ToolWorkRow.carrying].sum()),
             "driving_force_work": float(work[ToolWorkRow.driving][self._driven].sum()),
         }
         entries = _inserted(entries, of_tools)

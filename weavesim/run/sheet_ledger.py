@@ -27,7 +27,7 @@ from ..sheet.samples import surfaces
 from .fields import complete
 from .frame import SheetFrame
 from .watch.surface_fields import SurfaceFields
-from .watch.tool_forces import PointForces, ToolForces, tool_fields
+from .watch.tool_forces import PointForces, ToolFields, ToolForces
 from .watch.tool_gaps import ToolGaps
 
 # Elastic energies of the sheet; the internal energy is their sum plus those of its unit cell.
@@ -103,6 +103,7 @@ class SheetLedger:
         points = nodes + len(sheet.samples.places) * elements
         self._contact_gaps = ToolGaps(model, index, state, points, acting, keep_normals=True)
         self._tool_forces = ToolForces(model, index, state, self._contact_gaps, acting)
+        self._tool_fields = ToolFields(sheet)
         self._surface_fields = SurfaceFields(model, index, state, acting)
         self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements, acting)
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
@@ -143,7 +144,7 @@ class SheetLedger:
     def written_fields(self, frame: SheetFrame) -> dict[str, np.ndarray]:
         """Fields that only the frames of observers have, of the frame just taken; waits for the device."""
         forces, node_distance = self.tool_forces(), self._distance[:, : len(frame.position)]
-        pressed = tool_fields(self._model, forces, frame.director, frame.fields["area_ratio"])
+        pressed = self._tool_fields(forces, frame.director, frame.fields["area_ratio"])
         return pressed | self._surface_fields(frame.position, frame.fields["thickness"], node_distance)
 
     def _launch(self, ahead: SheetState) -> None:

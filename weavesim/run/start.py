@@ -98,7 +98,7 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
     for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
         check_cell_at_rest(sheet.fabric.unit_cell, first)
     guards = Guards()
-    doubts = guards.before(Start(model, ledger, frame, phases))
+    doubts = guards.before(Start(model, ledger, frame, phases, setup.accept_unusual))
     info = RunInfo(
         name=setup.name,
         setup=setup,

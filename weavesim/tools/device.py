@@ -18,6 +18,7 @@ from ..kernels.contact.tool_shapes import part_struct, shape_kind, shape_number
 from ..kernels.stepping.tools import FORCE, STROKE, ToolDrive, ToolDrives
 from ..process.friction import law_of
 from ..process.friction_device import argument_kind, viscous_rates
+from .carried.device import build_carriers, poses
 from .sampling import SampledDistance, Samples
 from .shapes import Shape
 
@@ -33,6 +34,8 @@ class DeviceTools:
         tool: ``kernels.contact.tool_distance.tool_struct(real)``, (tool_count,).
         part: ``kernels.contact.tool_shapes.part_struct(real)``, (part_count,), all parts of all tools.
         drives: ``kernels.stepping.tools.ToolDrives``: how all of them move.
+        carriers: ``kernels.carried.motion.Carriers``: what carries and turns them; None where no tool is carried.
+        initial_pose: at time zero, (tool_count, entries of ToolPoseRow); (0, entries) where no tool is carried.
         initial_displacement, initial_velocity: along each axis at time zero, (tool_count,) [m], [m/s].
         samples: keeps alive the sampled volumes that ``part`` refers to.
         law: ``kernels.contact.friction.tool_friction_struct(real)``, (tool_count,): friction laws.
@@ -42,6 +45,8 @@ class DeviceTools:
     tool: wp.array
     part: wp.array
     drives: Any
+    carriers: Any
+    initial_pose: np.ndarray
     initial_displacement: np.ndarray
     initial_velocity: np.ndarray
     samples: tuple[SampledDistance, ...]
@@ -94,10 +99,13 @@ def build_device_tools(
     drives.axis = array([tool.axis for tool in tools], wp.vec3d)
     drives.curve_time = array(np.concatenate([np.empty(0), *(times for times, _ in curves)]), wp.float64)
     drives.curve_value = array(np.concatenate([np.empty(0), *(values for _, values in curves)]), wp.float64)
+    carriers = build_carriers(tools, device)
     return DeviceTools(
         tool=array(_tool_data(tools, real, samples), tool_struct(real)),
         part=array([_part_data(part, real, samples) for part in parts], part_struct(real)),
         drives=drives,
+        carriers=carriers,
+        initial_pose=poses(tools if carriers is not None else (), 0.0, start[:, 0]),
         initial_displacement=start[:, 0],
         initial_velocity=start[:, 1],
         samples=tuple(samples.values()),

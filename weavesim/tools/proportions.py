@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from ..process.motions.paths import PathMotion
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import Symmetry
 from .shapes import Plane, Shape
@@ -43,6 +44,8 @@ def disproportionate_tools(sheet: Sheet, tools: Sequence[Tool], symmetry: Symmet
                 else:
                     yield sentence
         travel = 0.0 if tool.motion.by_force else float(np.ptp(np.append(tool.motion.curve()[1], 0.0)))
+        if isinstance(tool.motion, PathMotion) and tool.motion.points:
+            travel += float(np.linalg.norm(tool.motion.points, axis=1).max())
         if travel > USUAL_TRAVEL * blank:
             yield (
                 f"tool {tool.name} travels {travel:.4g} m, {travel / blank:.3g} times the size of the blank of sheet "

@@ -12,6 +12,7 @@ from pydantic import Discriminator, SerializeAsAny, Tag, field_validator
 from ..checks import NotNegative, Parameters, Share
 from ..names import Label
 from ..process.friction import Friction, YarnAngleFriction
+from ..process.motions.paths import Place, moved_points, place_of
 from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
 from ..ranges import Quantity
@@ -30,12 +31,12 @@ def _kind_of_friction(value: object) -> str:
 
 
 class Tool(Parameters):
-    """A rigid body that moves along one axis and may touch the sheet on either face.
+    """A rigid body that moves along an axis, or on a path and about an axis; it may touch the sheet on either face.
 
     Attributes:
         name: "punch", "die", "blank_holder", or any other.
         shape: at zero displacement.
-        motion: along ``axis``.
+        motion: along ``axis``; a ``PathMotion`` carries and turns the tool in addition.
         friction: between tool and sheet: a Coulomb coefficient, or a law (docs/plies.md).
         axis: direction of the motion, scaled to length one.
         colour: for drawing: red, green and blue from 0 to 1.
@@ -125,10 +126,26 @@ class Tool(Parameters):
         """Elements of ``element_size`` [m] along 90 degrees of the fillet radius; below five is coarse."""
         return 0.5 * np.pi * self.fillet_radius / element_size
 
-    def distance(
-        self, points: np.ndarray, displacement: float = 0.0, device: str = "cpu"
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Signed distance of ``points`` (n, 3) [m], in double precision, and the outward normals (n, 3)."""
+    def place(self, displacement: float, time: float) -> Place:
+        """Where it is, displaced along its axis [m], at a time [s]: a pose if it is carried, else ``displacement``."""
+        return place_of(self.motion, self.axis, displacement, time)
+
+    def place_at(self, time: float) -> Place:
+        """Where an unhindered motion has brought it at ``time`` [s]; one that a force moves is not displaced."""
+        return self.place(0.0 if self.motion.by_force else self.motion.displacement_at(time), time)
+
+    def moved(self, points: np.ndarray, place: Place) -> np.ndarray:
+        """Points (n, 3) of the tool as drawn, where it is at ``place`` [m]."""
+        return moved_points(points, self.axis, place)
+
+    def distance(self, points: np.ndarray, place: Place = 0.0, device: str = "cpu") -> tuple[np.ndarray, np.ndarray]:
+        """Signed distance of ``points`` (n, 3) [m], in double precision, and the outward normals (n, 3).
+
+        Args:
+            points: (n, 3) [m].
+            place: where the tool is: its displacement along its axis [m], or its pose.
+            device: name in Warp.
+        """
         from .surfaces.distance import ToolDistance
 
-        return ToolDistance(self, device)(points, displacement)
+        return ToolDistance(self, device)(points, place)

@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 
 from tests.support.runs import one_sheet_setup
+from tests.support.sheet import plain_fabric
 from weavesim.engine.model import Model
 from weavesim.engine.setup import Setup, Solver, World
+from weavesim.engine.sheet_model import CONTACT_SHARE
 from weavesim.errors import InputError
+from weavesim.fabric.cell import LinearMembrane
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.process.dynamics import Dynamics
@@ -109,3 +112,26 @@ def test_making_a_simulation_costs_nothing(monkeypatch):
     monkeypatch.setattr("weavesim.run.simulation.prepare", lambda setup: pytest.fail("prepared in the constructor"))
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.01)
     Simulation(one_sheet_setup(name="idle", blank=blank, fabric=FABRIC, duration=1.0))
+
+
+def test_a_soft_sheet_beside_a_stiff_one_meets_tools_as_the_step_of_the_run_allows():
+    """Its own step would let rubber sink into a tool; sheets that are alike keep their own."""
+    blank = Blank.rectangle((0.0, 0.0), (0.04, 0.04), 0.01)
+    stiff = glass_polypropylene()
+    soft = plain_fabric(
+        areal_density=1.7, thickness=1.5e-3, unit_cell=LinearMembrane(warp_stiffness=4e3, weft_stiffness=4e3)
+    )
+    floor = Tool("floor", Plane(origin=(0.0, 0.0, -0.01)))
+
+    def share(*fabrics):
+        sheets = [Sheet(blank, fabric, name=f"sheet {k}") for k, fabric in enumerate(fabrics)]
+        model = Model(Setup("made", sheets=sheets, tools=[floor], duration=1e-3))
+        return [
+            float((sheet.contact_stiffness / sheet.node_mass).max()) * model.reference_step**2 for sheet in model.sheets
+        ]
+
+    assert share(stiff, soft) == pytest.approx([CONTACT_SHARE, CONTACT_SHARE])
+    assert share(soft) == pytest.approx([CONTACT_SHARE])
+    # a few per cent more mass, and a longer step of its own
+    like = stiff.model_copy(update={"areal_density": 1.1 * stiff.areal_density})
+    assert share(stiff, like)[1] == pytest.approx(CONTACT_SHARE / 1.1)

@@ -134,7 +134,7 @@ def test_driven_tool_falls_as_newton_says():
     np.testing.assert_allclose(state.force.numpy()[0], reaction, atol=1e-12)
     # half of the step before and half of the one to come; the last half is still to come
     travel = step * (velocity[:, 0].sum() - 0.5 * velocity[-1, 0])
-    on_sheet, driving, damping = state.work.numpy()[:, 0]
+    on_sheet, driving, damping, carrying = state.work.numpy()[:, 0]
     assert damping == 0.0  # nobody said how stiff the contact is
     np.testing.assert_allclose([on_sheet, driving], [-along * travel, force * travel], rtol=1e-12)
     assert driving - on_sheet == pytest.approx(0.5 * mass * velocity[-1, 0] ** 2, rel=1e-12)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import did_you_mean
+from ...process.motions.paths import PathMotion, Pose
 from ...process.stages import AtForce, AtRest, AtStroke, Move, Stage
 from ...process.strokes import ForceDriven
 from .acting import Acting, Given, Parts, acting_in
@@ -105,12 +107,16 @@ def _check_motions(now: Acting, before: Acting | None, parts: Parts) -> None:
                 _refuse(stage, f"tool {move.name} is moved, but does not act; add it to tools, or leave the move out")
             if not move.motion.moves_tools:
                 _refuse(stage, f"move {move.name}: {type(move.motion).__name__} does not move tools; take a Stroke")
-            if move.motion.by_force and not isinstance(move.motion, ForceDriven):
+            if move.motion.by_force and not isinstance(move.motion.along_axis, ForceDriven):
                 _refuse(stage, f"move {move.name}: of the motions by a force only ForceDriven can begin in a stage")
         elif move.name in supports:
             _check_drive(stage, move, supports[move.name])
-        elif not move.motion.moves_tools or move.motion.by_force or move.motion.limiting_force:
+        elif (
+            not move.motion.moves_tools or move.motion.by_force or move.motion.limiting_force or move.motion.is_carried
+        ):
             _refuse(stage, f"move {move.name}: a Stroke without a largest_force, or Fixed, moves the anchors")
+        if isinstance(move.motion, PathMotion):
+            _check_path(stage, move.name, move.motion)
         if not move.motion.by_force:
             _check_start(stage, move)
 
@@ -133,6 +139,19 @@ def _check_start(stage: Stage, move: Move) -> None:
             f"move {move.name} is at {start:.4g} m when the stage begins; it must start from 0, which is where "
             f"{move.name} then stands",
         )
+
+
+def _check_path(stage: Stage, name: str, motion: PathMotion) -> None:
+    way, angle = motion.state_at(0.0)
+    if np.linalg.norm(way) > 0.0 or angle != 0.0:
+        _refuse(
+            stage,
+            f"move {name}: its path is {1e3 * float(np.linalg.norm(way)):.4g} mm away, and it has turned by "
+            f"{math.degrees(angle):.4g} degrees, when the stage begins; both must start from 0, which is where {name} "
+            "then stands",
+        )
+    if motion.placed != Pose().numbers:
+        _refuse(stage, f"move {name}: placed is where the stage finds it; leave it out")
 
 
 # ------------------------------------------------------------------------------------------------ ends that can come
@@ -194,8 +213,12 @@ def _largest_travel(given: Given, now: Acting, stages: Sequence[Stage], sign: fl
 
 def _always_moves(given: Given, now: Acting, stages: Sequence[Stage]) -> bool:
     """Whether a stroke moves at all times of a stage that begins at the latest."""
+    begin = _latest(given, now, stages)
+    if isinstance(given.motion, PathMotion):
+        rates = [given.motion.rates_at(time) for time in begin + np.linspace(0.0, now.stage.duration, LOOK_COUNT)]
+        if all(np.any(speed) or np.any(spin) for speed, spin in rates):
+            return True
     if given.motion.by_force:
         return False
-    begin = _latest(given, now, stages)
     at = np.interp(begin + np.linspace(0.0, now.stage.duration, LOOK_COUNT + 1), *given.motion.curve())
     return bool(len(at) and (np.diff(at) != 0.0).all())

@@ -10,12 +10,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...process.friction import Coulomb
 from ...process.grippers import Gripper
+from ...process.interfaces import Interface
+from ...process.loads import NodalLoads
+from ...process.motions.paths import PathMotion, Pose, place_of
 from ...process.pressure import Pressure
 from ...process.stages import AtStroke
 from ...process.strokes import ForceDriven, Motion, SmoothStroke, Stroke
 from ...process.supports import Drive, Support
+from ...quantities import Vector
 from ...sheet.sheet import Sheet
+from ...tools.tool import Tool
 from ..setup import Setup, World
 from .acting import Acting, Given, Parts, acting_in
 
@@ -28,6 +34,7 @@ class Begin(NamedTuple):
         planned: end of the stage before it by its duration, from which this one counts its own [s].
         tools, drives, grippers: displacements of all tools, of all drives of all supports, and of the anchors of all
             grippers, in order [m].
+        poses: of all tools if one is carried in any stage, twelve numbers each; else none.
     """
 
     time: float
@@ -35,6 +42,7 @@ class Begin(NamedTuple):
     tools: tuple[float, ...]
     drives: tuple[float, ...]
     grippers: tuple[float, ...]
+    poses: tuple[tuple[float, ...], ...] = ()
 
 
 class _First(NamedTuple):
@@ -61,8 +69,11 @@ def stage_setup(setup: Setup, acting: Acting, begins: Sequence[Begin]) -> Setup:
     for world in setup.worlds:
         tools = []
         for tool in world.tools:
-            motion = _shifted(acting.tool_motions[tool.name], begins, tool_count)
-            tools.append(tool if motion is tool.motion else tool.model_copy(update={"motion": motion}))
+            motion = _tool_motion(setup, tool, acting, begins, tool_count)
+            changed = {} if motion is tool.motion else {"motion": motion}
+            if tool.name in acting.friction:
+                changed["friction"] = acting.friction[tool.name]
+            tools.append(tool.model_copy(update=changed) if changed else tool)
             tool_count += 1
         sheets = []
         for sheet in world.sheets:
@@ -70,8 +81,18 @@ def stage_setup(setup: Setup, acting: Acting, begins: Sequence[Begin]) -> Setup:
             drive_count = sum(len(support.drives) for support in sheet.supports)
             first = _First(first.drives + drive_count, first.grippers + len(sheet.grippers))
         dynamics = world.dynamics.model_copy(update=acting.dynamics) if acting.dynamics else world.dynamics
-        worlds.append(world.model_copy(update={"tools": tuple(tools), "sheets": tuple(sheets), "dynamics": dynamics}))
+        own = {"tools": tuple(tools), "sheets": tuple(sheets), "dynamics": dynamics}
+        worlds.append(world.model_copy(update=own | {"interfaces": _interfaces(world, acting)}))
     return _copied(setup, acting, tuple(worlds))
+
+
+def _interfaces(world: World, acting: Acting) -> tuple[Interface, ...]:
+    return tuple(
+        each.model_copy(update={"friction": Coulomb(acting.friction[each.name])})
+        if each.name in acting.friction
+        else each
+        for each in world.interfaces
+    )
 
 
 def _copied(setup: Setup, acting: Acting, worlds: tuple[World, ...]) -> Setup:
@@ -88,15 +109,17 @@ def planned_begins(setup: Setup, acting: Sequence[Acting]) -> list[Begin]:
     begins = [first_begin(setup)]
     for now in acting[:-1]:
         last, end = begins[-1], begins[-1].planned + now.stage.duration
-        tools = []
+        tools, poses = [], []
         for k, tool in enumerate(setup.tools):
-            motion = _shifted(now.tool_motions[tool.name], begins, k)
+            motion = _tool_motion(setup, tool, now, begins, k)
             at = last.tools[k] if motion.by_force else motion.displacement_at(end)
             if isinstance(now.stage.end, AtStroke) and now.stage.end.tool == tool.name:
                 at = last.tools[k] + now.stage.end.displacement
             tools.append(at)
+            place = place_of(motion, tool.axis, at, end)
+            poses.append(place.numbers if isinstance(place, Pose) else ())
         anchors = gripper_places(stage_setup(setup, now, begins), end)
-        begins.append(Begin(end, end, tuple(tools), begins[0].drives, anchors))
+        begins.append(Begin(end, end, tuple(tools), begins[0].drives, anchors, tuple(poses) if any(poses) else ()))
     return begins
 
 
@@ -104,7 +127,65 @@ def first_begin(setup: Setup) -> Begin:
     """The start of a run."""
     starts = tuple(0.0 if tool.motion.by_force else tool.motion.displacement_at(0.0) for tool in setup.tools)
     drives = tuple(0.0 for support in setup.supports for _ in support.drives)
-    return Begin(0.0, 0.0, starts, drives, gripper_places(setup, 0.0))
+    poses: tuple[tuple[float, ...], ...] = ()
+    if carried_tools(setup):
+        motions = [_wrapped(tool.motion) for tool in setup.tools]
+        found = [
+            motion.pose_at(0.0, start * np.array(tool.axis))
+            for motion, start, tool in zip(motions, starts, setup.tools, strict=True)
+        ]
+        poses = tuple(pose.numbers for pose in found)
+    return Begin(0.0, 0.0, starts, drives, gripper_places(setup, 0.0), poses)
+
+
+def carried_tools(setup: Setup) -> frozenset[str]:
+    """Names of the tools that are carried along a path or turned in any stage."""
+    moved = [(move.name, move.motion) for stage in setup.stages for move in stage.moves]
+    every = [*((tool.name, tool.motion) for tool in setup.tools), *moved]
+    return frozenset(name for name, motion in every if motion.is_carried)
+
+
+def _wrapped(motion: Motion) -> PathMotion:
+    """A motion as one that is carried, if it is none."""
+    return motion if isinstance(motion, PathMotion) else PathMotion(along=motion)
+
+
+def _tool_motion(setup: Setup, tool: Tool, acting: Acting, begins: Sequence[Begin], index: int) -> Motion:
+    """Motion of a tool in a stage, in the time of the run; one that is carried in any stage is so in all of them."""
+    given = acting.tool_motions[tool.name]
+    if tool.name not in carried_tools(setup):
+        return _shifted(given, begins, index)
+    if given.since == 0 and not given.onwards:
+        return _wrapped(given.motion)
+    begin = begins[given.since]
+    if not given.onwards:
+        return carried_on(
+            _wrapped(given.motion), begin.time, 0.0, tool.axis, Pose.from_numbers(_wrapped(tool.motion).placed)
+        )
+    return carried_on(
+        _wrapped(given.motion), begin.time, begin.tools[index], tool.axis, Pose.from_numbers(begin.poses[index])
+    )
+
+
+def carried_on(motion: PathMotion, time: float, displacement: float, axis: Vector, pose: Pose) -> PathMotion:
+    """A motion that begins at ``time`` [s], with a tool in a pose, displaced by ``displacement`` [m] along its axis."""
+    along = displacement * np.array(axis)
+    rotation, placed = motion.rotation, Pose.of(pose.matrix, np.array(pose.shift) - along)
+    if rotation is not None:
+        # given where the tool then stands; the kernels add the displacement
+        changed = {
+            "times": tuple(at + time for at in rotation.times),
+            "point": tuple((np.array(rotation.point) - along).tolist()),
+        }
+        rotation = rotation.model_copy(update=changed)
+    return motion.model_copy(
+        update={
+            "times": tuple(at + time for at in motion.times),
+            "rotation": rotation,
+            "along": shifted(motion.along, time, displacement),
+            "placed": placed.numbers,
+        }
+    )
 
 
 def gripper_places(setup: Setup, time: float) -> tuple[float, ...]:
@@ -151,6 +232,8 @@ def _sheet(sheet: Sheet, setup: Setup, acting: Acting, begins: Sequence[Begin], 
         changed["grippers"] = grippers
     if any(stage.pressures is not None for stage in setup.stages):
         changed["pressures"] = _pressures(sheet, acting, begins)
+    if any(each.sheet in (None, sheet.name) for stage in setup.stages for each in stage.loads or ()):
+        changed["loads"] = _loads(sheet, acting, begins)
     return sheet.model_copy(update=changed) if changed else sheet
 
 
@@ -185,6 +268,17 @@ def _gripper(gripper: Gripper, acting: Acting, begins: Sequence[Begin], index: i
         opened = begins[released].time
         changed["release_time"] = opened if gripper.release_time is None else min(opened, gripper.release_time)
     return gripper.model_copy(update=changed) if changed else gripper
+
+
+def _loads(sheet: Sheet, acting: Acting, begins: Sequence[Begin]) -> NodalLoads:
+    """The loads on a sheet, without force where there are none, so that their work has its place in every stage."""
+    none = NodalLoads()
+    if acting.loads is None:
+        return sheet.loads or none
+    given, since = acting.loads
+    own = next((each.loads for each in given if each.sheet in (None, sheet.name)), none)
+    begin = begins[since].time
+    return own.model_copy(update={"times": tuple(time + begin for time in own.times)})
 
 
 def _pressures(sheet: Sheet, acting: Acting, begins: Sequence[Begin]) -> tuple[Pressure, ...]:

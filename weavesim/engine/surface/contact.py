@@ -24,6 +24,7 @@ class SurfaceContact:
         sheet: with samples.
         own: its state.
         reaction: forces of its blocks of elements on its tools, [tool, block] [N].
+        moment: of these about the pivots of the tools, [tool, block] [N m]; None where no tool is carried.
 
     Attributes:
         kernel: that is launched.
@@ -31,12 +32,12 @@ class SurfaceContact:
         works: of the last steps, as [row, block of samples] of lanes [J].
     """
 
-    def __init__(self, sheet: SheetModel, own: SheetState, reaction: wp.array) -> None:
+    def __init__(self, sheet: SheetModel, own: SheetState, reaction: wp.array, moment: wp.array | None) -> None:
         self.kernel = surface_contact_kernel(sheet.real, sheet.lane_count, sheet.node_traits)
         self._sheet, self._own = sheet, own
         self.laws = sheet.node_laws()
         self.laws.spare_distance = sheet.samples.spare_distance
-        self.samples, self.sampled = device_samples(sheet), _sampled(sheet, own, reaction)
+        self.samples, self.sampled = device_samples(sheet), _sampled(sheet, own, reaction, moment)
         self.works = lanes_view(own.sample_work, sheet.lane_count)
 
     def launch(self, first: int, count: int | None, around: Any) -> None:
@@ -81,15 +82,20 @@ def device_samples(sheet: SheetModel) -> Any:
     return samples
 
 
-def _sampled(sheet: SheetModel, own: SheetState, reaction: wp.array) -> Any:
+def _sampled(sheet: SheetModel, own: SheetState, reaction: wp.array, moment: wp.array | None) -> Any:
     """What the samples of a sheet write."""
     lane_count = sheet.lane_count
     touch = touch_struct(sheet.real, lane_count)()
     touch.friction = sheet.samples.layout.view(own.sample_friction)
     touch.gap, touch.reaction = own.sample_gap, own.sample_reaction
+    if moment is not None:
+        count = sheet.tool_count
+        touch.reaction, touch.moment = own.sample_reaction[:count], own.sample_reaction[count:]
     touch.depth, touch.thickness = (lanes_view(a, lane_count) for a in (own.sample_depth, own.sample_thickness))
     set_friction(touch, sheet, own.sample_friction_argument, samples=True)
     sampled = sampled_struct(sheet.real, lane_count)()
     sampled.touch, sampled.reaction = touch, reaction
+    if moment is not None:
+        sampled.moment = moment
     sampled.memory, sampled.works = (lanes_view(a, lane_count) for a in (own.sample_memory, own.sample_work))
     return sampled

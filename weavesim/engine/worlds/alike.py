@@ -23,6 +23,8 @@ def _obstacles(setup: Setup) -> Iterator[str]:
         yield "there is pressure on its sheet"
     if setup.stages:
         yield "it has stages"
+    if any(tool.motion.is_carried for tool in setup.tools):
+        yield "a tool follows a path or turns"
     if any(not isinstance(law_of(tool.friction), Coulomb) for tool in setup.tools):
         yield "the friction of a tool is more than one coefficient"
 

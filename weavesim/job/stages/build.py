@@ -11,7 +11,7 @@ from ...engine.staging.acting import Parts
 from ...engine.staging.checks import check_stages
 from ...errors import InputError, did_you_mean
 from ...output.flat.part_edge import read_part_edge
-from ...process.stages import AtForce, AtRest, AtStroke, Move, SheetPressure, Stage, StageEnd
+from ...process.stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetPressure, Stage, StageEnd
 from ...process.strokes import Fixed, ForceDriven, Motion, Stroke
 from ...process.trims import Trim
 from ...sheet.sheet import Sheet
@@ -112,6 +112,7 @@ class _Builder:
                 grippers=None if table.grippers is None else self._grippers(keys, table.grippers),
                 moves=tuple(Move(name, motion) for name, motion in moves.items()),
                 pressures=pressures,
+                friction=tuple(FrictionOf(name, value) for name, value in table.friction.items()),
                 trims=tuple(self._trim([*keys, "trim", k], each) for k, each in enumerate(table.trim)),
                 gravity=None if table.gravity is None else (0.0, 0.0, -table.gravity if table.gravity else 0.0),
                 damping=table.damping,
@@ -163,8 +164,13 @@ class _Builder:
         """Motions by the names of what they move."""
         known = [*self.tools, *(name for name in self.groups if name not in self.tools)]
         self._known([*keys, "name"], table.name, "[[tool]], [[spring]] or [[gripper]]", known)
+        if table.is_carried and table.name not in self.tools:
+            self.file.refuse(
+                [*keys, "path" if table.path is not None else "rotation"],
+                f"{table.name} is no [[tool]]: only tools follow paths and turn; give springs and grippers a stroke",
+            )
         try:
-            motion = self._motion(table)
+            motion = table.carried(self._motion(table))
         except InputError as error:
             self.file.refuse(keys, str(error))
         names = (table.name,) if table.name in self.tools else self.groups[table.name]
@@ -176,7 +182,7 @@ class _Builder:
             ramp = RAMP_SHARE * abs(table.stroke) / table.speed if table.ramp is None else table.ramp
             limit = None if table.largest_force is None else table.largest_force * self.share
             return Stroke.smooth(table.stroke, table.speed, ramp, start_time=table.delay, largest_force=limit)
-        if table.fixed:
+        if table.fixed or (table.force is None and table.forces is None):
             return Fixed()
         own = next((tool.mass for tool in self.file.job.tool if tool.name == table.name), None)
         mass = table.mass if table.mass is not None else own
@@ -191,7 +197,7 @@ class _Builder:
     def _of_strokes(self, keys: Sequence[object], moves: dict[str, Motion]) -> float:
         """Time of the strokes that begin in a stage [s]."""
         first = {name: self.tools[name].motion for name in self.tools if name in self.acting - self.acted}
-        found = [motion.duration for motion in (first | moves).values() if not motion.by_force]
+        found = [motion.travel_time for motion in (first | moves).values()]
         if not any(found):
             self.file.refuse(keys, "duration: is required, since no stroke begins in the stage")
         return max(found)

@@ -11,6 +11,7 @@ from ...names import Label
 from ...ranges import Quantity
 from ..tables import JobTable, Point, one_of, without
 from ..units import length_unit
+from .paths import CarriedTable
 
 MOTIONS = ("stroke", "fixed", "force", "forces")
 ENDS = ("time", "stroke", "force", "rest")
@@ -38,7 +39,7 @@ class StagePressureTable(PressureTable):
     )
 
 
-class MoveTable(JobTable):
+class MoveTable(CarriedTable):
     """A motion that begins with a stage, from where things then are. `[[stage.move]]`, below its stage."""
 
     name: str = Field(description="of a tool, a gripper or a spring; the name of a group moves all of it")
@@ -71,7 +72,10 @@ class MoveTable(JobTable):
 
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> Self:
-        given = one_of(self, MOTIONS)
+        alone = self.is_carried and not any(getattr(self, name) for name in MOTIONS if name != "stroke")
+        given = "fixed" if alone and self.stroke is None else one_of(self, MOTIONS)
+        if self.fixed and self.is_carried:
+            raise ValueError("fixed: has no effect with a path or a rotation; leave it out")
         if given == "stroke":
             if self.stroke == 0.0:
                 raise ValueError("stroke = 0: to keep it where it is, write fixed = true")
@@ -182,6 +186,9 @@ class StageTable(JobTable):
     move: tuple[MoveTable, ...] = Field(default=(), description="[[stage.move]]: motions that begin with it")
     pressure: tuple[StagePressureTable, ...] | None = Field(
         default=None, description="[[stage.pressure]]: all pressures from here on; [] for none"
+    )
+    friction: dict[str, Annotated[NotNegative, Quantity("friction")]] = Field(
+        default={}, description='other coefficients from here on, by names of tools, or "LOWER / UPPER" of plies'
     )
     trim: tuple[TrimTable, ...] = Field(default=(), description="[[stage.trim]]: cuts through plies as it begins")
     gravity: Annotated[NotNegative, Quantity("acceleration")] | None = Field(default=None, description="downwards")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...engine.setup import Setup
 from ...engine.staging.acting import Acting
 from ...engine.staging.derive import acting_of
+from ...process.motions.paths import PathMotion
 from ...process.stages import AtForce, AtRest, AtStroke, Stage
 from ...process.strokes import Motion
 
@@ -29,6 +30,7 @@ def _acts(now: Acting, share: float) -> str:
     for pressed in now.stage.pressures or ():
         on = f" on {pressed.sheet}" if pressed.sheet else ""
         parts.append(f"{1e-3 * pressed.pressure.pressures[-1]:.4g} kPa{on}")
+    parts += [f"friction of {each.name} {each.coefficient:g}" for each in now.stage.friction]
     parts += [f"{trim.sheet or 'the sheet'} is trimmed" for trim in now.stage.trims]
     return ", ".join(parts)
 
@@ -41,6 +43,13 @@ def motion_text(motion: Motion, share: float) -> str:
     """A motion in a few words; ``share`` of the whole is computed, and forces on it are that share."""
     if not motion.moves_tools:
         return "moves"
+    if isinstance(motion, PathMotion):
+        parts = [] if motion.along.travel_time == 0.0 and not motion.by_force else [motion_text(motion.along, share)]
+        if motion.points:
+            parts.append(f"follows a path of {len(motion.points)} points")
+        if motion.rotation:
+            parts.append(f"turns by {motion.rotation.angles[-1]:.4g} degrees")
+        return " and ".join(parts or ["stays"])
     _, values = motion.curve()
     if motion.by_force:
         return f"pushed with {values[-1] / share:.4g} N"

@@ -72,19 +72,18 @@ class WaveFilter:
         """Deviation of a height from the smoothed one, (node_count,) [m]."""
         return height - self._smoothing(self._mass * height)
 
-    def measured(self, deviations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Amplitude and wavelength around each element, (k, element_count) [m], of deviations (k, node_count) [m]."""
-        change = deviations[:, self._quads]
-        across, along = change[..., 0] - change[..., 2], change[..., 1] - change[..., 3]
-        metric = self._metric
+    def measured(self, deviation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Amplitude and wavelength around each element, (element_count,) [m], of a deviation (node_count,) [m]."""
+        change, metric = deviation[self._quads].T, self._metric
+        across, along = change[0] - change[2], change[1] - change[3]
         # square of the gradient over the flat sheet, at the element centres
         slope = metric[:, 0, 0] * across**2 + 2.0 * metric[:, 0, 1] * across * along + metric[:, 1, 1] * along**2
-        nodes = self._quads.ravel()
-        gradient = [np.bincount(nodes, np.repeat(each, 4), deviations.shape[1]) / self._around for each in slope]
-        squares = self._local((self._mass * np.concatenate([deviations**2, gradient])).T).T
-        power, slope = np.split(np.maximum(squares, 0.0)[:, self._quads].mean(axis=2), 2)
+        gradient = np.bincount(self._quads.ravel(), np.repeat(slope, 4), len(deviation)) / self._around
+        squares = self._local(self._mass[:, None] * np.stack([deviation**2, gradient], axis=1))
+        power, slope = np.maximum(squares, 0.0)[self._quads].mean(axis=1).T
         number = np.sqrt(slope / np.maximum(power, 1.0e-300))
-        passed = (number * self._reach) ** 4 / (1.0 + (number * self._reach) ** 4)
+        fourth = np.square(np.square(number * self._reach))
+        passed = fourth / (1.0 + fourth)
         amplitude = np.sqrt(2.0 * power) / np.maximum(passed, LEAST_PASSED)
         return amplitude, 2.0 * np.pi / np.maximum(number, 1.0e-300)
 
@@ -101,8 +100,7 @@ def waves(blank: Blank, position: np.ndarray, longest: float, height: np.ndarray
     """
     found = WaveFilter(blank, longest)
     deviation = found.of_surface(position) if height is None else found.of_height(height)
-    (amplitude,), (wavelength,) = found.measured(deviation[None])
-    return Waves(deviation, amplitude, wavelength)
+    return Waves(deviation, *found.measured(deviation))
 
 
 def _solver(matrix: Any) -> Callable[[np.ndarray], np.ndarray]:
@@ -148,8 +146,6 @@ def _border(quads: np.ndarray) -> np.ndarray:
 
 def _normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
     """Unit normals of the nodes of a surface, (node_count, 3)."""
-    normal = doubled_normals(position, quads)
-    total = np.stack(
-        [np.bincount(quads.ravel(), np.repeat(normal[:, axis], 4), len(position)) for axis in range(3)], axis=1
-    )
-    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1.0e-300)
+    normal, corners = doubled_normals(position, quads), quads.ravel()
+    total = np.stack([np.bincount(corners, np.repeat(each, 4), len(position)) for each in normal.T])
+    return (total / np.maximum(np.sqrt((total * total).sum(axis=0)), 1.0e-300)).T

@@ -13,6 +13,7 @@ from ...errors import InputError
 from ...measures.angles import locate, yarn_vectors
 from ...measures.findings import FormedSheet
 from ...measures.kinematic.net import Net, Surface, lay_net
+from ...process.motions.paths import Place
 from ...sheet.blank import Blank
 from ...sheet.topology import flat_areas
 from ...tools.surfaces.distance import ToolDistance
@@ -111,9 +112,7 @@ def beside_run(
     element, weight = locate(sheet.blank, np.array([start]))
     position = weight[0] @ sheet.position[sheet.blank.quads[element[0]]]
     surfaces = {
-        name: surface_of(run.tools[place], float(run.tool_displacement[place]))
-        for name, place in tools.items()
-        if tool in (None, name)
+        name: surface_of(run.tools[place], run.place(place)) for name, place in tools.items() if tool in (None, name)
     }
     name = min(surfaces, key=lambda key: abs(float(surfaces[key](position[None])[0][0]) - half))
     surface = surfaces[name]
@@ -165,10 +164,10 @@ def _along_axis(surface: Surface, point: np.ndarray, axis: np.ndarray, height: f
     return min(met, key=lambda place: float(np.linalg.norm(place - point)))
 
 
-def surface_of(tool: Tool, displacement: float) -> Surface:
+def surface_of(tool: Tool, place: Place) -> Surface:
     """Distance and normal of a tool in its place."""
     distance = ToolDistance(tool)
-    return lambda points: distance(points, displacement)
+    return lambda points: distance(points, place)
 
 
 def seed_of(blank: Blank, seed: Sequence[float] | None) -> tuple[float, float]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
+from ...process.motions.paths import Pose
 from ...run.frame import Frame, Outcome, RunInfo, unique_names
 from ...version import __version__
 from ..files import note, temporary_name
@@ -117,7 +118,9 @@ class Film:
         self._axes = [np.asarray(tool.axis, dtype=float) for tool in info.tools]
         self._above = [tool for tool in filmed if tool.height > rest]
         self._below = [tool for tool in filmed if tool.height <= rest]
-        self._moves = []
+        self._moves, self._meshes = [], [tool.mesh for tool in filmed]
+        self._turns: dict[int, Any] = {}
+        self._quaternions: dict[int, Any] = {}
         for tool in filmed:
             if len(info.sheets) > 1:
                 tool.mesh.AddTranslateOp(opSuffix="exploded")
@@ -128,8 +131,12 @@ class Film:
 
         for sheet, state in zip(self._sheets, frame.sheets, strict=True):
             sheet.add(state, float(frame.index))
-        for axis, move, distance in zip(self._axes, self._moves, frame.tool_displacement, strict=True):
-            move.Set(Gf.Vec3d(*(float(distance) * axis).tolist()), float(frame.index))
+        for k, move in enumerate(self._moves):
+            place = frame.place(k)
+            shift = place.shift if isinstance(place, Pose) else (place * self._axes[k]).tolist()
+            move.Set(Gf.Vec3d(*shift), float(frame.index))
+            if isinstance(place, Pose):
+                self._turn(k, place, float(frame.index))
         for k, tool in enumerate(self._tools):
             tool.show(frame.acts(k), float(frame.index))
         for attribute, value in zip(self._clock, (frame.time, frame.stroke), strict=True):
@@ -144,6 +151,20 @@ class Film:
         elif len(self._frames) % _FRAMES_PER_FLUSH == 0:
             with usd_errors():
                 self._stage.Save()
+
+    def _turn(self, tool: int, pose: Pose, code: float) -> None:
+        """Rotate a tool at a time code, as a quaternion, between which programs interpolate."""
+        from pxr import Gf, UsdGeom
+
+        if tool not in self._turns:
+            self._turns[tool] = self._meshes[tool].AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+        # USD's vectors are rows
+        turn = Gf.Matrix3d(*pose.matrix.T.ravel().tolist()).ExtractRotation().GetQuat()
+        last = self._quaternions.get(tool)
+        if last is not None and Gf.Dot(last, turn) < 0.0:  # the same rotation, the short way round
+            turn = -turn
+        self._quaternions[tool] = turn
+        self._turns[tool].Set(turn, code)
 
     def finish(self, outcome: Outcome) -> None:
         if self._stage is None or not self._frames:

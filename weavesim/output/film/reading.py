@@ -127,8 +127,10 @@ class StoredFilm:
 
         prim = self._prim(mesh)
         points = np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get(frame), dtype=float)
-        move = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(frame).ExtractTranslation()
-        return points + np.array(move)
+        transform = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(frame)
+        move, turn = np.array(transform.ExtractTranslation()), np.array(transform.ExtractRotationMatrix())
+        # USD's vectors are rows
+        return (points if np.array_equal(turn, np.eye(3)) else points @ turn) + move
 
     def faces(self, mesh: FilmedMesh, frame: float) -> np.ndarray:
         """Of a mesh at a time code, (face_count, 3) or (face_count, 4): a sheet that is trimmed loses some."""

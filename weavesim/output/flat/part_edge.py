@@ -11,6 +11,7 @@ from ...errors import InputError
 from ...input_files import path_of, shown
 from ...meshes.drawing import JOINED, joined, read_lines
 from ...meshes.reading import read_mesh
+from ...process.motions.paths import Place
 from ...tables.table import Wanted, read_table
 from ...tools.surfaces.rim import facing_up, rim_faces
 from ...tools.tool import Tool
@@ -117,7 +118,7 @@ def _of_mesh(path: Path, unit: float | None) -> PartEdge:
     return _largest_first(mesh.name, loops, [])
 
 
-def opening_of(tool: Tool, displacement: float) -> PartEdge:
+def opening_of(tool: Tool, place: Place) -> PartEdge:
     """The opening of a tool: the inner border of its flat rim, where the tool stands.
 
     Raises:
@@ -134,7 +135,7 @@ def opening_of(tool: Tool, displacement: float) -> PartEdge:
         rim = rim_faces(part.vertices, part.faces) if len(part.faces) else np.zeros(0, dtype=bool)
         if not np.any(rim):
             continue
-        loops = border_loops(part.vertices * flip + displacement * np.array(tool.axis), part.faces[rim])
+        loops = border_loops(tool.moved(part.vertices * flip, place), part.faces[rim])
         loops.sort(key=lambda loop: -abs(plan_area(loop)))
         if len(loops) < 2:
             continue

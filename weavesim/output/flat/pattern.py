@@ -135,7 +135,7 @@ def flat_patterns(run: StoredRun, wish: FlatWish) -> FlatPatterns:
                 f"opening of {wish.opening}: there is no such tool; choose from {', '.join(names) or 'none'}"
             )
         place = names.index(wish.opening)
-        edge = opening_of(run.tools[place], float(run.tool_displacement[place]))
+        edge = opening_of(run.tools[place], run.place(place))
     return FlatPatterns(run, edge, tuple(flat_pattern(sheet, edge) for sheet in run.sheets))
 
 

@@ -112,10 +112,8 @@ class ParaViewSeries:
         blocks: dict[str, str | dict[str, str]] = dict(zip(self._blocks[:-1], files, strict=True))
         if self._tools:
             blocks[self._blocks[-1]] = {
-                name: tool.write(float(place), stem)
-                for k, ((name, tool), place) in enumerate(
-                    zip(self._tools.items(), frame.tool_displacement, strict=True)
-                )
+                name: tool.write(frame.place(k), stem)
+                for k, (name, tool) in enumerate(self._tools.items())
                 if frame.acts(k)
             }
         write_text(self.folder / f"{stem}.vtm", blocks_text(blocks, self._run_id))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...process.motions.paths import Place
 from ...tools.shapes import Triangles
 from ...tools.tool import Tool
 from .files import Grid
@@ -32,16 +33,16 @@ class ToolFiles:
     def __init__(self, folder: Path, run_id: str, file_name: str, tool: Tool) -> None:
         self._folder, self._run_id, self._name = folder, run_id, file_name
         self._vertices, faces = drawn(tool.display_triangles())
-        self._axis = np.asarray(tool.axis, dtype=float)
+        self._tool = tool
         self._grid = Grid(faces)
-        self._place: float | None = None
+        self._place: Place | None = None
         self.file = ""
 
-    def write(self, displacement: float, stem: str) -> str:
+    def write(self, place: Place, stem: str) -> str:
         """Write the tool where it is, if it was not there before; returns the name of its file."""
-        if displacement != self._place:
-            self._place, self.file = displacement, f"{stem}_tool_{self._name}.vtu"
-            points = (self._vertices + displacement * self._axis).astype(np.float32)
+        if place != self._place:
+            self._place, self.file = place, f"{stem}_tool_{self._name}.vtu"
+            points = self._tool.moved(self._vertices, place).astype(np.float32)
             self._grid.write(self._folder / self.file, points, run_id=self._run_id)
         return self.file
 

@@ -74,6 +74,8 @@ def _section(axes: Axes, setup: Setup, along: str) -> None:
     heights: list[np.ndarray] = []
     for k, tool in enumerate(world.tools):
         vertices, faces = tool.display_triangles()
+        if tool.motion.is_carried:
+            vertices = tool.moved(vertices, tool.place_at(0.0))
         shift = np.zeros(3)
         shift[1 - row] = middle[1 - row]
         lines = plane_cut(vertices - shift, faces, 1 - row)
@@ -83,10 +85,15 @@ def _section(axes: Axes, setup: Setup, along: str) -> None:
         axes.add_collection(LineCollection(list(pieces), colors=colour, linewidths=1.5, label=words(tool.name)))
         heights.append(pieces[:, :, 1].ravel())
         travel = np.zeros(1) if tool.motion.by_force else tool.motion.curve()[1]
-        if np.ptp(travel) > 0.0:
+        if np.ptp(travel) > 0.0 and not tool.motion.is_carried:
             moved = pieces + 1.0e3 * float(travel[-1]) * np.asarray(tool.axis, dtype=float)[[row, 2]]
             axes.add_collection(LineCollection(list(moved), colors=colour, linewidths=0.9, linestyles="dashed"))
             heights.append(moved[:, :, 1].ravel())
+        if tool.motion.is_carried:
+            there = tool.moved(tool.display_triangles()[0], tool.place_at(tool.motion.duration))
+            ends = 1.0e3 * plane_cut(there - shift, faces, 1 - row)[:, :, [row, 2]]
+            axes.add_collection(LineCollection(list(ends), colors=colour, linewidths=0.9, linestyles="dashed"))
+            heights.append(ends[:, :, 1].ravel())
     for sheet in world.sheets:
         low, high = (1.0e3 * bound(sheet.blank.node_position[:, row]) for bound in (np.min, np.max))
         z, half = 1.0e3 * sheet.blank.node_position[:, 2].mean(), 0.5e3 * sheet.fabric.thickness

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...measures.border import symmetry_line, whole_outline
 from ...measures.findings import FormedSheet
+from ...process.motions.paths import Place, Pose
 from ...sheet.symmetry import AXES
 from ..colours import DISTINCT_COLOURS
 from .style import FAINT, GREY, INK, LINE_COLOURS, add_legend, new_axes, new_figure, words
@@ -24,13 +25,13 @@ GREYS = (GREY, INK, FAINT)
 
 
 def sections(
-    sheet: FormedSheet | Sequence[tuple[str, FormedSheet]], tools: Sequence[tuple[str, Tool, float]]
+    sheet: FormedSheet | Sequence[tuple[str, FormedSheet]], tools: Sequence[tuple[str, Tool, Place]]
 ) -> Figure:
     """Formed sheets, with their thickness, and the tools, cut along both symmetry lines.
 
     Args:
         sheet: the only one, or name and formed sheet of several; they must cross both lines.
-        tools: name, tool and displacement [m] of each.
+        tools: name, tool and place of each.
     """
     from matplotlib.collections import LineCollection
 
@@ -40,10 +41,12 @@ def sections(
     for row, along in enumerate("xy"):
         title = f"Section along {along} ({'y' if along == 'x' else 'x'} = 0)"
         chart = new_axes(figure, 2, 1, row + 1, aspect="equal", title=title, xlabel=f"{along} [mm]", ylabel="z [mm]")
-        for k, (name, tool, displacement) in enumerate(tools):
-            cut = plane_cut(*tool.display_triangles(), 1 - row)
+        for k, (name, tool, place) in enumerate(tools):
+            vertices, faces = tool.display_triangles()
+            turned = isinstance(place, Pose)
+            cut = plane_cut(tool.moved(vertices, place) if turned else vertices, faces, 1 - row)
             if len(cut):
-                shift = float(displacement) * np.asarray(tool.axis, dtype=float)
+                shift = np.zeros(3) if turned else place * np.asarray(tool.axis, dtype=float)
                 colour = GREYS[k % len(GREYS)] if len(sheets) > 1 else LINE_COLOURS[k % len(LINE_COLOURS)]
                 pieces = 1.0e3 * (cut + shift)[:, :, [row, 2]]
                 label = words(name)

@@ -60,6 +60,11 @@ class FrameRecorder:
         return np.array([kept.tool_displacement for kept in self._shown])
 
     @property
+    def tool_pose(self) -> np.ndarray:
+        """Of the kept frames, (kept_count, tool_count, 12), see ``Frame``; (kept_count, 0, 12) without any."""
+        return np.array([kept.tool_pose for kept in self._shown])
+
+    @property
     def tool_acts(self) -> list[list[bool]]:
         """Whether each tool acts in the kept frames, by frame."""
         return [kept.acts for kept in self._shown]
@@ -95,6 +100,7 @@ class _Kept:
         self.acts = [frame.acts(k) for k in range(len(frame.tool_displacement))]
         self.kept = [sheet.kept for sheet in frame.sheets]
         self.tool_displacement = np.array(frame.tool_displacement, dtype=float)
+        self.tool_pose = np.array(frame.tool_pose, dtype=float)
         self.positions = [sheet.position.astype(np.float32) for sheet in frame.sheets]
         self.fields = [
             {name: values.astype(np.float32) for name, values in sheet.fields.items() if name not in LEFT_OUT}

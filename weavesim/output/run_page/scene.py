@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 # Tools are for looking at: finer ones are shown by fewer triangles.
 LARGEST_TRIANGLE_COUNT = 40_000
+# Of the entries of a pose, over those of the run: a rotation matrix, and a shift in millimetres.
+_POSE_UNITS = np.array([1.0] * 9 + [1.0e3] * 3)
 
 
 def scene_of(
@@ -88,7 +90,7 @@ def _field(field: ShownField, values: np.ndarray) -> dict[str, Any]:
 
 def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
     rest = float(np.mean(np.concatenate([sheet.blank.node_position[:, 2] for sheet in info.sheets])))
-    displacement, acts = recorder.tool_displacement, recorder.tool_acts
+    displacement, pose, acts = recorder.tool_displacement, recorder.tool_pose, recorder.tool_acts
     found = []
     for k, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
         vertices, faces = _drawn(tool)
@@ -101,6 +103,8 @@ def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
                 "above": bool(0.5 * (height.min() + height.max()) > rest),
                 "sheets": [place for place, sheet in enumerate(info.sheets) if k in sheet.tools],
                 "displacement": (1.0e3 * displacement[:, k]).tolist(),
+                # rotation row by row, and shift in millimetres, of each frame of a run in which a tool is carried
+                "pose": (pose[:, k] * _POSE_UNITS).tolist() if pose.size else [],
                 **({} if all(each[k] for each in acts) else {"acts": [each[k] for each in acts]}),
                 "vertices": packed((1.0e3 * vertices).astype(np.float32)),
                 "faces": packed(faces.astype(np.uint32)),

@@ -16,6 +16,7 @@ import numpy as np
 from ...errors import InputError
 from ...input_files import check_bounded, read_bounded, shown
 from ...measures.findings import FormedSheet
+from ...process.motions.paths import Place, Pose
 from ...run.fields import FIELDS
 from ...run.frame import Frame, RunInfo
 from ...run.staging.part import part_of
@@ -91,6 +92,8 @@ class StoredRun:
         sheets: in the order of the set-up.
         tool_displacement: along each tool's axis, (tool_count,) [m].
         tool_acts: whether each tool acts at the end, (tool_count,) bool; empty if all do.
+        tool_pose: rotation matrix, row by row, and shift [m] of each tool of a run in which one is carried,
+            (tool_count, 12); else (0, 12).
     """
 
     folder: Path
@@ -101,6 +104,7 @@ class StoredRun:
     sheets: tuple[StoredSheet, ...]
     tool_displacement: np.ndarray
     tool_acts: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    tool_pose: np.ndarray = field(default_factory=lambda: np.zeros((0, 12)))
 
     @cached_property
     def setup(self) -> Setup:
@@ -118,6 +122,10 @@ class StoredRun:
     def tools(self) -> tuple[Tool, ...]:
         """In the order of ``tool_displacement``."""
         return self.setup.tools
+
+    def place(self, tool: int) -> Place:
+        """Where a tool is at the end, by its number: its displacement along its axis [m], or its pose."""
+        return Pose.from_numbers(self.tool_pose[tool]) if len(self.tool_pose) else float(self.tool_displacement[tool])
 
     def acting_tools(self, sheet: StoredSheet) -> tuple[int, ...]:
         """Places of the tools that a sheet may touch and that act at the end."""
@@ -152,6 +160,8 @@ def write_results(path: Path, info: RunInfo, frame: Frame, outcome: str) -> None
             group = file.create_group(f"tools/{index}")
             group.attrs.update({"name": name, "axis": tool.axis, "displacement": frame.tool_displacement[index],
                                 "reaction": frame.tool_reaction[index], "acts": frame.acts(index)})  # fmt: skip
+            if len(frame.tool_pose):
+                group.attrs.update({"pose": frame.tool_pose[index], "moment": frame.tool_moment[index]})
 
 
 def write_values(group: Any, values: dict[str, ElementValue]) -> None:
@@ -191,9 +201,11 @@ def read_results(folder: str | Path) -> StoredRun:
             displacement = np.array([tools[str(k)].attrs["displacement"] for k in range(len(tools))], dtype=float)
             # a file of a version before it has none, and all tools acted
             acts = np.array([tools[str(k)].attrs.get("acts", True) for k in range(len(tools))], dtype=bool)
+            poses = [tools[str(k)].attrs["pose"] for k in range(len(tools)) if "pose" in tools[str(k)].attrs]
+            pose = np.array(poses, dtype=float).reshape(-1, 12)
             text = {name: str(file.attrs[name]) for name in ("run_id", "name", "outcome")}
             return StoredRun(folder, text["run_id"], text["name"], float(file.attrs["time"]), text["outcome"],
-                             sheets, displacement, acts)  # fmt: skip
+                             sheets, displacement, acts, pose)  # fmt: skip
     except (OSError, KeyError, ValueError) as error:
         if isinstance(error, InputError):
             raise

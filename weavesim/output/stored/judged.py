@@ -19,6 +19,7 @@ from .file import StoredRun, StoredSheet
 
 if TYPE_CHECKING:
     from ...fabric.fabric import Fabric
+    from ...process.motions.paths import Place
     from ...tools.tool import Tool
 
 _COLUMNS = (
@@ -124,17 +125,17 @@ def own_locking_angle(fabric: Fabric) -> float | None:
 
 def tool_distance(run: StoredRun, sheet: StoredSheet) -> Distance | None:
     """Distance to the nearest tool of a sheet that acts at the end of its run; None without one."""
-    return distance_to([(run.tools[place], float(run.tool_displacement[place])) for place in run.acting_tools(sheet)])
+    return distance_to([(run.tools[k], run.place(k)) for k in run.acting_tools(sheet)])
 
 
-def distance_to(tools: Sequence[tuple[Tool, float]]) -> Distance | None:
-    """Distance to the nearest of tools at their displacements [m]; None without tools."""
+def distance_to(tools: Sequence[tuple[Tool, Place]]) -> Distance | None:
+    """Distance to the nearest of tools at their places; None without tools."""
     if not tools:
         return None
-    sampled = [(ToolDistance(tool), displacement) for tool, displacement in tools]
+    sampled = [(ToolDistance(tool), place) for tool, place in tools]
 
     def distance(points: np.ndarray) -> np.ndarray:
-        return np.min([tool(points, displacement)[0] for tool, displacement in sampled], axis=0)
+        return np.min([tool(points, place)[0] for tool, place in sampled], axis=0)
 
     return distance
 

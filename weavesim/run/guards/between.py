@@ -16,6 +16,7 @@ from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
     from ...engine.sheet_model import SheetModel
+    from ...process.motions.paths import Place
     from ..frame import Frame
     from ..ledger import Ledger
     from ..verdict import Judged
@@ -71,16 +72,17 @@ class StartOverlap(Guard):
         Raises:
             InputError: a tool that overlaps the sheet by more than a quarter of its thickness.
         """
-        distances, displacement = ToolDistances(start.model), start.frame.tool_displacement
+        distances = ToolDistances(start.model)
         for sheet, position, index in start.meetings():
             thickness, name = sheet.fabric.thickness, start.model.setup.tools[index].name
             if name not in start.phases[0].tools:
                 continue
             limit = (0.5 - LARGEST_OVERLAP) * thickness - _sampling_error(start, index)
+            place_of_tool = start.frame.place(index)
             key = geometry_key(start.model, (start.model.setup.tools[index],))
             if key is not None:
-                key = ("overlap", sheet.name, float(displacement[index]), *key)
-            found = remembered(key, partial(distances.deepest, index, displacement[index], position, sheet, limit))
+                key = ("overlap", sheet.name, place_of_tool, *key)
+            found = remembered(key, partial(distances.deepest, index, place_of_tool, position, sheet, limit))
             overlap = 0.5 * thickness - found.distance
             if found.element is None:
                 continue
@@ -135,12 +137,12 @@ class BetweenNodes(Guard):
             assert self._distances is not None
             if not ledger.acting[pair[1]]:
                 continue
-            sheet, displacement = self._sheets[pair[0]], frame.tool_displacement[pair[1]]
+            sheet, where = self._sheets[pair[0]], frame.place(pair[1])
             limit = self._deepest[pair].distance if pair in self._deepest else -LARGEST_DEPTH * sheet.fabric.thickness
             position, director = frame.sheets[pair[0]].position, frame.sheets[pair[0]].director
-            found = self._distances.deepest(pair[1], displacement, position, sheet, limit, director)
+            found = self._distances.deepest(pair[1], where, position, sheet, limit, director)
             if found.element is not None:
-                out = _protrusion(self._distances, pair[1], displacement, position, sheet, found)
+                out = _protrusion(self._distances, pair[1], where, position, sheet, found)
                 self._deepest[pair] = Seen(found.distance, out, _place(sheet, found), frame.time)
 
     def memory(self) -> Mapping[str, Any]:
@@ -184,7 +186,7 @@ def _sampling_error(start: Start, index: int) -> float:
 
 
 def _protrusion(
-    distances: ToolDistances, tool: int, displacement: float, position: np.ndarray, sheet: SheetModel, found: Deepest
+    distances: ToolDistances, tool: int, where: Place, position: np.ndarray, sheet: SheetModel, found: Deepest
 ) -> float:
     """How far a tool reaches from the deepest point to the nearer side of the sheet, along its normal [m]."""
     assert found.element is not None and found.point is not None
@@ -193,7 +195,7 @@ def _protrusion(
     normal /= max(float(np.linalg.norm(normal)), 1e-300)
     steps = sheet.fabric.thickness * np.arange(RESOLUTION, LONGEST_PROTRUSION + RESOLUTION, RESOLUTION)
     way = steps[:, None] * normal
-    outside = distances(tool, displacement, np.concatenate([found.point + way, found.point - way]))[0] >= 0.0
+    outside = distances(tool, where, np.concatenate([found.point + way, found.point - way]))[0] >= 0.0
     sides = outside.reshape(2, -1)
     return min(float(steps[side.argmax()]) if side.any() else float(steps[-1]) for side in sides)
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
+from ...process.motions.paths import PathMotion
+from ...ranges import ACCEPTING
 from ..watch.remembered import geometry_key, remembered
 from ..watch.tool_distance import ToolDistances
 from .guard import Doubt, Guard, Level, Start
@@ -33,6 +35,7 @@ class ClosingGap(Guard):
     """Two tools on either side of the sheets that leave less room for them than their thickness.
 
     Tools that a force moves stop at the sheet: they are left out. So do strokes with a largest force: it is only noted.
+    Others are refused; where unusual values are accepted, those that leave some room only warn.
     """
 
     name = "closing_gap"
@@ -42,7 +45,7 @@ class ClosingGap(Guard):
         """Pairs that close too far.
 
         Raises:
-            InputError: they run into each other.
+            InputError: they run into each other, or leave too little room and nobody has accepted that.
         """
         first = 0
         for number, world in enumerate(start.model.setup.worlds):
@@ -52,12 +55,24 @@ class ClosingGap(Guard):
                 # each stage by its own strokes and their largest forces
                 for phase, tools in _closing(start, number, pair):
                     if found := _gap_around(start, phase, number, first, pair):
-                        yield from self._judged(tools, *found, thickness, _error(start, tools))
+                        yield from self._judged(start, tools, *found, thickness)
+                        yield from self._not_judged(tools)
             first += len(world.tools)
 
+    def _not_judged(self, tools: tuple[Tool, Tool]) -> Iterator[Doubt]:
+        """What the gap of tools that are carried does not say."""
+        if any(tool.motion.is_carried for tool in tools):
+            yield self.doubt(
+                Level.NOTE,
+                f"{tools[0].name} and {tools[1].name} follow paths or turn: their gap is judged over the flat blank, "
+                "and not where the sheet is carried beyond it",
+                "look at the film for places where they squeeze the sheet",
+            )
+
     def _judged(
-        self, tools: tuple[Tool, Tool], gap: float, time: float, thickness: float, error: float
+        self, start: Start, tools: tuple[Tool, Tool], gap: float, time: float, thickness: float
     ) -> Iterator[Doubt]:
+        error = _error(start, tools)
         if not gap < (1.0 - LARGEST_LACK) * thickness - error:
             return
         names = f"{tools[0].name} and {tools[1].name}"
@@ -79,9 +94,12 @@ class ClosingGap(Guard):
                 f"{names} run into each other by {-1e3 * gap:.3g} mm at {time:.4g} s; the sheet between them is "
                 f"{1e3 * thickness:.3g} mm thick: {advice}"
             )
+        text = f"{names} leave {1e3 * gap:.3g} mm between them at {time:.4g} s, for a sheet of {1e3 * thickness:.3g} mm"
+        if not start.accepts_unusual:
+            raise InputError(f"{text}: they close too far, and forces there would mean nothing: {advice}. {ACCEPTING}")
         yield self.doubt(
             Level.WARNING,
-            f"{names} leave {1e3 * gap:.3g} mm between them at {time:.4g} s, for a sheet of {1e3 * thickness:.3g} mm",
+            text,
             f"they close too far, and forces there mean nothing: {advice}",
             time=time,
             value=gap,
@@ -113,7 +131,7 @@ def _closes(a: Tool, b: Tool) -> bool:
     """Whether two tools move relative to each other, by prescribed strokes."""
     if any(tool.motion.by_force for tool in (a, b)):
         return False
-    return any(len(set(tool.motion.curve()[1])) > 1 for tool in (a, b))
+    return any(len(set(tool.motion.curve()[1])) > 1 or tool.motion.is_carried for tool in (a, b))
 
 
 def _gap_around(
@@ -125,8 +143,8 @@ def _gap_around(
     # stages may move them otherwise
     key = geometry_key(start.model, tools) if len(start.phases) == 1 else None
     if key is not None:
-        displacement = (float(start.frame.tool_displacement[first + k]) for k in pair)
-        key = ("gap", world.name, *displacement, *key)
+        places = (start.frame.place(first + k) for k in pair)
+        key = ("gap", world.name, *places, *key)
 
     def find() -> tuple[float, float] | None:
         between = on_both_sides(start, world, first, *pair)
@@ -144,7 +162,7 @@ def on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> boo
     step = 0.5 * min(sheet.fabric.thickness for sheet in world.sheets) * up
     sides = []
     for tool in (first + a, first + b):
-        at = start.frame.tool_displacement[tool]
+        at = start.frame.place(tool)
         nearest = int(np.argmin(distances(tool, at, nodes)[0]))
         # far from a sampled tool the distance has a slope, but no normal
         beside = np.stack([nodes[nearest] + step[nearest], nodes[nearest] - step[nearest]])
@@ -185,9 +203,9 @@ def smallest_gap(
             continue
         times = np.unique(np.concatenate([np.linspace(phase.begin, phase.end, PLACE_COUNT), *map(_turns, tools)]))
         for time in times[(times >= phase.begin) & (times <= phase.end)]:
-            at = [0.0 if tool.motion.by_force else float(np.interp(time, *tool.motion.curve())) for tool in tools]
+            at = [tool.place_at(float(time)) for tool in tools]
             for one, other in ((0, 1), (1, 0)):
-                moved = points[one] + at[one] * np.array(tools[one].axis)
+                moved = tools[one].moved(points[one], at[one])
                 within = _over(moved, nodes)
                 if within.any():
                     gap = float(distances(first + pair[other], at[other], moved[within])[0].min())
@@ -196,9 +214,14 @@ def smallest_gap(
 
 
 def _turns(tool: Tool) -> np.ndarray:
-    """Times of the first and last knot of a stroke, and of the furthest in both directions [s]."""
+    """Times of the first and last knot of a stroke, and of the furthest in both directions; of knots of a path [s]."""
     times, displacements = (np.zeros(1), np.zeros(1)) if tool.motion.by_force else tool.motion.curve()
-    return times[[0, -1, int(np.argmin(displacements)), int(np.argmax(displacements))]]
+    extremes = times[[0, -1, int(np.argmin(displacements)), int(np.argmax(displacements))]]
+    if not isinstance(tool.motion, PathMotion):
+        return extremes
+    # between knots a path never leaves their band
+    knots = [curve[0] for curve in tool.motion.curves()]
+    return np.concatenate([extremes, *(times[:: max(1, -(-len(times) // PLACE_COUNT))] for times in knots)])
 
 
 def _over(points: np.ndarray, nodes: np.ndarray) -> np.ndarray:

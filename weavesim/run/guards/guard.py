@@ -99,12 +99,14 @@ class Start:
         ledger: measures distances from the tools.
         frame: the undeformed state.
         phases: stages of the run as they are planned, or the run itself if it has none.
+        accepts_unusual: whether its user takes unusual values as meant.
     """
 
     model: Model
     ledger: Ledger
     frame: Frame
     phases: tuple[Phase, ...]
+    accepts_unusual: bool = False
 
     def meetings(self) -> Iterator[tuple[SheetModel, np.ndarray, int]]:
         """Every sheet, its positions (node_count, 3) [m], and each tool that it may touch, by index in the run."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +14,15 @@ from .guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
     from ...engine.setup import World
+    from ...process.motions.paths import Place
     from ...process.strokes import Motion
     from ...tools.tool import Tool
     from ..verdict import Judged
 
 # Places along its way at which a tool is looked at.
 PLACE_COUNT = 9
+# Of one that is carried, in time.
+CARRIED_PLACE_COUNT = 65
 # What the strokes of others move a sheet by, at most: a free end may swing further than the tool that moves it.
 SWING = 1.5
 
@@ -36,12 +39,11 @@ class ToolReach(Guard):
         for number, world in enumerate(start.model.setup.worlds):
             nodes = np.concatenate([sheet.blank.node_position for sheet in world.sheets])
             ways = [
-                np.unique(np.concatenate([[], *_ways(start, number, k, nodes, partial(distances, first + k))]))
-                for k in range(len(world.tools))
+                list(_places(start, number, k, nodes, partial(distances, first + k))) for k in range(len(world.tools))
             ]
             nearest = [
-                [float(distances(first + k, at, nodes)[0].min()) - _blind(tool, way) for at in way]
-                for k, (tool, way) in enumerate(zip(world.tools, ways, strict=True))
+                [float(distances(first + k, at, nodes)[0].min()) - blind for at, blind in way]
+                for k, way in enumerate(ways)
             ]
             thickness = max(sheet.fabric.thickness for sheet in world.sheets)
             for k, tool in enumerate(world.tools):
@@ -82,7 +84,10 @@ class NeverTouched(Guard):
         info = run.run.info
         for tool, name, met in zip(info.tools, info.tool_names, run.extremes.touched, strict=True):
             if not met:
-                moves = any(motion.by_force or len(set(motion.curve()[1])) > 1 for motion in _motions(run, tool))
+                moves = any(
+                    motion.by_force or motion.is_carried or len(set(motion.curve()[1])) > 1
+                    for motion in _motions(run, tool)
+                )
                 yield self.doubt(
                     Level.DO_NOT_USE if moves else Level.WARNING,
                     f"{name} never touched a node of the sheet",
@@ -97,35 +102,47 @@ def _motions(run: Judged, tool: Tool) -> list[Motion]:
     return [tool.motion, *moved]
 
 
-def _ways(
+def _places(
     start: Start, world: int, tool: int, nodes: np.ndarray, distance: Callable[..., tuple[np.ndarray, ...]]
-) -> Iterator[np.ndarray]:
-    """Displacements that a tool may have in every stage in which it acts [m]."""
-    place = since = 0.0  # where a force last took it over, and when
+) -> Iterator[tuple[Place, float]]:
+    """Places that a tool may have in all stages in which it acts, and how much nearer it may be between them [m]."""
+    ways, carried = [], []
+    begun = since = 0.0  # where a force last took it over, and when
     for phase in start.phases:
         own = phase.setup.worlds[world].tools[tool]
-        acts = own.name in phase.tools
-        if own.motion.by_force:
-            if acts:
-                yield place + _flight(own, phase.end - since, nodes, partial(_from, distance, place))
+        acts, by_force = own.name in phase.tools, own.motion.by_force
+        if by_force:
+            there = partial(_from, distance, own, begun, phase.begin)
+            way = begun + _flight(own, phase.end - since, nodes, there) if acts else np.empty(0)
         else:
-            place = own.motion.displacement_at(phase.end)
-            if acts:
-                yield _way(own, phase.begin, phase.end)
-        if not (acts and own.motion.by_force):
+            begun, way = own.motion.displacement_at(phase.end), _way(own, phase.begin, phase.end)
+        if not (acts and by_force):
             since = phase.end
+        if acts and not own.motion.is_carried:
+            ways.append(way)
+        elif acts:
+            for time in np.linspace(phase.begin, phase.end, CARRIED_PLACE_COUNT).tolist():
+                along = way.tolist() if by_force else [own.motion.displacement_at(time)]
+                carried += [(own.place(at, time), _blind(own, way)) for at in along]
+    every = np.unique(np.concatenate([[], *ways]))
+    blind = _blind(start.model.setup.worlds[world].tools[tool], every)
+    yield from ((at, blind) for at in every.tolist())
+    yield from carried
 
 
-def _from(distance: Callable[..., tuple[np.ndarray, ...]], place: float, at: float, nodes: np.ndarray) -> Any:
-    return distance(place + at, nodes)
+def _from(
+    distance: Callable[..., tuple[np.ndarray, ...]], tool: Tool, begun: float, time: float, at: float, nodes: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Distances from a tool that has moved on by ``at`` [m] from where a force took it over."""
+    return distance(tool.place(begun + at, time), nodes)
 
 
-def _near(start: Start, distances: ToolDistances, tool: int, way: np.ndarray, reach: float) -> bool:
+def _near(start: Start, distances: ToolDistances, tool: int, way: list[tuple[Place, float]], reach: float) -> bool:
     """Whether any point of a sheet, also between nodes, is nearer to a tool on its way than ``reach`` [m]."""
     for sheet, frame in zip(start.model.sheets, start.frame.sheets, strict=True):
         if sheet.places.tools.start <= tool < sheet.places.tools.stop:
-            for at in way:
-                if distances.deepest(tool, float(at), frame.position, sheet, reach).element is not None:
+            for at, _ in way:
+                if distances.deepest(tool, at, frame.position, sheet, reach).element is not None:
                     return True
     return False
 
@@ -170,6 +187,8 @@ def _reach(world: World, own: int, between: tuple[float, float], held: bool) -> 
             force = float(np.abs(tool.motion.curve()[1]).max())
             strokes.append(min(0.5 * force / tool.motion.driven_mass * duration**2, size))
     reach = SWING * max(strokes, default=0.0)
+    if any(tool.motion.is_carried for tool in others):
+        reach += size  # they take the sheet along
     reach += 0.5 * float(np.linalg.norm(world.dynamics.gravity)) * duration**2
     for sheet in world.sheets:
         reach += sheet.fabric.thickness

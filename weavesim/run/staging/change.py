@@ -10,7 +10,7 @@ from ...engine.state import SheetState, State
 from ...errors import RunError
 from ...kernels.rows import MotionRow, ToolDriveRow
 from ...process.strokes import ForceDriven
-from ..touching import touch_sheets
+from ..touching import place_carried, touch_sheets
 from ..watch.tool_distance import ToolDistances
 
 # Overlap of a tool that begins to act with a sheet, over its thickness, from which on a stage is refused.
@@ -41,13 +41,15 @@ def change_state(state: State, model: Model, last: Acting, now: Acting) -> None:
         if name in now.tools and name not in last.tools:
             _meet(state, model, k)
     _restart_tools(state, names, last, now)
+    # a tool that no longer acts rests from now on, whatever it did
+    place_carried(model, state, [k for k, name in enumerate(names) if _begins(now, name)])
     arriving = [
         k
         for k, tool in enumerate(model.setup.tools)
         if tool.name in now.tools
         and _begins(now, tool.name)
-        and isinstance(tool.motion, ForceDriven)
-        and tool.motion.in_touch
+        and isinstance(motion := tool.motion.along_axis, ForceDriven)
+        and motion.in_touch
     ]
     if arriving:
         touch_sheets(model, state, arriving, [positions_of(model, state, k) for k in range(len(model.sheets))])
@@ -66,7 +68,7 @@ def refuse_overlap(model: Model, state: State, last: Acting, now: Acting) -> Non
     Raises:
         RunError: one overlaps a sheet by more than a quarter of its thickness.
     """
-    distances, displacement = ToolDistances(model), state.tool_displacement.numpy()
+    distances, displacement, time = ToolDistances(model), state.tool_displacement.numpy(), state.time
     for k, tool in enumerate(model.setup.tools):
         if tool.name not in now.tools or tool.name in last.tools:
             continue
@@ -74,7 +76,9 @@ def refuse_overlap(model: Model, state: State, last: Acting, now: Acting) -> Non
             sheet = model.sheets[index]
             thickness = sheet.fabric.thickness
             limit = (0.5 - LARGEST_OVERLAP) * thickness
-            found = distances.deepest(k, float(displacement[k]), positions_of(model, state, index), sheet, limit)
+            found = distances.deepest(
+                k, tool.place(float(displacement[k]), time), positions_of(model, state, index), sheet, limit
+            )
             if found.element is not None:
                 raise RunError(
                     f"stage {now.stage.name}: {tool.name} begins to act at {state.time:.4g} s, where it overlaps sheet "
@@ -111,10 +115,15 @@ def _let_go(state: State, model: Model, tool: int) -> None:
                 rows = layout.read(array)
                 rows[3 * place : 3 * place + 3] = 0.0
                 array.assign(layout.flat(rows))
-        if own.sample_reaction.size:
-            own.sample_reaction[place].zero_()
+        if own.sample_memory.size:
             own.sample_memory.zero_()  # half of the last step's impulses: nothing would book it
-    state.reaction[tool].zero_()
+        for row in range(place, len(own.sample_reaction), max(sheet.tool_count, 1)):
+            if own.sample_reaction.size:
+                own.sample_reaction[row].zero_()
+    for row in range(tool, len(state.reaction), max(len(model.setup.tools), 1)):  # of forces, and of moments if any
+        state.reaction[row].zero_()
+    if state.tool_moment.size:
+        state.tool_moment[tool : tool + 1].zero_()
     state.tool_force[tool : tool + 1].zero_()
 
 

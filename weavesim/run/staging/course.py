@@ -193,6 +193,7 @@ class Course:
             tuple(frame.tool_displacement.tolist()),
             tuple(frame.drive_displacement.tolist()),
             gripper_places(now, frame.time),
+            tuple(tuple(pose) for pose in frame.tool_pose.tolist()),
         )
         self.begins.append(begin)
         self.index += 1
@@ -204,7 +205,9 @@ class Course:
     def memory(self) -> dict[str, Any]:
         """All that it knows, for a checkpoint."""
         return {
-            "begins": [[*begin[:2], *map(list, begin[2:])] for begin in self.begins],
+            "begins": [
+                [*begin[:2], *map(list, begin[2:5]), [list(pose) for pose in begin.poses]] for begin in self.begins
+            ],
             "ended": [dict(each) for each in self.ended],
             "kept": list(self.kept),
             "trimmed": [dict(each) for each in self.trimmed],
@@ -218,7 +221,10 @@ class Course:
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Be where ``memory`` was."""
-        self.begins = [Begin(*each[:2], *map(tuple, each[2:])) for each in memory["begins"]]
+        self.begins = [
+            Begin(*each[:2], *map(tuple, each[2:5]), tuple(tuple(pose) for pose in each[5]))
+            for each in memory["begins"]
+        ]
         self.ended = [dict(each) for each in memory["ended"]]
         self.kept, self.trimmed = list(memory["kept"]), [dict(each) for each in memory["trimmed"]]
         self.index, self._first_frame = memory["index"], memory["first_frame"]

@@ -83,18 +83,16 @@ class SurfaceFields:
     def _height(self, position: np.ndarray, node_distance: np.ndarray) -> np.ndarray:
         """From trough to crest, twice the amplitude.
 
-        Waves of the sheet itself contain the shape of the part; those of its distance to the nearest tool contain
-        creases where another one becomes the nearest. A wrinkle is in both: the smaller one counts, and the first
-        alone where that distance is unknown.
+        What the sheet deviates from its smoothed self contains the shape of the part; what its distance to the nearest
+        tool deviates contains creases where another tool becomes the nearest. A wrinkle is in both: at every node the
+        smaller one counts, and the first alone where that distance is unknown.
         """
-        waves, deviations, known = self._filter, [self._filter.of_surface(position)], None
+        waves = self._filter
+        deviation = waves.of_surface(position)
         if len(node_distance):
             height = self._nearest(node_distance)
-            there = np.isfinite(height)
-            if there.any():
-                known = there[self._part[0].quads].all(axis=1)
-                deviations.append(waves.of_height(np.where(there, height, height[there].max())))
-        amplitude, _ = waves.measured(np.stack(deviations))
-        if known is None:
-            return 2.0 * amplitude[0]
-        return 2.0 * np.where(known, amplitude.min(axis=0), amplitude[0])
+            known = np.isfinite(height)
+            if known.any():
+                over_tools = waves.of_height(np.where(known, height, height.max(where=known, initial=-np.inf)))
+                deviation = np.where(known & (abs(over_tools) < abs(deviation)), over_tools, deviation)
+        return 2.0 * waves.measured(deviation)[0]

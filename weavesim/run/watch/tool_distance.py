@@ -12,6 +12,7 @@ from ...engine.model import Model
 from ...engine.sheet_model import SheetModel
 from ...kernels.contact.tool_distance import sample_distance_kernel
 from ...kernels.contact.tool_shapes import further_kinds
+from ...process.motions.paths import Place, Pose
 from ...sheet.samples import corner_shares, surface_points
 
 # Cells of elements that are divided further at once, the most promising first.
@@ -29,25 +30,28 @@ class ToolDistances:
         self._model = model
         self._kernels: dict[int, wp.Kernel] = {}
         for sheet in model.sheets:
-            kernel = sample_distance_kernel(model.real, 1, further_kinds(sheet.node_traits.shape_kinds))
+            kernel = sample_distance_kernel(model.real, model.lane_count, further_kinds(sheet.node_traits.shape_kinds))
             self._kernels |= dict.fromkeys(range(sheet.places.tools.start, sheet.places.tools.stop), kernel)
 
-    def __call__(self, tool: int, displacement: float, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def __call__(self, tool: int, place: Place, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distance (n,) [m] and outward normal (n, 3) of ``points`` (n, 3) [m].
 
         Args:
             tool: index among the tools of the run.
-            displacement: along its axis [m].
+            place: where it is: its displacement along its axis [m], or its pose.
             points: at least one.
         """
+        if isinstance(place, Pose):
+            distances, normals = self(tool, 0.0, place.back(points))
+            return distances, place.turned(normals)
         model, count = self._model, len(points)
         distance = wp.zeros(count, dtype=model.real, device=model.device)
         normal = wp.zeros(count, dtype=model.types.vec3, device=model.device)
         wp.launch(
             self._kernels[tool],
-            dim=count,
+            dim=-(-count // model.lane_count),
             inputs=[
-                model.tools.tool, model.tools.part, tool, wp.float64(displacement),
+                model.tools.tool, model.tools.part, tool, wp.float64(place),
                 wp.array(np.asarray(points, dtype=np.float64), dtype=wp.vec3d, device=model.device),
             ],
             outputs=[distance, normal],
@@ -58,7 +62,7 @@ class ToolDistances:
     def deepest(
         self,
         tool: int,
-        displacement: float,
+        place: Place,
         position: np.ndarray,
         sheet: SheetModel,
         limit: float,
@@ -68,7 +72,7 @@ class ToolDistances:
 
         Args:
             tool: index among the tools of the run.
-            displacement: along its axis [m].
+            place: where it is, as above.
             position: nodes of the sheet, (node_count, 3) [m].
             sheet: it.
             limit: only points nearer than this are looked for [m].
@@ -78,7 +82,7 @@ class ToolDistances:
         quads = sheet.blank.quads[there]
         directors = None if director is None else director[quads]
         found = deepest_point(
-            lambda points: self(tool, displacement, points)[0], position[quads], limit, resolution, directors
+            lambda points: self(tool, place, points)[0], position[quads], limit, resolution, directors
         )
         return found if found.element is None else found._replace(element=int(there[found.element]))
 

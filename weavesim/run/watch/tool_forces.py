@@ -14,6 +14,7 @@ from ...engine.state import State
 from ...engine.surface.friction import argument_rows, contact_areas
 from ...kernels.contact.penalty import touch_struct
 from ...kernels.contact.tool_distance import tool_set_struct
+from ...kernels.rows import ClockEntry, ToolPoseRow
 from ...kernels.stepping.tool_contact import tool_push_kernel, touching_struct
 from ...sheet.samples import corner_shares
 from .tool_gaps import ToolGaps
@@ -52,12 +53,14 @@ class ToolForces:
     def __init__(self, model: Model, index: int, state: State, gaps: ToolGaps, acting: np.ndarray) -> None:
         sheet = self._sheet = model.sheets[index]
         self._own, self._gaps = state.sheets[index], gaps
+        self._tools = model.setup.tools[sheet.places.tools.start : sheet.places.tools.stop]
         self._acts = acting[sheet.places.tools.start : sheet.places.tools.stop]
         self._node_count, self._element_count = sheet.blank.node_count, sheet.blank.element_count
         real, count = sheet.real, self._node_count + len(sheet.samples.places) * self._element_count
         self._shares = corner_shares(sheet.samples.places)[0]
         self._half_thickness = wp.zeros(count, dtype=real, device=sheet.device)
-        self._velocity = wp.zeros(count, dtype=sheet.types.vec3, device=sheet.device)
+        self._state = state
+        self._velocity = wp.zeros((sheet.tool_count, count), dtype=sheet.types.vec3, device=sheet.device)
         self._friction = wp.zeros((3 * sheet.tool_count, count), dtype=real, device=sheet.device)
         self._push = wp.zeros((sheet.tool_count, count), dtype=real, device=sheet.device)
         self._drag = wp.zeros(self._push.shape, dtype=sheet.types.vec3, device=sheet.device)
@@ -76,7 +79,8 @@ class ToolForces:
             return PointForces(empty, empty[..., None], empty[..., None])
         self._half_thickness.assign(half_thickness)
         corners = velocity[sheet.blank.quads]
-        self._velocity.assign(np.concatenate([velocity, *np.einsum("sc,eci->sei", self._shares, corners)]))
+        of_points = np.concatenate([velocity, *np.einsum("sc,eci->sei", self._shares, corners)])
+        self._velocity.assign(of_points - self._surface_velocity())
         self._friction.assign(self._springs())
         for launch in self.launches:
             launch.launch()
@@ -84,8 +88,35 @@ class ToolForces:
         push[~self._acts], drag[~self._acts] = 0.0, 0.0
         return PointForces(push, self._gaps.normals(), drag)
 
+    def _poses(self) -> np.ndarray:
+        """Entries of the poses of its tools, if they are carried."""
+        places = self._sheet.places.tools
+        return self._state.tool_pose.numpy()[places.start : places.stop]
+
+    def _surface_velocity(self) -> np.ndarray:
+        """Of carried tools at the points, (tool_count, point_count, 3) [m/s]; of others the kernel knows it."""
+        sheet, places = self._sheet, self._sheet.places.tools
+        if not sheet.node_traits.carried:
+            return np.zeros((sheet.tool_count, 1, 3))
+        poses, along = self._poses(), self._state.tool_velocity.numpy()[places.start : places.stop]
+        axes = np.array([tool.axis for tool in self._tools])
+        arms = self._gaps.points - poses[:, None, ToolPoseRow.pivot.span]
+        turning = np.cross(poses[:, None, ToolPoseRow.spin.span], arms)
+        velocity: np.ndarray = (poses[:, ToolPoseRow.velocity.span] + along[:, None] * axes)[:, None] + turning
+        return velocity
+
     def _springs(self) -> np.ndarray:
-        """Friction springs at the points, (3 tool_count, point_count) [m]."""
+        """Friction springs at the points, turned with carried tools, (3 tool_count, point_count) [m]."""
+        springs = self._kept_springs()
+        if not self._sheet.node_traits.carried:
+            return springs
+        vectors = springs.reshape(self._sheet.tool_count, 3, -1).astype(np.float64)
+        step = float(self._state.clock.numpy()[ClockEntry.mean_step])
+        turned = vectors + step * np.cross(self._poses()[:, ToolPoseRow.spin.span, None], vectors, axis=1)
+        return turned.reshape(springs.shape)
+
+    def _kept_springs(self) -> np.ndarray:
+        """Friction springs as the steps keep them."""
         sheet, rows = self._sheet, 3 * self._sheet.tool_count
         parts = [sheet.friction_layout.read(self._own.friction)[:rows, : self._node_count]]
         if places := len(sheet.samples.places):
@@ -101,6 +132,8 @@ class ToolForces:
         own = sheet.places.tools.of
         of_tools.tool, of_tools.law = own(tools.tool), own(tools.law)
         of_tools.displacement, of_tools.velocity = own(state.tool_displacement), own(state.tool_velocity)
+        if sheet.node_traits.carried:  # velocities are relative to their surfaces
+            of_tools.velocity = wp.zeros(sheet.tool_count, dtype=wp.float64, device=sheet.device)
         return wp.launch(
             tool_push_kernel(sheet.real, sheet.node_traits.friction_laws),
             dim=self._push.shape,
@@ -135,10 +168,8 @@ class ToolForces:
         return touch
 
 
-def tool_fields(
-    sheet: SheetModel, forces: PointForces, director: np.ndarray, area_ratio: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Pressure and friction of the tools on either face, of every element, (element_count,) [Pa].
+class ToolFields:
+    """Pressure and friction of the tools on either face of a sheet.
 
     Forces at a node are shared by its elements as their areas on the flat sheet share it; those at a sample belong to
     its element. Their sum over the current area of the element is its pressure: summed over the elements, pressure
@@ -146,26 +177,34 @@ def tool_fields(
 
     Args:
         sheet: of the run.
-        forces: of its tools.
-        director: at the nodes, (node_count, 3).
-        area_ratio: current over initial area of the elements, (element_count,).
     """
-    if not sheet.tool_count:
-        return {}
-    quads, initial = sheet.blank.quads, sheet.geometry.area
-    there = initial * sheet.kept
-    around = np.bincount(quads.ravel(), np.repeat(0.25 * there, 4), sheet.blank.node_count)
-    share = 0.25 * there[:, None] / np.where(sheet.waste, 1.0, around)[quads]
-    shares = corner_shares(sheet.samples.places)[0]
-    directors = np.concatenate([director, *np.einsum("sc,eci->sei", shares, director[quads])])
-    # a tool below pushes up, along the director
-    below = np.einsum("tpi,pi->tp", forces.normal, directors) > 0.0
-    rubbed = np.linalg.norm(forces.drag, axis=2)
-    found = {}
-    for name, values in (("pressure", forces.push), ("friction", rubbed)):
-        for face, here in (("below", below), ("above", ~below)):
-            total = np.where(here, values, 0.0).sum(axis=0)
-            between = total[sheet.blank.node_count :].reshape(-1, len(quads)).sum(axis=0)
-            force = (share * total[: sheet.blank.node_count][quads]).sum(axis=1) + between
-            found[f"tool_{name}_{face}"] = force / (area_ratio * initial)
-    return found
+
+    def __init__(self, sheet: SheetModel) -> None:
+        self._quads, self._area, self._node_count = sheet.blank.quads, sheet.geometry.area, sheet.blank.node_count
+        there = self._area * sheet.kept
+        around = np.bincount(self._quads.ravel(), np.repeat(0.25 * there, 4), self._node_count)
+        self._share = 0.25 * there[:, None] / np.where(sheet.waste, 1.0, around)[self._quads]
+        self._of_samples = corner_shares(sheet.samples.places)[0]
+
+    def __call__(self, forces: PointForces, director: np.ndarray, area_ratio: np.ndarray) -> dict[str, np.ndarray]:
+        """Fields of every element by name, (element_count,) [Pa]; none without tools.
+
+        Args:
+            forces: of the tools of the sheet.
+            director: at the nodes, (node_count, 3).
+            area_ratio: current over initial area of the elements, (element_count,).
+        """
+        names = [f"tool_{name}_{face}" for name in ("pressure", "friction") for face in ("below", "above")]
+        if not len(forces.push):
+            return {}
+        if not forces.push.any():
+            return {name: 0.0 * area_ratio for name in names}  # of waste not a number
+        directors = np.concatenate([director, *np.einsum("sc,eci->sei", self._of_samples, director[self._quads])])
+        # a tool below pushes up, along the director
+        below = np.einsum("tpi,pi->tp", forces.normal, directors) > 0.0
+        rubbed = np.sqrt(np.einsum("tpi,tpi->tp", forces.drag, forces.drag))
+        total = np.stack([(values * here).sum(axis=0) for values in (forces.push, rubbed) for here in (below, ~below)])
+        nodes, samples = np.split(total, [self._node_count], axis=1)
+        force = np.einsum("fec,ec->fe", nodes[:, self._quads], self._share)
+        force += samples.reshape(len(names), -1, len(self._quads)).sum(axis=1)
+        return dict(zip(names, force / (area_ratio * self._area), strict=True))

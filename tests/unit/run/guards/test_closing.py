@@ -26,14 +26,14 @@ FACE_UP = rotation_matrix((1.0, 0.0, 0.0), 0.0)
 DOWN = (0.0, 0.0, -1.0)
 
 
-def closed(upper: Shape, lower: Shape, travel: float, motion=None, lower_motion=None, blank=None):
+def closed(upper: Shape, lower: Shape, travel: float, motion=None, lower_motion=None, blank=None, accepted=True):
     """A sheet between two tools, of which the upper goes down by ``travel``."""
     tools = [
         Tool("punch", upper, motion or Stroke((0.0, 1e-3), (0.0, travel)), axis=DOWN),
         Tool("die", lower, lower_motion or Fixed()),
     ]
     blank = blank or Blank.rectangle((-0.02, -0.02), (0.02, 0.02), 0.005)
-    return small_run(blank=blank, tools=tools, duration=1e-3, frame_count=1)
+    return small_run(blank=blank, tools=tools, duration=1e-3, frame_count=1, accept_unusual=accepted)
 
 
 def closing(run) -> list:
@@ -69,6 +69,17 @@ def test_the_gap_at_the_end_of_the_stroke_is_told_before(name, lack):
         (doubt,) = found
         assert doubt.value == pytest.approx(THICKNESS - lack, abs=1e-4) and doubt.time == pytest.approx(1e-3)
         assert "punch and die leave" in doubt.text and "for a sheet of 1.2 mm" in doubt.text
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_a_stroke_that_closes_too_far_is_refused_unless_it_is_accepted(name):
+    with pytest.raises(
+        InputError, match=r"punch and die leave 0\.[78]\d* mm .*a largest_force\. .*accept_unusual=True"
+    ):
+        closed(*PAIRS[name], 0.0014, accepted=False)
+    # with a largest force it becomes a limit
+    limited = closed(*PAIRS[name], 0.0, motion=Stroke((0.0, 1e-3), (0.0, 0.0014), 100.0), accepted=False)
+    assert [doubt.level for doubt in closing(limited)] == [Level.NOTE]
 
 
 @pytest.mark.parametrize("name", PAIRS)
@@ -174,7 +185,8 @@ def test_a_stack_needs_room_for_all_of_its_plies():
         Tool("punch", upper, Stroke((0.0, 1e-3), (0.0, 1e-3 + THICKNESS)), axis=DOWN),
         Tool("die", Plane(origin=(0.0, 0.0, -HALF))),
     )
-    setup = Setup("stack", sheets=plies, tools=tools, interfaces=(Interface("lower", "upper"),), duration=1e-3)
+    setup = Setup("stack", sheets=plies, tools=tools, interfaces=(Interface("lower", "upper"),), duration=1e-3,
+                  accept_unusual=True)  # fmt: skip
     assert stack_thickness(setup.worlds[0]) == pytest.approx(2.0 * THICKNESS)
     (doubt,) = (d for d in Simulation(setup).prepare().guards.first if d.guard == "closing_gap")
     assert f"for a sheet of {2e3 * THICKNESS:.3g} mm" in doubt.text

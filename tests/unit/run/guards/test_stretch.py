@@ -7,6 +7,7 @@ import pytest
 
 from tests.support.judged import said
 from tests.support.runs import small_run
+from weavesim.fabric.cell import LinearMembrane
 from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.guards import Level
@@ -28,6 +29,18 @@ def test_each_side_is_doubted(name, value, level):
     (doubt,) = said("yarn_stretch", extremes={name: Extreme(value, 0.5, (0.1, 0.2))})
     assert doubt.level == level and "yarn stretches ranged from" in doubt.text
     assert said("yarn_stretch", extremes={"min_stretch": Extreme(0.91), "max_stretch": Extreme(1.09)}) == []
+
+
+def test_rubber_bears_more_than_yarns(fabric):
+    """A membrane of 3 MPa."""
+    soft = fabric(thickness=1.5e-3, unit_cell=LinearMembrane(warp_stiffness=4.5e3, weft_stiffness=4.5e3))
+
+    def doubts(stretch):
+        return said("yarn_stretch", extremes={"max_stretch": Extreme(stretch, 0.5, (0.1, 0.2))}, fabric=soft)
+
+    assert doubts(1.4) == []
+    assert [doubt.level for doubt in (*doubts(1.6), *doubts(2.1))] == [Level.WARNING, Level.DO_NOT_USE]
+    assert "rubber is not linear there" in doubts(1.6)[0].message
 
 
 def pulled_and_back(strain: float, frame_count: int, axis: int = 0):

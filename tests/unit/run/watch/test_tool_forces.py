@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.support.every_kind import ONE_LANE, carried
 from tests.support.runs import one_sheet_run
 from weavesim import Simulation, StribeckFriction
 from weavesim.fabric.presets import glass_polypropylene
@@ -46,6 +47,13 @@ def by_a_law():
     return simulation
 
 
+def on_a_drum():
+    """The same between two tools that turn, one of which is carried along a path and rubs by a law."""
+    simulation = Simulation(carried(ONE_LANE))
+    simulation.stepper.advance(10)
+    return simulation
+
+
 @pytest.mark.parametrize(
     ("run", "tolerance"),
     [
@@ -53,8 +61,9 @@ def by_a_law():
         (lambda: rubbed("float32"), 1e-4),
         (lambda: rubbed("float64", "surface"), 1e-11),
         (by_a_law, 1e-4),
+        (on_a_drum, 1e-11),
     ],
-    ids=["double", "single", "between nodes", "law"],
+    ids=["double", "single", "between nodes", "law", "carried"],
 )
 def test_their_sum_is_the_force_that_the_next_step_applies(run, tolerance):
     simulation = run()

@@ -77,8 +77,9 @@ weavesim.Section = class {
     }
     for (const tool of this.view.tools) {
       if (!tool.mesh.visible) continue;
-      const shift = tool.mesh.position.toArray();
-      const point = (node) => [0, 1, 2].map((c) => tool.vertices[3 * node + c] + shift[c]);
+      const at = tool.mesh.matrix.elements; // column by column
+      const point = (node) => [0, 1, 2].map((c) => at[12 + c]
+        + [0, 1, 2].reduce((sum, k) => sum + at[4 * k + c] * tool.vertices[3 * node + k], 0));
       const segments = [];
       for (let i = 0; i < tool.faces.length; i += 3) {
         segments.push(...this.through([point(tool.faces[i]), point(tool.faces[i + 1]), point(tool.faces[i + 2])], normal));

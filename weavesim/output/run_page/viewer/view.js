@@ -104,8 +104,17 @@ weavesim.View = class {
     for (const tool of this.tools) {
       tool.acts = !tool.given.acts || tool.given.acts[frame];
       this.showTool(tool, tool.wanted);
+      const pose = tool.given.pose[frame];
+      if (pose) {
+        const [a, b, c, d, e, f, g, h, i, x, y, z] = pose;
+        tool.mesh.matrixAutoUpdate = false;
+        tool.mesh.matrix.set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
+        tool.mesh.matrixWorldNeedsUpdate = true;
+        continue;
+      }
       tool.displacement = tool.given.displacement[frame] || 0;
       tool.mesh.position.set(...tool.given.axis.map((x) => x * tool.displacement));
+      tool.mesh.updateMatrix();
     }
   }
 

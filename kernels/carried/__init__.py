@@ -1,0 +1,1 @@
+"""Tools that are carried along a path and turned, beside their motion along an axis."""

@@ -1,0 +1,1 @@
+"""Motions of tools beside those along an axis."""

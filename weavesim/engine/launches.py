@@ -91,9 +91,8 @@ class Launches:
         state: what the launches read and write.
 
     Attributes:
-        sheet_kernels, arguments, node_laws: of every sheet.
+        sheet_kernels, arguments, node_laws: of every sheet; surface: of those with contact between nodes.
         tool_books: what is booked of the tools.
-        surface: contact between nodes of the sheets that have it, by their index.
         squared_frequency: of the elements of every sheet, at the last refresh [1/s^2].
     """
 

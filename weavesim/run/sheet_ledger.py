@@ -23,6 +23,7 @@ from ..kernels.rows import (
     ThicknessRow,
 )
 from ..kernels.shell.energy import element_ledger_kernel
+from ..measures.defects.contact import half_thickness
 from ..sheet.samples import surfaces
 from .fields import complete
 from .frame import SheetFrame
@@ -145,7 +146,7 @@ class SheetLedger:
         """Fields that only the frames of observers have, of the frame just taken; waits for the device."""
         forces, node_distance = self.tool_forces(), self._distance[:, : len(frame.position)]
         pressed = self._tool_fields(forces, frame.director, frame.fields["area_ratio"])
-        return pressed | self._surface_fields(frame.position, frame.fields["thickness"], node_distance)
+        return pressed | self._surface_fields(frame.position, frame.fields, node_distance)
 
     def _launch(self, ahead: SheetState) -> None:
         sheet = self._model
@@ -278,10 +279,9 @@ class SheetLedger:
         sheet, quads, position = self._model, self._model.blank.quads, frame.position
         if not sheet.tool_count:
             return NO_PENETRATION
-        at_elements = np.full(len(quads), 0.5 * sheet.fabric.thickness)
+        at_elements = half_thickness(sheet.fabric.thickness, frame.fields["thickness"], sheet.follows_thickness)
         at_nodes = np.full(len(position), 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
-            at_elements = 0.5 * frame.fields["thickness"]
             sharing = np.bincount(quads.ravel())
             at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
         gone, count = ~sheet.kept, len(JUDGED_PLACES)

@@ -146,7 +146,7 @@ class SheetLedger:
         """Fields that only the frames of observers have, of the frame just taken; waits for the device."""
         forces, node_distance = self.tool_forces(), self._distance[:, : len(frame.position)]
         pressed = self._tool_fields(forces, frame.director, frame.fields["area_ratio"])
-        return pressed | self._surface_fields(frame.position, frame.fields["thickness"], node_distance)
+        return pressed | self._surface_fields(frame.position, frame.fields, node_distance)
 
     def _launch(self, ahead: SheetState) -> None:
         sheet = self._model

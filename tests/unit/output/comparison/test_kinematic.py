@@ -13,6 +13,7 @@ from tests.support.paths import ROOT
 from tests.support.runs import one_sheet_setup
 from tests.support.sheet import plain_fabric
 from tests.support.stored_runs import THICKNESS, stored_run, stored_sheet
+from tests.support.summary_keys import keys_without_unit
 from weavesim.errors import InputError
 from weavesim.measures.kinematic.net import CLOSED, NO_SURFACE, lay_net
 from weavesim.output.comparison.kinematic import beside_run, of_flat_blank, surface_of, write_kinematic
@@ -57,6 +58,7 @@ def test_a_net_beside_itself_differs_nowhere(run):
     assert np.abs(drape.difference_deg).max() < 1e-3
     assert drape.angle_deg.max() > 15.0
     numbers = drape.numbers()
+    assert not keys_without_unit(numbers)
     assert numbers["covered_share"] == numbers["touching_share"] == 1.0
     assert numbers["largest_difference_deg"] < 1e-3
 

@@ -30,10 +30,10 @@ from scripts.benchmarks.batch import batch  # noqa: E402
 from scripts.benchmarks.bounds import bounds  # noqa: E402
 from scripts.benchmarks.cuda_resources import cuda  # noqa: E402
 from scripts.benchmarks.laws import cells, laws  # noqa: E402
-from scripts.benchmarks.meshes import meshes  # noqa: E402
 from scripts.benchmarks.rates import rates, worker  # noqa: E402
 from scripts.benchmarks.schedule import schedule  # noqa: E402
 from scripts.benchmarks.sheets import plies, sheets  # noqa: E402
+from scripts.benchmarks.tools.meshes import meshes  # noqa: E402
 from scripts.peers.command import peers  # noqa: E402
 
 app = typer.Typer(add_completion=False, help=__doc__, no_args_is_help=True, pretty_exceptions_enable=False)

@@ -12,12 +12,12 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from ..shared.machine import machine
-from ..shared.report import line_about, table
-from .cases import element_count
-from .measures import seconds_per_step
+from ...shared.machine import machine
+from ...shared.report import line_about, table
+from ..cases import element_count
+from ..measures import seconds_per_step
 
-TRAY = Path(__file__).resolve().parents[2] / "docs" / "notebooks" / "tray.stl"
+TRAY = Path(__file__).resolve().parents[3] / "docs" / "notebooks" / "tray.stl"
 # The job that `weavesim new tray --die docs/notebooks/tray.stl --thickness 1.2` writes, on a coarser mesh.
 TRAY_JOB = """\
 name = "tray"

@@ -139,9 +139,10 @@ def test_every_option_has_an_effect_or_is_refused(name, option, files):
     value = other_value(option, scene.parameters.model_fields[option], files)
     base = COARSE[name]
     together = {
-        key: files / f"{other}.stl" if "ball" in other else files / other if other.endswith(".csv") else other
+        key: other if not isinstance(other, str) else files / f"{other}.stl" if "ball" in other
+        else files / other if other.endswith(".csv") else other
         for key, other in TOGETHER.get((name, option), TOGETHER.get(option, {})).items()
-    }
+    }  # fmt: skip
     if together:
         with pytest.raises(InputError, match=f"{option} = .*: has no effect without"):
             scene.parameters(**base, **{option: value})

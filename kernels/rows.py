@@ -6,6 +6,7 @@ row, add a member; to change the order, move one: nothing else counts rows. This
 """
 
 from enum import IntEnum
+from functools import cache
 from typing import Self
 
 
@@ -16,20 +17,24 @@ class Rows(IntEnum):
         unit: in SI; "1" for a pure number.
         description: contents of the row.
         width: number of rows, starting from its own number.
+        vector: index of a vector among those of its array, for arrays (vector, item, component).
     """
 
     unit: str
     description: str
     width: int
+    vector: int
 
     def __new__(cls, unit: str, description: str, width: int = 1) -> Self:
         first = sum(member.width for member in cls)
         member = int.__new__(cls, first)
         member._value_ = first
         member.unit, member.description, member.width = unit, description, width
+        member.vector = sum(other.width == 3 for other in cls)
         return member
 
     @classmethod
+    @cache
     def names(cls) -> tuple[str, ...]:
         """Names of all members, in order."""
         return tuple(member.name for member in cls)
@@ -43,11 +48,6 @@ class Rows(IntEnum):
     def span(self) -> slice:
         """All rows of the member."""
         return slice(int(self), self + self.width)
-
-    @property
-    def vector(self) -> int:
-        """Index of a vector among those of its array, for arrays (vector, item, component)."""
-        return sum(other.width == 3 for other in type(self) if other < self)
 
 
 class MotionRow(Rows):

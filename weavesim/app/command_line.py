@@ -55,6 +55,7 @@ application = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # it would take what stands in brackets for styles, and leave it out
 )
 
 

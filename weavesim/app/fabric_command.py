@@ -23,6 +23,7 @@ fabric_application = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,
 )
 # Of a terminal that is none, such as a file.
 WIDTH, LEAST_WIDTH = 160, 60

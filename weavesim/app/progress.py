@@ -22,7 +22,7 @@ from ..input_files import shown
 from ..measures.fabric_table import summary_of
 from ..notebook import NotebookBar, in_notebook
 from ..output.folder import LOG_NAME
-from ..output.run_page.history_part import tool_copies
+from ..output.history import tool_copies
 from ..output.run_page.values import in_words
 from ..process.friction import in_words as friction_in_words
 from ..run.frame import Frame, Outcome, RunInfo

@@ -179,7 +179,7 @@ class KernelSet:
                 element_extremes_kernel(real, lane_count, flat)
                 for flat in dict.fromkeys(sheet.flat for sheet in self.sheets)
             ),
-            *(sample_distance_kernel(real, 1, kinds) for kinds in further if self.tools),
+            *(sample_distance_kernel(real, lane_count, kinds) for kinds in further if self.tools),
             *(
                 tool_push_kernel(real, laws)
                 for laws in dict.fromkeys(node.friction_laws for node in self.nodes if self.tools)

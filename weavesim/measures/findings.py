@@ -18,6 +18,7 @@ from ..notebook import shown, table
 from ..sheet.symmetry import AXES, WHOLE, Symmetry
 from .angles import shear_angle_at
 from .border import Outline, border_draw_in, draw_in, integrated_yarn_stretch, outline
+from .defects.contact import half_thickness
 from .proximity import close_pairs
 from .units import DEGREES, MILLIMETRES, PURE, Unit, split_unit
 from .zigzag import Checkerboard, checkerboard
@@ -98,6 +99,7 @@ class FormedSheet:
         symmetry: planes at which it is cut.
         points: material points at which the shear angle is of interest, (k, 2) [m]; None for none.
         has_draw_in: whether draw-in of the border is meaningful.
+        follows_thickness: whether it meets tools at its current thickness instead of its initial one.
     """
 
     blank: Blank
@@ -107,6 +109,13 @@ class FormedSheet:
     symmetry: Symmetry = WHOLE
     points: np.ndarray | None = None
     has_draw_in: bool = True
+    follows_thickness: bool = False
+
+    @cached_property
+    def half_thickness(self) -> np.ndarray:
+        """At which it meets tools, (element_count,) [m]."""
+        current = np.broadcast_to(self.fields.get("thickness", self.thickness), self.blank.element_count)
+        return half_thickness(self.thickness, current, self.follows_thickness)
 
     @cached_property
     def shear_angle_deg(self) -> np.ndarray:

@@ -131,6 +131,11 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
+def summary_text(summary: Mapping[str, Any]) -> str:
+    """``summary`` as JSON; numbers that are not finite become null."""
+    return json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
 def write_summary(path: str | Path, summary: Mapping[str, Any]) -> None:
-    """Write ``summary`` as JSON; numbers that are not finite become null."""
-    write_text(Path(path), json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    """Write ``summary_text`` to a file."""
+    write_text(Path(path), summary_text(summary))

@@ -192,6 +192,27 @@ class History:
         write_table(path, unique_names(header), rows)
 
 
+def tool_copies(info: RunInfo) -> list[float]:
+    """By what the force of each tool on the computed part is multiplied to be that on the whole."""
+    shares = [
+        [sheet.symmetry.share for sheet in info.sheets if place in sheet.tools] for place in range(len(info.tools))
+    ]
+    return [1.0 / own[0] if own else 1.0 for own in shares]
+
+
+def energy_copies(info: RunInfo) -> float | None:
+    """The same of energies; None if the sheets are different shares of their wholes."""
+    shares = {sheet.symmetry.share for sheet in info.sheets}
+    return 1.0 / shares.pop() if len(shares) == 1 else None
+
+
+def computed_part(info: RunInfo) -> str:
+    """What was computed, in words, for numbers that are not of the whole."""
+    shares = {sheet.symmetry.share for sheet in info.sheets}
+    names = {1.0: "whole part", 0.5: "computed half", 0.25: "computed quarter"}
+    return names[shares.pop()] if len(shares) == 1 else "computed parts"
+
+
 # Columns of each tool of a run in which one is carried along a path or turned.
 _OF_CARRIED = (
     *(f"shift_{axis}_m" for axis in "xyz"),

@@ -155,8 +155,9 @@ def _sheet_result(
     elements = np.flatnonzero(state.kept) if len(state.kept) else np.arange(whole_count)
     sheet, state = part_of(sheet, state)
     formed = FormedSheet(
-        sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry, wanted.points, wanted.draw_in
-    )
+        sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry, wanted.points,
+        wanted.draw_in, sheet.follows_thickness,
+    )  # fmt: skip
     acting = (k for k in sheet.tools if frame.acts(k))
     tools = tuple((info.tool_names[k], info.tools[k], frame.place(k)) for k in acting)
     return SheetResult(sheet, formed, ending, tools, elements, whole_count)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..kernels.rows import ElementField
-from ..measures.defects.waves import LONGEST_WAVELENGTH
+from ..measures.defects.waves import WAVELENGTH_OF_FRAMES
 
 if TYPE_CHECKING:
     from ..fabric.fabric import Fabric
@@ -110,8 +110,15 @@ FIELDS: list[Field] = [
     Field("tool_pressure_above", "Pa", "the same of the tools on the side to which the normal points", _of_contact),
     Field("tool_friction_below", "Pa", "friction of the tools below over the same area", _of_contact),
     Field("tool_friction_above", "Pa", "friction of the tools above over the same area", _of_contact),
-    Field("tool_gap", "m", "from the face of the sheet to the nearest tool, negative inside it", _of_contact),
-    Field("wrinkle_height", "m", f"of waves up to {LONGEST_WAVELENGTH:g} m long, from trough to crest", _of_contact),
+    Field(
+        "tool_gap", "m",
+        "from the face of the sheet, at the thickness of contact, to the nearest tool; negative inside",
+        _of_contact,
+    ),
+    Field(
+        "wrinkle_height", "m",
+        f"of waves up to {WAVELENGTH_OF_FRAMES:g} m long across shortened yarns, from trough to crest", _of_contact,
+    ),
     Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_contact),
     Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_contact),
     Field("ply_slip_below", "m", "way slid so far on the ply below", _of_contact),

@@ -41,6 +41,7 @@ class SheetInfo:
         tools: indices of the tools of its world among those of the run.
         supports: indices of its supports among those of the run.
         world: name of its world: only sheets of the same one can meet.
+        follows_thickness: whether it meets tools at its current thickness instead of its initial one.
     """
 
     name: str
@@ -50,6 +51,7 @@ class SheetInfo:
     tools: tuple[int, ...] = ()
     supports: tuple[int, ...] = ()
     world: str = "world"
+    follows_thickness: bool = False
 
 
 @dataclass(frozen=True)

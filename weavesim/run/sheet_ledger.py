@@ -23,11 +23,12 @@ from ..kernels.rows import (
     ThicknessRow,
 )
 from ..kernels.shell.energy import element_ledger_kernel
+from ..measures.defects.contact import half_thickness
 from ..sheet.samples import surfaces
 from .fields import complete
 from .frame import SheetFrame
 from .watch.surface_fields import SurfaceFields
-from .watch.tool_forces import PointForces, ToolForces, tool_fields
+from .watch.tool_forces import PointForces, ToolFields, ToolForces
 from .watch.tool_gaps import ToolGaps
 
 # Elastic energies of the sheet; the internal energy is their sum plus those of its unit cell.
@@ -103,6 +104,7 @@ class SheetLedger:
         points = nodes + len(sheet.samples.places) * elements
         self._contact_gaps = ToolGaps(model, index, state, points, acting, keep_normals=True)
         self._tool_forces = ToolForces(model, index, state, self._contact_gaps, acting)
+        self._tool_fields = ToolFields(sheet)
         self._surface_fields = SurfaceFields(model, index, state, acting)
         self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements, acting)
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
@@ -143,8 +145,8 @@ class SheetLedger:
     def written_fields(self, frame: SheetFrame) -> dict[str, np.ndarray]:
         """Fields that only the frames of observers have, of the frame just taken; waits for the device."""
         forces, node_distance = self.tool_forces(), self._distance[:, : len(frame.position)]
-        pressed = tool_fields(self._model, forces, frame.director, frame.fields["area_ratio"])
-        return pressed | self._surface_fields(frame.position, frame.fields["thickness"], node_distance)
+        pressed = self._tool_fields(forces, frame.director, frame.fields["area_ratio"])
+        return pressed | self._surface_fields(frame.position, frame.fields, node_distance)
 
     def _launch(self, ahead: SheetState) -> None:
         sheet = self._model
@@ -277,10 +279,9 @@ class SheetLedger:
         sheet, quads, position = self._model, self._model.blank.quads, frame.position
         if not sheet.tool_count:
             return NO_PENETRATION
-        at_elements = np.full(len(quads), 0.5 * sheet.fabric.thickness)
+        at_elements = half_thickness(sheet.fabric.thickness, frame.fields["thickness"], sheet.follows_thickness)
         at_nodes = np.full(len(position), 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
-            at_elements = 0.5 * frame.fields["thickness"]
             sharing = np.bincount(quads.ravel())
             at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
         gone, count = ~sheet.kept, len(JUDGED_PLACES)

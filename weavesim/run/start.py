@@ -129,7 +129,10 @@ def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
         for sheet in world.sheets:
             supports = tuple(range(support_count, support_count + len(sheet.supports)))
             support_count += len(sheet.supports)
-            yield SheetInfo(sheet.name, sheet.oriented_blank, sheet.fabric, world.symmetry, tools, supports, world.name)
+            yield SheetInfo(
+                sheet.name, sheet.oriented_blank, sheet.fabric, world.symmetry, tools, supports, world.name,
+                world.dynamics.contact_thickness == "current",
+            )  # fmt: skip
 
 
 def check_cell_at_rest(cell: UnitCell, frame: SheetFrame) -> None:

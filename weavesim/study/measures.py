@@ -123,7 +123,10 @@ def formed_run(simulation: Simulation, limits: Limits) -> FormedRun:
     def judged(place: int) -> Judgement:
         sheet, state = part_of(info.sheets[place], frame.sheets[place])
         acting = [(info.tools[k], frame.place(k)) for k in sheet.tools if frame.acts(k)]
-        formed = FormedSheet(sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry)
+        formed = FormedSheet(
+            sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry,
+            follows_thickness=sheet.follows_thickness,
+        )  # fmt: skip
         return Judgement(formed, limits, distance_to(acting), own_locking_angle(sheet.fabric))
 
     return FormedRun(tuple(judged(place) for place in range(len(info.sheets))))

@@ -5,17 +5,20 @@ import re
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import pytest
 import trimesh
+import typer
 from pydantic import Field
 
 from tests.support.paths import ROOT
 from weavesim import __version__
 from weavesim.app import command_line
+from weavesim.app.calibrate_command import CalibrateParameters
 from weavesim.app.options import RunOptions
 from weavesim.device import Precision, resolve_device
 from weavesim.engine import compilation
@@ -85,6 +88,37 @@ def test_scene_help_has_every_field(weavesim_command):
     assert code == 0
     assert all(option in out for option in (*COMMON_OPTIONS, "--part", "--holder-gap", "--no-mirror"))
     assert "quarter" in out and "how much of it" in out and "gap [m]" in out
+
+
+def texts_of_help() -> Iterator[tuple[str, list[str]]]:
+    """Arguments of every command, and the texts that its help shows."""
+
+    def below(command: Any, names: tuple[str, ...]) -> Iterator[tuple[str, list[str]]]:
+        texts = [command.help or "", *(getattr(each, "help", None) or "" for each in command.params)]
+        if names and names[0] in command_line.SCENES:
+            fields = scene.known_scenes()[names[0]].load().parameters.model_fields.values()
+            texts += [field.description or "" for field in fields]
+        if names == ("calibrate",):
+            texts += [field.description or "" for field in CalibrateParameters.model_fields.values()]
+        yield " ".join(names), texts
+        for name, one in getattr(command, "commands", {}).items():
+            yield from below(one, (*names, name))
+
+    yield from below(typer.main.get_command(command_line.application), ())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "texts"), list(texts_of_help()), ids=[names or "all" for names, _ in texts_of_help()]
+)
+def test_help_shows_what_stands_in_brackets(arguments, texts, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["weavesim", *arguments.split(), "--help"])
+    with pytest.raises(SystemExit):
+        command_line.main()
+    shown = "".join(capsys.readouterr().out.split())
+    assert any(texts)
+    for text in texts:
+        for part in re.findall(r'(?:"\w+)?\[[^\[\]]+\]', text):
+            assert "".join(part.split()) in shown, (part, text)
 
 
 def test_no_option_of_a_real_scene_is_cut_in_a_narrow_terminal():

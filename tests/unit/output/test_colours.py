@@ -4,15 +4,39 @@ import numpy as np
 import pytest
 
 from weavesim.output.colours import (
-    _CONES_TO_LINEAR,
-    _OKLAB_TO_CONES,
+    COLOUR_MAP,
     DISTINCT_COLOURS,
     colour_table,
+    decoded,
     distinct_colour,
     encoded,
     shear_colours,
 )
 from weavesim.output.pictures.verdict import COLOURS
+from weavesim.output.run_page.writing import COLOUR_TABLES
+
+# Inverse of the OKLab colour space (B. Ottosson, 2020): to cone responses, and from their cubes to linear sRGB.
+_OKLAB_TO_CONES = np.array(
+    [
+        [1.0, 0.3963377774, 0.2158037573],
+        [1.0, -0.1055613458, -0.0638541728],
+        [1.0, -0.0894841775, -1.2914855480],
+    ]
+)
+_CONES_TO_LINEAR = np.array(
+    [
+        [4.0767416621, -3.3077115913, 0.2309699292],
+        [-1.2684380046, 2.6097574011, -0.3413193965],
+        [-0.0041960863, -0.7034186147, 1.7076147010],
+    ]
+)
+
+
+def test_pictures_film_and_page_have_one_scale():
+    assert COLOUR_TABLES[0] == COLOUR_MAP
+    table = colour_table()
+    assert decoded(encoded(table)) == pytest.approx(table, abs=1e-7)
+    assert [round(255.0 * value) for value in encoded(table)[[0, -1]].ravel()] == [68, 1, 84, 253, 231, 37]
 
 
 def test_angles_have_the_colours_of_the_table_whatever_their_sign():
@@ -49,8 +73,7 @@ def seen(linear: np.ndarray, blindness: str) -> np.ndarray:
 @pytest.mark.parametrize("blindness", BLINDNESS)
 def test_the_colour_blind_tell_lines_and_regions_apart(blindness):
     regions = np.array([[int(code[k : k + 2], 16) / 255.0 for k in (1, 3, 5)] for code in COLOURS.values()])
-    decoded = np.where(regions <= 0.04045, regions / 12.92, ((regions + 0.055) / 1.055) ** 2.4)
-    for colours in (np.array([distinct_colour(k) for k in range(len(DISTINCT_COLOURS))]), decoded):
+    for colours in (np.array([distinct_colour(k) for k in range(len(DISTINCT_COLOURS))]), decoded(regions)):
         lab = seen(colours, blindness)
         apart = np.linalg.norm(lab[:, None] - lab, axis=2) + np.eye(len(lab))
         assert apart.min() > 0.09

@@ -130,7 +130,7 @@ def test_the_opening_of_a_die_is_an_edge():
 
     vertices, faces = tray_surface()
     shape = MeshShape.from_triangles(1e-3 * vertices, faces, name="die", side=(0.0, 0.0, 1.0))
-    edge = opening_of(Tool("die", shape), displacement=0.01)
+    edge = opening_of(Tool("die", shape), 0.01)
     # half sides of 80 and 60 mm with corners of 30 mm
     assert np.ptp(edge.outline[:, :2], axis=0) == pytest.approx([0.16, 0.12], abs=1e-4)
     assert edge.outline[:, 2] == pytest.approx(0.01, abs=1e-6)

@@ -10,6 +10,7 @@ from matplotlib.image import imread
 from tests.support.made_run import formed
 from weavesim.measures.angles import shear_angle_at, ten_points
 from weavesim.measures.border import draw_in
+from weavesim.measures.findings import FormedSheet
 from weavesim.output import History, pictures
 from weavesim.output.colours import LARGEST_SHOWN_ANGLE, colour_table, encoded, shear_colours
 from weavesim.output.pictures.sheet import yarn_lines
@@ -99,6 +100,31 @@ def test_draw_in_names_both_numbers_and_the_measured_outline(coarse_run):
     assert "measured" not in [text.get_text() for text in without.axes[0].get_legend().get_texts()]
 
 
+def test_the_draw_in_of_a_closed_outline_is_interrupted_at_all_corners():
+    """Also at the one that it starts at, where it ends too."""
+    blank = Blank.rectangle((-0.1, -0.1), (0.1, 0.1), 0.02)
+    sheet = FormedSheet(blank, blank.node_position * (0.9, 0.8, 1.0), {}, 0.001, WHOLE)
+    assert sheet.border.closed
+    chart = pictures.draw_in_picture(sheet).axes[1]
+    curve, zero, *corners = chart.lines
+    assert [line.get_xdata()[0] for line in corners] == pytest.approx([0.0, 200.0, 400.0, 600.0, 800.0])
+    length, values = curve.get_data()
+    broken = np.isnan(values)
+    assert length[broken] == pytest.approx([0.0, 200.0, 400.0, 600.0, 800.0])
+    sides = [side for side in np.split(values, np.flatnonzero(broken)) if len(side) > 1]
+    assert [np.nanmax(side) - np.nanmin(side) for side in sides] == pytest.approx([0.0] * 4, abs=1e-9)
+    assert sorted({round(float(np.nanmax(side))) for side in sides}) == [10, 20]
+
+
+def test_the_legend_of_the_draw_in_lies_on_no_line(coarse_run, tmp_path):
+    info, frames = coarse_run
+    figure = pictures.draw_in_picture(formed(info, frames[-1]))
+    pictures.write_picture(figure, tmp_path / "draw_in.png")
+    chart = figure.axes[1]
+    renderer = figure.canvas.get_renderer()
+    assert chart.get_legend().get_window_extent(renderer).y1 < chart.get_window_extent(renderer).y0
+
+
 def test_point_angles_are_the_sampled_ones(coarse_run):
     info, frames = coarse_run
     points = ten_points(0.235, 0.135)
@@ -111,29 +137,45 @@ def test_point_angles_are_the_sampled_ones(coarse_run):
     assert measured.get_xydata().tolist() == [[2.0, 5.0], [4.0, 33.0]]
     assert figure.axes[0].get_ylim()[1] > 33.0
     assert not [line for line in pictures.point_angles(formed(info, frame, points)).axes[0].lines]
+    scale = figure.axes[2]
+    assert scale.get_xlim() == (0.0, LARGEST_SHOWN_ANGLE) and "degrees" in scale.get_xlabel()
 
 
-def test_tool_forces_are_along_the_axes_and_name_the_part(history, coarse_run):
+def test_tool_forces_are_along_the_axes_and_of_the_whole_part(history, coarse_run):
     info, frames = coarse_run
-    figure = pictures.tool_forces(history, info.tools, "the computed quarter")
+    figure = pictures.tool_forces(history, info)
     (axes,) = figure.axes
-    assert "quarter" in axes.get_title(loc="left")
+    assert "whole part" in axes.get_title(loc="left")
     assert [line.get_label() for line in axes.lines] == ["punch", "die", "blank holder"]
-    assert axes.lines[0].get_ydata() == pytest.approx([abs(frame.tool_reaction[0, 2]) for frame in frames])
+    assert axes.lines[0].get_ydata() == pytest.approx([4.0 * abs(frame.tool_reaction[0, 2]) for frame in frames])
     assert axes.lines[0].get_xdata()[-1] == pytest.approx(60.0)
 
 
 def test_energies_stack_up_to_the_supplied_work(history, coarse_run):
-    figure = pictures.energies(history)
+    figure = pictures.energies(history, coarse_run[0])
     stack, every, ratios = figure.axes
+    assert "whole part" in stack.get_title(loc="left") and "ratio" in ratios.get_ylabel()
     top = max(path.vertices[:, 1].max() for area in stack.collections for path in area.get_paths())
     last = coarse_run[1][-1].energies
-    assert top == pytest.approx(last["used"], rel=0.01)
+    assert top == pytest.approx(4.0 * last["used"], rel=0.01)
     names = [text.get_text() for text in every.get_legend().get_texts()]
     assert "hourglass" in names and "internal" not in names and "snap loss" not in names
     by_name = {line.get_label(): line.get_ydata()[-1] for line in ratios.lines}
     assert by_name["kinetic over internal energy"] == pytest.approx(100 * last["kinetic"] / last["internal"])
     assert by_name["balance error over supplied work"] == pytest.approx(100 * 0.03 / last["supplied"])
+    drawn = np.concatenate([line.get_ydata() for line in ratios.lines])
+    low, high = ratios.get_ylim()
+    assert low <= np.nanmin(drawn) and np.nanmax(drawn) <= high < 10.0 * np.nanmax(drawn)
+
+
+def test_energies_of_sheets_cut_differently_are_of_what_was_computed(history, coarse_run):
+    info, frames = coarse_run
+    other = dataclasses.replace(info.sheet, name="other", symmetry=WHOLE)
+    both = dataclasses.replace(info, sheets=(info.sheet, other))
+    stack = pictures.energies(history, both).axes[0]
+    assert "computed parts" in stack.get_title(loc="left")
+    top = max(path.vertices[:, 1].max() for area in stack.collections for path in area.get_paths())
+    assert top == pytest.approx(frames[-1].energies["used"], rel=0.01)
 
 
 def test_sections_follow_the_sheet_and_move_the_tools(coarse_run):
@@ -146,6 +188,16 @@ def test_sections_follow_the_sheet_and_move_the_tools(coarse_run):
     punch = next(artist for artist in short.collections if artist.get_label() == "punch")
     lowest = min(path.vertices[:, 1].min() for path in punch.get_paths())
     assert lowest == pytest.approx(-60.0 + 0.6, abs=0.5)
+
+
+def test_sections_show_all_of_a_sheet_that_outgrew_its_blank(coarse_run):
+    info, frames = coarse_run
+    sheet = formed(info, frames[-1])
+    pulled = dataclasses.replace(sheet, position=sheet.position * (1.3, 1.3, 1.0))
+    for axes in pictures.sections(pulled, ()).axes:
+        drawn = np.concatenate([patch.get_xy() for patch in axes.patches])[:, 0]
+        low, high = axes.get_xlim()
+        assert low < drawn.min() and drawn.max() < high
 
 
 def test_sections_of_several_sheets_are_drawn_in_their_colours(coarse_run):
@@ -188,8 +240,8 @@ def test_a_run_at_rest_can_be_drawn(tmp_path, coarse_run):
             pictures.formed_sheet(formed(info, frame)),
             pictures.draw_in_picture(formed(info, frame)),
             pictures.point_angles(formed(info, frame, ten_points(0.235, 0.135))),
-            pictures.tool_forces(history, info.tools, "the computed quarter"),
-            pictures.energies(history),
+            pictures.tool_forces(history, info),
+            pictures.energies(history, info),
             pictures.sections(formed(info, frame), placed_tools(info, frame)),
         )
     ):

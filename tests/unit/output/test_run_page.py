@@ -16,7 +16,7 @@ from weavesim.output.run_page.judged_part import region_of_page, verdict_of
 from weavesim.output.run_page.packing import packed_series, rounded
 from weavesim.output.run_page.provenance import provenance_rows
 from weavesim.output.run_page.recorder import FrameRecorder
-from weavesim.output.run_page.scene import clustered, scene_of
+from weavesim.output.run_page.scene import scene_of
 from weavesim.output.run_page.setup_rows import setup_tables
 from weavesim.output.run_page.shown_fields import JUDGED_FIELDS
 from weavesim.output.run_page.values import Row, number, rows_of, text_of, words
@@ -75,15 +75,52 @@ def test_rounded_numbers_are_those_of_json():
 # ----------------------------------------------------------------------------------------------------------- frames
 
 
-def test_frames_are_thinned_evenly_and_the_last_is_there():
-    info, frames = made_run(0.03, frame_count=12)
-    size = 4 * (frames[0].position.size + 5 * info.sheet.blank.element_count)
-    recorder = FrameRecorder(limit=5 * size)
+def sizes_of(info, frames):
+    """Bytes of the positions and main fields of a frame, and of its other fields: three, since one is left out."""
+    count = info.sheet.blank.element_count
+    return 4 * (frames[0].position.size + 2 * count), 4 * 3 * count
+
+
+def recorded(info, frames, **limits):
+    recorder = FrameRecorder(**limits)
     recorder.start(info)
     for frame in frames:
         recorder.frame(frame)
+    return recorder
+
+
+def test_frames_are_thinned_evenly_and_the_last_is_there():
+    info, frames = made_run(0.03, frame_count=12)
+    main, _ = sizes_of(info, frames)
+    recorder = recorded(info, frames, limit=5 * main)
     assert recorder.places == [0, 4, 8, 11] and recorder.stride == 4 and recorder.frame_count == 12
     assert np.array_equal(recorder.positions(0)[-1], frames[-1].position.astype(np.float32))
+    assert all(field.at == [0, 1, 2, 3] for field in recorder.fields(0).values())
+
+
+def test_only_other_fields_are_thinned_as_long_as_positions_fit():
+    info, frames = made_run(0.03, frame_count=12)
+    _, other = sizes_of(info, frames)
+    recorder = recorded(info, frames, other_limit=4 * other)
+    fields = recorder.fields(0)
+    assert recorder.places == list(range(12)) and recorder.stride == 1 and recorder.other_stride == 4
+    assert fields["shear_angle"].at == fields["thickness"].at == list(range(12))
+    assert fields["warp_stretch"].at == [0, 4, 8, 11]
+    stretch = [frames[k].fields["warp_stretch"].astype(np.float32) for k in (0, 4, 8, 11)]
+    assert np.array_equal(fields["warp_stretch"].values, stretch)
+    # the page tells where they are
+    _, history = _recorded(info, frames)
+    shown = {field["name"]: field for field in scene_of(info, recorder, history)["sheets"][0]["fields"]}
+    assert shown["warp_stretch"]["at"] == [0, 4, 8, 11] and shown["shear_angle"]["at"] is None
+    assert unpacked(shown["warp_stretch"]["values"], 4) == pytest.approx(np.array(stretch), abs=1e-6)
+
+
+def test_a_page_of_a_run_in_progress_has_few_frames_with_all_fields():
+    info, frames = made_run(0.03, frame_count=50)
+    fewer = recorded(info, frames).thinned(24)
+    assert fewer.places == [*range(0, 50, 3), 49] and fewer.frame_count == 50
+    assert all(len(field.at) == 18 for field in fewer.fields(0).values())
+    assert recorded(info, frames[:24]).thinned(24).places == list(range(24))
 
 
 def test_the_view_has_every_field_in_units_for_readers(coarse_run):
@@ -117,15 +154,6 @@ def _recorded(info, frames):
         for frame in frames:
             observer.frame(frame)
     return recorder, history
-
-
-def test_a_fine_tool_gets_fewer_triangles_within_its_bounds():
-    import trimesh
-
-    ball = trimesh.creation.icosphere(subdivisions=5, radius=0.1)
-    vertices, faces = clustered(np.asarray(ball.vertices), np.asarray(ball.faces), 3000)
-    assert 500 < len(faces) <= 3000
-    assert np.linalg.norm(vertices, axis=1) == pytest.approx(0.1, rel=0.02)
 
 
 # ------------------------------------------------------------------------------------------------------------ words
@@ -257,6 +285,24 @@ def test_two_plies_are_two_sheets(tmp_path, stack):
     data = json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL)[1])
     assert [sheet["name"] for sheet in data["scene"]["sheets"]] == [sheet.name for sheet in stack[0].sheets]
     assert [sheet["level"] for sheet in data["scene"]["sheets"]] == list(stack[0].levels)
+
+
+def test_regions_have_units_that_readers_expect_and_no_minus_nothing():
+    region = Region("gap", np.array([3]), 3, 2.194e-3, (0.072, -0.0001, -0.012), (0.0, 0.1), 1e-3, 2.0)
+    text = region_of_page(region, 0, "sheet", np.arange(5))["text"]
+    assert text == "sheet: gap at (72, 0, -12) mm: gap 1.00 mm, 2 times the limit, 2194 mm²"
+
+
+def test_forces_and_energies_are_those_of_the_whole_part_and_it_is_said_once(tmp_path, coarse_run):
+    info, frames = coarse_run
+    page = written(tmp_path, info, frames, {"energies_j": {"shear": 0.5}})
+    own = re.sub(r"<script.*?</script>|<style>.*?</style>", "", page, flags=re.DOTALL)
+    assert own.count("are those of the whole part") == 1 and "computed part" not in own
+    assert re.search(r"shear</th><td>2\u202fJ<", own)
+    charts = json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL)[1])["charts"]
+    shear = next(line for chart in charts if chart["name"] == "energies" for line in chart["lines"]
+                 if line["label"] == "shear")  # fmt: skip
+    assert shear["y"][-1] == pytest.approx(4.0 * frames[-1].energies["shear"], rel=1e-4)
 
 
 @pytest.mark.parametrize("kind", ["wrinkle", "bridging", "locking", "gap", "self-contact"])

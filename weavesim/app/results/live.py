@@ -64,19 +64,20 @@ def show_live(folder: Path, port: int, opens: bool) -> None:
     """Serve the run of a folder until Ctrl-C.
 
     Args:
-        folder: of the run, which may begin later.
+        folder: of the run, which may begin, and be made, later.
         port: 0 takes a free one.
         opens: open a browser.
 
     Raises:
-        InputError: there is no such folder, or the port is taken.
+        InputError: it is a file, or the port is taken.
     """
     import webbrowser
 
-    if not folder.is_dir():
+    if folder.exists() and not folder.is_dir():
         raise InputError(f"run {folder}: it is no folder; give the folder of a run, its --out")
     server = LiveServer(folder, port)
-    say(f"{server.address} shows {folder} until Ctrl-C")
+    waits = "" if folder.is_dir() else ", which is not there yet: it waits for the run to make it,"
+    say(f"{server.address} shows {folder}{waits} until Ctrl-C")
     if opens and not webbrowser.open(server.address):
         say("No browser could be opened here: open that address yourself.")
     try:

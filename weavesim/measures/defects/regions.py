@@ -1,4 +1,4 @@
-"""Connected regions of elements."""
+"""Connected regions of elements, and what counts in them."""
 
 from __future__ import annotations
 
@@ -23,3 +23,10 @@ def regions(quads: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
     part = part_of_nodes(local.reshape(-1, 4), len(nodes))[local.reshape(-1, 4)[:, 0]]
     found = [rows[part == number] for number in np.unique(part)]
     return sorted(found, key=lambda region: (-len(region), int(region[0])))
+
+
+def largest_around(quads: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Largest value of each element and of those that share a node with it, (element_count,)."""
+    nodal = np.full(int(quads.max()) + 1, -np.inf)
+    np.maximum.at(nodal, quads.ravel(), np.repeat(values, 4))
+    return nodal[quads].max(axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import platform
 import socket
@@ -20,7 +21,7 @@ import numpy as np
 from ...device import cpu_features
 from ...run.frame import Frame, RunInfo
 from ...version import __version__
-from ..files import write_summary
+from ..files import summary_text, write_text
 from ..pace import Pace
 from .source import processor_name, source_commit
 
@@ -70,8 +71,14 @@ class RunRecord:
 
     def write(self) -> None:
         """Write the file."""
-        files = {name: self._hashes.get(name) for name in self._names}
-        write_summary(self._folder / RECORD_NAME, {**self._content, "files": files})
+        # written often, with hundreds of names: as JSON with an indent, but without its encoder in Python
+        lines = [
+            f"\n    {json.dumps(name, ensure_ascii=False)}: {json.dumps(self._hashes.get(name))}"
+            for name in self._names
+        ]
+        files = f"{','.join(lines)}\n  " if lines else ""
+        content = summary_text(self._content).removesuffix("\n}\n")
+        write_text(self._folder / RECORD_NAME, f'{content},\n  "files": {{{files}}}\n}}\n')
 
     def add(self, path: Path) -> None:
         """A file is about to be written; files outside the folder are not recorded."""

@@ -14,7 +14,7 @@ from ...sheet.symmetry import on_plane
 from ...sheet.topology import flat_areas
 from ..export.nearest import nearest
 from ..stored.file import StoredSheet
-from .part_edge import PartEdge, border_loops, plan_area
+from .part_edge import PartEdge, border_loops, plan_area, told
 
 # Points of the edge lie this near to each other, in elements.
 STEP = 0.1
@@ -181,13 +181,13 @@ def _material(
     if beyond.max() > BEYOND * element:
         worst = int(beyond.argmax())
         raise InputError(
-            f"{name}: at {_place(points[worst])} it lies {1e3 * beyond[worst]:.3g} mm beyond the border of the formed "
+            f"{name}: at {told(points[worst])} it lies {1e3 * beyond[worst]:.3g} mm beyond the border of the formed "
             f"sheet {sheet.name}; the part needs a larger blank there, or its edge another place"
         )
     if distance.max() > USUAL_DISTANCE * element:
         worst = int(distance.argmax())
         raise InputError(
-            f"{name}: at {_place(points[worst])} it lies {1e3 * distance[worst]:.3g} mm away from the formed sheet "
+            f"{name}: at {told(points[worst])} it lies {1e3 * distance[worst]:.3g} mm away from the formed sheet "
             f"{sheet.name}, which is more than {USUAL_DISTANCE:g} elements; check its unit and place: it has to lie on "
             "the tools as the run left them"
         )
@@ -198,7 +198,7 @@ def _material(
     if jump.max() > 0.0:
         worst = int(jump.argmax())
         raise InputError(
-            f"{name}: at {_place(points[worst])} the material under it jumps by {1e3 * way[worst]:.3g} mm: the sheet "
+            f"{name}: at {told(points[worst])} the material under it jumps by {1e3 * way[worst]:.3g} mm: the sheet "
             f"{sheet.name} lies in folds there, and no trim line is unique; remove the wrinkles first"
         )
     return _averaged(flat, corners, round(0.5 * AVERAGED / STEP)), float(distance.max())
@@ -219,13 +219,13 @@ def _raised(sheet: StoredSheet, soup: _Soup, points: np.ndarray, name: str) -> n
         inside = (share > -1.0e-9).all(axis=1)
         if not inside.any():
             raise InputError(
-                f"{name}: at {_place(points[k])} there is no sheet {sheet.name} under it; the part needs a larger "
+                f"{name}: at {told(points[k])} there is no sheet {sheet.name} under it; the part needs a larger "
                 "blank there, or its edge another place"
             )
         found = np.einsum("kc,kc->k", share[inside], soup.formed[some[inside], :, 2])
         if np.ptp(found) > sheet.thickness:
             raise InputError(
-                f"{name}: at {_place(points[k])} the sheet {sheet.name} lies over itself at {1e3 * found.min():.4g} "
+                f"{name}: at {told(points[k])} the sheet {sheet.name} lies over itself at {1e3 * found.min():.4g} "
                 f"and {1e3 * found.max():.4g} mm; give the edge with its heights, as a curve in space"
             )
         heights[k] = found.mean()
@@ -316,10 +316,6 @@ def _check(sheet: StoredSheet, edge: PartEdge, trim: tuple[np.ndarray, ...]) -> 
     for hole in trim[1:]:
         if outline.nearest(hole)[0].min() <= 0.0:
             raise InputError(
-                f"{edge.name}: it has several closed curves, and one about {_place(hole.mean(axis=0))} of the flat "
+                f"{edge.name}: it has several closed curves, and one about {told(hole.mean(axis=0))} of the flat "
                 "blank is no hole in the longest; give one part at a time"
             )
-
-
-def _place(point: np.ndarray) -> str:
-    return f"({', '.join(f'{1e3 * value:.4g}' for value in point)}) mm"

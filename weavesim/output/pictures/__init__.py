@@ -6,10 +6,9 @@ from .draw_in import draw_in_picture
 from .sections import sections
 from .sheet import formed_sheet
 from .stack import stack_picture
-from .style import PART_NAMES, add_legend, colour_map, new_axes, new_figure, styled, words, write_picture
+from .style import add_legend, colour_map, new_axes, new_figure, styled, words, write_picture
 
 __all__ = [
-    "PART_NAMES",
     "add_legend",
     "chart_of",
     "colour_map",

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...measures.findings import FormedSheet
-from ..colours import LARGEST_SHOWN_ANGLE
-from .style import ACCENT, INK, MEASURED, add_legend, colour_map, new_axes, new_figure
+from .sheet import add_angle_bar, angle_colours
+from .style import ACCENT, INK, MEASURED, add_legend, new_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def point_angles(sheet: FormedSheet, measured_angles: tuple[np.ndarray, np.ndarray] | None = None) -> Figure:
     """Shear angle at the material points of the sheet, at least one, and their positions on the flat blank."""
-    figure = new_figure(12.0, 4.6)
+    figure = new_figure(12.0, 5.0)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.3, 1.0))
     _draw_bars(figure, grid[0, 0], sheet.point_angles_deg, measured_angles)
     _draw_points(figure, grid[0, 1], sheet)
@@ -53,7 +53,7 @@ def _draw_points(figure: Figure, cell: Any, sheet: FormedSheet) -> None:
     blank = sheet.blank
     plan = new_axes(figure, cell, aspect="equal", title="Where they lie on the flat blank")
     plan.set(xlabel="material x [mm]", ylabel="material y [mm]")
-    colours = colour_map()(np.clip(sheet.shear_angle_deg / LARGEST_SHOWN_ANGLE, 0.0, 1.0))
+    colours = angle_colours(sheet.shear_angle_deg)
     flat = 1.0e3 * blank.material_coordinates
     elements = PolyCollection(flat[blank.quads], facecolors=colours, edgecolors=colours, linewidths=0.3)
     plan.add_collection(elements, autolim=False)
@@ -69,3 +69,4 @@ def _draw_points(figure: Figure, cell: Any, sheet: FormedSheet) -> None:
     plan.set(xlim=(flat[:, 0].min() - margin, flat[:, 0].max() + margin))
     plan.set(ylim=(flat[:, 1].min() - margin, flat[:, 1].max() + margin))
     plan.grid(visible=False)
+    add_angle_bar(figure, [plan], float(sheet.shear_angle_deg.max()))

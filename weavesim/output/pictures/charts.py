@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..history import History
+from ..history import History, computed_part, energy_copies, tool_copies
 from .style import FAINT, INK, LINE_COLOURS, MEASURED, add_legend, new_axes, new_figure, words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ...tools.tool import Tool
+    from ...run.frame import RunInfo
     from ..curves import Chart
 
 # Measured points beyond this number are not marked one by one.
@@ -22,19 +22,19 @@ MANY_POINTS = 80
 MARKERS = ("o", "s", "^", "D", "v")
 
 
-def tool_forces(history: History, tools: Sequence[Tool], part: str) -> Figure:
-    """Force between sheet and each tool along the tool's axis, against the stroke; ``part`` names the computed part.
+def tool_forces(history: History, info: RunInfo) -> Figure:
+    """Force between the whole part and each tool along the tool's axis, against the stroke.
 
     Dashed is the force that was wanted of a tool that a force moves.
     """
     figure = new_figure(9.0, 4.4)
-    chart = new_axes(figure, 1, 1, 1, title=f"Tool forces on {part}")
+    chart = new_axes(figure, 1, 1, 1, title="Force on each tool, whole part")
     chart.set(xlabel="stroke [mm]", ylabel="force along the tool's axis [N]")
-    for k, tool in enumerate(tools):
-        force = np.abs(history.tool_reaction[:, k] @ np.asarray(tool.axis, dtype=float))
+    for k, (tool, copies) in enumerate(zip(info.tools, tool_copies(info), strict=True)):
+        force = copies * np.abs(history.tool_reaction[:, k] @ np.asarray(tool.axis, dtype=float))
         colour = LINE_COLOURS[k % len(LINE_COLOURS)]
         chart.plot(*_against(history, force), color=colour, label=words(history.tool_names[k]))
-        wanted = np.abs(history.tool_wanted[:, k])
+        wanted = copies * np.abs(history.tool_wanted[:, k])
         if np.isfinite(wanted).any():
             label = f"{words(history.tool_names[k])}, wanted"
             chart.plot(*_against(history, wanted), color=colour, linestyle=(0, (4, 3)), linewidth=1.2, label=label)
@@ -71,10 +71,10 @@ def chart_of(chart: Chart, columns: Mapping[str, np.ndarray]) -> Figure:
     return figure
 
 
-def drive_forces(history: History) -> Figure:
-    """Force of the supports on the sheet along each of their drives, against its displacement."""
+def drive_forces(history: History, info: RunInfo) -> Figure:
+    """Force of the supports on the computed part along each of their drives, against its displacement."""
     figure = new_figure(9.0, 4.4)
-    chart = new_axes(figure, 1, 1, 1, title="Forces of the supports")
+    chart = new_axes(figure, 1, 1, 1, title=f"Forces of the supports, {computed_part(info)}")
     chart.set(xlabel="displacement of the drive [mm]", ylabel="force along the drive [N]")
     for k, name in enumerate(history.drive_names):
         travel, force = 1.0e3 * history.drive_displacement[:, k], history.drive_force[:, k]
@@ -84,12 +84,17 @@ def drive_forces(history: History) -> Figure:
     return figure
 
 
-def energies(history: History) -> Figure:
-    """Where the supplied work goes, every energy on a logarithmic scale, and the ratios for judging a run."""
+def energies(history: History, info: RunInfo) -> Figure:
+    """Where the supplied work goes, every energy on a logarithmic scale, and the ratios for judging a run.
+
+    Energies are those of the whole part; of sheets that are different shares of theirs, of what was computed.
+    """
     from ...run.ledger import SUMS, SUPPLIED
 
     figure = new_figure(15.5, 4.8)
-    book = history.energies
+    copies = energy_copies(info)
+    part = "computed parts" if copies is None else "whole part"
+    book = {name: (copies or 1.0) * values for name, values in history.energies.items()}
     size = {name: float(np.abs(values).max(initial=0.0)) for name, values in book.items()}
     largest = max(size.values(), default=0.0) or 1.0
     parts = [name for name in book if name not in (*SUPPLIED, *SUMS)]
@@ -98,8 +103,8 @@ def energies(history: History) -> Figure:
     colour = {name: LINE_COLOURS[i % len(LINE_COLOURS)] for i, name in enumerate(parts)}
 
     charts = (
-        _stack_of_energies(figure, history, shown, colour),
-        _every_energy(figure, history, [name for name in parts if size[name] > 1.0e-6 * largest], colour, largest),
+        _stack_of_energies(figure, history, book, shown, colour, f"Where the work goes, {part}"),
+        _every_energy(figure, history, book, [name for name in parts if size[name] > 1.0e-6 * largest], colour, part),
         _ratios(figure, history, size),
     )
     for chart in charts:
@@ -108,9 +113,15 @@ def energies(history: History) -> Figure:
     return figure
 
 
-def _stack_of_energies(figure: Figure, history: History, shown: Sequence[str], colour: Mapping[str, str]) -> Axes:
-    book = history.energies
-    stack = new_axes(figure, 1, 3, 1, title="Where the work goes", ylabel="energy [J]")
+def _stack_of_energies(
+    figure: Figure,
+    history: History,
+    book: Mapping[str, np.ndarray],
+    shown: Sequence[str],
+    colour: Mapping[str, str],
+    title: str,
+) -> Axes:
+    stack = new_axes(figure, 1, 3, 1, title=title, ylabel="energy [J]")
     below = np.zeros(history.frame_count)
     for name in shown:
         place, above = _against(history, below + np.maximum(book[name], 0.0))
@@ -126,10 +137,15 @@ def _stack_of_energies(figure: Figure, history: History, shown: Sequence[str], c
 
 
 def _every_energy(
-    figure: Figure, history: History, names: Sequence[str], colour: Mapping[str, str], largest: float
+    figure: Figure,
+    history: History,
+    book: Mapping[str, np.ndarray],
+    names: Sequence[str],
+    colour: Mapping[str, str],
+    part: str,
 ) -> Axes:
-    book = history.energies
-    every = new_axes(figure, 1, 3, 2, title="Every stored and lost energy", ylabel="energy [J]", yscale="log")
+    largest = max((float(np.abs(values).max(initial=0.0)) for values in book.values()), default=0.0) or 1.0
+    every = new_axes(figure, 1, 3, 2, title=f"Every stored and lost energy, {part}", ylabel="energy [J]", yscale="log")
     for i, name in enumerate(names):  # the largest first, so that no energy is hidden
         values = np.where(book[name] > 0.0, book[name], np.nan)
         style = ("-", "--")[i // len(LINE_COLOURS) % 2]
@@ -142,7 +158,7 @@ def _every_energy(
 
 def _ratios(figure: Figure, history: History, size: Mapping[str, float]) -> Axes:
     book = history.energies
-    ratios = new_axes(figure, 1, 3, 3, title="Ratios that judge the run", ylabel="[%]", yscale="log")
+    ratios = new_axes(figure, 1, 3, 3, title="Ratios that judge the run", ylabel="ratio [%]", yscale="log")
     for name, over, label in (
         ("kinetic", "internal", "kinetic over internal energy"),
         ("hourglass", "internal", "hourglass over internal energy"),
@@ -155,8 +171,11 @@ def _ratios(figure: Figure, history: History, size: Mapping[str, float]) -> Axes
             chosen = LINE_COLOURS[len(ratios.lines)]
             ratios.plot(*_against(history, np.where(values > 0.0, values, np.nan)), color=chosen, label=label)
     ratios.minorticks_off()
-    ratios.set_ylim(1.0e-4, 1.0e5)  # the upper decades are for the legend
-    add_legend(ratios, loc="upper right", bbox_to_anchor=(1.0, 1.0))
+    drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in ratios.lines] or [np.ones(1)])
+    drawn = drawn[np.isfinite(drawn)]
+    lowest, highest = (float(drawn.min()), float(drawn.max())) if len(drawn) else (0.1, 10.0)
+    ratios.set_ylim(max(0.5 * lowest, 1.0e-4), 2.0 * max(highest, 1.0e-3))
+    add_legend(ratios, loc="upper left", bbox_to_anchor=(0.0, -0.12))
     return ratios
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...measures.border import symmetry_line, whole_outline
+from ...measures.border import Outline, symmetry_line, whole_outline
 from ...measures.findings import FormedSheet
 from .style import ACCENT, FAINT, INK, MEASURED, add_legend, new_axes, new_figure
 
@@ -44,20 +44,29 @@ def draw_in_picture(sheet: FormedSheet, measured_outline: np.ndarray | None = No
     else:
         add_legend(plan, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
-    start = blank.material_coordinates[border.node]
+    # A closed outline ends where it starts.
+    shown = np.append(np.arange(len(border.node)), 0) if border.closed else np.arange(len(border.node))
+    start = blank.material_coordinates[border.node[shown]]
     length = 1.0e3 * np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(start, axis=0), axis=1))])
     chart = new_axes(figure, grid[0, 1], title="Draw-in along the outline")
     chart.set(xlabel="length of the flat outline [mm]", ylabel="draw-in, normal to the flat outline [mm]")
     # At a corner the normal jumps: the curve is interrupted there, and the corner marked.
-    values = sheet.border_draw_in_mm.copy()
-    jumps = np.flatnonzero(np.einsum("ki,ki->k", border.normal[:-1], border.normal[1:]) < 0.9)
-    corners = [int(i) + 1 for i in jumps if i + 1 in jumps]
+    corners = np.flatnonzero(_corners(border)[shown])
+    values = sheet.border_draw_in_mm[shown]
     values[corners] = np.nan
     chart.plot(length, values, color=ACCENT)
     chart.axhline(0.0, color=FAINT, linewidth=1.0)
     for k, corner in enumerate(corners):
         label = "corner of the flat outline" if k == 0 else None
         chart.axvline(length[corner], color=FAINT, linewidth=1.0, linestyle=(0, (4, 3)), label=label)
-    add_legend(chart, loc="best")
+    add_legend(chart, loc="upper center", bbox_to_anchor=(0.5, -0.12))  # nowhere inside is surely free
     chart.margins(x=0.0)
     return figure
+
+
+def _corners(border: Outline) -> np.ndarray:
+    """Whether the flat outline turns sharply at each of its nodes, (k,) bool."""
+    turns = np.einsum("ki,ki->k", border.normal, np.roll(border.normal, -1, axis=0)) < 0.9
+    if not border.closed:
+        turns[-1] = False
+    return turns & np.roll(turns, 1)

@@ -78,9 +78,10 @@ def _strip(sheet: FormedSheet, along: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _reach(sheet: FormedSheet, axis: int) -> float:
-    """Furthest point of the flat outline along an axis [mm]."""
-    outline = whole_outline(sheet.blank, sheet.blank.material_coordinates, sheet.symmetry)
-    return float(np.abs(1.0e3 * outline[:, axis]).max())
+    """Furthest point of the outline along an axis, flat or formed: a pulled sheet outgrows its blank [mm]."""
+    shapes = (sheet.blank.material_coordinates, sheet.position[:, :2])
+    outlines = [whole_outline(sheet.blank, shape, sheet.symmetry)[:, axis] for shape in shapes]
+    return float(1.0e3 * np.abs(np.concatenate(outlines)).max())
 
 
 def plane_cut(vertices: np.ndarray, faces: np.ndarray, axis: int) -> np.ndarray:

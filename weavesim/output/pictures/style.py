@@ -43,8 +43,6 @@ _STYLE: Any = {
     "lines.linewidth": 1.8,
     "lines.solid_capstyle": "round",
 }
-# By the computed share of the part.
-PART_NAMES = {1.0: "the part", 0.5: "the computed half", 0.25: "the computed quarter"}
 _RESOLUTION = 150
 # Of PNG: half the time of the usual 6, and a tenth more space.
 _COMPRESSION = 3

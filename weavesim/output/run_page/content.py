@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -14,10 +15,10 @@ from ...measures.findings import SHEET_FINDINGS
 from ...measures.units import Unit, split_unit
 from ...run.frame import Outcome, RunInfo
 from ...run.verdict import RUN_FINDINGS
-from ..history import History
+from ..history import History, energy_copies, tool_copies
 from ..results import Results
 from .fabric_part import fabrics_of
-from .history_part import charts_of, tool_copies
+from .history_part import charts_of, share_text
 from .judged_part import JudgedPart, Remark, judge, verdict_of, warnings_of
 from .provenance import provenance_rows, record_of
 from .recorder import FrameRecorder
@@ -41,6 +42,8 @@ _HEADLINE = (
 )  # fmt: skip
 # Pictures that the page shows by itself, and better.
 _DRAWN_ANEW = ("tool_forces", "energies", "drive_forces")
+# Of a run in progress the page has at most about so many frames: it is written often.
+LIVE_FRAME_COUNT = 24
 SHARES = {1.0: "whole blank", 0.5: "half of the blank", 0.25: "quarter of the blank"}
 
 
@@ -74,6 +77,11 @@ class ConstantParts:
     def __init__(self, info: RunInfo) -> None:
         self._info = info
 
+    def prepare(self) -> None:
+        """Compute them now; what fails does so again where it is used, and is told there."""
+        with suppress(Exception):
+            _ = self.fabrics, self.setup
+
     @cached_property
     def fabrics(self) -> list[dict[str, Any]]:
         """Of ``fabrics_of``."""
@@ -105,7 +113,7 @@ def page_of(
     content.draw_in = [item for item in pictures if item[0].stem.startswith("draw_in")]
     content.pictures = [item for item in pictures if item not in (*content.fallback, *content.draw_in)]
     content.forces = list(_forces(info, results.history, summary))
-    content.numbers = _numbers(summary)
+    content.numbers = _numbers(info, {**summary, "support_force_n": _on_supports(info, summary)})
     content.options = [
         Row(words(name), text_of(value)) for name, value in results.setup.items() if not _says_nothing(value)
     ]
@@ -116,7 +124,8 @@ def page_of(
 def page_so_far(
     info: RunInfo, history: History, recorder: FrameRecorder, folder: Path, constant: ConstantParts | None = None
 ) -> PageContent:
-    """The page of a run that goes on."""
+    """The page of a run that goes on: of its frames so far at most about ``LIVE_FRAME_COUNT``, evenly spaced."""
+    recorder = recorder.thinned(LIVE_FRAME_COUNT)
     constant = constant or ConstantParts(info)
     content = _frame_of_page(info, history, recorder, folder, "running", [], None, constant)
     content.verdict = verdict_of({}, "running", None)
@@ -165,7 +174,7 @@ def _subtitle(info: RunInfo, outcome: str) -> str:
     shares = ", ".join(dict.fromkeys(SHARES[sheet.symmetry.share] for sheet in info.sheets))
     state = "in progress" if outcome == "running" else outcome
     plies = f"{len(info.sheets)} sheets · " if len(info.sheets) > 1 else ""
-    return f"{fabrics} · {plies}{shares} computed · {info.element_count} elements · run {state}"
+    return f"{fabrics} · {plies}{shares} computed{share_text(info)} · {info.element_count} elements · run {state}"
 
 
 def _headline(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -192,13 +201,25 @@ def _forces(info: RunInfo, history: History, summary: Mapping[str, Any]) -> Iter
         yield name.replace("_", " "), last, peak
 
 
-def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, list[Row]]]:
+def _numbers(info: RunInfo, summary: Mapping[str, Any]) -> list[tuple[str, list[Row]]]:
     tables = [("Numbers of the run", list(_rows(summary)))]
     tables += [(f"Sheet {sheet['name']}", list(_rows(sheet))) for sheet in summary.get("sheets") or ()]
     if isinstance(energies := summary.get("energies_j"), Mapping):
-        rows = [Row(words(name), number(float(value), "J")) for name, value in energies.items() if value]
-        tables.append(("Energies at the end, computed part", rows))
+        copies = energy_copies(info) or 1.0
+        rows = [Row(words(name), number(copies * float(value), "J")) for name, value in energies.items() if value]
+        tables.append(("Energies at the end", rows))
     return [(heading, rows) for heading, rows in tables if rows]
+
+
+def _on_supports(info: RunInfo, summary: Mapping[str, Any]) -> dict[str, list[float]]:
+    """Force of each support and its mirror images on the whole part [N]: what points across a plane cancels."""
+    forces = summary.get("support_force_n") or {}
+    found = {}
+    for sheet in info.sheets:
+        factors = np.sum([(*each, 1.0) for each in sheet.symmetry.mirror_factors], axis=0)
+        names = [info.supports[place].name for place in sheet.supports]
+        found |= {name: (factors * np.asarray(forces[name])).tolist() for name in names if name in forces}
+    return found
 
 
 def _rows(summary: Mapping[str, Any]) -> Iterator[Row]:
@@ -245,9 +266,9 @@ def _own(key: str, unit: Unit) -> Unit:
 
 def _shear_angles(recorder: FrameRecorder, info: RunInfo) -> Iterator[list[np.ndarray]]:
     fields = [recorder.fields(k).get("shear_angle") for k in range(len(info.sheets) if recorder.frame_count else 0)]
-    if fields and all(values is not None for values in fields):
+    if fields and all(kept is not None for kept in fields):
         for place in range(len(recorder.places)):
-            yield [np.abs(np.rad2deg(values[place])) for values in fields if values is not None]
+            yield [np.abs(np.rad2deg(kept.values[place])) for kept in fields if kept is not None]
 
 
 def _angles(sheets: list[np.ndarray]) -> list[float]:

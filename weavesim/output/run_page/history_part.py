@@ -7,25 +7,20 @@ from typing import Any
 import numpy as np
 
 from ...run.frame import RunInfo
-from ..history import History
+from ..history import History, energy_copies, tool_copies
 from .packing import rounded
 
 # An energy is drawn if it ever exceeds this share of the largest.
 _SHOWN_SHARE = 0.004
 
 
-def tool_copies(info: RunInfo) -> list[float]:
-    """By what the force of each tool on the computed part is multiplied to be that on the whole."""
-    shares = [
-        [sheet.symmetry.share for sheet in info.sheets if place in sheet.tools] for place in range(len(info.tools))
-    ]
-    return [1.0 / own[0] if own else 1.0 for own in shares]
-
-
-def energy_copies(info: RunInfo) -> float | None:
-    """The same of energies; None if the sheets are different shares of their wholes."""
+def share_text(info: RunInfo) -> str:
+    """Of what the forces and energies of the page are, behind the share that is computed; "" if that is all."""
     shares = {sheet.symmetry.share for sheet in info.sheets}
-    return 1.0 / shares.pop() if len(shares) == 1 else None
+    if shares == {1.0}:
+        return ""
+    own = "" if len(shares) == 1 else ", energies those of what is computed"
+    return f" (forces{' and energies' if not own else ''} here are those of the whole part{own})"
 
 
 def charts_of(
@@ -42,7 +37,7 @@ def charts_of(
     by_stroke = bool(history.frame_count) and float(np.ptp(history.stroke)) > 0.0
     x = 1.0e3 * (history.stroke if by_stroke else history.time)
     label = "stroke [mm]" if by_stroke else "time [ms]"
-    charts = [*_forces(info, history), *_drives(history), *_energies(info, history)]
+    charts = [*_forces(info, history), *_drives(info, history), *_energies(info, history)]
     found = [{"xLabel": label, "x": rounded(x), **chart} for chart in charts if chart["lines"]]
     if largest_angle:
         found.append({"xLabel": label, "x": rounded(x[places]), **_angles(largest_angle)})
@@ -64,37 +59,39 @@ def _forces(info: RunInfo, history: History) -> list[dict[str, Any]]:
             lines.append(_line(f"{name}, wanted", copies * wanted, dashed=True))
     return [
         {
-            "name": "forces", "title": "Force on each tool, whole part", "yLabel": "force along the tool's axis [N]",
+            "name": "forces", "title": "Force on each tool", "yLabel": "force along the tool's axis [N]",
             "lines": lines,
         }
     ]  # fmt: skip
 
 
-def _drives(history: History) -> list[dict[str, Any]]:
-    lines = [_line(name.replace("_", " "), history.drive_force[:, k]) for k, name in enumerate(history.drive_names)]
+def _drives(info: RunInfo, history: History) -> list[dict[str, Any]]:
+    copies = energy_copies(info) or 1.0
+    lines = [
+        _line(name.replace("_", " "), copies * history.drive_force[:, k]) for k, name in enumerate(history.drive_names)
+    ]
     lines += [
-        _line(f"gripper {name.replace('_', ' ')}", history.gripper_force[:, k])
+        _line(f"gripper {name.replace('_', ' ')}", copies * history.gripper_force[:, k])
         for k, name in enumerate(history.gripper_names)
     ]
+    mirrored = ", each with its mirror images" if copies > 1.0 else ""
     return [
-        {"name": "drives", "title": "Forces of supports and grippers, computed part", "yLabel": "force [N]",
-         "lines": lines}
-    ]  # fmt: skip
+        {"name": "drives", "title": f"Forces of supports and grippers{mirrored}", "yLabel": "force [N]", "lines": lines}
+    ]
 
 
 def _energies(info: RunInfo, history: History) -> list[dict[str, Any]]:
     # it loads Warp, which the options of a run do not need
     from ...run.ledger import SUMS, SUPPLIED
 
-    book, copies = history.energies, energy_copies(info)
-    factor, part = (1.0, "computed parts") if copies is None else (copies, "whole part")
+    book, copies = history.energies, energy_copies(info) or 1.0
     size = {name: float(np.abs(values).max(initial=0.0)) for name, values in book.items()}
     largest = max(size.values(), default=0.0) or 1.0
     names = [name for name in book if name not in (*SUPPLIED, *SUMS) and size[name] > _SHOWN_SHARE * largest]
     names.sort(key=lambda name: -size[name])
-    lines = [_line(name.replace("_", " "), factor * book[name]) for name in names]
+    lines = [_line(name.replace("_", " "), copies * book[name]) for name in names]
     if "supplied" in book:
-        lines.insert(0, _line("supplied work", factor * book["supplied"], dashed=True))
+        lines.insert(0, _line("supplied work", copies * book["supplied"], dashed=True))
     ratios = []
     for name, over, label in (
         ("kinetic", "internal", "kinetic over internal"), ("hourglass", "internal", "hourglass over internal"),
@@ -106,7 +103,7 @@ def _energies(info: RunInfo, history: History) -> list[dict[str, Any]]:
             values = 100.0 * np.abs(book[name]) / base
             ratios.append(_line(label, np.where(values > 0.0, values, np.nan)))
     return [
-        {"name": "energies", "title": f"Stored and lost energies, {part}", "yLabel": "energy [J]", "lines": lines},
+        {"name": "energies", "title": "Stored and lost energies", "yLabel": "energy [J]", "lines": lines},
         {"name": "ratios", "title": "Ratios of energies that judge the run", "yLabel": "ratio [%]", "lines": ratios,
          "logarithmic": True},
     ]  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 from ...input_files import shown
 from ...measures.defects.judgement import Judgement, Limits, Region
 from ..results import Results
-from ..stored.judged import distance_to, own_locking_angle, read_limits, region_text
+from ..stored.judged import distance_to, own_locking_angle, place_text, read_limits, region_text
 from .shown_fields import JUDGED_FIELDS
 from .values import number, words
 
@@ -162,8 +162,7 @@ def _of_doubt(results: Results, doubt: Mapping[str, Any]) -> Remark:
     if doubt.get("sheet") and len(names) > 1:
         where.append(f"sheet {doubt['sheet']}")
     if place:
-        x, y = (1.0e3 * float(value) for value in place)
-        where.append(f"at ({x:.0f}, {y:.0f}) mm on the flat blank")
+        where.append(f"at {place_text([1.0e3 * float(value) for value in place[:2]])} mm on the flat blank")
         if len(names) == 1 or doubt.get("sheet") in names:
             sheet = 0 if len(names) == 1 else names.index(str(doubt["sheet"]))
             blank = results.sheets[sheet].info.blank

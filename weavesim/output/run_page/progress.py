@@ -11,7 +11,7 @@ import numpy as np
 
 from ...run.frame import Frame, Outcome, RunInfo
 from ..files import write_summary
-from .history_part import tool_copies
+from ..history import tool_copies
 
 PROGRESS_NAME = "progress.json"
 # Between two writes [s].
@@ -88,28 +88,34 @@ class ProgressRecord:
         write_summary(self._path, content)
 
 
-# A page takes a few tenths of a second: short runs have none before their end.
-FIRST_PAGE = 10.0
-PAGE_INTERVAL = 10.0
-LARGEST_SHARE = 0.02
+# Ten pages in any run of some length; then so rarely that they take a fiftieth of it.
+FIRST_PAGE = 2.0
+EARLY_PAGES, EARLY_INTERVAL, EARLY_SHARE = 10, 2.0, 0.05
+PAGE_INTERVAL, LARGEST_SHARE = 10.0, 0.02
 
 
 class PagePace:
-    """Says when to write: ten seconds after the first frame, and then so rarely that it takes a fiftieth of the run."""
+    """Says when to write: two seconds after the first frame, then every two seconds but for a twentieth of the time at
+    most, and after ten pages every ten seconds but for a fiftieth of it at most."""
 
     def __init__(self) -> None:
         self._next: float | None = None
-        self._started = 0.0
+        self._started, self._count = 0.0, 0
 
     def due(self) -> bool:
-        """Called for every frame: whether to write now. ``done`` has to follow."""
+        """Called for every frame: whether to write now. ``begin`` and ``done`` have to follow."""
         now = time.monotonic()
         if self._next is None:
             self._next = now + FIRST_PAGE
-        self._started = now
         return now >= self._next
+
+    def begin(self) -> None:
+        """The page is about to be written; what was prepared for all pages does not count."""
+        self._started = time.monotonic()
 
     def done(self) -> None:
         """The page has been written."""
         now = time.monotonic()
-        self._next = now + max(PAGE_INTERVAL, (now - self._started) / LARGEST_SHARE)
+        self._count += 1
+        interval, share = (EARLY_INTERVAL, EARLY_SHARE) if self._count < EARLY_PAGES else (PAGE_INTERVAL, LARGEST_SHARE)
+        self._next = now + max(interval, (now - self._started) / share)

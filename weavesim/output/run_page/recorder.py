@@ -2,40 +2,69 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ...run.frame import Frame, RunInfo
 
-# Of all frames in memory, in single precision; the page then has about a quarter of it.
+# Of all frames in memory, in single precision; the page then has about a quarter of it. Of positions and main fields,
+# and of all others.
 LARGEST_BYTES = 64_000_000
+LARGEST_OTHER_BYTES = 40_000_000
+# Fields that are there wherever the positions are.
+MAIN_FIELDS = ("shear_angle", "thickness")
 # Fields that tell a reader of a page nothing.
 LEFT_OUT = ("unit_cell_iterations",)
 
 
-class FrameRecorder:
-    """Positions and fields of the frames of a run, in single precision, at most ``limit`` bytes of them.
+@dataclass(frozen=True)
+class KeptField:
+    """A field of one sheet.
 
-    Beyond the limit every second frame is dropped, and from then on only every second, fourth, ... is kept, so that
-    those that are kept are evenly spaced. The last frame is always there.
+    Attributes:
+        at: in which of the kept frames it is, ascending.
+        values: (len(at), element_count), in SI units.
+    """
+
+    at: list[int]
+    values: np.ndarray
+
+
+class FrameRecorder:
+    """Positions and fields of the frames of a run, in single precision, in bounded memory.
+
+    Beyond ``limit`` every second frame is dropped, and from then on only every second, fourth, ... is kept, so that
+    those that are kept are evenly spaced. Beyond ``other_limit`` so are the fields other than the main ones, of which
+    each kept frame has its own. The last frame is always there, with all fields.
+
+    Args:
+        limit: of positions and ``MAIN_FIELDS`` [bytes].
+        other_limit: of all other fields [bytes].
 
     Attributes:
         frame_count: of the run so far.
         stride: one of so many frames is kept.
+        other_stride: one of so many frames is kept with all fields.
     """
 
-    def __init__(self, limit: int = LARGEST_BYTES) -> None:
-        self._limit = limit
-        self.frame_count, self.stride = 0, 1
+    def __init__(self, limit: int = LARGEST_BYTES, other_limit: int = LARGEST_OTHER_BYTES) -> None:
+        self._limit, self._other_limit = limit, other_limit
+        self._forget()
+
+    def _forget(self) -> None:
+        self.frame_count, self.stride, self.other_stride = 0, 1, 1
         self._kept: list[_Kept] = []
         self._last: _Kept | None = None
 
     def start(self, info: RunInfo) -> None:
         """Forget everything."""
-        self.frame_count, self.stride = 0, 1
-        self._kept, self._last = [], None
+        self._forget()
 
     def frame(self, frame: Frame) -> None:
         """Take a frame."""
+        if self._last is not None and self._last.place % self.other_stride:
+            self._last.drop_others()
         self._last = _Kept(self.frame_count, frame)
         if self.frame_count % self.stride == 0:
             self._kept.append(self._last)
@@ -43,6 +72,28 @@ class FrameRecorder:
         while len(self._kept) > 2 and sum(kept.byte_count for kept in self._kept) > self._limit:
             self.stride *= 2
             self._kept = [kept for kept in self._kept if kept.place % self.stride == 0]
+        self.other_stride = max(self.other_stride, self.stride)
+        while (
+            sum(kept.has_others for kept in self._kept) > 2
+            and sum(kept.other_byte_count for kept in self._kept) > self._other_limit
+        ):
+            self.other_stride *= 2
+            for kept in self._kept:
+                if kept.place % self.other_stride and kept is not self._last:
+                    kept.drop_others()
+
+    def thinned(self, count: int) -> FrameRecorder:
+        """The same with at most about ``count`` frames, all of them with all fields; it is not to be gone on with."""
+        fewer = FrameRecorder(self._limit, self._other_limit)
+        fewer.frame_count, fewer.stride, fewer._last = self.frame_count, self.stride, self._last
+        whole = [kept for kept in self._kept if kept.has_others]
+        if len(self._kept) <= count:
+            fewer._kept, fewer.other_stride = self._kept, self.other_stride
+        else:
+            step = -(-len(whole) // count)
+            fewer._kept = whole[::step]
+            fewer.stride = fewer.other_stride = self.other_stride * step
+        return fewer
 
     @property
     def places(self) -> list[int]:
@@ -79,11 +130,16 @@ class FrameRecorder:
         """Nodes of a sheet, (kept_count, node_count, 3) [m]."""
         return np.stack([kept.positions[sheet] for kept in self._shown])
 
-    def fields(self, sheet: int) -> dict[str, np.ndarray]:
-        """Fields of a sheet by name, (kept_count, element_count), in SI units; those that every frame has."""
-        shown = [kept.fields[sheet] for kept in self._shown]
-        names = [name for name in shown[-1] if all(name in fields for fields in shown)] if shown else []
-        return {name: np.stack([fields[name] for fields in shown]) for name in names}
+    def fields(self, sheet: int) -> dict[str, KeptField]:
+        """Fields of a sheet by name; those that every frame has had."""
+        shown, whole = self._shown, [k for k, kept in enumerate(self._shown) if kept.has_others]
+        found = {}
+        for name in shown[-1].fields[sheet] if shown else ():
+            at = list(range(len(shown))) if name in MAIN_FIELDS else whole
+            values = [shown[k].fields[sheet].get(name) for k in at]
+            if all(value is not None for value in values):
+                found[name] = KeptField(at, np.stack([value for value in values if value is not None]))
+        return found
 
     @property
     def _shown(self) -> list[_Kept]:
@@ -106,6 +162,16 @@ class _Kept:
             {name: values.astype(np.float32) for name, values in sheet.fields.items() if name not in LEFT_OUT}
             for sheet in frame.sheets
         ]
-        self.byte_count = sum(array.nbytes for array in self.positions) + sum(
-            array.nbytes for fields in self.fields for array in fields.values()
+        self.has_others = True
+        self.byte_count = sum(array.nbytes for array in self.positions) + self._bytes(main=True)
+        self.other_byte_count = self._bytes(main=False)
+
+    def _bytes(self, *, main: bool) -> int:
+        return sum(
+            array.nbytes for fields in self.fields for name, array in fields.items() if (name in MAIN_FIELDS) is main
         )
+
+    def drop_others(self) -> None:
+        """Keep nothing but the main fields."""
+        self.has_others, self.other_byte_count = False, 0
+        self.fields = [{name: fields[name] for name in MAIN_FIELDS if name in fields} for fields in self.fields]

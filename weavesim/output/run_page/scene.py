@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...measures.angles import yarn_components
+from ...tools.drawing import coarser
 from ..colours import DISTINCT_COLOURS
 from .packing import packed, packed_series
-from .recorder import FrameRecorder
+from .recorder import FrameRecorder, KeptField
 from .shown_fields import JUDGED_FIELDS, ShownField, in_order, shown_field
 
 if TYPE_CHECKING:
     from ...run.frame import RunInfo, SheetInfo
-    from ...tools.tool import Tool
     from ..history import History
 
 # Tools are for looking at: finer ones are shown by fewer triangles.
@@ -56,13 +56,13 @@ def scene_of(
 def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[str, np.ndarray]) -> dict[str, Any]:
     sheet: SheetInfo = info.sheets[place]
     blank, values = sheet.blank, recorder.fields(place)
-    fields = []
-    for name in in_order(list(values)):
-        field = shown_field(name)
-        fields.append(_field(field, values[name]))
-    for field in JUDGED_FIELDS:
-        if field.name in judged:
-            fields.append(_field(field, judged[field.name][None]))
+    last = len(recorder.places) - 1
+    fields = [_field(shown_field(name), values[name], last) for name in in_order(list(values))]
+    fields += [
+        _field(field, KeptField([last], judged[field.name][None]), last)
+        for field in JUDGED_FIELDS
+        if field.name in judged
+    ]
     kept = recorder.elements(place)
     return {
         "name": sheet.name,
@@ -84,8 +84,10 @@ def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[s
     }
 
 
-def _field(field: ShownField, values: np.ndarray) -> dict[str, Any]:
-    return field.as_dict() | {"values": packed_series(field.factor * values, logarithmic=field.logarithmic)}
+def _field(field: ShownField, kept: KeptField, last: int) -> dict[str, Any]:
+    """With the frames that have it, ``at``; null if all have."""
+    packed_values = packed_series(field.factor * kept.values, logarithmic=field.logarithmic)
+    return field.as_dict() | {"at": None if len(kept.at) == last + 1 else kept.at, "values": packed_values}
 
 
 def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
@@ -93,7 +95,7 @@ def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
     displacement, pose, acts = recorder.tool_displacement, recorder.tool_pose, recorder.tool_acts
     found = []
     for k, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
-        vertices, faces = _drawn(tool)
+        vertices, faces = coarser(tool.display_triangles(), LARGEST_TRIANGLE_COUNT)
         height = vertices[:, 2]
         found.append(
             {
@@ -111,27 +113,3 @@ def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
             }
         )
     return found
-
-
-def _drawn(tool: Tool) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles for drawing; of a fine mesh a coarser one."""
-    vertices, faces = tool.display_triangles()
-    if len(faces) > LARGEST_TRIANGLE_COUNT:
-        vertices, faces = clustered(vertices, faces, LARGEST_TRIANGLE_COUNT)
-    return vertices, faces
-
-
-def clustered(vertices: np.ndarray, faces: np.ndarray, largest_count: int) -> tuple[np.ndarray, np.ndarray]:
-    """A coarser mesh: vertices in one cell of a grid become one; at most about ``largest_count`` triangles."""
-    size = float(np.ptp(vertices, axis=0).max()) or 1.0
-    cells = 4.0 * np.sqrt(largest_count)
-    while True:
-        key = np.floor((vertices - vertices.min(axis=0)) / (size / cells)).astype(np.int64)
-        _, place, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-        place = place.ravel()
-        middle = np.stack([np.bincount(place, vertices[:, k]) / count for k in range(3)], axis=1)
-        coarse = place[faces]
-        coarse = coarse[(coarse != np.roll(coarse, 1, axis=1)).all(axis=1)]
-        if len(coarse) <= largest_count:
-            return middle, coarse
-        cells *= 0.8

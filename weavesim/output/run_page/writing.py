@@ -9,18 +9,23 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...version import __version__
+from ..colours import COLOUR_MAP
 from ..files import plain, write_text
 from .content import PageContent
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 # In this order: the libraries, then what uses them.
 _LIBRARIES = {"three": "three.min.js", "uplot": "uplot.min.js"}
 _SCRIPTS = ("data", "colours", "sheets", "view", "section", "charts", "probe", "page", "controls", "live", "main")
 # All of them read without telling red from green, and in grey.
-COLOUR_TABLES = ("viridis", "cividis", "magma")
+COLOUR_TABLES = (COLOUR_MAP, "cividis", "magma")
 
 
 @dataclass(frozen=True)
@@ -36,9 +41,6 @@ def write_page(path: Path, content: PageContent) -> None:
 
 def page_text(content: PageContent) -> str:
     """The page as HTML. Every text of a run is escaped."""
-    from jinja2 import Environment, StrictUndefined
-
-    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     charts = [fabric["charts"] for fabric in content.fabrics]
     data = {**content.data, "fabrics": charts, "colours": colour_tables()}
     shown = {
@@ -53,7 +55,15 @@ def page_text(content: PageContent) -> str:
         "scripts": _scripts(),
         "data": in_script(json.dumps(plain(data), allow_nan=False, separators=(",", ":"))),
     }
-    return template.from_string(_text("template.html")).render(shown)
+    return _template().render(shown)
+
+
+@cache
+def _template() -> Template:
+    from jinja2 import Environment, StrictUndefined
+
+    made = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    return made.from_string(_text("template.html"))
 
 
 def in_script(text: str) -> str:

@@ -6,7 +6,7 @@ Groups ``sheets/0``, ``sheets/1``, ... in the order of the set-up, and ``tools/0
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -134,6 +134,11 @@ class StoredRun:
     def fabric(self, sheet: StoredSheet) -> Fabric:
         """The fabric of one of its sheets."""
         return self.setup.sheets[self.sheets.index(sheet)].fabric
+
+    def formed(self, sheet: StoredSheet) -> FormedSheet:
+        """One of its sheets with its measures, and the thickness at which it meets tools, which the set-up tells."""
+        dynamics = [world.dynamics for world in self.setup.worlds for _ in world.sheets][self.sheets.index(sheet)]
+        return replace(sheet.formed, follows_thickness=dynamics.contact_thickness == "current")
 
 
 def write_results(path: Path, info: RunInfo, frame: Frame, outcome: str) -> None:

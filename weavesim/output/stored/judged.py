@@ -102,9 +102,13 @@ def region_text(region: Region) -> str:
         "wrinkle": "amplitude {amplitude_mm:.2f} mm, wavelength {wavelength_mm:.0f} mm, {crest_count} crests",
         "locking": "shear angle {shear_angle_deg:.1f} degrees",
     }.get(row["kind"], "gap {gap_mm:.2f} mm")
-    x, y, z = row["place_mm"]
-    text = f"{size.format(**row)}, {row['severity']:.2g} times the limit, {row['area_mm2']:.0f} mm2"
-    return f"{row['kind']} at ({x:.0f}, {y:.0f}, {z:.0f}) mm: {text}"
+    text = f"{size.format(**row)}, {row['severity']:.2g} times the limit, {row['area_mm2']:.0f} mm²"
+    return f"{row['kind']} at {place_text(row['place_mm'])} mm: {text}"
+
+
+def place_text(place: Sequence[float]) -> str:
+    """A place in whole numbers: "(72, -0.3, -12)" as "(72, 0, -12)"."""
+    return f"({', '.join(f'{round(value):d}' for value in place)})"
 
 
 def judge_run(run: StoredRun, limits: Limits) -> JudgedRun:
@@ -113,7 +117,7 @@ def judge_run(run: StoredRun, limits: Limits) -> JudgedRun:
 
 
 def _judge(run: StoredRun, sheet: StoredSheet, limits: Limits) -> Judgement:
-    return Judgement(sheet.formed, limits, tool_distance(run, sheet), own_locking_angle(run.fabric(sheet)))
+    return Judgement(run.formed(sheet), limits, tool_distance(run, sheet), own_locking_angle(run.fabric(sheet)))
 
 
 def own_locking_angle(fabric: Fabric) -> float | None:

@@ -128,21 +128,20 @@ def _sections(results: Results) -> Iterator[Picture]:
 def _charts(results: Results) -> Iterator[Picture]:
     history, info = results.history, results.info
     if info.tools:
-        shares = {sheet.symmetry.share for sheet in info.sheets}
-        part = pictures.PART_NAMES[shares.pop()] if len(shares) == 1 else "the computed parts"
         yield Picture(
-            "tool_forces.png", "Force between sheet and each tool, along the tool's axis.",
-            partial(pictures.tool_forces, history, info.tools, part),
-        )  # fmt: skip
+            "tool_forces.png",
+            "Force between the whole part and each tool, along the tool's axis.",
+            partial(pictures.tool_forces, history, info),
+        )
     if history.drive_names:
         yield Picture(
             "drive_forces.png",
             "Force of the supports on the sheet along each prescribed motion: work per unit of its displacement.",
-            partial(pictures.drive_forces, history),
+            partial(pictures.drive_forces, history, info),
         )
     yield Picture(
         "energies.png",
         "Energies of the ledger: the stack of stored and lost energies against the supplied work, each by itself, and "
         "the ratios by which a quasi-static run is judged.",
-        partial(pictures.energies, history),
+        partial(pictures.energies, history, info),
     )

@@ -39,6 +39,8 @@ class ReportWriter(Writer):
         self._recorder.frame(frame)
         self.save(PROGRESS_NAME, lambda: self._progress.frame(frame))
         if self._pace.due():
+            self._constant.prepare()
+            self._pace.begin()
             self.save(self.title, self._write_so_far)
             self._pace.done()
 

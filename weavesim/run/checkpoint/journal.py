@@ -70,7 +70,9 @@ def _shortened(values: np.ndarray) -> np.ndarray:
         return values
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         short = values.astype(np.float32)
-    return short if short.astype(np.float64).tobytes() == values.tobytes() else values
+        again = short.astype(np.float64)
+    # bits, which tell zeros and what is not a number apart
+    return short if np.array_equal(again.view(np.int64), values.view(np.int64)) else values
 
 
 class FrameJournal:

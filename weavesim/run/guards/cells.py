@@ -29,4 +29,4 @@ class UnitCellFailures(LimitGuard):
     key = "unit_cell_failures"
     text = "the number of failed unit cells"
     largest = 0.0
-    advice = "see unit_cell_failed"
+    advice = "look where unit_cell_failed is 1, and at the strains and the numbers of the fabric there"

@@ -67,4 +67,4 @@ class AddedMass(LimitGuard):
     key = "added_mass_ratio"
     text = "the added mass over the blank's"
     largest = 0.05
-    advice = "it changes the dynamics"
+    advice = "it changes the dynamics: give a smaller target_step"

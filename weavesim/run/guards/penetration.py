@@ -31,7 +31,7 @@ class PenetrationAtNodes(Guard):
                 yield self.doubt(
                     Level.WARNING if share <= USELESS_DEPTH else Level.DO_NOT_USE,
                     f"the deepest node was {1e3 * sheet.depth.value:.3g} mm in {tool}, {share:.0%} of the thickness",
-                    "tools move too fast, or meet through the sheet",
+                    "tools move too fast, or meet through the sheet: slow them down, or leave them room for the sheet",
                     sheet=info.name,
                     place=sheet.depth.place,
                     time=sheet.depth.time,

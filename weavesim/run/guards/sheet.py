@@ -43,7 +43,7 @@ class NotFinite(Guard):
             yield self.doubt(
                 Level.DO_NOT_USE,
                 failed.text,
-                "the results end at the last good frame; the cause lies before it",
+                "the results end at the last good frame: look for the cause in the frames before it",
                 sheet=failed.sheet,
                 place=failed.place,
                 time=failed.time,

@@ -56,7 +56,8 @@ class ToolRadius(Guard):
                 Level.NOTE if count >= FEWEST_ELEMENTS_PER_QUARTER_TURN else Level.WARNING,
                 f"{', '.join(dict.fromkeys(tools))}: {count:.1f} elements of {size * 1e3:.2g} mm along 90 degrees of "
                 f"{'its' if len(tools) == 1 else 'their'} {radius * 1e3:.3g} mm radius",
-                "below five the sheet sags over the edge",
+                "below five the sheet sags over the edge: take elements of at most "
+                f"{1e3 * size * count / LEAST_ELEMENTS_PER_QUARTER_TURN:.2g} mm there",
                 sheet=name,
                 value=count,
                 limit=LEAST_ELEMENTS_PER_QUARTER_TURN,

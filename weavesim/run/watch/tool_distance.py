@@ -30,7 +30,7 @@ class ToolDistances:
         self._model = model
         self._kernels: dict[int, wp.Kernel] = {}
         for sheet in model.sheets:
-            kernel = sample_distance_kernel(model.real, 1, further_kinds(sheet.node_traits.shape_kinds))
+            kernel = sample_distance_kernel(model.real, model.lane_count, further_kinds(sheet.node_traits.shape_kinds))
             self._kernels |= dict.fromkeys(range(sheet.places.tools.start, sheet.places.tools.stop), kernel)
 
     def __call__(self, tool: int, place: Place, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -49,7 +49,7 @@ class ToolDistances:
         normal = wp.zeros(count, dtype=model.types.vec3, device=model.device)
         wp.launch(
             self._kernels[tool],
-            dim=count,
+            dim=-(-count // model.lane_count),
             inputs=[
                 model.tools.tool, model.tools.part, tool, wp.float64(place),
                 wp.array(np.asarray(points, dtype=np.float64), dtype=wp.vec3d, device=model.device),

@@ -168,10 +168,8 @@ class ToolForces:
         return touch
 
 
-def tool_fields(
-    sheet: SheetModel, forces: PointForces, director: np.ndarray, area_ratio: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Pressure and friction of the tools on either face, of every element, (element_count,) [Pa].
+class ToolFields:
+    """Pressure and friction of the tools on either face of a sheet.
 
     Forces at a node are shared by its elements as their areas on the flat sheet share it; those at a sample belong to
     its element. Their sum over the current area of the element is its pressure: summed over the elements, pressure
@@ -179,26 +177,34 @@ def tool_fields(
 
     Args:
         sheet: of the run.
-        forces: of its tools.
-        director: at the nodes, (node_count, 3).
-        area_ratio: current over initial area of the elements, (element_count,).
     """
-    if not sheet.tool_count:
-        return {}
-    quads, initial = sheet.blank.quads, sheet.geometry.area
-    there = initial * sheet.kept
-    around = np.bincount(quads.ravel(), np.repeat(0.25 * there, 4), sheet.blank.node_count)
-    share = 0.25 * there[:, None] / np.where(sheet.waste, 1.0, around)[quads]
-    shares = corner_shares(sheet.samples.places)[0]
-    directors = np.concatenate([director, *np.einsum("sc,eci->sei", shares, director[quads])])
-    # a tool below pushes up, along the director
-    below = np.einsum("tpi,pi->tp", forces.normal, directors) > 0.0
-    rubbed = np.linalg.norm(forces.drag, axis=2)
-    found = {}
-    for name, values in (("pressure", forces.push), ("friction", rubbed)):
-        for face, here in (("below", below), ("above", ~below)):
-            total = np.where(here, values, 0.0).sum(axis=0)
-            between = total[sheet.blank.node_count :].reshape(-1, len(quads)).sum(axis=0)
-            force = (share * total[: sheet.blank.node_count][quads]).sum(axis=1) + between
-            found[f"tool_{name}_{face}"] = force / (area_ratio * initial)
-    return found
+
+    def __init__(self, sheet: SheetModel) -> None:
+        self._quads, self._area, self._node_count = sheet.blank.quads, sheet.geometry.area, sheet.blank.node_count
+        there = self._area * sheet.kept
+        around = np.bincount(self._quads.ravel(), np.repeat(0.25 * there, 4), self._node_count)
+        self._share = 0.25 * there[:, None] / np.where(sheet.waste, 1.0, around)[self._quads]
+        self._of_samples = corner_shares(sheet.samples.places)[0]
+
+    def __call__(self, forces: PointForces, director: np.ndarray, area_ratio: np.ndarray) -> dict[str, np.ndarray]:
+        """Fields of every element by name, (element_count,) [Pa]; none without tools.
+
+        Args:
+            forces: of the tools of the sheet.
+            director: at the nodes, (node_count, 3).
+            area_ratio: current over initial area of the elements, (element_count,).
+        """
+        names = [f"tool_{name}_{face}" for name in ("pressure", "friction") for face in ("below", "above")]
+        if not len(forces.push):
+            return {}
+        if not forces.push.any():
+            return {name: 0.0 * area_ratio for name in names}  # of waste not a number
+        directors = np.concatenate([director, *np.einsum("sc,eci->sei", self._of_samples, director[self._quads])])
+        # a tool below pushes up, along the director
+        below = np.einsum("tpi,pi->tp", forces.normal, directors) > 0.0
+        rubbed = np.sqrt(np.einsum("tpi,tpi->tp", forces.drag, forces.drag))
+        total = np.stack([(values * here).sum(axis=0) for values in (forces.push, rubbed) for here in (below, ~below)])
+        nodes, samples = np.split(total, [self._node_count], axis=1)
+        force = np.einsum("fec,ec->fe", nodes[:, self._quads], self._share)
+        force += samples.reshape(len(names), -1, len(self._quads)).sum(axis=1)
+        return dict(zip(names, force / (area_ratio * self._area), strict=True))

@@ -77,11 +77,11 @@ class ToolGaps:
 
     def _record(self) -> list[wp.Launch]:
         sheet, tools = self._sheet, self._tools
-        kernel = sample_distance_kernel(sheet.real, 1, further_kinds(sheet.node_traits.shape_kinds))
+        kernel = sample_distance_kernel(sheet.real, sheet.lane_count, further_kinds(sheet.node_traits.shape_kinds))
         return [
             wp.launch(
                 kernel,
-                dim=self._points.shape[0],
+                dim=-(-len(self._points) // sheet.lane_count),
                 inputs=[tools.tool, tools.part, sheet.places.tools.start + k, wp.float64(0.0), self._points],
                 outputs=[self.distances[k], self.normal[min(k, len(self.normal) - 1)]],
                 device=sheet.device,

@@ -128,5 +128,31 @@ def test_it_is_shown_until_ctrl_c(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(LiveServer, "serve", serve)
     show_live(tmp_path, 0, opens=True)
     assert "until Ctrl-C" in capsys.readouterr().out and len(opened) == 1
+    (tmp_path / "file").touch()
     with pytest.raises(InputError, match="it is no folder"):
-        show_live(tmp_path / "nowhere", 0, opens=False)
+        show_live(tmp_path / "file", 0, opens=False)
+
+
+def test_a_folder_that_is_not_there_yet_is_waited_for(tmp_path, monkeypatch, capsys, coarse_run):
+    folder, seen = tmp_path / "later", []
+
+    def serve(server):
+        """As long as the run needs to make its folder, and to write its page."""
+        thread = threading.Thread(target=server._server.serve_forever, daemon=True)
+        thread.start()
+        seen.append(answer(server.address))
+        write = ResultFolder(folder, writers=["report"])
+        write.start(coarse_run[0])
+        seen.append(json.loads(answer(server.address.replace("?live", "progress")))["state"])
+        for frame in coarse_run[1][:2]:
+            write.frame(frame)
+        write.finish(Outcome.FINISHED)
+        write.write({})
+        seen.append(answer(server.address))
+        server._server.shutdown()
+        thread.join()
+
+    monkeypatch.setattr(LiveServer, "serve", serve)
+    show_live(folder, 0, opens=False)
+    assert "is not there yet" in capsys.readouterr().out
+    assert "waits for the run" in seen[0] and seen[1] == "running" and "Formed part" in seen[2]

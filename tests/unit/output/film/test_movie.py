@@ -34,10 +34,10 @@ def test_every_frame_is_drawn_and_the_sheet_forms(pictures, film):
     for picture in pictures:
         assert picture.shape == (160, 240, 3) and picture.dtype == np.uint8
         assert (picture == 255).all(axis=2).mean() < 0.9
-    # all blue at the start, yellow to red where it is sheared at the end
+    # all violet at the start, green where it is sheared at the end
     first, last = coloured(pictures[0]), coloured(pictures[-1])
-    assert np.all(first[:, 2] >= first[:, 0] - 20)
-    assert (last[:, 0] > last[:, 2] + 60).sum() > 20 > (first[:, 0] > first[:, 2] + 60).sum()
+    assert np.all(first[:, 1] < first[:, 2] - 20)
+    assert (last[:, 1] > last[:, 0] + 60).sum() > 20 > (first[:, 1] > first[:, 0] + 60).sum()
 
 
 def test_the_whole_part_is_larger_than_what_was_computed(pictures, film):

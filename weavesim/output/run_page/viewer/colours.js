@@ -45,7 +45,7 @@ weavesim.Colours = class {
     const { make, text } = weavesim;
     const stops = Array.from({ length: 17 }, (_, k) => this.css(Math.round((255 * k) / 16)));
     const bar = make("div", { class: "bar" });
-    bar.style.background = `linear-gradient(to top, ${stops.join(", ")})`;
+    bar.style.setProperty("--stops", stops.join(", "));
     const ticks = make("div", { class: "ticks" });
     const count = 5;
     for (let k = 0; k <= count; k += 1) {
@@ -54,9 +54,7 @@ weavesim.Colours = class {
         ? 10 ** (Math.log10(this.low) + share * (Math.log10(this.high) - Math.log10(this.low)))
         : this.low + share * (this.high - this.low);
       const tick = make("span", {}, text(value, 3));
-      tick.style.bottom = `${100 * share}%`;
-      tick.style.top = "auto";
-      tick.style.transform = "translateY(50%)";
+      tick.style.setProperty("--at", `${100 * share}%`);
       ticks.append(tick);
     }
     const unit = field.unit ? ` [${field.unit}]` : "";
@@ -69,17 +67,43 @@ weavesim.Colours = class {
   }
 };
 
-// Values at shares of an ascending order, of any number of arrays; what is not a number is left out.
-weavesim.percentiles = (arrays, shares) => {
-  const all = new Float32Array(arrays.reduce((count, values) => count + values.length, 0));
-  let count = 0;
-  for (const values of arrays) for (const value of values) if (!Number.isNaN(value)) all[count++] = value;
+// Values that shares of the area stay below, of any number of arrays with the areas of their elements; what is not a
+// number is left out. The same as `area_percentile` of the program.
+weavesim.percentiles = (arrays, areas, shares) => {
+  const total = arrays.reduce((count, values) => count + values.length, 0);
+  let [all, weight, count] = [new Float32Array(total), new Float32Array(total), 0];
+  arrays.forEach((values, k) => {
+    for (let e = 0; e < values.length; e += 1) {
+      if (Number.isNaN(values[e])) continue;
+      [all[count], weight[count]] = [values[e], areas[k][e]];
+      count += 1;
+    }
+  });
   if (count === 0) return shares.map(() => NaN);
-  const sorted = all.subarray(0, count).sort();
+  [all, weight] = [all.subarray(0, count), weight.subarray(0, count)];
+  if (weight.every((area) => Math.abs(area - weight[0]) < 1e-4 * weight[0])) {
+    all.sort();
+    weight.fill(1);
+  } else {
+    const order = Uint32Array.from(all, (_, k) => k).sort((a, b) => all[a] - all[b]);
+    [all, weight] = [all, weight].map((one) => one.slice().map((_, k) => one[order[k]]));
+  }
+  const middle = new Float64Array(count);
+  let sum = 0;
+  for (let k = 0; k < count; k += 1) {
+    middle[k] = sum + 0.5 * weight[k];
+    sum += weight[k];
+  }
   return shares.map((share) => {
-    const place = share * (count - 1);
-    const below = Math.floor(place);
-    const above = Math.min(below + 1, count - 1);
-    return sorted[below] + (place - below) * (sorted[above] - sorted[below]);
+    const at = share * sum;
+    let [low, high] = [0, count - 1];
+    if (at <= middle[low]) return all[low];
+    if (at >= middle[high]) return all[high];
+    while (high - low > 1) {
+      const half = (low + high) >> 1;
+      if (middle[half] <= at) low = half;
+      else high = half;
+    }
+    return all[low] + ((at - middle[low]) / (middle[high] - middle[low])) * (all[high] - all[low]);
   });
 };

@@ -35,7 +35,7 @@ weavesim.Controls = class {
     const { page } = this;
     const { make } = weavesim;
     this.menu = this.select("field", page.fields.map((field) => [
-      field.name, field.label + (field.unit ? ` [${field.unit}]` : "") + (field.lastOnly ? ", last frame" : "")]),
+      field.name, field.label + (field.unit ? ` [${field.unit}]` : "")]),
     (name) => page.setField(name));
     this.about = make("p", { class: "note" });
     const map = this.select("colours", Object.keys(page.colours.tables).map((name) => [name, name]), (name) => {
@@ -47,7 +47,7 @@ weavesim.Controls = class {
       page.manual = null;
       page.recolour();
     });
-    const scope = this.select("scope", [["all", "of all frames"], ["one", "of this frame"]], (value) => {
+    const scope = this.select("scope", [["last", "of the last frame"], ["one", "of this frame"], ["all", "of all frames"]], (value) => {
       page.scope = value;
       page.manual = null;
       page.recolour();
@@ -126,7 +126,7 @@ weavesim.Controls = class {
         page.view.draw();
       }, `rgb(${red} ${green} ${blue})`);
     });
-    const opacity = weavesim.make("input", { type: "range", min: 0.1, max: 1, step: 0.05, value: 0.25, "aria-label": "opacity of the tools",
+    const opacity = weavesim.make("input", { type: "range", min: 0.1, max: 1, step: 0.05, value: weavesim.TOOL_OPACITY, "aria-label": "opacity of the tools",
       oninput: () => {
         for (const tool of page.view.tools) page.view.setOpacity(tool, Number(opacity.value));
         page.view.draw();
@@ -201,7 +201,8 @@ weavesim.Controls = class {
     this.playing = setInterval(async () => {
       if (this.busy) return;
       this.busy = true;
-      await this.page.setFrame((this.page.frame + 1) % this.page.frameCount);
+      const { stops, frame } = this.page;
+      await this.page.setFrame(stops.find((k) => k > frame) ?? stops[0]);
       this.busy = false;
     }, Math.max(40, 4000 / this.page.frameCount));
   }
@@ -216,10 +217,11 @@ weavesim.Controls = class {
     this.slider.value = k;
     this.said.textContent =
       `frame ${index[k]}${stage[k] ? `, ${stage[k]}` : ""}, time ${time[k] >= 1 ? withUnit(time[k], "s") : withUnit(1000 * time[k], "ms")}, stroke ${text(Number((1000 * stroke[k]).toFixed(2)))}\u202fmm${kept}`;
-    this.about.textContent = page.field.description;
+    const some = page.field.at ? `; in ${page.field.at.length} of the ${page.frameCount} frames of this page, at which the slider stops` : "";
+    this.about.textContent = page.field.description + (page.field.lastOnly ? "; at the last frame only" : some);
     if (!page.manual) [this.low.value, this.high.value] = [page.colours.low, page.colours.high].map((x) => Number(x.toPrecision(4)));
     const note = page.manual ? "own range"
-      : `${{ 98: "1st–99th percentile", 90: "5th–95th percentile", 100: "smallest–largest" }[page.bound]}, ${page.scope === "all" && !page.field.lastOnly ? "all frames" : "this frame"}`;
+      : `${{ 98: "1st–99th percentile", 90: "5th–95th percentile", 100: "smallest–largest" }[page.bound]}, ${{ last: "last frame", one: "this frame", all: "all frames" }[page.rangeScope]}`;
     page.colours.legend(document.getElementById("legend"), page.field, note);
     const found = page.extremes();
     const box = document.getElementById("extremes");
@@ -236,7 +238,12 @@ weavesim.Controls = class {
         make("p", { class: "note" }, page.field.lastOnly ? "Only the last frame has it." : "No values."));
       return;
     }
-    box.replaceChildren(make("h3", {}, `${page.field.label} in this frame`), place("largest", found.most), place("smallest", found.least),
-      make("p", {}, `99th percentile ${withUnit(found.last, unit)}, 1st percentile ${withUnit(found.first, unit)}, of the elements`));
+    const heading = make("h3", {}, `${page.field.label} in this frame`);
+    if (found.most.value === found.least.value) {
+      box.replaceChildren(heading, make("p", {}, make("b", {}, withUnit(found.most.value, unit)), " in every element that has a value"));
+      return;
+    }
+    box.replaceChildren(heading, place("largest", found.most), place("smallest", found.least),
+      make("p", {}, `99th percentile ${withUnit(found.last, unit)}, 1st percentile ${withUnit(found.first, unit)} of the area`));
   }
 };

@@ -44,8 +44,13 @@ weavesim.Series = class {
   }
 };
 
+// Where a frame is in the series of a field, which some frames may lack; -1 if this one does.
+weavesim.placeOf = (field, frame) => (field.at ? field.at.indexOf(frame) : frame);
+
+weavesim.NOTHING = "–";
+
 weavesim.text = (value, digits = 4) => {
-  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (value === null || value === undefined || Number.isNaN(value)) return weavesim.NOTHING;
   if (value === 0) return "0";
   const size = Math.abs(value);
   if (size >= 1e5 || size < 1e-4) {
@@ -56,8 +61,11 @@ weavesim.text = (value, digits = 4) => {
   return String(Number(value.toPrecision(digits))).replace(/^-/, "−");
 };
 
-weavesim.withUnit = (value, unit, digits) =>
-  weavesim.text(value, digits) + (unit === "" || unit === "°" ? unit : `\u202f${unit}`);
+// What is not there has no unit.
+weavesim.withUnit = (value, unit, digits) => {
+  const text = weavesim.text(value, digits);
+  return text === weavesim.NOTHING ? text : text + (unit === "" || unit === "°" ? unit : `\u202f${unit}`);
+};
 
 // Builds an element; children are elements or texts, so that no text is ever taken for HTML.
 weavesim.make = (name, attributes = {}, ...children) => {

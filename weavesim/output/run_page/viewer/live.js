@@ -1,5 +1,13 @@
 "use strict";
 // A run in progress, shown by `weavesim view --live`: how far it is, and the page anew whenever the run writes it.
+// Seconds as "1:05"; "1:02:05" from an hour on.
+weavesim.clock = (time) => {
+  const whole = Math.round(time);
+  const [hours, minutes, seconds] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60, whole % 60];
+  const two = (count) => String(count).padStart(2, "0");
+  return hours > 0 ? `${hours}:${two(minutes)}:${two(seconds)}` : `${minutes}:${two(seconds)}`;
+};
+
 weavesim.Live = class {
   constructor() {
     this.bar = document.getElementById("live");
@@ -44,8 +52,7 @@ weavesim.Live = class {
     if (state.stroke_mm !== undefined) words.push(`stroke ${text(Number(state.stroke_mm.toFixed(1)))}\u202fmm`);
     for (const [tool, force] of Object.entries(state.tool_force_n || {})) words.push(`${tool} ${withUnit(force, "N", 3)}`);
     if (state.state === "running" && state.left_s !== null && state.left_s !== undefined) {
-      const [minutes, seconds] = [Math.floor(state.left_s / 60), Math.round(state.left_s % 60)];
-      words.push(`${minutes}:${String(seconds).padStart(2, "0")} left`);
+      words.push(`${weavesim.clock(state.left_s)} left`);
     }
     parts.push(words.join(" · "));
     this.bar.replaceChildren(...parts);

@@ -10,12 +10,13 @@ weavesim.DERIVED = [{
 weavesim.Page = class {
   static async of(data) {
     const page = new weavesim.Page();
-    Object.assign(page, { data, scene: data.scene, frame: 0, bound: "98", scope: "all", manual: null, ranges: new Map() });
+    Object.assign(page, { data, scene: data.scene, frame: 0, bound: "98", scope: "last", manual: null, ranges: new Map() });
     const frames = data.scene.frames;
     const byStroke = frames && Math.max(...frames.stroke) > Math.min(...frames.stroke);
     page.progress = frames ? (byStroke ? frames.stroke : frames.time).map((x) => 1000 * x) : [];
     page.progressLabel = byStroke ? "stroke [mm]" : "time [ms]";
     page.sheets = await Promise.all(data.scene.sheets.map((given) => weavesim.Sheet.of(given, frames.index.length)));
+    page.areas = page.sheets.map((sheet) => sheet.areas());
     page.colours = new weavesim.Colours(data.colours);
     page.fields = page.menu();
     page.field = page.fields[0];
@@ -34,7 +35,8 @@ weavesim.Page = class {
   }
 
   derived(sheet) {
-    return weavesim.DERIVED.filter((field) => field.of.every((name) => sheet.field(name)));
+    return weavesim.DERIVED.filter((field) => field.of.every((name) => sheet.field(name)))
+      .map((field) => ({ ...field, at: sheet.field(field.of[0]).at }));
   }
 
   fieldsOf(sheet) {
@@ -46,7 +48,9 @@ weavesim.Page = class {
     if (!field.of) return sheet.shown(await sheet.values(field.name), sheet.field(field.name) || field, frame);
     const parts = await Promise.all(field.of.map((name) => sheet.values(name)));
     if (parts.includes(null)) return new Float32Array(sheet.elementCount).fill(NaN);
-    const values = parts.map((series) => series.frame(frame));
+    const place = weavesim.placeOf(sheet.field(field.of[0]), frame);
+    if (place < 0) return new Float32Array(sheet.elementCount).fill(NaN);
+    const values = parts.map((series) => series.frame(place));
     return values[0].map((_, e) => field.make(...values.map((one) => one[e])));
   }
 
@@ -58,8 +62,22 @@ weavesim.Page = class {
     view.tools.sort((a, b) => this.scene.tools.indexOf(a.given) - this.scene.tools.indexOf(b.given));
   }
 
+  // Frames that have the shown field. All of them for what only the end has: the part moves all the same.
+  get stops() {
+    const { at, lastOnly } = this.field;
+    return at && !lastOnly ? at : Array.from({ length: this.frameCount }, (_, k) => k);
+  }
+
+  // The stop nearest to a frame; a step towards another stop reaches it, however far it is.
+  stopAt(frame) {
+    const { stops } = this;
+    const nearest = stops.reduce((best, k) => (Math.abs(k - frame) <= Math.abs(best - frame) ? k : best), stops[0]);
+    if (nearest !== this.frame || frame === this.frame) return nearest;
+    return stops[Math.min(Math.max(stops.indexOf(nearest) + Math.sign(frame - this.frame), 0), stops.length - 1)];
+  }
+
   async setFrame(frame) {
-    this.frame = Math.min(Math.max(Math.round(frame), 0), this.frameCount - 1);
+    this.frame = this.stopAt(Math.min(Math.max(Math.round(frame), 0), this.frameCount - 1));
     for (const sheet of this.sheets) sheet.move(this.frame);
     this.view.moveTools(this.frame);
     if (this.section?.on) this.section.update();
@@ -73,6 +91,10 @@ weavesim.Page = class {
   async setField(name) {
     this.field = this.fields.find((field) => field.name === name) || this.field;
     this.manual = null;
+    if (!this.stops.includes(this.frame)) {
+      await this.setFrame(this.frame);
+      return;
+    }
     await this.recolour();
     await this.probe?.show();
   }
@@ -82,34 +104,40 @@ weavesim.Page = class {
     const shown = await Promise.all(this.sheets.map((sheet) => this.valuesOf(sheet, field, frame)));
     if (frame !== this.frame || field !== this.field) return;
     this.shown = shown;
-    [this.colours.low, this.colours.high] = this.manual || await this.range();
+    [this.colours.low, this.colours.high, this.rangeScope] = this.manual || await this.range();
     this.colours.logarithmic = field.logarithmic && this.colours.low > 0;
     this.sheets.forEach((sheet, k) => sheet.colour(shown[k], this.colours));
     this.onColour?.();
     this.view.draw();
   }
 
-  // Range of the colours over all sheets: percentiles of this frame, or the widest of those of all frames.
+  // Range of the colours over all sheets, and whose it is: percentiles of the last frame, of this one, or the widest of
+  // those of all.
   async range() {
     const { field, scope, bound, frame } = this;
-    const key = scope === "all" ? `${field.name} ${bound}` : `${field.name} ${bound} ${frame}`;
-    if (!this.ranges.has(key)) {
-      const frames = field.lastOnly ? [this.frameCount - 1]
-        : scope === "all" ? Array.from({ length: this.frameCount }, (_, k) => k) : [frame];
-      const cut = (1 - Number(bound) / 100) / 2;
-      let [low, high] = [Infinity, -Infinity];
-      for (const k of frames) {
-        const arrays = await Promise.all(this.sheets.map((sheet) => this.valuesOf(sheet, field, k)));
-        const [least, most] = weavesim.percentiles(arrays, [cut, 1 - cut]);
-        if (!Number.isNaN(least)) [low, high] = [Math.min(low, least), Math.max(high, most)];
-      }
-      if (!(high >= low)) [low, high] = [0, 1];
-      // sizes begin at zero
-      if (field.absolute || ["yarn_compression", "wrinkle_amplitude"].includes(field.name)) low = 0;
-      if (!(high > low)) high = low + (Math.abs(low) * 1e-3 || 1);
-      this.ranges.set(key, [low, high]);
-    }
+    const key = `${field.name} ${bound} ${scope === "one" ? frame : scope}`;
+    if (!this.ranges.has(key)) this.ranges.set(key, await this.rangeOf(field, bound, scope));
     return this.ranges.get(key);
+  }
+
+  async rangeOf(field, bound, scope) {
+    const last = this.frameCount - 1;
+    const every = field.at || Array.from({ length: this.frameCount }, (_, k) => k);
+    const frames = field.lastOnly ? [last] : { last: [last], one: [this.frame], all: every }[scope];
+    const cut = (1 - Number(bound) / 100) / 2;
+    let [low, high] = [Infinity, -Infinity];
+    for (const k of frames) {
+      const arrays = await Promise.all(this.sheets.map((sheet) => this.valuesOf(sheet, field, k)));
+      const [least, most] = weavesim.percentiles(arrays, this.areas, [cut, 1 - cut]);
+      if (!Number.isNaN(least)) [low, high] = [Math.min(low, least), Math.max(high, most)];
+    }
+    // what is the same everywhere at the end, as a force that is gone, was not so before
+    if (!(high > low) && scope === "last" && !field.lastOnly) return this.rangeOf(field, bound, "all");
+    if (!(high >= low)) [low, high] = [0, 1];
+    // sizes begin at zero
+    if (field.absolute || ["yarn_compression", "wrinkle_amplitude", "wrinkle_height"].includes(field.name)) low = 0;
+    if (!(high > low)) high = low + (Math.abs(low) * 1e-3 || 1);
+    return [low, high, field.lastOnly ? "last" : scope];
   }
 
   // Smallest and largest shown value of this frame, with their elements, and percentiles.
@@ -120,7 +148,7 @@ weavesim.Page = class {
       if (found.least === null || value < found.least.value) found.least = { value, element, sheet: this.sheets[k] };
       if (found.most === null || value > found.most.value) found.most = { value, element, sheet: this.sheets[k] };
     }));
-    const [first, last] = weavesim.percentiles(this.shown || [], [0.01, 0.99]);
+    const [first, last] = weavesim.percentiles(this.shown || [], this.areas, [0.01, 0.99]);
     return { ...found, first, last };
   }
 

@@ -31,8 +31,8 @@ weavesim.Probe = class {
     const frame = this.page.frame;
     for (const field of sheet.given.fields) {
       const series = await sheet.values(field.name);
-      const there = !field.lastOnly || frame === sheet.frameCount - 1;
-      values[field.name] = there ? series.value(field.lastOnly ? 0 : frame, element) : NaN;
+      const at = weavesim.placeOf(field, frame);
+      values[field.name] = at < 0 ? NaN : series.value(at, element);
     }
     for (const field of this.page.derived(sheet)) {
       values[field.name] = (await this.page.valuesOf(sheet, field, frame))[element];
@@ -64,11 +64,11 @@ weavesim.Probe = class {
     const { field } = this.page;
     const series = field.of ? null : await sheet.values(field.name);
     if (series === null || field.lastOnly || sheet.frameCount < 2) return box;
-    const y = Array.from({ length: sheet.frameCount }, (_, k) => series.value(k, element))
-      .map((value) => (Number.isNaN(value) ? null : value));
+    const frames = field.at || this.page.progress.map((_, k) => k);
+    const y = frames.map((_, place) => series.value(place, element)).map((value) => (Number.isNaN(value) ? null : value));
     const unit = field.unit ? ` [${field.unit}]` : "";
     const given = {
-      title: "", xLabel: this.page.progressLabel, yLabel: field.label + unit, x: this.page.progress,
+      title: "", xLabel: this.page.progressLabel, yLabel: field.label + unit, x: frames.map((k) => this.page.progress[k]),
       lines: [{ label: field.label, y }], logarithmic: false,
     };
     requestAnimationFrame(() => {

@@ -40,6 +40,18 @@ weavesim.Sheet = class {
     return this.given.elementCount;
   }
 
+  // Flat areas of the elements with their copies [mm²]: percentiles of the page are shares of the flat blank.
+  areas() {
+    const found = new Float32Array(this.elementCount);
+    for (let e = 0; e < found.length; e += 1) {
+      const [a, b, c, d] = [0, 1, 2, 3].map((k) => 2 * this.quads[4 * e + k]);
+      const [px, py] = [this.flat[c] - this.flat[a], this.flat[c + 1] - this.flat[a + 1]];
+      const [qx, qy] = [this.flat[d] - this.flat[b], this.flat[d + 1] - this.flat[b + 1]];
+      found[e] = 0.5 * Math.abs(px * qy - py * qx) * this.given.copies.length;
+    }
+    return found;
+  }
+
   field(name) {
     return this.given.fields.find((field) => field.name === name);
   }
@@ -49,7 +61,7 @@ weavesim.Sheet = class {
     const field = this.field(name);
     if (!field) return null;
     if (!this.series.has(name)) {
-      const frames = field.lastOnly ? 1 : this.frameCount;
+      const frames = field.at ? field.at.length : this.frameCount;
       this.series.set(name, weavesim.Series.of(field.values, frames, this.elementCount));
     }
     return this.series.get(name);
@@ -57,10 +69,9 @@ weavesim.Sheet = class {
 
   // Values of one frame, for colours: sizes of what has a sign that says little. Not a number where there are none.
   shown(series, field, frame) {
-    if (series === null || (field.lastOnly && frame !== this.frameCount - 1)) {
-      return new Float32Array(this.elementCount).fill(NaN);
-    }
-    const values = series.frame(field.lastOnly ? 0 : frame);
+    const place = weavesim.placeOf(field, frame);
+    if (series === null || place < 0) return new Float32Array(this.elementCount).fill(NaN);
+    const values = series.frame(place);
     if (field.absolute) for (let i = 0; i < values.length; i += 1) values[i] = Math.abs(values[i]);
     return values;
   }

@@ -1,5 +1,8 @@
 "use strict";
 // The picture in three dimensions: camera, light, tools, the plane that cuts.
+// Of all tools until the reader moves the slider: the part is seen through those above it.
+weavesim.TOOL_OPACITY = 0.25;
+
 weavesim.View = class {
   constructor(canvas) {
     THREE.ColorManagement.enabled = false;
@@ -78,12 +81,12 @@ weavesim.View = class {
     const [red, green, blue] = given.colour;
     const material = new THREE.MeshLambertMaterial({
       color: new THREE.Color(red, green, blue), side: THREE.DoubleSide, clippingPlanes: this.clip,
-      transparent: true, opacity: given.above ? 0.25 : 1, depthWrite: !given.above,
+      transparent: true,
     });
     const mesh = new THREE.Mesh(flat, material);
-    mesh.renderOrder = given.above ? 5 : 0;
     const tool = { given, mesh, vertices, faces, name: given.name, displacement: 0, wanted: false, acts: true };
     mesh.visible = false;
+    this.setOpacity(tool, weavesim.TOOL_OPACITY);
     this.scene.add(mesh);
     this.tools.push(tool);
   }

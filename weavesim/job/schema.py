@@ -288,6 +288,9 @@ class ProcessTable(JobTable):
     contact_samples: Literal["nodes", "surface"] = Field(
         default="nodes", description="whether tools are met at the nodes only, or on the surface between them too"
     )
+    contact_allowance: Annotated[NotNegative, Quantity("contact allowance")] = Field(
+        default=0.0, description="depth of that surface in a tool, over the thickness, from which it is pushed out"
+    )
     hold: Annotated[NotNegative, Quantity("time")] = Field(
         default=2.0e-3, description="time at the end, after the last stroke; stages have their own"
     )

@@ -102,6 +102,9 @@ class DoubleDomeParameters(RunOptions):
     contact_samples: Literal["nodes", "surface"] = Field(
         default="nodes", description="where the sheet meets tools: at its nodes, or between them too, on its surface"
     )
+    contact_allowance: Annotated[NotNegative, Quantity("contact allowance")] = Field(
+        default=0.04, description="depth of the surface over the thickness from which it is pushed out between nodes"
+    )
     punch_speed: Annotated[Positive, Quantity("speed")] = Field(default=0.5, description="[m/s]")
     stroke: Annotated[Positive, Quantity("displacement", at_most=0.3)] = Field(
         default=0.0612,
@@ -138,6 +141,7 @@ class DoubleDomeParameters(RunOptions):
     )
 
     needs: ClassVar[Mapping[str, Need]] = {
+        "contact_allowance": Need("contact_samples = surface", lambda options: options.contact_samples == "surface"),
         "shear_modulus": Need("shear_law = linear", lambda options: options.shear_law == "linear"),
         "release_duration": Need("release", lambda options: options.release),
         "release_damping": Need("release", lambda options: options.release),
@@ -306,6 +310,7 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             director_damping=DIRECTOR_DAMPING,
             contact_thickness=parameters.contact_thickness,
             contact_samples=parameters.contact_samples,
+            contact_allowance=parameters.contact_allowance if parameters.contact_samples == "surface" else 0.0,
         ),
         **process(parameters, tools[0].motion.duration + REST, supports), solver=parameters.solver(),
         accept_unusual=parameters.accept_unusual,

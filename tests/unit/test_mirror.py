@@ -37,6 +37,7 @@ TESTED_ELSEWHERE = {
     "kernels/carried/motion.py": CARRIED,
     "kernels/carried/pose.py": CARRIED,
     "weavesim/tools/carried/device.py": CARRIED,
+    "kernels/contact/mesh_nearest.py": "unit/tools/surfaces/test_exact.py",
     "weavesim/tools/surfaces/distance.py": "unit/run/test_carried_tools.py",
     "kernels/loads/grippers.py": "verification/process/test_grippers.py",
     "weavesim/engine/loading/grips.py": "verification/process/test_grippers.py",

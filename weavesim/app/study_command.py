@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..study.execution.executor import Executor
     from ..study.job_subject import JobSubject
     from ..study.read import Study
+    from ..study.table import RunTable
 
 DEFAULT_OUT = "study"
 BEST_FOLDER = "best"
@@ -159,17 +160,22 @@ def run_study(
     lock.acquire()
     with ExitStack() as stack:
         stack.callback(lock.release)
+        if not (folder / TABLE_NAME).exists():
+            stack.callback(_forget_empty, folder / TABLE_NAME)
         table = stack.enter_context(RunTable(folder / TABLE_NAME))
         subject, executor = _prepared(study, (*study.table.set, *settings), files_from, jobs, scheduler, fields)
         stack.callback(executor.close)
         if fields:
             table.want_fields_at(digest([(points.name, points.flat.tolist()) for points in subject.points]))
+        study = study.with_si_units(subject.unit_of)
         progress = StudyProgress(study.table.name)
         stack.callback(progress.close)
         conductor = Conductor(
             study, subject, table, executor, progress, fields=fields, rehearses=scheduler is None
         )  # fmt: skip
         with side_by_side(partial(announce_compilation, study.table.name)):
+            conductor.accept()
+            _clear_other(folder, table, digest(study.table.model_dump(mode="json"), list(settings)))
             results = conductor.run()
         progress.close()
         write_study(folder, results)
@@ -180,6 +186,39 @@ def run_study(
         if with_best and results.best is not None and (link := _form_best(study, results, subject, folder)):
             write_page(folder / FILE_NAME, results, best=link)
     return results
+
+
+def _forget_empty(path: Path) -> None:
+    """Remove a new table in which no run is: the study was refused."""
+    from ..study.table import RunTable
+
+    with RunTable(path) as table:
+        empty = not table.run_count()
+    if empty:
+        for each in path.parent.glob(f"{path.name}*"):
+            each.unlink()
+
+
+def _clear_other(folder: Path, table: RunTable, key: str) -> None:
+    """Remove the results of another study in this folder, ``key`` telling them apart; its runs are kept."""
+    from ..output.claim.remains import remove_results
+    from ..study.material_points import FILE_NAME as FIELDS_NAME
+    from ..study.page.page import FILE_NAME
+    from ..study.record import SUMMARY_NAME
+    from ..study.record import TABLE_NAME as RUNS_NAME
+
+    if table.about("study") == key:
+        return
+    names = [name for name in (FILE_NAME, SUMMARY_NAME, RUNS_NAME, FIELDS_NAME) if (folder / name).exists()]
+    for name in names:
+        (folder / name).unlink()
+    if (folder / BEST_FOLDER).is_dir():
+        names.append(f"{BEST_FOLDER}/")
+        for path in (folder / BEST_FOLDER, *filter(Path.is_dir, sorted((folder / BEST_FOLDER).iterdir()))):
+            remove_results(path)  # of a scene with cases, each in its own folder
+    if names:
+        say(f"note: {', '.join(names)} in {folder} were of another study and are replaced; its runs are kept")
+    table.remark("study", key)
 
 
 def _prepared(
@@ -227,7 +266,8 @@ def _form_best(study: Study, results: StudyResults, subject: JobSubject, folder:
     own = [text for factor, value in zip(study.factors, values, strict=True) for text in factor.settings(value)]
     file = subject.file(own)
     if file.job.output.write is None and file.job.output.without is None:
-        file = subject.file([*own, f"output.without={list(LEFT_OUT)}".replace("'", '"')])
+        without = f"output.without={list(LEFT_OUT)}".replace("'", '"')
+        file = subject.file([*own, without, "output.solver_fields=false"])
     say("The best point once more, with its report:", error=True)
     try:
         summary = run_job(file, folder / BEST_FOLDER, overwrite=True)

@@ -85,6 +85,7 @@ class Builder:
                 director_damping=job.process.director_damping,
                 contact_thickness=job.process.contact_thickness,
                 contact_samples=job.process.contact_samples,
+                contact_allowance=job.process.contact_allowance,
             ),
             stages=stages,
             duration=sum(stage.duration for stage in stages) if stages else self._duration(tools),

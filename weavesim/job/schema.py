@@ -286,6 +286,9 @@ class ProcessTable(JobTable):
     contact_samples: Literal["nodes", "surface"] = Field(
         default="nodes", description="whether tools are met at the nodes only, or on the surface between them too"
     )
+    contact_allowance: Annotated[NotNegative, Quantity("contact allowance")] = Field(
+        default=0.0, description="depth of that surface in a tool, over the thickness, from which it is pushed out"
+    )
     hold: Annotated[NotNegative, Quantity("time")] = Field(
         default=2.0e-3, description="time at the end, after the last stroke; stages have their own"
     )
@@ -316,6 +319,9 @@ class OutputTable(JobTable):
     frame_count: Annotated[int, Field(ge=1)] = Field(default=60, description="frames after the first")
     write: tuple[str, ...] | None = Field(default=None, description="results to write; all if left out")
     without: tuple[str, ...] | None = Field(default=None, description="results to leave out")
+    solver_fields: bool = Field(
+        default=False, description="frames for ParaView have the fields of the solver too, `unit_cell_*`"
+    )
 
 
 class Job(JobTable):

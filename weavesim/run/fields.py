@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..kernels.rows import ElementField
-from ..measures.defects.waves import LONGEST_WAVELENGTH
+from ..measures.defects.waves import WAVELENGTH_OF_FRAMES
 
 if TYPE_CHECKING:
     from ..fabric.fabric import Fabric
@@ -115,7 +115,10 @@ FIELDS: list[Field] = [
         "from the face of the sheet, at the thickness of contact, to the nearest tool; negative inside",
         _of_contact,
     ),
-    Field("wrinkle_height", "m", f"of waves up to {LONGEST_WAVELENGTH:g} m long, from trough to crest", _of_contact),
+    Field(
+        "wrinkle_height", "m",
+        f"of waves up to {WAVELENGTH_OF_FRAMES:g} m long across shortened yarns, from trough to crest", _of_contact,
+    ),
     Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_contact),
     Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_contact),
     Field("ply_slip_below", "m", "way slid so far on the ply below", _of_contact),

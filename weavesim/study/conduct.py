@@ -63,6 +63,7 @@ class Conductor:
         self.study, self.subject, self.table = study, subject, table
         self._executor, self._progress, self._fields, self._rehearses = executor, progress, fields, rehearses
         self.names: dict[str, str] = {}
+        self._accepted = False
         self._warnings: list[str] = []
         self._answers: list[Answer] = []
         self._seconds, self._reused, self._seen = 0.0, 0, set[str]()
@@ -85,6 +86,7 @@ class Conductor:
                 try:
                     cases.append(self.subject.case(factors, Trial(values)))
                 except InputError as error:
+                    self._check_alone()
                     raise InputError(f"{place}{_without_settings(str(error), factor)}") from None
             if len({case.key for case in cases}) == 1:
                 raise InputError(
@@ -94,6 +96,19 @@ class Conductor:
                 )
         base = self.subject.case(factors, Trial(middle))
         return base
+
+    def _check_alone(self) -> None:
+        """Name the parameter that the job does not have or allow whatever the others are, if there is one.
+
+        Raises:
+            InputError: see ``check``.
+        """
+        for factor, place in zip(self.study.factors, self.study.places, strict=True):
+            for end in factor.ends:
+                try:
+                    self.subject.case((factor,), Trial((end,)))
+                except InputError as error:
+                    raise InputError(f"{place}{_without_settings(str(error), factor)}") from None
 
     def check_measures(self, base: Case) -> None:
         """Check the names of the measures against what a run will find, if that can be known.
@@ -116,24 +131,32 @@ class Conductor:
 
     # ------------------------------------------------------------------------------------------------------- runs
 
-    def run(self) -> StudyResults:
-        """Check, and run what is not known yet.
+    def accept(self) -> None:
+        """Check all that can be known before the first run; then forget which runs were those of an earlier study.
 
         Raises:
             InputError: see ``check``; a measure that the runs do not have.
-            RunError: a cluster is gone for good.
         """
         base = self.check()
+        self._resolve(self.table.any_numbers(), final=False)
+        if self._rehearses and len(self.names) < len({measure.name for measure in self.study.table.measure}):
+            self.check_measures(base)
         self.table.clear_points()
+        self._accepted = True
+
+    def run(self) -> StudyResults:
+        """Accept the study, if that is not done, and run what is not known yet.
+
+        Raises:
+            InputError: see ``accept``.
+            RunError: a cluster is gone for good.
+        """
+        if not self._accepted:
+            self.accept()
         plan = self._plan()
         trials = next(plan, None)
         assert trials is not None
         table = self.study.table
-        known = self.table.any_numbers()
-        if known:
-            self._resolve(known, final=False)
-        elif self._rehearses:
-            self.check_measures(base)
         self._progress.planned(self._total(len(trials)), self._executor.width)
         while trials is not None:
             answers = self._evaluate(trials)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,8 @@ class Factor:
     Attributes:
         name: in all results.
         keys: of the job, which get the same value.
-        unit: of its numbers; "" for SI or none.
+        unit: of its numbers as they are written; "" for SI or none.
+        si_unit: of the job's key, for numbers that are written without one; "" for none.
         low, high: ends of its range; mean minus and plus three deviations of a normal distribution.
         scale: "linear", "log", "normal", or "values".
         step: values are multiples of it from ``low`` on; 0 for any value.
@@ -42,6 +44,7 @@ class Factor:
     name: str
     keys: tuple[str, ...]
     unit: str = ""
+    si_unit: str = ""
     low: float = 0.0
     high: float = 1.0
     scale: str = "linear"
@@ -56,9 +59,14 @@ class Factor:
         return all(isinstance(choice, int | float) and not isinstance(choice, bool) for choice in self.choices)
 
     @property
+    def shown_unit(self) -> str:
+        """Of its numbers, for readers; "" for none."""
+        return (self.unit or self.si_unit) if self.is_numeric else ""
+
+    @property
     def label(self) -> str:
         """Its name with the unit."""
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
+        return f"{self.name} [{self.shown_unit}]" if self.shown_unit else self.name
 
     @property
     def base(self) -> Value:
@@ -124,9 +132,17 @@ class Factor:
 
     def shown(self, value: Value) -> str:
         """A value for readers."""
-        if isinstance(value, float):
-            return f"{value:.5g}{' ' * bool(self.unit)}{self.unit}"
-        return value if isinstance(value, str) else self.text(value)
+        if isinstance(value, str):
+            return value
+        if isinstance(value, bool | tuple):
+            return self.text(value)
+        number = f"{value:.5g}" if isinstance(value, float) else repr(value)
+        return f"{number} {self.shown_unit}".strip()
+
+    def with_si_unit(self, unit_of: Callable[[str], str]) -> Factor:
+        """The same, with the unit that ``unit_of`` gives of its keys, if that is one."""
+        units = {unit_of(key) for key in self.keys}
+        return replace(self, si_unit=units.pop()) if len(units) == 1 else self
 
 
 def factor_of(table: VaryTable, *, scattered: bool = False) -> Factor:

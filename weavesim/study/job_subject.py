@@ -24,6 +24,7 @@ from ..run.guards.guard import VERDICTS
 from ..run.interruption import Interrupted, interruption
 from ..run.simulation import Simulation
 from .factors import Factor
+from .key_units import unit_of_key
 from .material_points import SheetPoints, fields_at, points_of
 from .measures import STUDY_FINDINGS, flattened, study_numbers
 from .plans.trials import Trial
@@ -158,6 +159,13 @@ class JobSubject:
         return Case(
             key, setup_hash, JobTask(tuple(setups.items()), scene, parameters, self.limits, self.points, self.threads)
         )
+
+    def unit_of(self, key: str) -> str:
+        """SI unit of a key of the job; "" for none, or for a key that is refused later."""
+        try:
+            return unit_of_key(self.file([]), key)
+        except InputError:
+            return ""
 
     def file(self, settings: Sequence[str]) -> JobFile:
         """The job with the study's settings and some of its own."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +33,10 @@ class Study:
     factors: tuple[Factor, ...]
     job: Path
     places: tuple[str, ...]
+
+    def with_si_units(self, unit_of: Callable[[str], str]) -> Study:
+        """The same, whose numbers without a unit have that of the job's key."""
+        return replace(self, factors=tuple(factor.with_si_unit(unit_of) for factor in self.factors))
 
     @property
     def controlled(self) -> tuple[Factor, ...]:

@@ -48,7 +48,7 @@ def write_all_fields(folder: Path, results: StudyResults, table: RunTable, point
         results.key(measure): [answer.number(results.key(measure)) for answer in answers]
         for measure in results.measures
     }
-    units = {factor.name: factor.unit for factor in results.factors}
+    units = {factor.name: factor.shown_unit for factor in results.factors}
     path = folder / FIELDS_NAME
     write_fields(
         path, points, inputs, units, measures, [table.fields(answer.key) for answer in answers],

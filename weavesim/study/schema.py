@@ -156,6 +156,10 @@ class StudyTable(JobTable):
         for name in ("scenarios", "risk"):
             if name in self.model_fields_set and not self.scatter:
                 raise ValueError(f"{name}: has no effect without [[scatter]]; leave it out")
+        if self.scatter and self.noise is not None:
+            raise ValueError(
+                "[noise]: has no effect with [[scatter]], whose scenarios make the error bars; leave it out"
+            )
         if self.optimiser == "cma-es" and len(goals) > 1:
             raise ValueError('optimiser = "cma-es": one measure may have a goal; "tpe" takes several')
         return self

@@ -10,6 +10,9 @@ Triangles = tuple[np.ndarray, np.ndarray]
 
 # Facets of a drawn full circle; divisible by four, so that the quarter points are vertices.
 CIRCLE_COUNT = 96
+# Cells along the longest side of a tool into which vertices are gathered for a coarser one, first, and how many of them
+# are left each time that this leaves too many triangles.
+_FINEST, _LEFT = 400, 0.8
 
 
 def stadium_rings(out: Sequence[float] | np.ndarray, z: Sequence[float] | np.ndarray, half_length: float) -> np.ndarray:
@@ -45,3 +48,34 @@ def ring_triangles(rings: np.ndarray, capped: bool = False) -> Triangles:
 def swept(out: np.ndarray, z: np.ndarray, half_length: float, capped: bool = False) -> Triangles:
     """A profile, ``out`` and ``z`` [m], swept around a segment along x; with a ``half_length`` of zero, around z."""
     return ring_triangles(stadium_rings(out, z, half_length), capped)
+
+
+def coarser(triangles: Triangles, most: int) -> Triangles:
+    """Triangles to draw: at most ``most``, if they are more, by gathering their vertices in the cells of a grid."""
+    vertices, faces = np.asarray(triangles[0], dtype=float), np.asarray(triangles[1])
+    size, cells = float(np.ptp(vertices, axis=0).max()), float(_FINEST)
+    left = vertices, faces
+    while len(left[1]) > most and cells > 1.0:
+        left = gathered(vertices, faces, size / cells)
+        cells *= _LEFT
+    return left
+
+
+def gathered(vertices: np.ndarray, faces: np.ndarray, size: float) -> Triangles:
+    """Vertices of each cell of a grid as one, at their mean, and the triangles that are left.
+
+    Args:
+        vertices: (n, 3) [m].
+        faces: (m, 3).
+        size: of the cells [m].
+    """
+    cell = np.floor((vertices - vertices.min(axis=0)) / size).astype(int)
+    _, own, count = np.unique(cell, axis=0, return_inverse=True, return_counts=True)
+    own = own.ravel()
+    means = np.stack([np.bincount(own, vertices[:, axis]) for axis in range(3)], axis=1) / count[:, None]
+    corners = own[faces]
+    a, b, c = corners.T
+    left = corners[(a != b) & (b != c) & (c != a)]
+    # of several with the same corners one is enough
+    _, first = np.unique(np.sort(left, axis=1), axis=0, return_index=True)
+    return means, left[np.sort(first)]

@@ -2,15 +2,23 @@
 
 import csv
 import json
+import re
+import shutil
 from pathlib import Path
 
 import h5py
 import pytest
 from typer.testing import CliRunner
 
-from tests.support.studies import write_small_job
+from tests.support.paths import ROOT
+from tests.support.studies import Silence, write_small_job
 from weavesim.app.command_line import application
 from weavesim.errors import InputError
+from weavesim.study.conduct import Conductor
+from weavesim.study.execution.executor import HereExecutor
+from weavesim.study.job_subject import JobSubject
+from weavesim.study.measures import STUDY_FINDINGS
+from weavesim.study.read import read_study
 from weavesim.study.table import RunTable
 
 runner = CliRunner()
@@ -91,3 +99,61 @@ def test_options_beside_a_study_file_are_refused(tmp_path):
     path.write_text('job = "small.toml"\n[[vary]]\nkey = "a"\nrange = [1, 2]\n[[measure]]\nname = "x"\n')
     result = invoked(path, "--samples", 3)
     assert "--samples: have no effect with a study file" in str(result.exception)
+
+
+def test_the_ten_lines_of_the_documents_load_the_fields(done, tmp_path, monkeypatch, capsys):
+    (script,) = [block for block in documented("python") if "fields.h5" in block]
+    (tmp_path / "tray").symlink_to(done[0].parent)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(script, "docs/studies.md", "exec"), {})
+    with h5py.File(done[0] / "fields.h5") as file:
+        count = len(file["sheets/0/points"])
+    assert capsys.readouterr().out == f"(9, 1) (9, 5) (9, {count}, 3)\n"
+
+
+def test_the_tutorial_can_be_followed(tmp_path, monkeypatch):
+    springs, study, *_ = documented("toml")
+    text = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"    weavesim new (.*--die.*)\n", text)
+    name, _, die, *rest = command.split()
+    monkeypatch.chdir(tmp_path)
+    made = runner.invoke(application, ["new", name, "--die", str(ROOT / "docs" / "notebooks" / die), *rest])
+    assert made.exit_code == 0, made.output
+    with (tmp_path / name / "job.toml").open("a", encoding="utf-8") as job:
+        job.write(springs)
+    (tmp_path / name / "study.toml").write_text(study, encoding="utf-8")
+    read = read_study(tmp_path / name / "study.toml")
+    subject = JobSubject(read.job, read.table.set)
+    with RunTable(tmp_path / "t.sqlite") as table:
+        case = Conductor(read, subject, table, HereExecutor(), Silence()).check()
+    (setup,) = [setup for _, setup in case.task.setups]
+    assert len(setup.sheet.grippers) == 4 and read.table.budget == 20
+    assert {finding.name for finding in STUDY_FINDINGS} >= {measure.name for measure in read.table.measure}
+
+
+def documented(language):
+    """Blocks of docs/studies.md."""
+    text = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+def test_a_refused_study_leaves_no_table(tmp_path):
+    job = write_small_job(tmp_path)
+    result = invoked(job, "--vary", "tools.bal.friction=0.1:0.2:2", "--measure", "step_count", "--jobs", 1)
+    assert "no [[tool]] is named 'bal'" in str(result.exception)
+    assert not list((tmp_path / "study").glob("study.*"))
+
+
+def test_another_study_in_a_folder_replaces_the_results_of_the_first(done, tmp_path):
+    folder = Path(shutil.copytree(done[0].parent, tmp_path / "copy"))
+    result = invoked(
+        folder / "small.toml", "--vary", "spring.corner.stiffness=500:2000:2", "--measure", "max_shear_p99", "--jobs",
+        1, "--set", "output.frame_count=2",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert "study.html, study.json, runs.csv, fields.h5, best/" in result.output and "replaced" in result.output
+    assert not (folder / "study" / "fields.h5").exists() and not list((folder / "study" / "best").glob("*.html"))
+    rows = list(csv.DictReader((folder / "study" / "runs.csv").open()))
+    assert len(rows) == 2 and "spring.corner.stiffness [N/m]" in rows[0]
+    with RunTable(folder / "study" / "study.sqlite") as table:
+        assert table.run_count() == 9  # 0.5 and 2 N/mm were known

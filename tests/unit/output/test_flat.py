@@ -130,7 +130,7 @@ def test_the_opening_of_a_die_is_an_edge():
 
     vertices, faces = tray_surface()
     shape = MeshShape.from_triangles(1e-3 * vertices, faces, name="die", side=(0.0, 0.0, 1.0))
-    edge = opening_of(Tool("die", shape), displacement=0.01)
+    edge = opening_of(Tool("die", shape), 0.01)
     # half sides of 80 and 60 mm with corners of 30 mm
     assert np.ptp(edge.outline[:, :2], axis=0) == pytest.approx([0.16, 0.12], abs=1e-4)
     assert edge.outline[:, 2] == pytest.approx(0.01, abs=1e-6)
@@ -170,7 +170,7 @@ def folded(flat):
     [
         (around(ellipse(np.array([0.12, 0.03]))), "xyz", r"lies .* mm beyond the border of the formed sheet sheet"),
         (around(ellipse(HALF)) + [0.0, 0.0, 0.02], "xyz", r"lies .* mm away from the formed sheet sheet.*its unit"),
-        (ellipse(np.array([0.2, 0.03])), "xy", "there is no sheet sheet under it"),
+        (ellipse(np.array([0.2, 0.03])), "xy", "there is no formed sheet sheet under it"),
         (around(ellipse(HALF))[[0, 40, 20, 60]], "xyz", r"crosses itself|away from the formed sheet"),
         (around(ellipse(HALF))[:2], "xyz", "it has 2 points; a closed curve has three or more"),
     ],
@@ -265,7 +265,9 @@ def test_a_first_blank_needs_a_net_that_is_large_enough(tmp_path):
     turned = rotation_matrix((0.0, 0.0, 1.0), 0.5 * np.pi)
     drape = of_flat_blank(blank, Tool("cylinder", Capsule(RADIUS, 1.0, rotation=turned)), THICKNESS)
     edge = read_part_edge(edge_table(tmp_path / "edge.csv", around(ellipse(HALF))))
-    with pytest.raises(InputError, match="mm beyond the border of the formed sheet ply; the part needs a larger blank"):
+    with pytest.raises(
+        InputError, match="mm beyond the border of the net of ply on cylinder; the part needs a larger blank"
+    ):
         pattern_of_net(drape, blank, THICKNESS, "ply", edge)
 
 

@@ -16,7 +16,7 @@ from weavesim.output.run_page.judged_part import region_of_page, verdict_of
 from weavesim.output.run_page.packing import packed_series, rounded
 from weavesim.output.run_page.provenance import provenance_rows
 from weavesim.output.run_page.recorder import FrameRecorder
-from weavesim.output.run_page.scene import clustered, scene_of
+from weavesim.output.run_page.scene import scene_of
 from weavesim.output.run_page.setup_rows import setup_tables
 from weavesim.output.run_page.shown_fields import JUDGED_FIELDS
 from weavesim.output.run_page.values import Row, number, rows_of, text_of, words
@@ -154,15 +154,6 @@ def _recorded(info, frames):
         for frame in frames:
             observer.frame(frame)
     return recorder, history
-
-
-def test_a_fine_tool_gets_fewer_triangles_within_its_bounds():
-    import trimesh
-
-    ball = trimesh.creation.icosphere(subdivisions=5, radius=0.1)
-    vertices, faces = clustered(np.asarray(ball.vertices), np.asarray(ball.faces), 3000)
-    assert 500 < len(faces) <= 3000
-    assert np.linalg.norm(vertices, axis=1) == pytest.approx(0.1, rel=0.02)
 
 
 # ------------------------------------------------------------------------------------------------------------ words

@@ -24,7 +24,7 @@ COARSE = {
     "bias-extension": {"mesh_size": 0.0125}, "cantilever": {"mesh_size": 0.0125},
     "biaxial": {"mesh_size": 0.025}, "uniaxial": {"mesh_size": 0.0125}, "compaction": {"mesh_size": 0.025},
     "sled": {"mesh_size": 0.03}, "pure-bending": {"mesh_size": 0.001}, "cusick-drape": {"mesh_size": 0.007},
-    "stack": {"mesh_size": 0.02},
+    "stack": {"mesh_size": 0.02}, "diaphragm": {"mesh_size": 0.016},
 }  # fmt: skip
 # Other values of options whose range or meaning does not allow just any.
 OTHERS: dict[str, Any] = {

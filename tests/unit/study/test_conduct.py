@@ -184,3 +184,38 @@ def test_a_key_that_changes_no_set_up_is_refused_before_anything_runs(tmp_path):
     with pytest.raises(InputError, match="line 2, .*output.without: it does nothing: .*same to the bit"):
         conducted(read_study(path), JobSubject(job), tmp_path / "t.sqlite", progress=progress)
     assert progress.done == 0
+
+
+def test_a_fault_of_a_later_parameter_is_not_that_of_the_first(tmp_path):
+    job, path = write_small_job(tmp_path), tmp_path / "study.toml"
+    path.write_text(
+        """job = "small.toml"
+[[vary]]
+key = "spring.corner.stiffness"
+range = ["0.5 N/mm", "2 N/mm"]
+count = 2
+[[vary]]
+key = "tools.bal.friction"
+values = [0.1, 0.2]
+[[measure]]
+name = "max_shear_p99"
+"""
+    )
+    with pytest.raises(InputError, match="line 6, .*tools.bal.friction: no .* is named 'bal'"):
+        conducted(read_study(path), JobSubject(job), tmp_path / "t.sqlite")
+
+
+def test_a_refused_study_leaves_an_earlier_one_and_costs_no_run(tmp_path):
+    class Known(FunctionSubject):
+        def known_numbers(self, case):
+            return {"root"}, True
+
+    path, progress = tmp_path / "t.sqlite", Silence()
+    conducted(made({"x": (0.0, 1.0)}, ["root"], counts={"x": 3}), Known(root), path)
+    with RunTable(path) as table:
+        before = list(table.rows())
+    with pytest.raises(InputError, match="'roots': a run has no such number"):
+        conducted(made({"x": (0.0, 2.0)}, ["roots"], counts={"x": 4}), Known(root), path, progress=progress)
+    with RunTable(path) as table:
+        assert list(table.rows()) == before and table.run_count() == 3
+    assert progress.done == 0

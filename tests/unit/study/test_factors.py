@@ -101,3 +101,15 @@ def test_options_are_ranges_or_lists():
 def test_other_options_are_refused_with_the_form(text):
     with pytest.raises(InputError, match="--vary"):
         parsed_vary(text)
+
+
+def test_numbers_without_a_unit_have_that_of_the_key_for_readers_alone():
+    units = {"tools.ring.force": "N", "tools.die.force": "N", "ply.mesh_size": "m"}
+    found = factor(range=(100.0, 2000.0), count=3).with_si_unit(units.get)
+    assert found.label == "tools.ring.force [N]" and found.shown(1050.0) == "1050 N"
+    assert found.settings(1050.0) == ["tools.ring.force=1050.0"]
+    written = factor(range=("1 kN", "2 kN")).with_si_unit(units.get)
+    assert written.label == "tools.ring.force [kN]" and written.shown(1.5) == "1.5 kN"
+    both = factor_of(VaryTable(key=("tools.ring.force", "ply.mesh_size"), range=(1, 2))).with_si_unit(units.get)
+    assert both.shown_unit == ""
+    assert factor(values=("a", "b")).with_si_unit(units.get).label == "tools.ring.force"

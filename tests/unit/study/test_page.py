@@ -4,7 +4,8 @@ import pytest
 
 from tests.support.studies import bowl, conducted, ishigami, made, noisy
 from weavesim.errors import InputError, RunError
-from weavesim.study.page.charts import charts
+from weavesim.study.factors import factor_of
+from weavesim.study.page.charts import charts, log_axis, response
 from weavesim.study.page.page import check_page, write_page
 from weavesim.study.record import write_study
 from weavesim.study.schema import MeasureTable, NoiseTable, VaryTable
@@ -96,3 +97,39 @@ def test_a_study_without_a_finished_run_is_told_and_loses_nothing(tmp_path, give
     write_study(tmp_path, results)
     assert "the press is closed today" in (tmp_path / "study.html").read_text(encoding="utf-8")
     assert "the press is closed today" in (tmp_path / "runs.csv").read_text(encoding="utf-8")
+
+
+def test_both_panels_of_two_parameters_have_their_own_series(tmp_path):
+    study = made({"x": (0.0, 10.0), "y": (0.0, 10.0)}, ["depth"], counts={"x": 3, "y": 2})
+    results = conducted(study, FunctionSubject(bowl), tmp_path / "t.sqlite")
+    lines = [trace for trace in response(results, results.measures[0]).data if trace.mode == "lines+markers"]
+    assert [line.name for line in lines] == ["y 0", "y 10", "x 0", "x 5", "x 10"]
+    assert all(line.showlegend for line in lines)
+    for line in lines:  # one value of the other parameter, so no sawtooth
+        assert list(line.x) == sorted(set(line.x))
+
+
+def test_a_log_axis_has_ticks_that_can_be_read(tmp_path):
+    vary = [VaryTable(key="x", range=(0.2, 30.0), scale="log"), VaryTable(key="y", range=(1e-3, 1e4), scale="log")]
+    few, many = (log_axis(factor_of(table)) for table in vary)
+    assert few["ticktext"] == ["0.2", "0.5", "1", "2", "5", "10", "20"]
+    assert many["tickvals"] == pytest.approx([10.0**k for k in range(-3, 5)])
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_the_page_fits_narrow_screens_and_paper(factorial, browser, tmp_path, width):
+    path = tmp_path / "study.html"
+    write_page(path, factorial)
+    with browser.open(path, width=width) as opened:
+        page = opened.page
+        page.wait_for_selector(".plotly .main-svg", state="attached")
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        charts = page.locator(".plotly-graph-div")
+        assert all(charts.nth(k).bounding_box()["width"] >= 640 for k in range(charts.count()))
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        drawn = "[...document.querySelectorAll('.plotly .main-svg')]"
+        widest = f"Math.max(...{drawn}.map(each => each.getBoundingClientRect().width))"
+        page.wait_for_function(f"{widest} <= 681")
+        page.evaluate("dispatchEvent(new Event('afterprint'))")
+        if width == 1280:
+            page.wait_for_function(f"{widest} > 1000")

@@ -2,8 +2,10 @@
 
 import pytest
 
+from tests.support.studies import made
 from weavesim.errors import InputError
 from weavesim.study.read import read_study, study_of_options
+from weavesim.study.schema import MeasureTable, NoiseTable, VaryTable
 
 GOOD = """\
 job = "job.toml"
@@ -90,3 +92,11 @@ def test_options_are_a_study(tmp_path):
 def test_options_without_a_measure_are_refused(tmp_path):
     with pytest.raises(InputError, match="--measure: at least one"):
         study_of_options(tmp_path / "job.toml", ["a.b=1:2:3"], [])
+
+
+def test_noise_beside_scenarios_is_refused():
+    with pytest.raises(InputError, match=r"\[noise\]: has no effect with \[\[scatter\]\]"):
+        made(
+            {"x": (0.0, 1.0)}, [MeasureTable(name="a", goal="least")], method="optimise", budget=4,
+            scatter=(VaryTable(key="s", range=(0.0, 1.0)),), noise=NoiseTable(),
+        )  # fmt: skip

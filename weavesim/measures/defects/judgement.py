@@ -17,9 +17,9 @@ from ...checks import NotNegative, Parameters, Positive
 from ...ranges import Quantity
 from ..angles import yarn_vectors
 from ..findings import FormedSheet
-from .regions import regions
+from .regions import regions, with_neighbours
 from .touching import distance_to_others
-from .waves import LONGEST_WAVELENGTH, waves
+from .waves import LONGEST_WAVELENGTH, WRINKLE_COMPRESSION, waves
 
 # (points (k, 3) [m]) -> distance to the nearest of the tools (k,) [m], negative inside.
 Distance = Callable[[np.ndarray], np.ndarray]
@@ -32,7 +32,7 @@ class Limits(Parameters):
         default=1.0e-3, description="amplitude of a wave, half its height from trough to crest [m]"
     )
     wrinkle_compression: Annotated[NotNegative, Quantity("strain")] = Field(
-        default=1.0e-4, description="shortening of a yarn from which a wave is a wrinkle"
+        default=WRINKLE_COMPRESSION, description="shortening of a yarn from which a wave is a wrinkle"
     )
     longest_wavelength: Annotated[Positive, Quantity("length")] = Field(
         default=LONGEST_WAVELENGTH, description="waves longer than this are the shape of the part [m]"
@@ -178,8 +178,7 @@ class Judgement:
         every = np.ones(self.sheet.blank.element_count, dtype=bool)
         if limits.wrinkle_amplitude is not None:
             # a crease is an element or two wide: the yarns beside it count too
-            compressed = _around(self.sheet.blank.quads, fields["yarn_compression"])
-            counts = compressed > limits.wrinkle_compression
+            counts = with_neighbours(self.sheet.blank.quads, fields["yarn_compression"] > limits.wrinkle_compression)
             yield "wrinkle", fields["wrinkle_amplitude"], limits.wrinkle_amplitude, counts
         if "gap" in fields and limits.bridging_gap is not None:
             counts = fields["yarn_tension"] > limits.bridging_tension
@@ -224,10 +223,3 @@ class Judgement:
                            float(largest[worst]), float(value[worst] / limit), wavelength, crests)
                 )  # fmt: skip
         return tuple(sorted(found, key=lambda region: -region.severity))
-
-
-def _around(quads: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Largest value of each element and of those that share a node with it, (element_count,)."""
-    nodal = np.full(int(quads.max()) + 1, -np.inf)
-    np.maximum.at(nodal, quads.ravel(), np.repeat(values, 4))
-    return nodal[quads].max(axis=1)

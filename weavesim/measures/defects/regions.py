@@ -1,4 +1,4 @@
-"""Connected regions of elements."""
+"""Connected regions of elements, and what counts in them."""
 
 from __future__ import annotations
 
@@ -23,3 +23,9 @@ def regions(quads: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
     part = part_of_nodes(local.reshape(-1, 4), len(nodes))[local.reshape(-1, 4)[:, 0]]
     found = [rows[part == number] for number in np.unique(part)]
     return sorted(found, key=lambda region: (-len(region), int(region[0])))
+
+
+def with_neighbours(quads: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Elements that are chosen, or share a node with one that is, (element_count,) bool."""
+    nodal = np.bincount(quads.ravel(), np.repeat(chosen, 4)) > 0.0
+    return nodal[quads].any(axis=1)

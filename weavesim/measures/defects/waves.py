@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 
 # Longer waves are the shape of the part, unless a user says otherwise [m].
 LONGEST_WAVELENGTH = 0.1
+# The same in frames, where the sheet hangs freely between tools: a wrinkle is shorter than most of that shape [m].
+WAVELENGTH_OF_FRAMES = 0.05
+# Shortening of a yarn from which a wave is a wrinkle, unless a user says otherwise.
+WRINKLE_COMPRESSION = 1.0e-4
 # Below this share of the longest wavelength's amplitude the filter passes too little to tell the amplitude.
 LEAST_PASSED = 0.05
 
@@ -61,6 +65,9 @@ class WaveFilter:
         corner = blank.node_position[blank.quads]
         sides = np.stack([corner[:, 0] - corner[:, 2], corner[:, 1] - corner[:, 3]], axis=1)
         self._metric = np.linalg.inv(np.einsum("eai,ebi->eab", sides, sides))
+        yarns = np.stack([blank.warp_direction, blank.weft_direction])
+        # derivatives along the yarns, of the changes along the diagonals, (2, 2, element_count)
+        self._along = np.einsum("eab,ebi,yei->yae", self._metric, sides, yarns)
         self._around = np.bincount(blank.quads.ravel(), minlength=blank.node_count)
 
     def of_surface(self, position: np.ndarray) -> np.ndarray:
@@ -74,18 +81,45 @@ class WaveFilter:
 
     def measured(self, deviation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Amplitude and wavelength around each element, (element_count,) [m], of a deviation (node_count,) [m]."""
-        change, metric = deviation[self._quads].T, self._metric
-        across, along = change[0] - change[2], change[1] - change[3]
+        change, metric = self._changes(deviation), self._metric
         # square of the gradient over the flat sheet, at the element centres
-        slope = metric[:, 0, 0] * across**2 + 2.0 * metric[:, 0, 1] * across * along + metric[:, 1, 1] * along**2
-        gradient = np.bincount(self._quads.ravel(), np.repeat(slope, 4), len(deviation)) / self._around
-        squares = self._local(self._mass[:, None] * np.stack([deviation**2, gradient], axis=1))
-        power, slope = np.maximum(squares, 0.0)[self._quads].mean(axis=1).T
+        slope = metric[:, 0, 0] * change[0] ** 2 + metric[:, 1, 1] * change[1] ** 2
+        slope += 2.0 * metric[:, 0, 1] * change[0] * change[1]
+        power, slope = self._means(deviation, slope)
         number = np.sqrt(slope / np.maximum(power, 1.0e-300))
+        return self._amplitude(power, number), 2.0 * np.pi / np.maximum(number, 1.0e-300)
+
+    def along_yarns(self, deviation: np.ndarray, counted: np.ndarray) -> np.ndarray:
+        """Amplitude of what a deviation (node_count,) varies along chosen yarns, (element_count,) [m].
+
+        Its square is the share in that of ``measured`` which the slopes along those yarns have in all slopes: a wave
+        with its crests across them counts whole, a bend along its crest not at all.
+
+        Args:
+            deviation: (node_count,) [m].
+            counted: warp and weft of each element, (2, element_count) bool.
+        """
+        change = self._changes(deviation)
+        slopes = np.square(np.einsum("yae,ae->ye", self._along, change))
+        power, slope, own = self._means(deviation, slopes.sum(axis=0), (slopes * counted).sum(axis=0))
+        number = np.sqrt(slope / np.maximum(power, 1.0e-300))
+        return self._amplitude(power, number) * np.sqrt(own / np.maximum(slope, 1.0e-300))
+
+    def _changes(self, deviation: np.ndarray) -> np.ndarray:
+        """Along both diagonals of the elements, (2, element_count)."""
+        corner = deviation[self._quads].T
+        return np.stack([corner[0] - corner[2], corner[1] - corner[3]])
+
+    def _means(self, deviation: np.ndarray, *squares: np.ndarray) -> np.ndarray:
+        """Local means of the square of a deviation, and of squares of slopes (element_count,), of each element."""
+        corners = self._quads.ravel()
+        nodal = [np.bincount(corners, np.repeat(each, 4), len(deviation)) / self._around for each in squares]
+        means = self._local(self._mass[:, None] * np.stack([deviation**2, *nodal], axis=1))
+        return np.maximum(means, 0.0)[self._quads].mean(axis=1).T
+
+    def _amplitude(self, power: np.ndarray, number: np.ndarray) -> np.ndarray:
         fourth = np.square(np.square(number * self._reach))
-        passed = fourth / (1.0 + fourth)
-        amplitude = np.sqrt(2.0 * power) / np.maximum(passed, LEAST_PASSED)
-        return amplitude, 2.0 * np.pi / np.maximum(number, 1.0e-300)
+        return np.sqrt(2.0 * power) / np.maximum(fourth / (1.0 + fourth), LEAST_PASSED)
 
 
 def waves(blank: Blank, position: np.ndarray, longest: float, height: np.ndarray | None = None) -> Waves:

@@ -71,7 +71,10 @@ def pattern_of_net(
         position=points, director=np.zeros_like(points), values={}, thickness=thickness, symmetry=symmetry, tools=(),
         fabric="",
     )  # fmt: skip
-    return flat_pattern(sheet, edge)
+    called = f"net of {name} on {drape.tool}"
+    if drape.ends:
+        called += f" (which covers {100.0 * drape.covered_share:.3g} % of it)"
+    return flat_pattern(sheet, edge, called)
 
 
 def with_margin(outline: np.ndarray, margin: float) -> np.ndarray:

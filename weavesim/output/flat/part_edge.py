@@ -75,7 +75,7 @@ def _of_drawing(path: Path, unit: float | None, layer: str | None) -> PartEdge:
         gap = min(lines, key=lambda line: float(np.linalg.norm(line[0] - line[-1])))
         raise InputError(
             f"{drawing.name}: no line is closed; the nearest ends are {1e3 * np.linalg.norm(gap[0] - gap[-1]):.4g} mm "
-            f"apart, at {_place(gap[-1])}"
+            f"apart, at {told(gap[-1])}"
         )
     notes = list(drawing.notes)
     if len(closed) < len(lines):
@@ -174,5 +174,6 @@ def plan_area(loop: np.ndarray) -> float:
     return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
-def _place(point: np.ndarray) -> str:
+def told(point: np.ndarray) -> str:
+    """A point for readers, in millimetres."""
     return f"({', '.join(f'{1e3 * value:.4g}' for value in point)}) mm"

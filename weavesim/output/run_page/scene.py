@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...measures.angles import yarn_components
+from ...tools.drawing import coarser
 from ..colours import DISTINCT_COLOURS
 from .packing import packed, packed_series
 from .recorder import FrameRecorder, KeptField
@@ -15,7 +16,6 @@ from .shown_fields import JUDGED_FIELDS, ShownField, in_order, shown_field
 
 if TYPE_CHECKING:
     from ...run.frame import RunInfo, SheetInfo
-    from ...tools.tool import Tool
     from ..history import History
 
 # Tools are for looking at: finer ones are shown by fewer triangles.
@@ -95,7 +95,7 @@ def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
     displacement, pose, acts = recorder.tool_displacement, recorder.tool_pose, recorder.tool_acts
     found = []
     for k, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
-        vertices, faces = _drawn(tool)
+        vertices, faces = coarser(tool.display_triangles(), LARGEST_TRIANGLE_COUNT)
         height = vertices[:, 2]
         found.append(
             {
@@ -113,27 +113,3 @@ def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:
             }
         )
     return found
-
-
-def _drawn(tool: Tool) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles for drawing; of a fine mesh a coarser one."""
-    vertices, faces = tool.display_triangles()
-    if len(faces) > LARGEST_TRIANGLE_COUNT:
-        vertices, faces = clustered(vertices, faces, LARGEST_TRIANGLE_COUNT)
-    return vertices, faces
-
-
-def clustered(vertices: np.ndarray, faces: np.ndarray, largest_count: int) -> tuple[np.ndarray, np.ndarray]:
-    """A coarser mesh: vertices in one cell of a grid become one; at most about ``largest_count`` triangles."""
-    size = float(np.ptp(vertices, axis=0).max()) or 1.0
-    cells = 4.0 * np.sqrt(largest_count)
-    while True:
-        key = np.floor((vertices - vertices.min(axis=0)) / (size / cells)).astype(np.int64)
-        _, place, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-        place = place.ravel()
-        middle = np.stack([np.bincount(place, vertices[:, k]) / count for k in range(3)], axis=1)
-        coarse = place[faces]
-        coarse = coarse[(coarse != np.roll(coarse, 1, axis=1)).all(axis=1)]
-        if len(coarse) <= largest_count:
-            return middle, coarse
-        cells *= 0.8

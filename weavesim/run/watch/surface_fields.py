@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +10,8 @@ import numpy as np
 from ...engine.model import Model
 from ...engine.state import State
 from ...measures.defects.contact import half_thickness
-from ...measures.defects.waves import LONGEST_WAVELENGTH, WaveFilter
+from ...measures.defects.regions import with_neighbours
+from ...measures.defects.waves import WAVELENGTH_OF_FRAMES, WRINKLE_COMPRESSION, WaveFilter
 from ...sheet.blank import Blank
 from .tool_gaps import ToolGaps
 
@@ -52,26 +54,34 @@ class SurfaceFields:
 
     @cached_property
     def _filter(self) -> WaveFilter:
-        return WaveFilter(self._part[0], LONGEST_WAVELENGTH)
+        return WaveFilter(self._part[0], WAVELENGTH_OF_FRAMES)
 
-    def __call__(self, position: np.ndarray, thickness: np.ndarray, node_distance: np.ndarray) -> dict[str, np.ndarray]:
+    def __call__(
+        self, position: np.ndarray, fields: Mapping[str, np.ndarray], node_distance: np.ndarray
+    ) -> dict[str, np.ndarray]:
         """The fields by name, (element_count,) each [m]; waits for the device.
 
         A gap is not a number where no tool acts, or where the nearest one is a mesh out of the reach of its samples.
 
         Args:
             position: of the nodes, (node_count, 3) [m].
-            thickness: of the elements, (element_count,) [m].
+            fields: of the elements, by name.
             node_distance: of the nodes from each tool, infinite where it does not act, (tool_count, node_count) [m].
         """
         found, quads = {}, self._sheet.blank.quads
         if self._sheet.tool_count:
             middle = self._nearest(self._gaps(position[quads].mean(axis=1)))
             sheet = self._sheet
-            found["tool_gap"] = middle - half_thickness(sheet.fabric.thickness, thickness, sheet.follows_thickness)
+            found["tool_gap"] = middle - half_thickness(
+                sheet.fabric.thickness, fields["thickness"], sheet.follows_thickness
+            )
         if self._sheet.blank.node_count <= LARGEST_NODE_COUNT:
-            nodes, height = self._part[1], np.full(len(quads), np.nan)
-            height[self._sheet.kept] = self._height(position[nodes], node_distance[:, nodes])
+            (part, nodes), kept, height = self._part, self._sheet.kept, np.full(len(quads), np.nan)
+            stretches = (fields[f"{yarn}_stretch"][kept] for yarn in ("warp", "weft"))
+            # a crease is an element or two wide: the yarns beside it count too
+            shortened = [with_neighbours(part.quads, 1.0 - each > WRINKLE_COMPRESSION) for each in stretches]
+            deviation = self._deviation(position[nodes], node_distance[:, nodes])
+            height[kept] = 2.0 * self._filter.along_yarns(deviation, np.array(shortened))
             found["wrinkle_height"] = height
         return found
 
@@ -82,8 +92,8 @@ class SurfaceFields:
         known = np.isfinite(nearest) & (nearest < _KNOWN_SHARE * self._reach[bound])
         return np.where(known, nearest, np.nan)
 
-    def _height(self, position: np.ndarray, node_distance: np.ndarray) -> np.ndarray:
-        """From trough to crest, twice the amplitude.
+    def _deviation(self, position: np.ndarray, node_distance: np.ndarray) -> np.ndarray:
+        """Of every node, what may be a wave, (node_count,) [m].
 
         What the sheet deviates from its smoothed self contains the shape of the part; what its distance to the nearest
         tool deviates contains creases where another tool becomes the nearest. A wrinkle is in both: at every node the
@@ -97,4 +107,4 @@ class SurfaceFields:
             if known.any():
                 over_tools = waves.of_height(np.where(known, height, height.max(where=known, initial=-np.inf)))
                 deviation = np.where(known & (abs(over_tools) < abs(deviation)), over_tools, deviation)
-        return 2.0 * waves.measured(deviation)[0]
+        return deviation

@@ -203,7 +203,8 @@ class StudyResults:
             [tuple(value for value in values if value is not None) for _, values in complete],
         )  # fmt: skip
         for name, pairs in idle.items():
-            yield f"{name} does nothing: in {pairs} pairs of runs that differ in it alone, every measure is the same"
+            where = "the pair" if pairs == 1 else f"{pairs} pairs"
+            yield f"{name} does nothing: in {where} of runs that differ in it alone, every measure is the same"
         for measure in self.measures:
             chance, noise = self.chance(measure), self.noise(measure)
             if noise is None or chance is None or chance <= LARGEST_CHANCE:

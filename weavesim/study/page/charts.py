@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -13,12 +14,15 @@ if TYPE_CHECKING:
 
     from ..factors import Factor
 
-INK, GREY, LINE, ACCENT, WARM = "#23262d", "#6b7280", "#e3e6eb", "#5b3fb5", "#c2571a"
+INK, GREY, LINE, ACCENT, WARM = "#1d2129", "#5d6572", "#d9dde3", "#3a5a8c", "#c2571a"
 SERIES = (ACCENT, WARM, "#1d7a6b", "#8a6d1d", "#2f6fb0", "#a03b6b", "#5f6b2e", "#444444")
+# Decades of a log axis with more than one tick in each.
+MOST_DECADES = 4
 # More responses than this are left to the reader of the table.
 LARGEST_PANEL_COUNT = 24
 # Points of a panel that a browser still draws quickly one by one.
 MOST_IN_SVG = 500
+REPEATS = "repeats"
 # Lines that can still be told apart, and drawn without a graphics card.
 MOST_LINES = 1000
 
@@ -105,13 +109,24 @@ def response(results: StudyResults, measure: MeasureTable) -> go.Figure:
     for k, factor in enumerate(factors):
         place = {"row": k // columns + 1, "col": k % columns + 1}
         for trace in _response_traces(results, measure, k):
-            trace.showlegend = bool(trace.name) and k == 0
+            # repeats are in every panel, series are each panel's own
+            trace.showlegend = bool(trace.name) and (k == 0 or trace.name != REPEATS)
             figure.add_trace(trace, **place)
-        axis = {"title": {"text": factor.label}, **({"type": "log"} if factor.scale == "log" else {})}
-        figure.update_xaxes(**axis, **place)
+        figure.update_xaxes(
+            title={"text": factor.label}, **(log_axis(factor) if factor.scale == "log" else {}), **place
+        )
         if k % columns == 0:
             figure.update_yaxes(title={"text": results.label(measure)}, **place)
     return _layout(figure, 130 + 300 * rows)
+
+
+def log_axis(factor: Factor) -> dict[str, Any]:
+    """A log axis whose ticks are 1, 2 and 5 times powers of ten, or these alone over many decades, written in full."""
+    decades = range(math.floor(math.log10(factor.low)), math.ceil(math.log10(factor.high)) + 1)
+    steps = (1, 2, 5) if len(decades) <= MOST_DECADES else (1,)
+    ticks = [step * 10.0**decade for decade in decades for step in steps]
+    shown = [tick for tick in ticks if 0.999 * factor.low <= tick <= 1.001 * factor.high]
+    return {"type": "log", "tickvals": shown, "ticktext": [f"{tick:g}" for tick in shown]}
 
 
 def _response_traces(results: StudyResults, measure: MeasureTable, k: int) -> Iterator[Any]:
@@ -139,7 +154,7 @@ def _response_traces(results: StudyResults, measure: MeasureTable, k: int) -> It
     if repeats:
         yield go.Scatter(
             x=[_axis_value(factor, point.values[k]) for point, _ in repeats], y=[value for _, value in repeats],
-            mode="markers", name="repeats", marker={"symbol": "x-thin", "size": 7, "line": {"width": 1, "color": GREY}},
+            mode="markers", name=REPEATS, marker={"symbol": "x-thin", "size": 7, "line": {"width": 1, "color": GREY}},
             hoverinfo="y",
         )  # fmt: skip
 
@@ -151,7 +166,7 @@ def _series(results: StudyResults, points: Sequence[Point], k: int) -> dict[str,
     other = results.controlled[1 - k]
     groups: dict[str, list[Point]] = {}
     for point in points:
-        groups.setdefault(f"{other.name} {other.shown(point.values[1 - k])}" if k == 0 else "", []).append(point)
+        groups.setdefault(f"{other.name} {other.shown(point.values[1 - k])}", []).append(point)
     return groups
 
 

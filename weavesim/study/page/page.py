@@ -13,6 +13,8 @@ from ...version import __version__
 from ..analysis.results import Point, StudyResults
 
 FILE_NAME = "study.html"
+# Of the charts.
+CONFIGURATION = {"displaylogo": False, "responsive": True}
 # Rows of the table in the page; runs.csv has all.
 LARGEST_TABLE = 2000
 
@@ -45,7 +47,7 @@ def write_page(path: Path, results: StudyResults, *, best: str = "") -> None:
     drawn = [
         (
             name, caption,
-            to_html(figure, full_html=False, include_plotlyjs=False, div_id=name, config={"displaylogo": False}),
+            to_html(figure, full_html=False, include_plotlyjs=False, div_id=name, config=CONFIGURATION),
         )
         for name, caption, figure in charts(results)
     ]  # fmt: skip
@@ -56,7 +58,7 @@ def write_page(path: Path, results: StudyResults, *, best: str = "") -> None:
             remarks=list(results.remarks()), charts=drawn, script=get_plotlyjs(), best=best,
             headings=_headings(results), rows=[_row(results, point) for point in results.points[:LARGEST_TABLE]],
             left_out=max(len(results.points) - LARGEST_TABLE, 0), measures=list(_measures(results)),
-            best_lines=_best_lines(results), version=__version__,
+            best_lines=_best_lines(results), decided=_decided(results), version=__version__,
         ),
     )  # fmt: skip
 
@@ -89,6 +91,17 @@ def _best_lines(results: StudyResults) -> list[tuple[str, str]]:
         (factor.name, factor.shown(value))
         for factor, value in zip(results.controlled, results.best.values, strict=True)
     ]
+
+
+def _decided(results: StudyResults) -> str:
+    """What made one point of several on the front the best."""
+    if len(results.goals) < 2 or len(results.front) < 2:
+        return ""
+    first = results.goals[0]
+    return (
+        f"Of {len(results.front)} points on the Pareto front the one with the {first.goal} {first.name}, the study's "
+        "first goal."
+    )
 
 
 def _measures(results: StudyResults) -> Iterator[tuple[str, str, str, str]]:

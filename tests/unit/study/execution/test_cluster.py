@@ -6,9 +6,11 @@ import pytest
 
 from tests.support.clusters import Cluster, free_port
 from tests.support.processes import wait_for
-from tests.support.studies import Silence, conducted, made, slow
+from tests.support.studies import Silence, conducted, made, slow, write_small_job
 from weavesim.errors import InputError
 from weavesim.study.execution.cluster import ClusterExecutor
+from weavesim.study.job_subject import JobSubject
+from weavesim.study.read import study_of_options
 from weavesim.study.record import write_runs
 from weavesim.study.subject import FunctionSubject
 from weavesim.study.table import RunTable
@@ -61,3 +63,13 @@ def test_no_scheduler_is_told(monkeypatch):
     monkeypatch.setattr("weavesim.study.execution.cluster.FIRST_WAIT", 0.5)
     with pytest.raises(InputError, match="no scheduler answers"):
         ClusterExecutor(f"tcp://127.0.0.1:{free_port()}")
+
+
+@pytest.mark.slow
+def test_a_job_has_the_same_table_on_a_cluster(tmp_path):
+    job, progress = write_small_job(tmp_path), Silence()
+    study = study_of_options(job, ["spring.corner.stiffness=500:2000:3"], ["max_shear_p99", "step_count"])
+    subject = JobSubject(job, threads=1)
+    with Cluster(tmp_path, 2) as cluster:
+        results = conducted(study, subject, tmp_path / "cluster.sqlite", ClusterExecutor(cluster.address), progress)
+    check_same(tmp_path, study, subject, results, progress, 3)

@@ -135,7 +135,7 @@ weavesim.Page = class {
     if (!(high > low) && scope === "last" && !field.lastOnly) return this.rangeOf(field, bound, "all");
     if (!(high >= low)) [low, high] = [0, 1];
     // sizes begin at zero
-    if (field.absolute || ["yarn_compression", "wrinkle_amplitude"].includes(field.name)) low = 0;
+    if (field.absolute || ["yarn_compression", "wrinkle_amplitude", "wrinkle_height"].includes(field.name)) low = 0;
     if (!(high > low)) high = low + (Math.abs(low) * 1e-3 || 1);
     return [low, high, field.lastOnly ? "last" : scope];
   }

@@ -1,0 +1,37 @@
+"""Units of the keys of a job, for values of a study that are written without one."""
+
+from __future__ import annotations
+
+from ..checks import Parameters
+from ..fabric.fabric import Fabric
+from ..job.overrides import overridden
+from ..job.read import JobFile
+from ..job.scenes import known_scenes
+from ..job.schema import Job
+from ..job.tables import table_within
+from ..ranges import quantity_of
+
+
+def unit_of_key(file: JobFile, key: str) -> str:
+    """SI unit of a key as --set takes it, such as "N" for "tools.ring.force"; "" for a pure number, or for no number.
+
+    Raises:
+        InputError: a table or an entry that the job does not have.
+    """
+    _, places = overridden(file.values, [f"{key}=0"])
+    ((first, *parts),) = places
+    table: type[Parameters] | None = Job
+    if first == "scene" and file.job.scene is not None:
+        scene = known_scenes().get(str(file.job.scene.get("name")))
+        table = None if scene is None else scene.load().parameters
+    elif first == "fabric":
+        table, parts = Fabric, parts[1:]
+    else:
+        parts = [first, *parts]
+    quantity = None
+    for part in parts:
+        if part.isdecimal():  # place in a list
+            continue
+        field = table.model_fields.get(part) if table is not None else None
+        table, quantity = (None, None) if field is None else (table_within(field), quantity_of(field))
+    return "" if quantity is None or quantity.row.unit == "1" else quantity.row.unit

@@ -190,6 +190,7 @@ def _drives(
         drive.damping, drive.fading = tool.motion.damper(of_contact)
         drive.largest_force = tool.motion.limiting_force
         drive.stiffness = of_contact
+        drive.stop, drive.stop_way = tool.motion.spacers
         first_knot += len(times)
         result.append(drive)
     return result

@@ -132,6 +132,18 @@ for _types in ALL_LANE_TYPES:
             )
 
         @wp.func
+        def scatter4(
+            target: _entries, index: _types.indices, first: wp.int32, stride: wp.int32,
+            vector: _types.lanes3, scalar: _types.lanes,
+        ):  # fmt: skip
+            """Write where ``gather4`` reads."""
+            entry = index[0] + first
+            target[entry] = vector[0][0]
+            target[entry + stride] = vector[1][0]
+            target[entry + 2 * stride] = vector[2][0]
+            target[entry + 3 * stride] = scalar[0]
+
+        @wp.func
         def record4(source: _rows, length: wp.int32, row: wp.int32, block: wp.int32):
             """The four rows from ``row`` on of a block of records of ``length`` numbers."""
             return wp.matrix_from_rows(
@@ -155,6 +167,12 @@ for _types in ALL_LANE_TYPES:
         @wp.func_native(_read(_types, "source.data + first + index[i]"))
         def gather4(source: _entries, index: _types.indices, first: wp.int32, stride: wp.int32) -> _types.lanes4:
             """The same of records: ``stride`` is one."""
+
+        @wp.func_native(_write(_types, "target.data + first + index[i]"))
+        def scatter4(
+            target: _entries, index: _types.indices, first: wp.int32, stride: wp.int32,
+            vector: _types.lanes3, scalar: _types.lanes,
+        ): ...  # fmt: skip
 
         @wp.func_native(_read(_types, _own(_types, "source")))
         def record4(source: _rows, length: wp.int32, row: wp.int32, block: wp.int32) -> _types.lanes4: ...

@@ -224,9 +224,9 @@ def findings(parameters: CantileverParameters, fabric: Fabric, simulation: Simul
         "overhang_mm": 1.0e3 * length,
         "chord_angle_deg": math.degrees(angle),
         "bending_length_mm": 1.0e3 * (peirce / weight) ** (1.0 / 3.0),
-        "input_bending_stiffness_nm": given,
-        "peirce_bending_stiffness_nm": peirce,
-        "elastica_bending_stiffness_nm": elastica,
+        "input_bending_stiffness_n_m": given,
+        "peirce_bending_stiffness_n_m": peirce,
+        "elastica_bending_stiffness_n_m": elastica,
         "peirce_over_input": peirce / given if comparable else None,
         "elastica_over_input": elastica / given if comparable else None,
     }

@@ -125,6 +125,7 @@ QUANTITIES: dict[str, Row] = {
     "Hersey number": Row("viscosity times speed over pressure", "m", (0.0, 1.0e3), (0.0, 1.0)),
     "viscosity": Row("viscosity of a resin", "Pa s", (1.0e-6, 1.0e9), (1.0e-3, 1.0e6)),
     "film thickness": Row("thickness of a film between plies", "m", (1.0e-8, 0.01), (1.0e-7, 1.0e-3)),
+    "contact allowance": Row("depth in a tool over the thickness", "1", (0.0, 0.5), (0.0, 0.2)),
     "stiffness share": Row("share of the largest contact stiffness", "1", (1.0e-6, 0.2), (1.0e-3, 0.2)),
     "damping rate": Row("mass-proportional damping rate", "1/s", (0.0, 1.0e9), (0.0, 1.0e6)),
     "damping ratio": Row("share of critical damping", "1", (0.0, 100.0), (0.0, 2.0)),

@@ -12,7 +12,8 @@ from ..lanes import lane_types
 def samples_struct(real: type, lane_count: int):
     """Constants of the samples of a sheet, and how far its nodes moved in the last step.
 
-    Sample j of the elements of a block has the number ``j * block_count + block`` in all arrays of [row, block].
+    Sample j of the elements of a block has the number ``j * block_count + block`` in all arrays of [row, block]. Blocks
+    are not those of the elements: they are as compact as the sheet allows, so that few have to be looked at.
     """
     types = lane_types(real, lane_count)
 
@@ -20,10 +21,13 @@ def samples_struct(real: type, lane_count: int):
     class Samples:
         corner_node: wp.array2d(dtype=types.indices)  # 4 rows: first entry of the node in the flat motion array
         node_stride: wp.int32  # entries between two of its rows
+        element: wp.array(dtype=types.indices)  # of a block: its first entry in the flat array of corners
+        corner_stride: wp.int32  # entries between two of its rows
         place: wp.array(dtype=wp.vec2d)  # of each sample in any element, -1 to 1 in both directions
         block_count: wp.int32  # of elements
         mass: wp.array(dtype=types.lanes)  # of one sample of each element [kg]; 0 for padding
         node_block: wp.array2d(dtype=wp.int32)  # [slot, block]: blocks of nodes that have the corners of a block
+        allowance: real  # depth of the surface in a tool from which samples push [m]
         lever: real  # largest size of an element [m]
 
     return Samples
@@ -46,8 +50,25 @@ def sampled_struct(real: type, lane_count: int):
 
 
 @cache
+def layer_struct(real: type, lane_count: int):
+    """Thickness of a block of elements in contact, and how it changes."""
+    lanes = lane_types(real, lane_count).lanes
+
+    @wp.struct
+    class Layer:
+        half_thickness: lanes  # less the depth that is allowed [m]
+        growth: lanes  # from half a step ago to half a step ahead [m]
+        thickened: real  # the largest growth in the last step [m]
+
+    return Layer
+
+
+@cache
 def patch_struct(real: type, lane_count: int):
-    """Corners of a block of elements; positions are relative to the first corner, and include the remainders."""
+    """Corners of a block of elements as a + u b + v c + u v d with -1 <= u, v <= 1.
+
+    Positions are relative to the first corner, and include the remainders.
+    """
     types = lane_types(real, lane_count)
     lanes3 = types.lanes3
 
@@ -55,17 +76,18 @@ def patch_struct(real: type, lane_count: int):
     class Patch:
         origin: lanes3  # the first corner [m]
         remainder: lanes3  # of its position [m]
-        x2: lanes3  # [m]
-        x3: lanes3
-        x4: lanes3
-        d1: lanes3
-        d2: lanes3
-        d3: lanes3
-        d4: lanes3
-        v1: lanes3  # [m/s]
-        v2: lanes3
-        v3: lanes3
-        v4: lanes3
+        x: lanes3  # [m]
+        x_u: lanes3
+        x_v: lanes3
+        x_uv: lanes3
+        d: lanes3  # director
+        d_u: lanes3
+        d_v: lanes3
+        d_uv: lanes3
+        v: lanes3  # [m/s]
+        v_u: lanes3
+        v_v: lanes3
+        v_uv: lanes3
 
     return Patch
 
@@ -90,35 +112,19 @@ def point_struct(real: type, lane_count: int):
 
 
 @cache
-def weight_struct(real: type):
-    """Shares of the corners in a sample, and their derivatives along both directions from -1 to 1."""
-    vec4 = wp.types.vector(4, real)
-
-    @wp.struct
-    class Weight:
-        share: vec4
-        by_u: vec4
-        by_v: vec4
-        rest_u: real  # (1 - u^2)/2
-        rest_v: real
-
-    return Weight
-
-
-@cache
 def load_struct(real: type, lane_count: int):
-    """Forces [N] and couples [N m] on the corners of a block of elements."""
+    """Forces [N] and couples [N m] on a block of elements; corner I gets a quarter of a + u_I b + v_I c + u_I v_I d."""
     lanes3 = lane_types(real, lane_count).lanes3
 
     @wp.struct
     class Load:
-        force1: lanes3
-        force2: lanes3
-        force3: lanes3
-        force4: lanes3
-        couple1: lanes3
-        couple2: lanes3
-        couple3: lanes3
-        couple4: lanes3
+        force: lanes3
+        force_u: lanes3
+        force_v: lanes3
+        force_uv: lanes3
+        couple: lanes3
+        couple_u: lanes3
+        couple_v: lanes3
+        couple_uv: lanes3
 
     return Load

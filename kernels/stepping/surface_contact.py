@@ -13,9 +13,8 @@ from ..carried.pose import away_function, read_pose_function, surface_speed_func
 from ..contact.tool_distance import tool_set_struct
 from ..lanes import dot, lane_maximum, lane_types, rows3, step_options, store_rows3
 from ..operators import div, mul  # noqa: F401
-from ..records import SCALAR, record4
+from ..records import SCALAR, gather4
 from ..rows import (
-    CORNER_ROW_COUNT,
     ClockEntry,
     CornerRow,
     MotionRow,
@@ -25,8 +24,8 @@ from ..rows import (
     ThicknessRow,
 )
 from .node_data import NodeTraits, node_laws_struct, present_struct, surroundings_struct
-from .sample_data import load_struct, patch_struct, point_struct, sampled_struct, samples_struct
-from .surface_point import corner_function, load_functions, patch_function, point_function, weight_function
+from .sample_data import layer_struct, load_struct, patch_struct, point_struct, sampled_struct, samples_struct
+from .surface_point import corner_function, load_functions, patch_function, point_function
 
 # Largest distance of a sample from the first corner of its element, over the initial size of the largest one.
 FURTHEST_SAMPLE = wp.constant(2.0)
@@ -67,7 +66,7 @@ def watch_function(real: type, lane_count: int, carried: bool = False):
         return real(2.0) * travel + samples.lever * turn
 
     @wp.func
-    def reduce_gaps(
+    def is_near(
         samples: Samples,
         block: wp.int32,
         laws: NodeLaws,
@@ -77,27 +76,74 @@ def watch_function(real: type, lane_count: int, carried: bool = False):
         thickened: real,
         sampled: Sampled,
     ):
-        way = way_of_samples(samples, block, moved)
+        """Whether a sample of the block may touch a tool; its smallest gap to each is reduced by what all moved."""
+        way = way_of_samples(samples, block, moved) + thickened
         tool_share = real(2.0) * real(around.clock[ClockEntry.mean_step])
+        smallest = samples.place.shape[0] * samples.block_count + block
         near = wp.int32(0)
         for k in range(laws.tool_count):
             tool_way = tool_share * tool_speed(samples, block, around.tools, k, motion)
-            for j in range(samples.place.shape[0]):
-                number = j * samples.block_count + block
-                gap = real(_LESS) * sampled.touch.gap[k, number] - way
-                if not gap - tool_way - thickened > real(0.0):
-                    near = wp.int32(1)
-                sampled.touch.gap[k, number] = gap
-        if near == 0:
-            # else done where the tools are met
-            for k in range(laws.tool_count):
-                tool_way = tool_share * tool_speed(samples, block, around.tools, k, motion)
-                for j in range(samples.place.shape[0]):
-                    number = j * samples.block_count + block
-                    sampled.touch.gap[k, number] = sampled.touch.gap[k, number] - tool_way - thickened
+            left = real(_LESS) * sampled.touch.gap[k, smallest] - (way + tool_way)
+            if not left > real(0.0):
+                near = wp.int32(1)
+            sampled.touch.gap[k, smallest] = left
         return near
 
-    return reduce_gaps
+    @wp.func
+    def wake(
+        samples: Samples,
+        block: wp.int32,
+        laws: NodeLaws,
+        around: Surroundings,
+        motion: wp.array(dtype=real),
+        thickened: real,
+        sampled: Sampled,
+    ):
+        """Bits of the samples that may touch a tool; all gaps are reduced by what everything moved since the last."""
+        tool_share = real(2.0) * real(around.clock[ClockEntry.mean_step])
+        count = samples.place.shape[0]
+        awake = wp.int32(0)
+        for k in range(laws.tool_count):
+            first = sampled.touch.gap[k, block]
+            for j in range(1, count):
+                first = wp.min(first, sampled.touch.gap[k, j * samples.block_count + block])
+            moved = first - sampled.touch.gap[k, count * samples.block_count + block]
+            if not first < wp.inf:
+                moved = real(0.0)  # a tool that does not act
+            for j in range(count):
+                number = j * samples.block_count + block
+                gap = real(_LESS) * sampled.touch.gap[k, number] - moved
+                if not gap > real(0.0):
+                    awake = awake | (1 << j)
+                sampled.touch.gap[k, number] = gap
+        for k in range(laws.tool_count):
+            last_way = tool_share * tool_speed(samples, block, around.tools, k, motion) + thickened
+            for j in range(count):
+                if (awake >> j) & 1 != 0:
+                    # subtracted where the tools are met
+                    number = j * samples.block_count + block
+                    sampled.touch.gap[k, number] = sampled.touch.gap[k, number] + last_way
+        return awake
+
+    @wp.func
+    def touches(samples: Samples, number: wp.int32, laws: NodeLaws, sampled: Sampled):
+        """Whether a sample was in a tool when it was looked at last."""
+        result = wp.int32(0)
+        for k in range(laws.tool_count):
+            if not sampled.touch.gap[k, number] > -laws.spare_distance:
+                result = wp.int32(1)
+        return result
+
+    @wp.func
+    def note_smallest(samples: Samples, block: wp.int32, tool_count: wp.int32, sampled: Sampled):
+        count = samples.place.shape[0]
+        for k in range(tool_count):
+            smallest = sampled.touch.gap[k, block]
+            for j in range(1, count):
+                smallest = wp.min(smallest, sampled.touch.gap[k, j * samples.block_count + block])
+            sampled.touch.gap[k, count * samples.block_count + block] = smallest
+
+    return is_near, wake, touches, note_smallest
 
 
 @cache
@@ -152,61 +198,62 @@ def book_function(real: type, lane_count: int):
 
 @cache
 def present_sample_function(real: type, lane_count: int, follows_thickness: bool):
-    """Functions for ``Present`` of a block of elements, and of one of its samples."""
+    """Functions for the ``Layer`` of a block of elements, and for ``Present`` of one of its samples."""
     types = lane_types(real, lane_count)
     lanes = types.lanes
     Samples, NodeLaws = samples_struct(real, lane_count), node_laws_struct(real)
     Present, Sampled = present_struct(real, lane_count), sampled_struct(real, lane_count)
     Patch, Point = patch_struct(real, lane_count), point_struct(real, lane_count)
+    Layer = layer_struct(real, lane_count)
 
     @wp.func
-    def present_elements(
-        block: wp.int32,
-        samples: Samples,
-        laws: NodeLaws,
-        clock: wp.array(dtype=wp.float64),
-        corner_force: wp.array2d(dtype=lanes),
-        sampled: Sampled,
+    def follow_thickness(
+        block: wp.int32, samples: Samples, laws: NodeLaws, corner_force: wp.array(dtype=real), sampled: Sampled
     ):
-        present = Present()
-        present.mean_step = real(clock[ClockEntry.mean_step])
-        present.mass = samples.mass[block]
-        present.half_thickness = lanes(laws.half_thickness)
+        layer = Layer()
+        half = lanes(laws.half_thickness)
         if wp.static(follows_thickness):
             # as at nodes: the work of the springs from half a step ago to half a step ahead
             thickness = sampled.touch.thickness
-            half = real(0.5) * record4(corner_force, CORNER_ROW_COUNT, CornerRow.force, block)[SCALAR]
+            stride = samples.corner_stride
+            piece = gather4(corner_force, samples.element[block], CornerRow.force * stride, stride)
+            half = real(0.5) * piece[SCALAR]
             last = half - thickness[ThicknessRow.half, block]
-            present.half_thickness = half
-            present.growth = real(1.5) * last - real(0.5) * thickness[ThicknessRow.growth, block]
-            present.thickened = wp.max(lane_maximum(last), real(0.0))
+            layer.growth = real(1.5) * last - real(0.5) * thickness[ThicknessRow.growth, block]
+            layer.thickened = wp.max(lane_maximum(last), real(0.0))
             thickness[ThicknessRow.half, block] = half
             thickness[ThicknessRow.growth, block] = last
-        return present
+        layer.half_thickness = half - lanes(samples.allowance)
+        return layer
 
     @wp.func
-    def present_sample(present: Present, number: wp.int32, patch: Patch, point: Point):
+    def present_sample(number: wp.int32, mean_step: real, mass: lanes, layer: Layer, patch: Patch, point: Point):
+        present = Present()
         present.block = number
+        present.mean_step = mean_step
+        present.mass = mass
+        present.half_thickness = layer.half_thickness
+        present.growth = layer.growth
+        present.thickened = layer.thickened
         present.position = patch.origin
         present.remainder = patch.remainder + point.way
         present.velocity = point.velocity
         return present
 
-    return present_elements, present_sample
+    return follow_thickness, present_sample
 
 
 @cache
-def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
-    """Kernel, launched once per step after ``element_forces``: contact at the samples between nodes."""
-    types = lane_types(real, lane_count)
-    lanes, lanes3, layout = types.lanes, types.lanes3, (real, lane_count)
-    Samples, Sampled = samples_struct(*layout), sampled_struct(*layout)
+def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
+    """wp.func (block of elements, ...) -> contact at its samples; see ``surface_contact_kernel``."""
+    lanes3, layout = lane_types(real, lane_count).lanes3, (real, lane_count)
+    Samples, Sampled, Layer = samples_struct(*layout), sampled_struct(*layout), layer_struct(*layout)
     NodeLaws, Surroundings = node_laws_struct(real), surroundings_struct(*layout)
-    read_patch, weight_at = patch_function(*layout), weight_function(real)
-    surface_point, reduce_gaps = point_function(*layout), watch_function(*layout, traits.carried)
-    present_elements, present_sample = present_sample_function(*layout, traits.follows_thickness)
+    read_patch, surface_point = patch_function(*layout), point_function(*layout)
+    is_near, wake, touches, note_smallest = watch_function(*layout, traits.carried)
+    follow_thickness, present_sample = present_sample_function(*layout, traits.follows_thickness)
     meet_tools, book = meeting_function(*layout, traits), book_function(*layout)
-    Load, (add_load, store_load) = load_struct(*layout), load_functions(*layout)
+    Load, (add_load, store_forces, store_couples) = load_struct(*layout), load_functions(*layout)
 
     @wp.func
     def push_tools(samples: Samples, block: wp.int32, tool_count: wp.int32, sampled: Sampled):
@@ -221,6 +268,74 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
                     moment = moment + sampled.touch.moment[k, j * samples.block_count + block]
                 sampled.moment[k, block] = moment
 
+    @wp.func
+    def meet(
+        block: wp.int32,
+        layer: Layer,
+        samples: Samples,
+        laws: NodeLaws,
+        around: Surroundings,
+        motion: wp.array(dtype=real),
+        corner_force: wp.array(dtype=real),
+        sampled: Sampled,
+    ):
+        """Apart, so that variables are set to zero in blocks that come here only."""
+        count = samples.place.shape[0]
+        touched = wp.int32(0)
+        for j in range(count):
+            touched = touched | (touches(samples, j * samples.block_count + block, laws, sampled) << j)
+        awake = wake(samples, block, laws, around, motion, layer.thickened, sampled)
+        patch = read_patch(samples, block, motion)
+        mean_step = real(around.clock[ClockEntry.mean_step])
+        load = Load()
+        loaded = wp.int32(0)
+        for j in range(count):
+            if (awake >> j) & 1 != 0:
+                number = j * samples.block_count + block
+                u, v = real(samples.place[j][0]), real(samples.place[j][1])
+                point = surface_point(patch, u, v)
+                sample = present_sample(number, mean_step, samples.mass[block], layer, patch, point)
+                force, friction, friction_power, dashpots, dashpot_power = meet_tools(
+                    sample, laws, around.tools, lanes3(), sampled.touch, sampled.works
+                )
+                pushes = touches(samples, number, laws, sampled)
+                if pushes | ((touched >> j) & 1) != 0:
+                    book(sample, friction, friction_power, dashpots, dashpot_power, sampled)
+                if pushes != 0:
+                    load = add_load(load, point, u, v, force, force - friction - dashpots)
+                    loaded = wp.int32(1)
+        if loaded != 0:
+            store_forces(samples, block, load, corner_force)
+            store_couples(samples, block, load, corner_force)
+        if loaded | touched != 0:
+            push_tools(samples, block, laws.tool_count, sampled)
+        note_smallest(samples, block, laws.tool_count, sampled)
+
+    @wp.func
+    def contact_of_block(
+        block: wp.int32,
+        samples: Samples,
+        laws: NodeLaws,
+        around: Surroundings,
+        moved: wp.array2d(dtype=real),
+        motion: wp.array(dtype=real),
+        corner_force: wp.array(dtype=real),
+        sampled: Sampled,
+    ):
+        layer = follow_thickness(block, samples, laws, corner_force, sampled)
+        if is_near(samples, block, laws, around, moved, motion, layer.thickened, sampled) != 0:
+            meet(block, layer, samples, laws, around, motion, corner_force, sampled)
+
+    return contact_of_block
+
+
+@cache
+def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
+    """Kernel, launched once per step after ``element_forces``: contact at the samples between nodes."""
+    Samples, Sampled = samples_struct(real, lane_count), sampled_struct(real, lane_count)
+    NodeLaws, Surroundings = node_laws_struct(real), surroundings_struct(real, lane_count)
+    contact_of_block = surface_contact_function(real, lane_count, traits)
+
     @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real, inlined=True))
     def surface_contact(
         # In
@@ -231,25 +346,9 @@ def surface_contact_kernel(real: type, lane_count: int, traits: NodeTraits):
         moved: wp.array2d(dtype=real),  # of blocks of nodes, rows: see MovedRow
         motion: wp.array(dtype=real),
         # Out
-        corner_force: wp.array2d(dtype=lanes),  # rows: see CornerRow
+        corner_force: wp.array(dtype=real),  # flat, rows: see CornerRow
         sampled: Sampled,
     ):
-        block = first_block + wp.tid()
-        present = present_elements(block, samples, laws, around.clock, corner_force, sampled)
-        if reduce_gaps(samples, block, laws, around, moved, motion, present.thickened, sampled) != 0:
-            patch = read_patch(samples, block, motion)
-            load = Load()
-            for j in range(samples.place.shape[0]):
-                weight = weight_at(samples.place[j])
-                point = surface_point(patch, weight)
-                sample = present_sample(present, j * samples.block_count + block, patch, point)
-                force, friction, friction_power, dashpots, dashpot_power = meet_tools(
-                    sample, laws, around.tools, lanes3(), sampled.touch, sampled.works
-                )
-                book(sample, friction, friction_power, dashpots, dashpot_power, sampled)
-                if not lane_maximum(dot(force, force)) <= real(0.0):
-                    load = add_load(load, point, weight, force, force - friction - dashpots)
-            store_load(block, load, corner_force)
-            push_tools(samples, block, laws.tool_count, sampled)
+        contact_of_block(first_block + wp.tid(), samples, laws, around, moved, motion, corner_force, sampled)
 
     return surface_contact

@@ -12,6 +12,7 @@ from ..shell.frequency import step_bounds_struct
 from ..shell.kinematics import element_struct
 from ..shell.laws import SheetTraits, sheet_struct
 from ..stepping.node_data import node_laws_struct, node_struct, surroundings_struct
+from ..stepping.sample_data import sampled_struct, samples_struct
 from ..stepping.tools import ToolBooks, ToolDrives
 
 
@@ -49,6 +50,23 @@ def node_arguments(real: type, lane_count: int):
         works: wp.array2d(dtype=lanes)
 
     return NodeArguments
+
+
+@cache
+def sample_arguments(real: type, lane_count: int):
+    """What ``surface_contact_function`` takes."""
+
+    @wp.struct
+    class SampleArguments:
+        samples: samples_struct(real, lane_count)
+        laws: node_laws_struct(real)
+        around: surroundings_struct(real, lane_count)
+        moved: wp.array2d(dtype=real)
+        motion: wp.array(dtype=real)
+        corner_force: wp.array(dtype=real)
+        sampled: sampled_struct(real, lane_count)
+
+    return SampleArguments
 
 
 @cache

@@ -19,7 +19,15 @@ from ..shell.laws import SheetTraits
 from ..stepping.node import node_motion_function
 from ..stepping.node_data import NodeTraits
 from ..stepping.step import fold_works_function
-from .arguments import force_arguments, frequency_arguments, grip_arguments, node_arguments, record_arguments
+from ..stepping.surface_contact import surface_contact_function
+from .arguments import (
+    force_arguments,
+    frequency_arguments,
+    grip_arguments,
+    node_arguments,
+    record_arguments,
+    sample_arguments,
+)
 
 
 def over_worlds(name: str, arguments: Any, work: wp.Function, options: dict[str, Any] | None = None) -> wp.Kernel:
@@ -64,6 +72,19 @@ def world_nodes_kernel(real: type, lane_count: int, traits: NodeTraits):
         move_block(block, a.nodes, a.laws, a.around, a.corners, a.motion, a.touch, a.works)
 
     return over_worlds("world_nodes", Arguments, nodes, step_options(real))
+
+
+@cache
+def world_samples_kernel(real: type, lane_count: int, traits: NodeTraits):
+    """Kernel, launched once per step before the nodes: contact between them; see ``surface_contact_kernel``."""
+    Arguments = sample_arguments(real, lane_count)
+    contact_of_block = surface_contact_function(real, lane_count, traits)
+
+    @wp.func
+    def samples(block: int, a: Arguments):
+        contact_of_block(block, a.samples, a.laws, a.around, a.moved, a.motion, a.corner_force, a.sampled)
+
+    return over_worlds("world_samples", Arguments, samples, step_options(real, inlined=True))
 
 
 @cache

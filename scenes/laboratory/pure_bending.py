@@ -227,7 +227,7 @@ def findings(curves: Curves) -> dict[str, Any]:
     return {
         "largest_curvature_per_m": float(kappa[top]),
         "largest_moment_n": float(moment.max()),
-        "bending_rigidity_nm": rigidity,
+        "bending_rigidity_n_m": rigidity,
         "bending_hysteresis_n": hysteresis,
         "largest_moment_error_ratio": float(error),
         **measured_differences(curves),

@@ -50,7 +50,7 @@ def test_cantilever_compares_no_stiffness_where_the_moment_is_a_curve_or_has_fri
         found = cantilever.findings(parameters, fabric, hanging)
         for name in ("peirce_over_input", "elastica_over_input"):
             assert (found[name] is not None) == comparable
-        assert found["elastica_bending_stiffness_nm"] > 0.0
+        assert found["elastica_bending_stiffness_n_m"] > 0.0
 
 
 def test_a_measured_profile_is_compared_with_the_strip(tmp_path):

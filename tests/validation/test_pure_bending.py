@@ -27,7 +27,7 @@ def test_a_linear_strip_has_its_stiffness_and_no_loop(tmp_path):
             out=tmp_path / "out", width=0.001, threads=1, measured=tmp_path / "kes.csv", write="summary,pictures"
         )
     )
-    assert summary["bending_rigidity_nm"] == pytest.approx(rigidity, rel=5e-3)
+    assert summary["bending_rigidity_n_m"] == pytest.approx(rigidity, rel=5e-3)
     assert summary["largest_curvature_per_m"] == pytest.approx(250.0, rel=0.01)
     assert summary["largest_moment_error_ratio"] < 0.01
     assert abs(summary["bending_hysteresis_n"]) < 0.005 * summary["largest_moment_n"]
@@ -42,7 +42,7 @@ def test_kawabata_numbers_come_back():
     law = BendingCurve.from_kawabata(1.0e-3, 0.05)
     fabric = glass_polypropylene().model_copy(update={"bending": YarnBending(warp=law, weft=5.0e-4, twist=5.0e-4)})
     found, c = bent(fabric)
-    assert found["bending_rigidity_nm"] == pytest.approx(1.0e-3, rel=0.01)
+    assert found["bending_rigidity_n_m"] == pytest.approx(1.0e-3, rel=0.01)
     assert found["bending_hysteresis_n"] == pytest.approx(0.05, rel=0.03)
     assert found["largest_moment_error_ratio"] < 0.01
     assert c["moment_n"].max() == pytest.approx(1.0e-3 * 250.0 + 0.025, rel=1e-3)
@@ -52,7 +52,7 @@ def test_kawabata_numbers_come_back():
 def test_a_plate_that_stays_straight_across_has_the_stiffness_of_a_plate():
     fabric = glass_polypropylene().model_copy(update={"bending": IsotropicBending(modulus=20.0e6, poisson_ratio=0.3)})
     found, _ = bent(fabric, largest_curvature=150.0)
-    assert found["bending_rigidity_nm"] == pytest.approx(20.0e6 * 1.2e-3**3 / (12.0 * 0.91), rel=5e-3)
+    assert found["bending_rigidity_n_m"] == pytest.approx(20.0e6 * 1.2e-3**3 / (12.0 * 0.91), rel=5e-3)
 
 
 def test_a_path_with_friction_follows_the_slider():

@@ -91,7 +91,7 @@ class Launches:
         state: what the launches read and write.
 
     Attributes:
-        sheet_kernels, arguments, node_laws: of every sheet.
+        sheet_kernels, arguments, node_laws: of every sheet; surface: of those with contact between nodes.
         tool_books: what is booked of the tools.
         squared_frequency: of the elements of every sheet, at the last refresh [1/s^2].
     """
@@ -102,7 +102,7 @@ class Launches:
         self.sheet_kernels = [SheetKernels.of(sheet) for sheet in model.sheets]
         self.arguments = [self._of_sheet(index) for index in range(len(model.sheets))]
         self.node_laws = [sheet.node_laws() for sheet in model.sheets]
-        self._surface = {
+        self.surface = {
             index: SurfaceContact(
                 sheet,
                 state.sheets[index],
@@ -224,9 +224,9 @@ class Launches:
 
         Nothing where only nodes meet tools; else after ``element_forces`` of these, and before their nodes move.
         """
-        if index in self._surface:
+        if index in self.surface:
             arguments = self.arguments[index]
-            self._surface[index].launch(first, count, self.node_laws[index], arguments.around, arguments.corner_force)
+            self.surface[index].launch(first, count, arguments.around)
 
     def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""
@@ -300,8 +300,8 @@ class Launches:
         """Add the works of the last steps of sheet ``index`` to their sums: the share of one thread."""
         own, arguments = self.state.sheets[index], self.arguments[index]
         folded = [(arguments.node_work, own.node_work_sum)]
-        if index in self._surface:
-            folded.append((self._surface[index].works, own.sample_work_sum))
+        if index in self.surface:
+            folded.append((self.surface[index].works, own.sample_work_sum))
         for works, sums in folded:
             first, count = chunks(sums.shape[1], thread_count)[thread]
             wp.launch(self._fold_works, dim=count, inputs=[first], outputs=[works, sums], device=self.model.device)
@@ -354,7 +354,7 @@ class Launches:
             for kernels in self.sheet_kernels
             for kernel in (kernels.forces, kernels.nodes, kernels.frequencies, kernels.extremes)
         ]
-        own += [surface.kernel for surface in self._surface.values()]
+        own += [surface.kernel for surface in self.surface.values()]
         common = [self._tool_motion, self._partial_maximum, self._set_step, self._fold_works]
         common += [self._partial_sums_of(values) for values in self._sums[:-1]]
         if self.model.drives.count:

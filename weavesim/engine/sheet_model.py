@@ -161,8 +161,8 @@ class SheetModel:
         self._contact_frequency = CONTACT_SHARE / (contact_step or self.reference_step) ** 2
         self.contact_stiffness = self._contact_frequency * self.node_mass
         self.samples = Samples.of(
-            world.tools if self.node_traits.sampled else (), fabric.thickness, self.geometry,
-            blank.node_position[blank.quads], 4.0 * corner_mass, self._contact_frequency, self.corners,
+            world.tools if self.node_traits.sampled else (), fabric.thickness, world.dynamics.contact_allowance,
+            self.geometry, blank.node_position[blank.quads], 4.0 * corner_mass, self._contact_frequency, self.corners,
         )  # fmt: skip
 
         # padding elements keep an infinite areal density: they never limit the step

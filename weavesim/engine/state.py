@@ -69,7 +69,7 @@ class SheetState:
     sample_friction: wp.array  # flat, ``Samples.layout`` [m]
     sample_depth: wp.array  # (tools, samples), as depth
     sample_friction_argument: wp.array  # (2 tools, samples), as friction_argument
-    sample_gap: wp.array  # (tools, sample blocks), as gap
+    sample_gap: wp.array  # (tools, sample blocks, then blocks of elements), as gap, and the smallest of each block
     # (tools, sample blocks) vec3, force of each block of samples on each tool [N]; where tools are carried, as many
     # rows of moments below [N m]
     sample_reaction: wp.array
@@ -133,7 +133,7 @@ class SheetState:
             sample_friction=zeros(3 * tool_rows * samples),
             sample_depth=zeros(tool_rows, samples),
             sample_friction_argument=wp.array(argument_rows(model, samples), dtype=real, device=device),
-            sample_gap=zeros(tool_rows, sample_blocks),
+            sample_gap=zeros(tool_rows, sample_blocks + sample_blocks // max(len(model.samples.places), 1)),
             sample_reaction=zeros(
                 (2 if model.node_traits.carried else 1) * tool_rows, sample_blocks, dtype=model.types.vec3
             ),

@@ -225,7 +225,8 @@ class Stepper:
 
     def _parts(self, thread_count: int) -> list[list[Part]]:
         return [
-            divide_step(sheet.element_nodes, sheet.lane_count, thread_count, TILE_SIZE) for sheet in self.model.sheets
+            divide_step(sheet.element_nodes, sheet.lane_count, thread_count, TILE_SIZE, sheet.samples.window)
+            for sheet in self.model.sheets
         ]
 
     # --- recordings --------------------------------------------------------------------------------------------------

@@ -29,7 +29,9 @@ class Part:
     shared: tuple[tuple[int, int], ...]
 
 
-def divide_step(element_nodes: np.ndarray, lane_count: int, thread_count: int, tile_size: int) -> list[Part]:
+def divide_step(
+    element_nodes: np.ndarray, lane_count: int, thread_count: int, tile_size: int, window: int = 1
+) -> list[Part]:
     """Distribute the elements to threads and divide them into tiles.
 
     A node can move as soon as all of its elements are done, and it is fastest while their forces are in the cache. With
@@ -40,6 +42,7 @@ def divide_step(element_nodes: np.ndarray, lane_count: int, thread_count: int, t
         lane_count: elements or nodes per block.
         thread_count: number of parts.
         tile_size: elements of a tile.
+        window: blocks of elements that stay together, from the first block on.
     """
     block_of_element = np.arange(element_nodes.shape[1]) // lane_count
     block_count, node_block_count = block_of_element[-1] + 1, element_nodes.max() // lane_count + 1
@@ -51,11 +54,12 @@ def divide_step(element_nodes: np.ndarray, lane_count: int, thread_count: int, t
     # node blocks stay in order: each waits for those before it too
     last = np.maximum.accumulate(last)
     first = np.minimum.accumulate(first[::-1])[::-1]
-    tile_block_count = max(tile_size // lane_count, 1)
+    tile_block_count = max(tile_size // (lane_count * window), 1) * window
     tiles: list[list[tuple[tuple[int, int], tuple[int, int]]]] = []
     shared: list[np.ndarray] = []
     moved = 0
-    for start, count in chunks(block_count, thread_count):
+    windows = chunks(-(-block_count // window), thread_count)
+    for start, count in ((window * a, min(window * n, block_count - window * a)) for a, n in windows):
         own = max(moved, int(np.searchsorted(first, start)))
         end = max(own, int(np.searchsorted(last, start + count)))
         own = min(own, end)

@@ -33,10 +33,12 @@ JOULES = Unit("j", "J")
 NEWTONS = Unit("n", "N")
 METRES = Unit("m", "m")
 PER_SECOND = Unit("per_second", "1/s")
+SQUARE_MILLIMETRES = Unit("mm2", "mm²")
 # Longer endings first: "n_per_m" ends in "m" too.
 UNITS = (
-    Unit("n_per_m", "N/m"), PER_SECOND, DEGREES, MILLIMETRES, SECONDS, JOULES, NEWTONS, METRES,
-    Unit("pa", "Pa"), Unit("kg", "kg"),
+    Unit("n_per_m", "N/m"), Unit("n_m", "N m"), Unit("n_s", "N s"), PER_SECOND, SQUARE_MILLIMETRES, Unit("m2", "m²"),
+    DEGREES, MILLIMETRES, SECONDS, JOULES, NEWTONS, METRES,
+    Unit("pa", "Pa"), Unit("kg", "kg"), Unit("g", "g"), Unit("percent", "%"),
 )  # fmt: skip
 
 

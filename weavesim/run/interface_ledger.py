@@ -64,16 +64,16 @@ class InterfaceLedger:
     def report(self, state: State, ahead: State) -> list[dict[str, Any]]:
         """Numbers of every interface for the summary, by names with units."""
         result: list[dict[str, Any]] = [
-            {"name": each, "force_N": 0.0, "max_pressure_Pa": 0.0, "max_slip_mm": 0.0, "max_entry_mm": 0.0}
+            {"name": each, "force_n": 0.0, "max_pressure_pa": 0.0, "max_slip_mm": 0.0, "max_entry_mm": 0.0}
             for each in self._contact_names
         ]
         for entry, energies in zip(result, self.by_interface(state, ahead), strict=True):
-            entry |= {f"{name}_J": value for name, value in energies.items()}
+            entry |= {f"{name}_j": value for name, value in energies.items()}
         for model, own in zip(self.passes, ahead.passes, strict=True):
             entry, rows = result[model.place.interface], own.read_rows(model)
-            entry["force_N"] += float(rows["push"].sum())
+            entry["force_n"] += float(rows["push"].sum())
             pressure = model.area_stiffness * float((rows["push"] / model.stiffness).max())
-            entry["max_pressure_Pa"] = max(entry["max_pressure_Pa"], pressure)
+            entry["max_pressure_pa"] = max(entry["max_pressure_pa"], pressure)
             for key, row in (("max_slip_mm", "slip"), ("max_entry_mm", "largest_entry")):
                 entry[key] = max(entry[key], 1e3 * float(rows[row].max()))
         return result

@@ -145,8 +145,10 @@ class SheetLedger:
     def written_fields(self, frame: SheetFrame) -> dict[str, np.ndarray]:
         """Fields that only the frames of observers have, of the frame just taken; waits for the device."""
         forces, node_distance = self.tool_forces(), self._distance[:, : len(frame.position)]
-        pressed = self._tool_fields(forces, frame.director, frame.fields["area_ratio"])
-        return pressed | self._surface_fields(frame.position, frame.fields, node_distance)
+        found = self._tool_fields(forces, frame.director, frame.fields["area_ratio"])
+        found |= self._surface_fields(frame.position, frame.fields, node_distance)
+        # in the precision of the run, as the fields of the kernels: no more is known, and files are smaller
+        return {name: values.astype(self._model.precision.numpy).astype(np.float64) for name, values in found.items()}
 
     def _launch(self, ahead: SheetState) -> None:
         sheet = self._model
@@ -231,11 +233,13 @@ class SheetLedger:
         """Energies of the springs of contact and friction, at nodes and at the samples between them."""
         sheet, node_count, element_count = self._model, len(position), self._model.blank.element_count
         sample_count = len(sheet.samples.places)
+        slot = sheet.samples.slot
         points = [position, *self._surfaces(position, director, sheet.samples.places)]
         half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
-            half_thickness = np.concatenate([own[:node_count], np.tile(between[:element_count], sample_count)])
+            half_thickness = np.concatenate([own[:node_count], np.tile(between[slot], sample_count)])
+        half_thickness[node_count:] -= sheet.samples.allowance
         self._half_thickness = half_thickness
         stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
         self._distance = self._contact_gaps(np.concatenate(points))
@@ -243,7 +247,7 @@ class SheetLedger:
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
         of_samples = sheet.samples.layout.read(ahead.sample_friction)[: 3 * sheet.tool_count]
         of_samples = of_samples.reshape(len(friction), sample_count, sheet.element_count)
-        of_samples = of_samples[..., :element_count].reshape(len(friction), sample_count * element_count)
+        of_samples = of_samples[..., slot].reshape(len(friction), sample_count * element_count)
         friction = np.concatenate([friction, of_samples], axis=1, dtype=np.float64)
         return {
             "contact": 0.5 * float((stiffness * np.square(penetration)).sum()),
@@ -263,8 +267,7 @@ class SheetLedger:
         yield flat[there], low[there], high[there]
         if count := len(sheet.samples.places):
             rows = self._own.sample_friction_argument.numpy()[2 * tool : 2 * tool + 2]
-            rows = rows.reshape(2, count, sheet.element_count)[..., : sheet.blank.element_count]
-            rows = rows[..., sheet.kept]
+            rows = rows.reshape(2, count, sheet.element_count)[..., sheet.samples.slot[sheet.kept]]
             yield flat[sheet.blank.quads[sheet.kept]].mean(axis=1), rows[0].min(axis=0), rows[1].max(axis=0)
 
     # --- distances to the tools --------------------------------------------------------------------------------------

@@ -17,15 +17,14 @@ import numpy as np
 from ..errors import InputError, did_you_mean
 from ..measures.defects.judgement import Judgement, Limits
 from ..measures.findings import Finding, FormedSheet, found
-from ..measures.units import DEGREES, MILLIMETRES, PURE, Unit, split_unit
+from ..measures.units import DEGREES, MILLIMETRES, PURE, SQUARE_MILLIMETRES, split_unit
 from ..output.stored.judged import distance_to, own_locking_angle
 from ..run.staging.part import part_of
-from ..sheet.topology import flat_areas
+from ..sheet.topology import area_percentile, flat_areas
 
 if TYPE_CHECKING:
     from ..run.simulation import Simulation
 
-SQUARE_MILLIMETRES = Unit("mm2", "mm²")
 # Of clocks and machines: another in every run of the same set-up.
 VOLATILE = {
     "wall_time_s", "stepping_time_s", "output_time_s", "element_steps_per_second", "threads", "run_id", "device",
@@ -56,10 +55,7 @@ class FormedRun:
 
     def percentile(self, name: str, share: float) -> float:
         """Value that a share [%] of the area stays below."""
-        values = self.field(name)
-        order = np.argsort(values)
-        below = np.cumsum(self.area[order]) - 0.5 * self.area[order]
-        return float(np.interp(0.01 * share * self.area.sum(), below, values[order]))
+        return area_percentile(self.field(name), self.area, share)
 
     def mean_square_root(self, name: str) -> float:
         """Root mean square over the area."""
@@ -179,15 +175,11 @@ def resolved(name: str, known: Iterable[str]) -> str:
 
 
 def _without_unit(key: str) -> str:
-    if key.endswith("_mm2"):
-        return key.removesuffix("_mm2")
     head, dot, tail = key.partition(".")
     return split_unit(head)[0] + dot + tail
 
 
 def unit_of(key: str) -> str:
     """Symbol of the unit of a number, by its name; "" for a pure number."""
-    if key.endswith("_mm2"):
-        return SQUARE_MILLIMETRES.symbol
     parts = [split_unit(part)[1].symbol for part in key.split(".")]
     return next((part for part in parts if part), "")

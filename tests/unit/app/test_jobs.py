@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 
+import meshio
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -47,8 +48,9 @@ def job_folder(tmp_path_factory):
     """The same as a job, run by the command."""
     folder = tmp_path_factory.mktemp("job")
     text = '[scene]\nname = "double-dome"\nmesh_size = "20 mm"\nstroke = "9 mm"\npunch_speed = "2000 mm/s"\n'
-    (folder / "dome.toml").write_text(text + '[output]\nframe_count = 2\nwrite = ["summary", "tables"]\n')
-    result = call("form", folder / "dome.toml", "--set", "scene.stroke=4 mm")
+    (folder / "dome.toml").write_text(text + '[output]\nframe_count = 2\nwrite = ["summary", "tables", "paraview"]\n')
+    given = ("--set", "scene.stroke=4 mm", "--set", "output.solver_fields=true")
+    result = call("form", folder / "dome.toml", *given)
     assert f"Results are in {folder / 'out'}." in result.output
     return folder / "out"
 
@@ -60,11 +62,20 @@ def test_a_scene_and_its_job_have_the_same_bits(scene_folder, job_folder):
     assert histories[0] == histories[1]
 
 
+def test_frames_for_paraview_have_the_fields_of_the_solver_if_wanted(job_folder):
+    cells = meshio.read(job_folder / "paraview" / "frame_0001_sheet.vtu").cell_data
+    assert {"unit_cell_residual", "thickness_m"} <= set(cells)
+    # a run that is resumed remembers it
+    assert json.loads((job_folder / "run.json").read_text())["options"]["solver_fields"] is True
+
+
 def test_a_mistake_is_told_before_anything_runs(tmp_path):
     path = write_tray(tmp_path)
     assert "--limits: has no effect without --strict" in problem("form", path, "--limits", "limits.toml")
     without = ("--strict", "--set", 'output.without=["results"]')
     assert "--strict: needs the results file" in problem("form", path, *without)
+    fields = ("--set", "output.solver_fields=true", "--set", 'output.write=["summary"]')
+    assert "solver_fields: has no effect without the results paraview" in problem("form", path, *fields)
     assert "did you mean 'force'" in problem("form", path, "--set", "tools.ring.forse=600")
     assert not (tmp_path / "out").exists()
     assert "cannot be read" in problem("form", tmp_path / "none.toml")

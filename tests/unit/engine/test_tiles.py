@@ -19,13 +19,15 @@ def padded_corners(quads: np.ndarray, node_count: int) -> np.ndarray:
 
 @pytest.mark.parametrize("thread_count", [1, 2, 3, 200])
 @pytest.mark.parametrize("shuffled", [False, True])
-def test_no_node_moves_before_its_elements_are_done(thread_count, shuffled):
+@pytest.mark.parametrize("window", [1, 8])
+def test_no_node_moves_before_its_elements_are_done(thread_count, shuffled, window):
     blank = Blank.rectangle((0.0, 0.0), (1.0, 1.0), 1.0 / 40.0)
     quads = np.random.default_rng(0).permutation(blank.quads) if shuffled else blank.quads
     corners = padded_corners(quads, blank.node_count)
     element_nodes = corners // LANES
-    parts = divide_step(corners, LANES, thread_count, 256)
+    parts = divide_step(corners, LANES, thread_count, 256, window)
     assert len(parts) == thread_count
+    assert all(first % window == 0 for part in parts for (first, _), _ in part.tiles)
     done = np.zeros((thread_count, corners.shape[1] // LANES), dtype=int)
     moved = np.zeros(element_nodes.max() + 1, dtype=int)
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import time
 
 import numpy as np
 import pytest
@@ -170,7 +171,7 @@ def folded(flat):
     [
         (around(ellipse(np.array([0.12, 0.03]))), "xyz", r"lies .* mm beyond the border of the formed sheet sheet"),
         (around(ellipse(HALF)) + [0.0, 0.0, 0.02], "xyz", r"lies .* mm away from the formed sheet sheet.*its unit"),
-        (ellipse(np.array([0.2, 0.03])), "xy", "there is no sheet sheet under it"),
+        (ellipse(np.array([0.2, 0.03])), "xy", "there is no formed sheet sheet under it"),
         (around(ellipse(HALF))[[0, 40, 20, 60]], "xyz", r"crosses itself|away from the formed sheet"),
         (around(ellipse(HALF))[:2], "xyz", "it has 2 points; a closed curve has three or more"),
     ],
@@ -265,7 +266,9 @@ def test_a_first_blank_needs_a_net_that_is_large_enough(tmp_path):
     turned = rotation_matrix((0.0, 0.0, 1.0), 0.5 * np.pi)
     drape = of_flat_blank(blank, Tool("cylinder", Capsule(RADIUS, 1.0, rotation=turned)), THICKNESS)
     edge = read_part_edge(edge_table(tmp_path / "edge.csv", around(ellipse(HALF))))
-    with pytest.raises(InputError, match="mm beyond the border of the formed sheet ply; the part needs a larger blank"):
+    with pytest.raises(
+        InputError, match="mm beyond the border of the net of ply on cylinder; the part needs a larger blank"
+    ):
         pattern_of_net(drape, blank, THICKNESS, "ply", edge)
 
 
@@ -276,3 +279,16 @@ def test_a_margin_is_a_line_at_its_distance():
     assert distance == pytest.approx(0.02, abs=2e-5)
     assert plan_area(line) == pytest.approx(0.006 + 0.32 * 0.02 + np.pi * 0.02**2, rel=2e-3)
     assert np.array_equal(with_margin(square, 0.0), square)
+
+
+@pytest.mark.parametrize("margin", [1e-5, 1e-3, 0.05])
+def test_a_margin_of_any_width_is_quick_and_keeps_its_distance(margin):
+    turn = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
+    radius = 0.4 + 0.1 * np.cos(5.0 * turn)  # convex and hollow
+    line = np.column_stack([radius * np.cos(turn), radius * np.sin(turn)])
+    started = time.process_time()
+    found = with_margin(line, margin)
+    assert time.process_time() - started < 1.0
+    assert plan_area(found) > plan_area(line)
+    distance = -Outline(line).nearest(found)[0]
+    assert distance == pytest.approx(margin, rel=2e-3, abs=2e-8)

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from tests.support.summary_keys import keys_without_unit
 from weavesim import (
     Drive,
     Dynamics,
@@ -107,6 +108,7 @@ def test_results_are_those_of_what_stays(trimmed):
     assert np.array_equal(stored.fields["warp_stretch"], frame.fields["warp_stretch"][frame.kept])
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["missing"] == [] and summary["trims"][0]["stage"] == "trim"
+    assert not keys_without_unit(summary)
     assert summary["max_shear_angle_deg"] == pytest.approx(
         np.rad2deg(np.abs(frame.fields["shear_angle"][frame.kept]).max()), rel=1e-4
     )

@@ -6,6 +6,7 @@ import pytest
 from tests.support.folded_strips import fold_blank
 from tests.support.sheet import plain_fabric
 from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
+from tests.support.summary_keys import keys_without_unit
 from weavesim import Blank, InputError, Plane, SelfContact, Setup, Sheet, Simulation, Tool
 from weavesim.process import (
     Coulomb,
@@ -106,7 +107,8 @@ def test_an_overlap_that_is_accepted_makes_no_force():
     run.run()
     assert run.history[-1]["kinetic"] < 1e-25
     report = run.summary()["interfaces"][0]
-    assert report["max_entry_mm"] == pytest.approx(0.2e3 * THICKNESS, rel=1e-6) and report["force_N"] == 0.0
+    assert report["max_entry_mm"] == pytest.approx(0.2e3 * THICKNESS, rel=1e-6) and report["force_n"] == 0.0
+    assert not keys_without_unit(run.summary())
 
 
 def test_use_beyond_a_friction_table_is_told_with_place_and_time():

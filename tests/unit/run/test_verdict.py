@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.support.runs import small_run
+from tests.support.summary_keys import keys_without_unit
 from weavesim.measures.units import split_unit
 from weavesim.process.dynamics import Dynamics
 from weavesim.run.verdict import RUN_FINDINGS, summary
@@ -25,10 +26,20 @@ def pulled():
 
 
 def test_every_number_is_in_the_summary_by_its_key_and_in_order(pulled):
-    of_several = {"sheet_intersections", "interfaces", "stages"}
+    of_several = {"sheet_intersections", "interfaces", "stages", "trims"}
     assert list(summary(pulled)) == [finding.key for finding in RUN_FINDINGS if finding.key not in of_several]
     for finding in RUN_FINDINGS:
         assert split_unit(finding.key) == (finding.name, finding.unit) and finding.description
+    assert not keys_without_unit(summary(pulled))
+
+
+def test_a_number_without_its_unit_is_found():
+    entry = {"name": "a / b", "force_N": 1.0, "max_pressure_Pa": 2.0, "max_slip_mm": 3.0, "open": True}
+    doubt = {"value": 1.0, "limit": 2.0}
+    numbers = {"interfaces": [entry], "step_count": 4, "peak_tool_force_n": {"punch": 5.0}, "doubts": [doubt]}
+    wrong = {"time": 1.0, "value": 2.0, "largest": {"angle": [3.0]}}
+    expected = ["interfaces.force_N", "interfaces.max_pressure_Pa", "time", "value", "largest.angle"]
+    assert keys_without_unit(numbers | wrong) == expected
 
 
 def test_no_depth_in_a_tool_is_given_where_there_is_none(pulled):

@@ -7,6 +7,7 @@ from weavesim.run.guards import Level
 from weavesim.run.simulation import Simulation
 from weavesim.scenes.bias_extension import BiasExtensionParameters
 from weavesim.scenes.cantilever import CantileverParameters, cantilever
+from weavesim.scenes.diaphragm import DiaphragmParameters, diaphragm
 from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 from weavesim.scenes.grippers import GrippersParameters
 from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
@@ -18,8 +19,8 @@ from weavesim.scenes.scene import known_scenes
 from weavesim.scenes.stack import StackParameters, stack
 
 COVERED = {
-    "bias-extension", "cantilever", "cusick-drape", "double-dome", "grippers", "hemisphere", "picture-frame",
-    "pure-bending", "stack", "uniaxial",
+    "bias-extension", "cantilever", "cusick-drape", "diaphragm", "double-dome", "grippers", "hemisphere",
+    "picture-frame", "pure-bending", "stack", "uniaxial",
 }  # fmt: skip
 # A uniform state is exact on any mesh.
 UNIFORM = {"biaxial", "compaction", "sled"}
@@ -60,6 +61,19 @@ def test_a_cloth_needs_elements_on_its_ball(given):
 def test_grippers_and_their_punch_need_elements(given):
     with pytest.raises(InputError, match="at least 5 elements over a quarter of the punch, and 2 along each gripper"):
         GrippersParameters(**given)
+
+
+@pytest.mark.parametrize(("given", "text"), [
+    ({"mesh_size": 0.02}, "at least 4 elements over a quarter of the dome"),
+    ({"rise": 0.06}, "at most the radius of the dome"),
+    ({"ply_side": 0.31}, "the frame needs two elements beside the plies"),
+    ({"radius": 0.09, "rise": 0.04}, "at least four radii of the dome"),
+    ({"forming_pressure": 4.0e4}, "the pressure below can fall by at most the vacuum"),
+    ({"lay_up": "0/45", "part": "quarter"}, "a ply at 45 degrees is not symmetric"),
+])  # fmt: skip
+def test_a_diaphragm_needs_room_elements_and_symmetry(given, text):
+    with pytest.raises(InputError, match=text):
+        diaphragm(DiaphragmParameters(**given))
 
 
 def test_a_frame_with_misaligned_yarns_needs_elements_along_its_side():

@@ -10,6 +10,7 @@ from weavesim.engine.sheet_model import CONTACT_SHARE
 from weavesim.engine.state import State
 from weavesim.engine.stepper import Stepper
 from weavesim.engine.surface.samples import BLUNT_SHARE
+from weavesim.errors import InputError
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Stabilisation
@@ -213,7 +214,7 @@ def test_a_pin_between_nodes_is_met(manual):
     case.table(["tools are met", "pin", "force on the pin [N]", "deepest overlap with the sheet's face [mm]"], rows)
 
 
-def pressed(cloth, symmetry: Symmetry, **given):
+def pressed(cloth, symmetry: Symmetry, run=True, **given):
     """A ball comes into a free sheet on a ring of another tool; all of it, or what the planes leave."""
     lower = tuple(0.0 if plane in symmetry.planes else -0.04 for plane in ("x", "y"))
     blank = Blank.rectangle(lower, (0.04, 0.04), 0.008)
@@ -230,7 +231,8 @@ def pressed(cloth, symmetry: Symmetry, **given):
         ),
     }  # fmt: skip
     simulation = one_sheet_run(blank=blank, fabric=cloth, symmetry=symmetry, **(free | given))
-    simulation.run()
+    if run:
+        simulation.run()
     return simulation
 
 
@@ -273,3 +275,56 @@ def test_same_bits_for_any_number_of_threads_and_from_a_saved_state(cloth, tmp_p
     again.advance(2)
     for (name, first), (_, other) in zip(state.arrays(), loaded.arrays(), strict=True):
         assert np.array_equal(first.numpy(), other.numpy()), name
+
+
+def test_samples_are_passed_over_without_changing_a_bit(cloth):
+    """Where they cannot touch: a run that looks at all of them in every step gets the same bits."""
+    ends = {}
+    for spare in (None, np.inf):
+        dynamics = Dynamics(
+            damping=100.0, director_damping=1e3, gravity=(0.0, 0.0, -50.0), contact_samples="surface",
+            contact_allowance=0.02,
+        )  # fmt: skip
+        run = pressed(cloth, Symmetry(("x", "y")), run=False, dynamics=dynamics)
+        asleep = []
+        for surface in run.stepper._launches.surface.values():
+            if spare is not None:
+                surface.laws.spare_distance = spare
+        while run.state.time < 0.03:
+            run.stepper.advance(10)
+            asleep.append(float((run.state.sheet.sample_gap.numpy() > 0.0).mean()))
+        assert max(asleep) == 0.0 if spare else np.mean(asleep) > 0.3
+        sheet = run.state.sheet
+        assert sheet.sample_work_sum.numpy().any()
+        ends[spare] = {name: array.numpy() for name, array in run.state.arrays() if not name.endswith("sample_gap")}
+    assert [name for name, value in ends[None].items() if not np.array_equal(ends[np.inf][name], value)] == []
+
+
+def test_samples_push_from_the_allowed_depth_on(cloth):
+    """A sheet at rest on a plane that nodes alone would hold at depth d; from 0.4 d on samples push as much."""
+
+    def resting(allowance):
+        blank = Blank.rectangle((-0.02, -0.01), (0.02, 0.01), 0.01, height=0.5 * cloth.thickness)
+        free = np.ones((blank.node_count, 6), dtype=bool)
+        free[blank.boundary_loop(), 3:] = False
+        dynamics = Dynamics(gravity=(0.0, 0.0, -9.81), contact_samples="surface", contact_allowance=allowance)
+        return one_sheet_run(
+            name="rest", blank=blank, fabric=cloth, tools=[Tool("plane", Plane())], duration=1.0, precision="float64",
+            threads=1, free=free, dynamics=dynamics,
+        )  # fmt: skip
+
+    alone = 9.81 * resting(0.1).model.reference_step ** 2 / CONTACT_SHARE
+    simulation = resting(0.4 * alone / cloth.thickness)
+    relax(simulation, tolerance=1e-5)
+    depth = 0.5 * cloth.thickness - simulation.frame.position[:, 2]
+    assert depth == pytest.approx(0.7 * alone, rel=1e-4)
+    energies = simulation.frame.energies
+    share = 0.5 * (0.7**2 + 0.3**2) / 0.7
+    assert energies["contact"] == pytest.approx(share * energies["gravity_work"], rel=1e-3)
+    weight = 9.81 * simulation.model.sheet.node_mass.sum()
+    assert simulation.frame.tool_reaction[0] == pytest.approx([0.0, 0.0, -weight], rel=1e-4, abs=1e-9)
+
+
+def test_an_allowance_needs_samples():
+    with pytest.raises(InputError, match="it needs contact_samples"):
+        Dynamics(contact_allowance=0.04)

@@ -277,9 +277,9 @@ def test_cantilever(yarn, manual):
         simulation = Simulation(cantilever.cantilever(parameters, fabric))
         simulation.run()
         found = cantilever.findings(parameters, fabric, simulation)
-        assert found["input_bending_stiffness_nm"] == stiffness
+        assert found["input_bending_stiffness_n_m"] == stiffness
         angles.append(found["chord_angle_deg"])
-        recovered.append(found["elastica_bending_stiffness_nm"])
+        recovered.append(found["elastica_bending_stiffness_n_m"])
         rows.append([1e3 * length / count, found["peirce_over_input"], found["elastica_over_input"]])
         # the clamp carries the strip at rest
         assert simulation.frame.support_force[0, 2] == pytest.approx(weight * length * parameters.width, rel=1e-3)

@@ -101,7 +101,7 @@ def test_what_stays_is_the_smaller_sheet_from_the_same_state(strip, frames, manu
     assert told["mass_kg"] == pytest.approx(0.5 * WIDTH * (LENGTH - 0.06))
     last = [frame for frame in frames.all if frame.stage == "pull"][-1]
     energies = trimmed.frame.energies
-    assert 0.0 < told["energy_J"] < last.energies["internal"]
+    assert 0.0 < told["energy_j"] < last.energies["internal"]
     error = max(abs(frame.energies["balance_error"]) for frame in frames.all) / energies["supplied"]
     assert error < 0.01
     case = manual(
@@ -114,7 +114,7 @@ def test_what_stays_is_the_smaller_sheet_from_the_same_state(strip, frames, manu
         [["largest difference from the smaller strip, of its displacement", "0", f"{difference / moved:.1e}"],
          ["border off the curve [mm]", "1, at most 2.5", f"{told['off_curve_mm']:.4g}"],
          ["mass of the waste [g]", f"{1e3 * 0.5 * WIDTH * (LENGTH - 0.06):.4g}", f"{1e3 * told['mass_kg']:.4g}"],
-         ["energy of the waste, of all that was stored", "", f"{told['energy_J'] / last.energies['internal']:.3g}"],
+         ["energy of the waste, of all that was stored", "", f"{told['energy_j'] / last.energies['internal']:.3g}"],
          ["largest error of the balance, of the work", "< 1 %", f"{error:.2%}"]],
     )  # fmt: skip
 
@@ -144,7 +144,7 @@ def test_half_a_stretched_strip_springs_back_by_its_strain(strip, manual):
     energies = simulation.frame.energies
     assert abs(energies["balance_error"]) < 0.01 * energies["support_work"]
     # half of what was stored goes with the waste, and the rest is damped
-    share = simulation.stages.trimmed[0]["energy_J"] / energies["support_work"]
+    share = simulation.stages.trimmed[0]["energy_j"] / energies["support_work"]
     assert share == pytest.approx(0.5, abs=0.02)
     case = manual(
         "Process", "Half a stretched strip",

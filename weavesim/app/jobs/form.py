@@ -91,10 +91,15 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
         return scene.run(parameters)
     setup, output = setup_of(file), file.job.output
     writers = tuple(kind.name for kind in chosen_writers(output.write, output.without or ()))
+    if output.solver_fields and "paraview" not in writers:
+        file.refuse(
+            ["output", "solver_fields"], "solver_fields: has no effect without the results paraview; leave it out"
+        )
     options = options_of(file)
     if limits is not None:
         options["limits"] = str(limits.absolute())
-    folder = ResultFolder(out, writers=writers, overwrite=overwrite, options=options)
+    how: dict[str, Any] = {"overwrite": overwrite, "options": options, "solver_fields": output.solver_fields}
+    folder = ResultFolder(out, writers=writers, **how)
     return run_into_folder(setup, folder, options=options, checkpoint_interval=output.checkpoint_interval)
 
 

@@ -70,10 +70,7 @@ def _of_run(
         ending = "" if len(run.sheets) == 1 else f"_{place}"
         files += write_kinematic(folder, drape, run.run_id, ending)
         numbers = drape.numbers()
-        lines.append(
-            f"{sheet.name} on {drape.tool}: net up to {numbers['largest_net_angle_deg']:.1f} degrees, formed up to "
-            f"{numbers['largest_formed_angle_deg']:.1f}"
-        )
+        lines += _told(drape, sheet.name, f", formed up to {numbers['largest_formed_angle_deg']:.1f}")
         if numbers["mean_absolute_difference_deg"] is not None:
             lines.append(
                 "  where the sheet lies on the tool they differ by "
@@ -81,6 +78,19 @@ def _of_run(
                 f"{numbers['largest_difference_deg']:.1f}"
             )
     return files, lines
+
+
+def _told(drape: KinematicDrape, name: str, more: str = "") -> list[str]:
+    """The largest angle of a net, how much it covers, and where it ends."""
+    largest = drape.numbers()["largest_net_angle_deg"]
+    angle = f"net up to {largest:.1f} degrees" if largest is not None else "no cell of the net is whole"
+    lines = [f"{name} on {drape.tool}: {angle}{more}"]
+    if drape.covered_share < 1.0 or drape.ends:
+        lines.append(f"  the net covers {100.0 * drape.covered_share:.3g} % of {name}; it ends")
+        lines += [f"  - where {end.text()}" for end in drape.ends]
+    else:
+        lines.append(f"  the net covers all of {name}")
+    return lines
 
 
 class _BlankWish(NamedTuple):
@@ -171,6 +181,6 @@ def _of_job(
     chosen = setup.tools[names.index(tool) if tool is not None else 0]
     sheet = setup.sheets[0]
     drape = of_flat_blank(sheet.oriented_blank, chosen, sheet.fabric.thickness, seed=seed, side=side)
-    lines = [f"{sheet.name} on {drape.tool}: net up to {drape.numbers()['largest_net_angle_deg']:.1f} degrees"]
+    lines = _told(drape, sheet.name)
     more, told = _first_blank(wish, setup, sheet, drape) if wish is not None else ([], [])
     return [*write_kinematic(folder, drape), *more], [*lines, *told]

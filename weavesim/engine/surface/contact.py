@@ -28,23 +28,26 @@ class SurfaceContact:
 
     Attributes:
         kernel: that is launched.
+        samples, laws, sampled: its arguments.
         works: of the last steps, as [row, block of samples] of lanes [J].
     """
 
     def __init__(self, sheet: SheetModel, own: SheetState, reaction: wp.array, moment: wp.array | None) -> None:
         self.kernel = surface_contact_kernel(sheet.real, sheet.lane_count, sheet.node_traits)
         self._sheet, self._own = sheet, own
-        self._samples, self._sampled = device_samples(sheet), _sampled(sheet, own, reaction, moment)
+        self.laws = sheet.node_laws()
+        self.laws.spare_distance = sheet.samples.spare_distance
+        self.samples, self.sampled = device_samples(sheet), _sampled(sheet, own, reaction, moment)
         self.works = lanes_view(own.sample_work, sheet.lane_count)
 
-    def launch(self, first: int, count: int | None, laws: Any, around: Any, corner_force: wp.array) -> None:
-        """Add the forces to ``corner_force``, in ``count`` blocks of elements from ``first``."""
+    def launch(self, first: int, count: int | None, around: Any) -> None:
+        """Add the forces to those of the elements, in ``count`` blocks from ``first``."""
         sheet = self._sheet
         wp.launch(
             self.kernel,
             dim=sheet.element_count // sheet.lane_count if count is None else count,
-            inputs=[first, self._samples, laws, around, self._own.moved, self._own.motion],
-            outputs=[corner_force, self._sampled],
+            inputs=[first, self.samples, self.laws, around, self._own.moved, self._own.motion],
+            outputs=[self._own.corner_force, self.sampled],
             device=sheet.device,
             block_dim=block_size(self.kernel, sheet.device),
         )
@@ -53,14 +56,25 @@ class SurfaceContact:
 def device_samples(sheet: SheetModel) -> Any:
     """Constants of the samples of a sheet, as a new struct."""
     lane_count, block_count = sheet.lane_count, sheet.element_count // sheet.lane_count
+    order = np.arange(sheet.element_count, dtype=np.int32)
+    order[: sheet.blank.element_count] = sheet.samples.order
     mass = np.zeros(sheet.element_count)
     mass[: sheet.blank.element_count] = sheet.samples.mass
+    nodes = sheet.element_nodes[:, order]
+
+    def lanes(values: np.ndarray, dtype: type) -> wp.array:
+        return lanes_view(wp.array(np.ascontiguousarray(values), dtype=dtype, device=sheet.device), lane_count)
+
     samples = samples_struct(sheet.real, lane_count)()
-    samples.corner_node, samples.node_stride = sheet.elements.corner_node, sheet.elements.node_stride
+    samples.corner_node = lanes(sheet.motion_layout.entry(0, nodes).astype(np.int32), wp.int32)
+    samples.node_stride = sheet.motion_layout.stride
+    samples.element = lanes(sheet.corners.entry(0, order).astype(np.int32), wp.int32)
+    samples.corner_stride = sheet.corners.stride
     samples.place = wp.array(sheet.samples.places, dtype=wp.vec2d, device=sheet.device)
     samples.block_count, samples.lever = block_count, sheet.geometry.largest_size
-    samples.mass = lanes_view(wp.array(mass, dtype=sheet.real, device=sheet.device), lane_count)
-    corners = (sheet.element_nodes // lane_count).reshape(4, block_count, lane_count).swapaxes(0, 1)
+    samples.allowance = sheet.samples.allowance
+    samples.mass = lanes(mass[order], sheet.real)
+    corners = (nodes // lane_count).reshape(4, block_count, lane_count).swapaxes(0, 1)
     around = [np.unique(blocks) for blocks in corners]
     width = max(map(len, around))
     table = np.array([np.pad(blocks, (0, width - len(blocks)), mode="edge") for blocks in around], dtype=np.int32)

@@ -29,7 +29,8 @@ def argument_rows(sheet: SheetModel, count: int) -> np.ndarray:
 def set_friction(touch: Any, sheet: SheetModel, argument: wp.array, *, samples: bool) -> None:
     """Give the friction laws of its tools to the contact of a sheet: the arrays of its state, and areas.
 
-    On a blunt tool nodes and samples share the load as they share the stiffness, and so they share the area.
+    On a blunt tool nodes and samples share the load as they share the stiffness, and so they share the area; with an
+    allowance nodes have all of it, as samples push at a few places only.
     """
     touch.argument = lanes_view(argument, sheet.lane_count)
     area = contact_areas(sheet, samples=samples) if sheet.node_traits.friction_laws else np.zeros(0)
@@ -55,11 +56,11 @@ def _node_areas(sheet: SheetModel) -> np.ndarray:
     """Area that each node stands for in contact, (padded nodes,) [m^2]."""
     area = np.zeros(sheet.node_count)
     np.add.at(area, sheet.blank.quads.ravel(), np.repeat(0.25 * sheet.geometry.area, 4))
-    return area / _whole(sheet)
+    return area if sheet.samples.allowance > 0.0 else area / _whole(sheet)
 
 
 def _sample_areas(sheet: SheetModel) -> np.ndarray:
     """Area that each sample stands for in contact, (samples,) [m^2], those of all elements one after the other."""
     area, places = np.zeros(sheet.element_count), len(sheet.samples.places)
-    area[: sheet.blank.element_count] = sheet.geometry.area
+    area[: sheet.blank.element_count] = sheet.geometry.area[sheet.samples.order]
     return np.tile(area * (1.0 - 1.0 / _whole(sheet)) / max(places, 1), places)

@@ -27,8 +27,6 @@ def _obstacles(setup: Setup) -> Iterator[str]:
         yield "a tool follows a path or turns"
     if any(not isinstance(law_of(tool.friction), Coulomb) for tool in setup.tools):
         yield "the friction of a tool is more than one coefficient"
-    if setup.worlds[0].dynamics.contact_samples == "surface":
-        yield 'it meets tools between nodes too (contact_samples = "surface")'
 
 
 def likeness(model: Model) -> dict[str, object]:
@@ -41,6 +39,7 @@ def likeness(model: Model) -> dict[str, object]:
         "kind of unit cell": sheet.cell_law,
         "kinds of laws of the sheet": sheet.sheet_traits,
         "kinds of tools, loads and supports": sheet.node_traits,
+        "places of contact between nodes": sheet.samples.places.tolist(),
         "number of tools": model.tools.count,
         "number of drives": model.drives.count,
         "number of gripped nodes": sum(len(gripper.nodes) for gripper in sheet.grippers),

@@ -24,6 +24,7 @@ from ...kernels.worlds.sheets import (
     world_frequencies_kernel,
     world_grips_kernel,
     world_nodes_kernel,
+    world_samples_kernel,
     world_works_kernel,
 )
 from ..compilation import KernelSet, kernel_sets
@@ -69,6 +70,12 @@ class WorldKernelSet:
         return world_nodes_kernel(self.real, self.own.lane_count, self.own.nodes[0])
 
     @property
+    def samples(self) -> wp.Kernel | None:
+        """None where only nodes meet tools."""
+        traits = self.own.nodes[0]
+        return world_samples_kernel(self.real, self.own.lane_count, traits) if traits.sampled else None
+
+    @property
     def extremes(self) -> wp.Kernel:
         return world_extremes_kernel(self.real, self.own.lane_count, self.own.sheets[0].flat)
 
@@ -109,7 +116,7 @@ class WorldKernelSet:
         """All kernels, roughly in order of decreasing compile time."""
         found = [
             self.forces, self.frequencies, self.nodes, self.extremes, self.tools, self.works, self.maxima, self.steps,
-            self.partial_sums, self.drives, self.grips, check_worlds,
+            self.partial_sums, self.drives, self.grips, self.samples, check_worlds,
         ]  # fmt: skip
         of_cpu = [] if self.on_gpu else [flush_subnormals, restore_subnormals]
         return [kernel for kernel in found if kernel is not None] + of_cpu

@@ -21,6 +21,7 @@ from ...kernels.worlds.arguments import (
     grip_arguments,
     node_arguments,
     record_arguments,
+    sample_arguments,
 )
 from ...kernels.worlds.clocks import check_worlds
 from ...tools.device import build_device_tools
@@ -120,6 +121,11 @@ class WorldLaunches:
         if kernel := self._kernels.grips:
             self._of_blocks(kernel, "grips", sum(len(gripper.nodes) for gripper in self._model.sheet.grippers))
 
+    def meet_between_nodes(self) -> None:
+        """Contact of the tools between the nodes."""
+        if kernel := self._kernels.samples:
+            self._of_blocks(kernel, "samples", self._element_blocks)
+
     def move_nodes(self) -> None:
         """Motion of all nodes."""
         self._of_blocks(self._kernels.nodes, "nodes", self._model.sheet.block_count)
@@ -151,6 +157,9 @@ class WorldLaunches:
         with beside():
             self._of_blocks(self._kernels.extremes, "records", self._element_blocks)
             self._of_blocks(self._kernels.works, "records", self._model.sheet.block_count)
+            if self._kernels.samples:
+                sheet = self._model.sheet
+                self._of_blocks(self._kernels.works, "works of samples", sheet.samples.count // sheet.lane_count)
         self._of_blocks(self._kernels.frequencies, "frequencies", self._element_blocks)
         tiled: dict[str, Any] = {"block_dim": TILE_THREAD_COUNT} if self._device.is_cuda else {}
         launch = wp.launch_tiled if self._device.is_cuda else wp.launch
@@ -228,6 +237,16 @@ def _structs(own: Launches) -> dict[str, Any]:
         drives.displacement, drives.increment = state.drive_displacement, state.drive_increment
         drives.clock = state.clock
         given["drives"] = drives
+    if between := own.surface.get(0):
+        samples = sample_arguments(*layout)()
+        samples.samples, samples.laws, samples.sampled = between.samples, between.laws, between.sampled
+        samples.around, samples.moved, samples.motion = arguments.around, of_sheet.moved, of_sheet.motion
+        samples.corner_force = of_sheet.corner_force
+        given["samples"] = samples
+        folded = record_arguments(*layout)()
+        folded.elements, folded.motion, folded.extremes = records.elements, records.motion, records.extremes
+        folded.works, folded.sums = between.works, of_sheet.sample_work_sum
+        given["works of samples"] = folded
     if sheet.grippers:
         grips = grip_arguments(sheet.real)()
         grips.grips, grips.motion, grips.clock = own.loads.grips[0].grips, of_sheet.motion, state.clock

@@ -72,6 +72,7 @@ class WorldStepper:
             join()
             launches.move_supports()
             launches.pull()
+            launches.meet_between_nodes()
             launches.move_nodes()
             with beside():
                 launches.move_tools()

@@ -90,6 +90,7 @@ def new_job(found: Survey, choices: Choices, fabric: Fabric) -> str:
         _die(found, choices),
         _punch(found, choices, gap, speed),
         _ring(found, choices, min(covered, found.rim_area or covered)) if has_ring else _no_ring(found, choices),
+        _stages(has_ring),
         "[output]\nframe_count = 40\n",
     ]
     return "\n".join(parts)
@@ -181,6 +182,35 @@ def _no_ring(found: Survey, choices: Choices) -> str:
     if choices.with_ring and not found.is_female:
         return _comment("No holder: the die has no flat rim around an opening for a ring.").rstrip("\n") + "\n"
     return ""
+
+
+def _stages(has_ring: bool) -> str:
+    """Stages as an example in comments."""
+    head = _comment(
+        "More than closing? Stages follow each other (docs/stages.md); take the signs off to close, hold for 10 ms, "
+        "and release the part onto the die until it is at rest."
+    )
+    free = "the punch" + (" and the ring" if has_ring else "")
+    example = f"""
+[[stage]]
+name = "close"
+# a stage ends with its strokes, or earlier: end = {{ tool = "punch", force = "2 kN" }}
+
+[[stage]]
+name = "hold"
+duration = "10 ms"
+[[stage.move]]
+name = "punch"
+fixed = true
+
+[[stage]]
+name = "release"
+duration = "0.3 s"  # the most that it takes
+tools = ["die"]  # {free} no longer act
+damping = "100 1/s"
+end = {{ rest = 1e-3, speed = "10 mm/s" }}
+"""
+    return head + "".join(f"#{line}\n" if line else "#\n" for line in example.strip().split("\n"))
 
 
 def _comment(text: str) -> str:

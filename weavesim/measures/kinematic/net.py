@@ -11,12 +11,20 @@ from ...errors import InputError
 
 # (points (k, 3) [m]) -> distance (k,) [m] and outward unit normal (k, 3).
 Surface = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+# (points (k, 3) [m]) -> (k,) bool.
+Beyond = Callable[[np.ndarray], np.ndarray]
 
+# Over the side of a cell: how near to the surface a node is, unless the surface itself is less exact.
+_TOLERANCE = 1.0e-9
 _MOST_ITERATIONS = 40
-# Of the side of a cell: when a node is in its place, and how far one step may go.
-_TOLERANCE, _LARGEST_STEP = 1.0e-7, 0.5
+# The circle on which a node lies is looked at from its guess to both sides, in steps up to an end [rad].
+_STEP, _LARGEST_TURN = np.radians(7.5), np.radians(120.0)
 # Where yarns cross below 20 degrees a net has closed and ends: a diagonal of the cell over its side.
 _LEAST_DIAGONAL = 0.35
+# More crossings take more memory and time than a net is worth.
+MOST_CROSSINGS = 1_000_000
+# Why a crossing is not there: it has no neighbours nearer to the seed, its yarns have closed, or there is no surface.
+THERE, BEHIND, CLOSED, NO_SURFACE = range(4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,11 +35,13 @@ class Net:
         side: of its cells [m].
         first: numbers along warp and weft of the node ``position[0, 0]``, counted from the seed.
         position: of its nodes, (rows along the warp, rows along the weft, 3) [m]; NaN where the net does not reach.
+        state: of its nodes: ``THERE``, or why it is not, (rows along the warp, rows along the weft).
     """
 
     side: float
     first: tuple[int, int]
     position: np.ndarray
+    state: np.ndarray
 
     @property
     def shear_angle(self) -> np.ndarray:
@@ -53,6 +63,20 @@ class Net:
         return out
 
 
+def check_count(side: float, count: float) -> None:
+    """Check that a net of ``count`` crossings can be laid.
+
+    Raises:
+        InputError: there are too many; another ``side`` [m] is proposed.
+    """
+    if not count <= MOST_CROSSINGS:
+        least = side * (count / MOST_CROSSINGS) ** 0.5
+        advice = f"give at least {least:.2g} m" if np.isfinite(least) else "give a length of some millimetres"
+        raise InputError(
+            f"kinematic drape: side = {side:.4g} m makes {count:.3g} crossings, more than {MOST_CROSSINGS:,}; {advice}"
+        )
+
+
 def lay_net(
     surface: Surface,
     seed: np.ndarray,
@@ -61,133 +85,204 @@ def lay_net(
     reach: tuple[tuple[int, int], tuple[int, int]],
     *,
     height: float = 0.0,
+    beyond: Beyond | None = None,
+    error: float = 0.0,
 ) -> Net:
     """Lay a net onto a surface.
 
     From the seed two yarns run along geodesics, at right angles to each other. Every other crossing lies where the
-    yarns of its two neighbours nearer to the seed end, on the surface: two spheres and the surface meet there.
+    yarns of its two neighbours nearer to the seed end, on the surface: two spheres and the surface meet there. The two
+    spheres meet in a circle, on which the surface is looked for from the place where a flat cell would have its corner.
 
     Args:
-        surface: its signed distance.
+        surface: its signed distance, without jumps.
         seed: where the two yarns cross (3,) [m]; the nearest point of the surface is taken.
         warp: direction of the first yarn (3,).
         side: distance of crossings [m].
         reach: first and last number of the crossings along warp and along weft, first <= 0 <= last.
         height: of the net above the surface [m].
+        beyond: where the surface has ended, although it still has a distance.
+        error: of the distance [m].
 
     Raises:
-        InputError: the seed is too far from the surface, or the warp stands on it.
+        InputError: the seed is too far from the surface, the warp stands on it, or there are too many crossings.
     """
     (u0, u1), (v0, v1) = reach
+    check_count(side, (u1 - u0 + 1) * (v1 - v0 + 1))
+    ground = _Ground(surface, beyond, height, max(_TOLERANCE * side, 2.0 * error))
     position = np.full((u1 - u0 + 1, v1 - v0 + 1, 3), np.nan)
-    start = _onto(surface, np.asarray(seed, dtype=float), height, side)
+    state = np.full(position.shape[:2], BEHIND)
+    start = _onto(ground, np.asarray(seed, dtype=float))
     normal = surface(start[None])[1][0]
     along = np.asarray(warp, dtype=float) - (np.dot(warp, normal)) * normal
     if np.linalg.norm(along) < 0.1 * np.linalg.norm(warp):
         raise InputError("kinematic drape: the warp stands on the surface at the seed; give another seed")
     along /= np.linalg.norm(along)
-    position[-u0, -v0] = start
-    for direction, axis, ends in ((along, 0, (u0, u1)), (np.cross(normal, along), 1, (v0, v1))):
-        for sign, count in ((-1, -ends[0]), (1, ends[1])):
-            yarn = _geodesic(surface, start, sign * direction, side, count, height)
-            for k, point in enumerate(yarn, start=1):
-                place = [-u0, -v0]
-                place[axis] += sign * k
-                position[tuple(place)] = point
-    _fill(surface, position, (-u0, -v0), side, height)
-    return Net(side, (u0, v0), position)
+    across = np.cross(normal, along)
+    position[-u0, -v0], state[-u0, -v0] = start, THERE
+    yarns = np.stack([-along, along, -across, across])
+    step = np.array([[-1, 0], [1, 0], [0, -1], [0, 1]])
+    _geodesics(ground, position, state, np.array([-u0, -v0]), yarns, step, side)
+    _fill(ground, position, state, (-u0, -v0), side)
+    return Net(side, (u0, v0), position, state)
 
 
-def _onto(surface: Surface, point: np.ndarray, height: float, side: float) -> np.ndarray:
-    """The point at ``height`` above the surface that is nearest."""
+@dataclass(frozen=True)
+class _Ground:
+    """What a net lies on: its surface, the height of the net above it, and how near to that a node has to be [m]."""
+
+    surface: Surface
+    beyond: Beyond | None
+    height: float
+    tolerance: float
+
+    def misses(self, points: np.ndarray) -> np.ndarray:
+        """How far points (k, 3) are above the net's place, (k,) [m]."""
+        return self.surface(points)[0] - self.height
+
+    def met(self, circle: _Circles) -> np.ndarray:
+        """The point of each circle on the surface that is nearest to its guess, (k, 3); NaN if there is none."""
+        from scipy.optimize.elementwise import find_root
+
+        lower, upper = self._brackets(circle)
+        row = np.flatnonzero(np.isfinite(lower))
+        points = np.full((len(circle.centre), 3), np.nan)
+        if not len(row):
+            return points
+        found = find_root(
+            lambda turn, rows: self.misses(circle.at(turn, rows)), (lower[row], upper[row]), args=(row,),
+            tolerances={"xatol": 1.0e-14, "xrtol": 0.0, "fatol": 1.0e-16}, maxiter=200,
+        )  # fmt: skip
+        place = circle.at(found.x, row)
+        there = np.abs(found.f_x) <= self.tolerance
+        if self.beyond is not None:
+            there &= ~self.beyond(place)
+        points[row[there]] = place[there]
+        return points
+
+    def _brackets(self, circle: _Circles) -> tuple[np.ndarray, np.ndarray]:
+        """Turns between which each circle passes the surface, the nearest to its guess, (k,) [rad]; NaN without."""
+        count = len(circle.centre)
+        lower, upper = np.full(count, np.nan), np.full(count, np.nan)
+        rows = np.arange(count)
+        # of the two ends so far: the turn to one side, and to the other
+        ends = np.repeat(self.misses(circle.at(np.zeros(count), rows))[:, None], 2, axis=1)
+        for step in range(int(_LARGEST_TURN / _STEP)):
+            turn = np.full(len(rows), (step + 1) * _STEP)
+            new = np.column_stack([self.misses(circle.at(sign * turn, rows)) for sign in (-1.0, 1.0)])
+            passed = np.sign(new) != np.sign(ends)
+            # where both sides pass, the one that is steeper does so sooner
+            second = passed[:, 1] & (~passed[:, 0] | (np.abs(new - ends)[:, 1] >= np.abs(new - ends)[:, 0]))
+            for sign, chosen in ((1.0, second), (-1.0, passed[:, 0] & ~second)):
+                low, high = sorted((sign * step * _STEP, sign * (step + 1) * _STEP))
+                lower[rows[chosen]], upper[rows[chosen]] = low, high
+            left = ~passed.any(axis=1) & np.isfinite(new).all(axis=1)
+            rows, ends = rows[left], new[left]
+            if not len(rows):
+                break
+        return lower, upper
+
+
+@dataclass(frozen=True)
+class _Circles:
+    """Circles in space: centres and unit axes (k, 3) [m], radii (k,) [m], and two unit vectors (k, 3) in each plane."""
+
+    centre: np.ndarray
+    radius: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+
+    @classmethod
+    def around(cls, centre: np.ndarray, axis: np.ndarray, radius: np.ndarray, guess: np.ndarray) -> _Circles:
+        """From their axes; turns are counted from the points nearest to ``guess``."""
+        axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
+        towards = guess - centre
+        towards = towards - np.einsum("ki,ki->k", towards, axis)[:, None] * axis
+        first = towards / np.linalg.norm(towards, axis=1, keepdims=True)
+        return cls(centre, radius, first, np.cross(axis, first))
+
+    def at(self, turn: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Points (n, 3) [m] of circles at their turns (n,) [rad]."""
+        c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
+        return self.centre[rows] + self.radius[rows, None] * (c * self.first[rows] + s * self.second[rows])
+
+
+def _onto(ground: _Ground, point: np.ndarray) -> np.ndarray:
+    """The point of the net's surface that is nearest."""
+    here = point
     for _ in range(_MOST_ITERATIONS):
-        distance, normal = surface(point[None])
-        point = point - (distance[0] - height) * normal[0]
-        if abs(distance[0] - height) < _TOLERANCE * side:
-            return point
-    raise InputError(f"kinematic drape: no point of the surface is found near the seed {point.tolist()}")
+        distance, normal = ground.surface(here[None])
+        here = here - (distance[0] - ground.height) * normal[0]
+        if abs(distance[0] - ground.height) < ground.tolerance:
+            return here
+    raise InputError(
+        f"kinematic drape: no point of the surface is found near the seed, ({', '.join(f'{x:.4g}' for x in point)}) m; "
+        "give another seed"
+    )
 
 
-def _geodesic(
-    surface: Surface, start: np.ndarray, direction: np.ndarray, side: float, count: int, height: float
-) -> list[np.ndarray]:
-    """Points along a geodesic at distances ``side``; fewer than ``count`` where it leaves the surface."""
-    points: list[np.ndarray] = []
-    here = start
-    for _ in range(count):
-        normal = surface(here[None])[1][0]
-        beside = np.cross(normal, direction)
-        found = _meet(
-            surface,
-            here[None],
-            here + side * direction[None],
-            side,
-            height,
-            beside=beside[None] / np.linalg.norm(beside),
-        )[0]
-        if not np.isfinite(found).all():
-            break
-        direction, here = (found - here) / side, found
-        points.append(found)
-    return points
+def _geodesics(
+    ground: _Ground,
+    position: np.ndarray,
+    state: np.ndarray,
+    origin: np.ndarray,
+    direction: np.ndarray,
+    step: np.ndarray,
+    side: float,
+) -> None:
+    """Place the nodes of the yarns through the seed, which end where they leave the surface.
+
+    A geodesic turns about the normal nowhere: its next point lies in the plane of its last direction and the normal.
+
+    Args:
+        ground: to lie on.
+        position, state: of all nodes, to be filled.
+        origin: place of the seed among them (2,).
+        direction: in which each yarn begins (k, 3).
+        step: from node to node along each yarn (k, 2).
+        side: distance of nodes [m].
+    """
+    here = np.tile(position[tuple(origin)], (len(direction), 1))
+    place = np.tile(origin, (len(direction), 1))
+    while True:
+        place = place + step
+        inside = np.all((place >= 0) & (place < state.shape), axis=1)
+        place, step, here, direction = place[inside], step[inside], here[inside], direction[inside]
+        if not len(place):
+            return
+        beside = np.cross(ground.surface(here)[1], direction)
+        guess = here + side * direction
+        found = ground.met(_Circles.around(here, beside, np.full(len(here), side), guess))
+        on = np.isfinite(found).all(axis=1)
+        position[tuple(place.T)], state[tuple(place.T)] = found, np.where(on, THERE, NO_SURFACE)
+        direction, here, place, step = (found - here)[on] / side, found[on], place[on], step[on]
 
 
-def _fill(surface: Surface, position: np.ndarray, origin: tuple[int, int], side: float, height: float) -> None:
+def _fill(ground: _Ground, position: np.ndarray, state: np.ndarray, origin: tuple[int, int], side: float) -> None:
     """Place all nodes off the two yarns, those equally far from the seed together."""
-    rows, columns = position.shape[:2]
+    rows, columns = state.shape
     i, j = np.meshgrid(np.arange(rows) - origin[0], np.arange(columns) - origin[1], indexing="ij")
     far, off = np.abs(i) + np.abs(j), (i != 0) & (j != 0)
     for ring in range(2, int(far.max()) + 1):
         a, b = np.nonzero(off & (far == ring))
         nearer_a, nearer_b = a - np.sign(a - origin[0]), b - np.sign(b - origin[1])
-        one, two, corner = position[nearer_a, b], position[a, nearer_b], position[nearer_a, nearer_b]
-        known = np.isfinite(one).all(axis=1) & np.isfinite(two).all(axis=1) & np.isfinite(corner).all(axis=1)
+        places = (nearer_a, b), (a, nearer_b), (nearer_a, nearer_b)
+        known = np.all([state[place] == THERE for place in places], axis=0)
         if not known.any():
             continue
-        one, two, corner = one[known], two[known], corner[known]
-        found = _meet(surface, one, one + two - corner, side, height, other=two)
+        a, b = a[known], b[known]
+        one, two, corner = (position[place][known] for place in places)
         across = np.linalg.norm(one - two, axis=1)
-        closed = np.fmin(np.linalg.norm(found - corner, axis=1), across) < _LEAST_DIAGONAL * side
-        found[closed] = np.nan
-        position[a[known], b[known]] = found
-
-
-def _meet(
-    surface: Surface,
-    one: np.ndarray,
-    guess: np.ndarray,
-    side: float,
-    height: float,
-    *,
-    other: np.ndarray | None = None,
-    beside: np.ndarray | None = None,
-) -> np.ndarray:
-    """Points at ``side`` from ``one``, and from ``other`` or in the plane across ``beside``, on the surface; else NaN.
-
-    Newton's method for all points at once, (k, 3).
-    """
-    x = guess.copy()
-    open_rows, result = np.arange(len(x)), np.full_like(x, np.nan)
-    for _ in range(_MOST_ITERATIONS):
-        here, start = x[open_rows], one[open_rows]
-        distance, normal = surface(here)
-        first = here - start
-        miss = np.empty((len(here), 3))
-        slope = np.empty((len(here), 3, 3))
-        miss[:, 0], slope[:, 0] = 0.5 * ((first**2).sum(axis=1) - side**2) / side, first / side
-        if other is not None:
-            second = here - other[open_rows]
-            miss[:, 1], slope[:, 1] = 0.5 * ((second**2).sum(axis=1) - side**2) / side, second / side
-        elif beside is not None:
-            miss[:, 1], slope[:, 1] = (first * beside[open_rows]).sum(axis=1), beside[open_rows]
-        miss[:, 2], slope[:, 2] = distance - height, normal
-        done = np.abs(miss).max(axis=1) < _TOLERANCE * side
-        result[open_rows[done]] = here[done]
-        regular = ~done & (np.abs(np.linalg.det(slope)) > 1.0e-6) & np.isfinite(miss).all(axis=1)
-        open_rows = open_rows[regular]
-        if not len(open_rows):
-            break
-        step = np.linalg.solve(slope[regular], miss[regular][:, :, None])[:, :, 0]
-        size = np.linalg.norm(step, axis=1, keepdims=True)
-        x[open_rows] = here[regular] - step * np.minimum(1.0, _LARGEST_STEP * side / np.maximum(size, 1.0e-300))
-    return result
+        # equal to the diagonal of a flat cell; zero where the two yarns are one line
+        half = np.sqrt(np.maximum(side**2 - 0.25 * across**2, 0.0))
+        wide = half > 0.5 * _LEAST_DIAGONAL * side
+        narrow = across < _LEAST_DIAGONAL * side
+        state[a, b] = CLOSED
+        a, b, one, two, corner, half = (x[wide & ~narrow] for x in (a, b, one, two, corner, half))
+        if not len(a):
+            continue
+        found = ground.met(_Circles.around(0.5 * (one + two), one - two, half, one + two - corner))
+        closed = np.linalg.norm(found - corner, axis=1) < _LEAST_DIAGONAL * side
+        on = np.isfinite(found).all(axis=1)
+        position[a, b] = np.where((on & ~closed)[:, None], found, np.nan)
+        state[a, b] = np.where(closed, CLOSED, np.where(on, THERE, NO_SURFACE))

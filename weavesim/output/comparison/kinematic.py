@@ -12,11 +12,11 @@ import numpy as np
 from ...errors import InputError
 from ...measures.angles import locate, yarn_vectors
 from ...measures.findings import FormedSheet
-from ...measures.kinematic.net import Net, Surface, lay_net
+from ...measures.kinematic.net import CLOSED, NO_SURFACE, THERE, Net, Surface, check_count, lay_net
 from ...process.motions.paths import Place
 from ...sheet.blank import Blank
 from ...sheet.topology import flat_areas
-from ...tools.surfaces.distance import ToolDistance
+from ...tools.surfaces.exact import ExactSurface
 from ...tools.tool import Tool
 from ..files import write_summary
 from ..paraview.files import Grid
@@ -31,6 +31,28 @@ TOUCHING = 0.5
 _MOST_STEPS = 200
 
 
+# Why a net ends, in the words of files and of the terminal.
+REASONS = {CLOSED: "its yarns cross below 20 degrees", NO_SURFACE: "there is no more surface"}
+
+
+@dataclass(frozen=True)
+class NetEnd:
+    """Where a net ends within a blank.
+
+    Attributes:
+        reason: a row of ``REASONS``.
+        nearest: to the seed, material point (x, y) [m].
+    """
+
+    reason: int
+    nearest: tuple[float, float]
+
+    def text(self) -> str:
+        """In words."""
+        x, y = (1.0e3 * value for value in self.nearest)
+        return f"{REASONS[self.reason]}, first at x = {x:.4g}, y = {y:.4g} mm of the flat blank"
+
+
 @dataclass(frozen=True, eq=False)
 class KinematicDrape:
     """A net on a tool, and the formed sheet beside it.
@@ -40,6 +62,7 @@ class KinematicDrape:
         tool: name of the tool.
         seed: material point where the net begins (x, y) [m].
         angle_deg: absolute shear angle of the net at each element of the sheet; NaN where the net does not reach.
+        ends: where the net ends within the blank; empty if it covers the blank.
         sheet: the formed sheet; None for a drape alone.
         touching: elements of the formed sheet that lie on the tool; None for a drape alone.
     """
@@ -48,6 +71,7 @@ class KinematicDrape:
     tool: str
     seed: tuple[float, float]
     angle_deg: np.ndarray
+    ends: tuple[NetEnd, ...] = ()
     sheet: FormedSheet | None = None
     touching: np.ndarray | None = None
 
@@ -56,6 +80,11 @@ class KinematicDrape:
         """Angle of the formed sheet less that of the net; NaN where the net does not reach."""
         return None if self.sheet is None else self.sheet.shear_angle_deg - self.angle_deg
 
+    @property
+    def covered_share(self) -> float:
+        """Share of the elements that have a whole cell of the net."""
+        return float(np.isfinite(self.angle_deg).mean())
+
     def numbers(self) -> dict[str, Any]:
         """As ``kinematic.json`` has them."""
         known = np.isfinite(self.angle_deg)
@@ -63,7 +92,10 @@ class KinematicDrape:
             "tool": self.tool,
             "seed_mm": [1.0e3 * x for x in self.seed],
             "side_mm": 1.0e3 * self.net.side,
-            "covered_share": float(known.mean()),
+            "covered_share": self.covered_share,
+            "ends": [
+                {"reason": REASONS[end.reason], "nearest_mm": [1.0e3 * x for x in end.nearest]} for end in self.ends
+            ],
             "largest_net_angle_deg": float(np.nanmax(self.angle_deg)) if known.any() else None,
         }
         if self.sheet is not None and self.touching is not None and (difference := self.difference_deg) is not None:
@@ -119,8 +151,8 @@ def beside_run(
     centre = sheet.position[sheet.blank.quads].mean(axis=1)
     touching = np.abs(surface(centre)[0] - half) < TOUCHING * sheet.thickness
     warp = yarn_vectors(sheet.blank, sheet.position)[0][element[0]]
-    net, angle = lay(sheet.blank, surface, start, position, warp, half, side)
-    return KinematicDrape(net, name, start, angle, sheet.formed, touching)
+    net, angle, ends = lay(sheet.blank, surface, start, position, warp, half, side)
+    return KinematicDrape(net, name, start, angle, ends, sheet.formed, touching)
 
 
 def of_flat_blank(
@@ -140,8 +172,8 @@ def of_flat_blank(
     element, weight = locate(blank, np.array([start]))
     point = weight[0] @ blank.node_position[blank.quads[element[0]]]
     met = _along_axis(surface, point, np.array(tool.axis), half, tool.name)
-    net, angle = lay(blank, surface, start, met, blank.warp_direction[element[0]], half, side)
-    return KinematicDrape(net, tool.name, start, angle)
+    net, angle, ends = lay(blank, surface, start, met, blank.warp_direction[element[0]], half, side)
+    return KinematicDrape(net, tool.name, start, angle, ends)
 
 
 def _along_axis(surface: Surface, point: np.ndarray, axis: np.ndarray, height: float, name: str) -> np.ndarray:
@@ -164,10 +196,9 @@ def _along_axis(surface: Surface, point: np.ndarray, axis: np.ndarray, height: f
     return min(met, key=lambda place: float(np.linalg.norm(place - point)))
 
 
-def surface_of(tool: Tool, place: Place) -> Surface:
-    """Distance and normal of a tool in its place."""
-    distance = ToolDistance(tool)
-    return lambda points: distance(points, place)
+def surface_of(tool: Tool, place: Place) -> ExactSurface:
+    """The surface of a tool in its place."""
+    return ExactSurface(tool, place)
 
 
 def seed_of(blank: Blank, seed: Sequence[float] | None) -> tuple[float, float]:
@@ -183,32 +214,54 @@ def seed_of(blank: Blank, seed: Sequence[float] | None) -> tuple[float, float]:
 
 def lay(
     blank: Blank,
-    surface: Surface,
+    surface: ExactSurface,
     seed: tuple[float, float],
     position: np.ndarray,
     warp: np.ndarray,
     height: float,
     side: float | None,
-) -> tuple[Net, np.ndarray]:
-    """A net as large as a blank, and its absolute angle at each element [degrees].
+) -> tuple[Net, np.ndarray, tuple[NetEnd, ...]]:
+    """A net as large as a blank, its absolute angle at each element [degrees], and where it ends within the blank.
 
     Raises:
-        InputError: yarns that are not straight or not at right angles on the flat blank.
+        InputError: yarns that are not straight or not at right angles on the flat blank; a side of no use.
     """
     yarns = np.stack([blank.warp_direction[:, :2], blank.weft_direction[:, :2]], axis=1)
     if np.ptp(yarns, axis=0).max() > _STRAIGHT or abs(float(yarns[0, 0] @ yarns[0, 1])) > _STRAIGHT:
         raise InputError("kinematic drape: straight yarns at right angles are needed on the flat blank")
     size = float(np.sqrt(flat_areas(blank).mean())) if side is None else side
-    if not size > 0.0:
+    if not 0.0 < size < np.inf:
         raise InputError(f"kinematic drape: side = {side} m: a positive length is needed")
     # half a cell aside, so that borders and planes of symmetry lie on yarns
     lengths = (blank.material_coordinates - np.array(seed)) @ yarns[0].T
-    first, last = np.floor(lengths.min(axis=0) / size - 1e-6), np.ceil(lengths.max(axis=0) / size + 1e-6)
+    with np.errstate(over="ignore"):
+        first, last = np.floor(lengths.min(axis=0) / size - 1e-6), np.ceil(lengths.max(axis=0) / size + 1e-6)
+    check_count(size, float(np.prod(np.maximum(last, 0.0) - np.minimum(first, 0.0) + 1.0)))
     reach = tuple((min(int(a), 0), max(int(b), 0)) for a, b in zip(first, last, strict=True))
-    net = lay_net(surface, position, warp, size, (reach[0], reach[1]), height=height)
-    centre = blank.material_coordinates[blank.quads].mean(axis=1)
-    angle = net.angle_at((centre - np.array(seed)) @ yarns[0].T)
-    return net, np.abs(np.rad2deg(angle))
+    net = lay_net(
+        surface, position, warp, size, (reach[0], reach[1]), height=height, beyond=surface.beyond, error=surface.error
+    )
+    centre = (blank.material_coordinates[blank.quads].mean(axis=1) - np.array(seed)) @ yarns[0].T
+    return net, np.abs(np.rad2deg(net.angle_at(centre))), _ends(net, centre, np.array(seed), yarns[0])
+
+
+def _ends(net: Net, lengths: np.ndarray, seed: np.ndarray, yarns: np.ndarray) -> tuple[NetEnd, ...]:
+    """Where crossings are missing around the cells of elements, whose ``lengths`` (k, 2) along the yarns are given."""
+    cell = np.floor(lengths / net.side).astype(int) - np.array(net.first)
+    cell = cell[np.all((cell >= 0) & (cell < np.array(net.state.shape) - 1), axis=1)]
+    within = np.zeros(net.state.shape, dtype=bool)
+    for corner in ((0, 0), (1, 0), (1, 1), (0, 1)):
+        within[tuple((cell + corner).T)] = True
+    missing = within & (net.state != THERE)
+    if missing.any() and not np.isin(net.state[missing], list(REASONS)).any():
+        within[:] = True  # it has ended beside the blank
+    ends = []
+    for reason in REASONS:
+        place = np.argwhere(within & (net.state == reason)) + np.array(net.first)
+        if len(place):
+            x, y = (seed + net.side * place[np.linalg.norm(place, axis=1).argmin()] @ yarns).tolist()
+            ends.append(NetEnd(reason, (x, y)))
+    return tuple(ends)
 
 
 def write_kinematic(folder: Path, drape: KinematicDrape, run_id: str = "", ending: str = "") -> list[Path]:

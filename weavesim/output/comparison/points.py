@@ -16,7 +16,7 @@ from ..export.nearest import nearest
 from ..files import write_summary
 from ..stored.file import StoredSheet
 from ..tables import write_table
-from .fields import FIELDS, UNITS
+from .fields import FIELDS, UNITS, keyed
 from .runs import LARGEST_RATIO, interpolated, nearest_rows, statistics
 
 TABLES = (".csv", ".txt", ".tsv", ".dat", ".xyz")
@@ -122,7 +122,7 @@ class PointComparison:
     def numbers(self) -> dict[str, Any]:
         """As ``comparison.json`` has them."""
         out: dict[str, Any] = {"sheet": self.sheet.name, "other": self.other, "point_count": len(self.flat)}
-        return out | {name: statistics(values, self.flat) for name, values in self.differences()}
+        return out | {keyed(name): statistics(values, self.flat) for name, values in self.differences()}
 
 
 def compare_points(sheet: StoredSheet, points: MeasuredPoints) -> PointComparison:
@@ -206,7 +206,8 @@ def write_point_comparison(folder: Path, comparison: PointComparison, ending: st
     if comparison.distance is not None:
         columns["distance_mm"] = 1.0e3 * comparison.distance
     for name, (own, measured) in comparison.values.items():
-        columns |= {name: own, f"{name}_measured": measured, f"{name}_difference": own - measured}
+        key = keyed(name)
+        columns |= {key: own, f"{key}_measured": measured, f"{key}_difference": own - measured}
     write_table(files[1], list(columns), zip(*(values.tolist() for values in columns.values()), strict=True))
     write_picture(points_picture(comparison), files[2])
     return files

@@ -15,7 +15,7 @@ from ..export.nearest import nearest
 from ..files import write_summary
 from ..stored.file import StoredSheet
 from ..tables import write_table
-from .fields import FIELDS
+from .fields import FIELDS, keyed
 
 # A scan is not as much larger or smaller than the sheet as this: its unit is wrong.
 LARGEST_RATIO = 20.0
@@ -44,7 +44,7 @@ class Comparison:
         out: dict[str, Any] = {"sheet": self.sheet.name, "other": self.other}
         out["distance_mm"] = statistics(1.0e3 * self.distance, flat)
         for name, (own, other) in self.values.items():
-            out[name] = statistics(own - other, centre)
+            out[keyed(name)] = statistics(own - other, centre)
         return out
 
 
@@ -153,7 +153,8 @@ def write_comparison(folder: Path, comparison: Comparison, ending: str = "") -> 
         1.0e3 * sheet.blank.material_coordinates[sheet.blank.quads].mean(axis=1)).T, strict=True))  # fmt: skip
     columns["distance_mm"] = 1.0e3 * comparison.distance[sheet.blank.quads].mean(axis=1)
     for name, (own, other) in comparison.values.items():
-        columns |= {f"{name}_a": own, f"{name}_b": other, f"{name}_difference": own - other}
+        key = keyed(name)
+        columns |= {f"{key}_a": own, f"{key}_b": other, f"{key}_difference": own - other}
     write_table(files[1], list(columns), zip(*(values.tolist() for values in columns.values()), strict=True))
     write_picture(comparison_picture(comparison), files[2])
     return files

@@ -106,8 +106,13 @@ class _Soup:
     at_border: np.ndarray
 
 
-def flat_pattern(sheet: StoredSheet, edge: PartEdge | None) -> FlatPattern:
+def flat_pattern(sheet: StoredSheet, edge: PartEdge | None, formed: str = "") -> FlatPattern:
     """The flat blank of a sheet, whole, with the trim line of an edge.
+
+    Args:
+        sheet: formed.
+        edge: of the part, if any.
+        formed: what the sheet is, for messages; by default a formed sheet.
 
     Raises:
         InputError: an edge that leaves the sheet, does not lie on it, or lies where the sheet is in folds.
@@ -120,7 +125,8 @@ def flat_pattern(sheet: StoredSheet, edge: PartEdge | None) -> FlatPattern:
     slits = tuple(_slits(soup, 1.0e-6 * element))
     trim, largest = None, 0.0
     if edge is not None:
-        found = [_material(sheet, soup, curve, edge.name, element) for curve in (edge.outline, *edge.holes)]
+        formed = formed or f"formed sheet {sheet.name}"
+        found = [_material(sheet, soup, curve, edge.name, element, formed) for curve in (edge.outline, *edge.holes)]
         largest = max(distance for _, distance in found)
         trim = tuple(_straight(line, STRAIGHTENED * element) for line, _ in found)
         _check(sheet, edge, trim)
@@ -160,12 +166,12 @@ def _slits(soup: _Soup, tolerance: float) -> Iterator[np.ndarray]:
 
 
 def _material(
-    sheet: StoredSheet, soup: _Soup, curve: np.ndarray, name: str, element: float
+    sheet: StoredSheet, soup: _Soup, curve: np.ndarray, name: str, element: float, formed: str
 ) -> tuple[np.ndarray, float]:
     """Material points under a closed curve, (k, 2) [m], and the largest distance to it [m]."""
     points, corners = _resampled(curve, STEP * element)
     if points.shape[1] == 2:
-        points = _raised(sheet, soup, points, name)
+        points = _raised(sheet, soup, points, name, formed)
     foot, row = nearest(soup.formed, points)
     triangle = soup.formed[row]
     a, b = triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]
@@ -181,14 +187,14 @@ def _material(
     if beyond.max() > BEYOND * element:
         worst = int(beyond.argmax())
         raise InputError(
-            f"{name}: at {told(points[worst])} it lies {1e3 * beyond[worst]:.3g} mm beyond the border of the formed "
-            f"sheet {sheet.name}; the part needs a larger blank there, or its edge another place"
+            f"{name}: at {told(points[worst])} it lies {1e3 * beyond[worst]:.3g} mm beyond the border of the "
+            f"{formed}; the part needs a larger blank there, or its edge another place"
         )
     if distance.max() > USUAL_DISTANCE * element:
         worst = int(distance.argmax())
         raise InputError(
-            f"{name}: at {told(points[worst])} it lies {1e3 * distance[worst]:.3g} mm away from the formed sheet "
-            f"{sheet.name}, which is more than {USUAL_DISTANCE:g} elements; check its unit and place: it has to lie on "
+            f"{name}: at {told(points[worst])} it lies {1e3 * distance[worst]:.3g} mm away from the "
+            f"{formed}, which is more than {USUAL_DISTANCE:g} elements; check its unit and place: it has to lie on "
             "the tools as the run left them"
         )
     flat = np.einsum("kc,kci->ki", share, soup.flat[row])
@@ -204,7 +210,7 @@ def _material(
     return _averaged(flat, corners, round(0.5 * AVERAGED / STEP)), float(distance.max())
 
 
-def _raised(sheet: StoredSheet, soup: _Soup, points: np.ndarray, name: str) -> np.ndarray:
+def _raised(sheet: StoredSheet, soup: _Soup, points: np.ndarray, name: str, formed: str) -> np.ndarray:
     """Points (k, 2) that are seen from above, on the formed sheet, (k, 3)."""
     from scipy.spatial import cKDTree
 
@@ -219,7 +225,7 @@ def _raised(sheet: StoredSheet, soup: _Soup, points: np.ndarray, name: str) -> n
         inside = (share > -1.0e-9).all(axis=1)
         if not inside.any():
             raise InputError(
-                f"{name}: at {told(points[k])} there is no sheet {sheet.name} under it; the part needs a larger "
+                f"{name}: at {told(points[k])} there is no {formed} under it; the part needs a larger "
                 "blank there, or its edge another place"
             )
         found = np.einsum("kc,kc->k", share[inside], soup.formed[some[inside], :, 2])

@@ -91,7 +91,7 @@ def trim(simulation: Simulation, whole: Prepared, index: int) -> Prepared:
     trimmed.stepper.refresh_step()
     trimmed.ledger.carry_on(before, index, trimmed=True)
     energy = trimmed.ledger.frame(index).energies["trimmed_energy"] - before["trimmed_energy"]
-    course.trimmed += [{"stage": course.name, "time_s": state.time, "energy_J": energy, **each} for each in lost]
+    course.trimmed += [{"stage": course.name, "time_s": state.time, "energy_j": energy, **each} for each in lost]
     return trimmed
 
 

@@ -115,6 +115,8 @@ def _let_go(state: State, model: Model, tool: int) -> None:
                 rows = layout.read(array)
                 rows[3 * place : 3 * place + 3] = 0.0
                 array.assign(layout.flat(rows))
+        if own.sample_memory.size:
+            own.sample_memory.zero_()  # half of the last step's impulses: nothing would book it
         for row in range(place, len(own.sample_reaction), max(sheet.tool_count, 1)):
             if own.sample_reaction.size:
                 own.sample_reaction[row].zero_()

@@ -74,7 +74,7 @@ def waste_of(each: SheetCut, whole: Model, model: Model, state: State) -> dict[s
         "element_count": int(gone.sum()),
         "area_mm2": 1e6 * float(flat_areas(old.blank)[gone].sum()),
         "mass_kg": float(mass.sum()),
-        "momentum_N_s": (mass @ velocity).tolist(),
+        "momentum_n_s": (mass @ velocity).tolist(),
         "off_curve_mm": 1e3 * each.off,
     }
 

@@ -121,7 +121,7 @@ class ToolForces:
         parts = [sheet.friction_layout.read(self._own.friction)[:rows, : self._node_count]]
         if places := len(sheet.samples.places):
             between = sheet.samples.layout.read(self._own.sample_friction)[:rows]
-            between = between.reshape(rows, places, sheet.element_count)[..., : self._element_count]
+            between = between.reshape(rows, places, sheet.element_count)[..., sheet.samples.slot]
             parts.append(between.reshape(rows, -1))
         return np.concatenate(parts, axis=1)
 
@@ -160,7 +160,7 @@ class ToolForces:
             count = self._push.shape[1]
             area = [contact_areas(sheet, samples=False)[: self._node_count]]
             if places := len(sheet.samples.places):
-                between = contact_areas(sheet, samples=True).reshape(places, -1)[:, : self._element_count]
+                between = contact_areas(sheet, samples=True).reshape(places, -1)[:, sheet.samples.slot]
                 area.append(between.ravel())
             arguments = wp.array(argument_rows(sheet, count), dtype=sheet.real, device=sheet.device)
             areas = wp.array(np.concatenate(area), dtype=sheet.real, device=sheet.device)

@@ -8,6 +8,7 @@ import urllib.request
 import pytest
 from filelock import FileLock
 
+from tests.support.summary_keys import keys_without_unit
 from weavesim.app.results.live import LiveServer, show_live, state_of
 from weavesim.errors import InputError
 from weavesim.output import ResultFolder
@@ -41,6 +42,7 @@ def test_progress_has_stroke_forces_of_the_whole_part_and_time_left(tmp_path, co
         clock[0] += 2.0
         record.frame(frame)
     state = json.loads((tmp_path / "progress.json").read_text())
+    assert not keys_without_unit(state)
     assert state["run_id"] == info.run_id and state["state"] == "running" and state["frame"] == 5
     assert state["share"] == pytest.approx(frames[5].time / info.duration)
     assert state["tool_force_n"]["punch"] == pytest.approx(4.0 * abs(frames[5].tool_reaction[0, 2]))

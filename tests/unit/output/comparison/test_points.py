@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.support.stored_runs import stored_sheet
+from tests.support.summary_keys import keys_without_unit
 from weavesim.errors import InputError
 from weavesim.output.comparison.points import compare_points, read_points, write_point_comparison
 from weavesim.sheet.blank import Blank
@@ -37,6 +38,7 @@ def test_material_points_are_compared_by_place_and_value(tmp_path):
     )
     assert found.distance == pytest.approx(0.002)
     numbers = found.numbers()
+    assert not keys_without_unit(numbers)
     assert numbers["point_count"] == 3 and numbers["distance_mm"]["mean"] == pytest.approx(2.0)
     assert (
         numbers["shear_angle_deg"]["mean"] == pytest.approx(-3.0) and numbers["shear_angle_deg"]["compared_share"] == 1

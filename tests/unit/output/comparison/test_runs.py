@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from tests.support.stored_runs import stored_sheet
+from tests.support.summary_keys import keys_without_unit
 from weavesim.errors import InputError
 from weavesim.output.comparison.runs import compare_scan, compare_sheets, write_comparison
 from weavesim.sheet.blank import Blank
@@ -27,6 +28,7 @@ def bent(size, shift=0.0, lower=(-0.1, -0.05)):
 
 def test_the_same_sheet_does_not_differ():
     found = compare_sheets(bent(0.01), bent(0.01), "b").numbers()
+    assert not keys_without_unit(found)
     assert found["distance_mm"]["largest_absolute"] < 1e-6
     assert found["shear_angle_deg"]["largest_absolute"] < 1e-5
     assert found["shear_angle_deg"]["compared_share"] == 1.0

@@ -11,6 +11,7 @@ from PIL import Image
 from tests.support.runs import one_sheet_setup
 from tests.support.sheet import plain_fabric
 from tests.support.stored_runs import stored_run, stored_sheet
+from tests.support.summary_keys import keys_without_unit
 from weavesim.measures.defects.judgement import Limits
 from weavesim.output.stored.file import StoredRun
 from weavesim.output.stored.judged import judge_run, tool_distance, write_judged
@@ -49,6 +50,7 @@ def test_a_tool_that_no_longer_acts_is_no_distance_away(run):
     judged = judge_run(free, Limits())
     assert "gap" not in judged.sheets[0].fields and "gap" in judge_run(run, Limits()).sheets[0].fields
     assert judged.as_dict()["sheets"][0]["largest_gap_mm"] is None
+    assert not keys_without_unit(judged.as_dict())
 
 
 def test_files_and_lines_tell_the_same(run, tmp_path):

@@ -222,7 +222,7 @@ class Course:
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Be where ``memory`` was."""
         self.begins = [
-            Begin(*each[:2], *map(tuple, each[2:5]), tuple(tuple(pose) for pose in each[5]))
+            Begin(each[0], each[1], tuple(each[2]), tuple(each[3]), tuple(each[4]), tuple(map(tuple, each[5])))
             for each in memory["begins"]
         ]
         self.ended = [dict(each) for each in memory["ended"]]

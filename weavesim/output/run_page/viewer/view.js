@@ -236,8 +236,7 @@ weavesim.View = class {
       this.plane.constant = -offset;
       this.clip.push(this.plane);
     }
-    for (const material of [...this.sheets.flatMap((s) => [s.surface, s.meshLines.material, s.warpLines.material,
-      s.weftLines.material]), ...this.tools.map((tool) => tool.mesh.material)]) {
+    for (const material of [...this.sheets.flatMap((sheet) => sheet.materials), ...this.tools.map((tool) => tool.mesh.material)]) {
       material.clippingPlanes = normal === null ? null : this.clip;
       material.needsUpdate = true;
     }

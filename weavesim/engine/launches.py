@@ -257,16 +257,14 @@ class Launches:
         tools, state, device = self.model.tools, self.state, self.model.device
         for values, sums in itertools.pairwise(self._sums):
             wp.launch_tiled(
-                self._partial_sums_of(values),
-                dim=sums.shape,
-                block_dim=TILE_THREAD_COUNT,
-                inputs=[values],
-                outputs=[sums],
-                device=device,
-            )
-        inputs, moved = [tools.drives], [state.tool_displacement, state.tool_velocity]
+                self._partial_sums_of(values), dim=sums.shape, block_dim=TILE_THREAD_COUNT, inputs=[values],
+                outputs=[sums], device=device,
+            )  # fmt: skip
+        way, speed, inputs = state.tool_displacement, state.tool_velocity, [tools.drives]
+        moved: tuple[Any, ...] = (way, speed)
         if tools.carriers is not None:
-            inputs, moved = [*inputs, tools.carriers], [carried_motion(*moved, state.tool_pose, state.tool_moment)]
+            moved = (carried_motion(way, speed, state.tool_pose, state.tool_moment),)
+            inputs.append(tools.carriers)
         wp.launch(
             self._tool_motion,
             dim=tools.drives.thread_count,

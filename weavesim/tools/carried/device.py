@@ -20,7 +20,8 @@ def build_carriers(tools: Sequence[Tool], device: str) -> Any:
     """Curves and poses of all tools, as ``carried_motion_kernel`` reads them; None where no tool is carried."""
     if not any(tool.motion.is_carried for tool in tools):
         return None
-    curves, carriers = [], []
+    curves: list[Any] = []
+    carriers: list[Any] = []
     for tool in tools:
         path = _path(tool)
         placed, carrier = Pose.from_numbers(path.placed), Carrier()

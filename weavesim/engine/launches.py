@@ -260,11 +260,9 @@ class Launches:
                 self._partial_sums_of(values), dim=sums.shape, block_dim=TILE_THREAD_COUNT, inputs=[values],
                 outputs=[sums], device=device,
             )  # fmt: skip
-        way, speed, inputs = state.tool_displacement, state.tool_velocity, [tools.drives]
-        moved: tuple[Any, ...] = (way, speed)
+        inputs, moved = [tools.drives], [state.tool_displacement, state.tool_velocity]
         if tools.carriers is not None:
-            moved = (carried_motion(way, speed, state.tool_pose, state.tool_moment),)
-            inputs.append(tools.carriers)
+            inputs, moved = [*inputs, tools.carriers], [carried_motion(state)]
         wp.launch(
             self._tool_motion,
             dim=tools.drives.thread_count,

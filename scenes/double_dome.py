@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from weavesim.app.options import Need, RunOptions
+from weavesim.app.options import Need
 from weavesim.checks import NotNegative, Positive
 from weavesim.engine.setup import Setup
 from weavesim.errors import InputError
@@ -27,7 +27,7 @@ from weavesim.output import load_measured_angles, load_measured_outline
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.stages import AtRest, Stage
-from weavesim.process.strokes import Fixed, ForceDriven, Motion, Stroke
+from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Support
 from weavesim.ranges import Quantity
 from weavesim.sheet.blank import Blank
@@ -36,6 +36,19 @@ from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import DomeOpening, DomePunch, Shape, rotation_matrix
 from weavesim.tools.tool import Tool
 
+from .dome_holder import (
+    BLANK_HOLDER_RAMP,
+    BLANK_LENGTH,
+    BLANK_WIDTH,
+    DIE_ENTRY_RADIUS,
+    DOME_DISTANCE,
+    PUNCH_RADIUS,
+    SYMMETRY,
+    HolderOptions,
+    clearance,
+    make_holder,
+    raised,
+)
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -43,20 +56,6 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-# Full blank of the paper [m].
-BLANK_LENGTH = 0.470
-BLANK_WIDTH = 0.270
-# Representative tool [m].
-PUNCH_RADIUS = 0.060
-DOME_DISTANCE = 0.170
-DIE_ENTRY_RADIUS = 0.010
-SMALLEST_CLEARANCE = 0.0012
-# Symmetry planes of each part, every one of which halves the blank.
-SYMMETRY: Mapping[str, tuple[str, ...]] = {"quarter": ("x", "y"), "half": ("y",), "full": ()}
-# For the whole holder; a quarter of the blank carries a quarter.
-BLANK_HOLDER_MASS = 2.0
-BLANK_HOLDER_PRESSURE = 20.0e3
-BLANK_HOLDER_RAMP = 2.0e-3
 PUNCH_RAMP = 6.0e-3
 REST = 2.0e-3
 # Of a free sheet at rest [m/s]: about a millimetre is left to its slowest bending then; single precision makes 1 mm/s.
@@ -72,7 +71,7 @@ FREE_MOTIONS: Mapping[str, tuple[str, str]] = {"quarter": ("z", ""), "half": ("x
 DIRECTOR_DAMPING = 1.0e4
 
 
-class DoubleDomeParameters(RunOptions):
+class DoubleDomeParameters(HolderOptions):
     """Parameters of a double-dome run."""
 
     out: Path = Field(default=Path("out/double_dome"), description="folder for the results")
@@ -86,15 +85,6 @@ class DoubleDomeParameters(RunOptions):
     )
     shear_modulus: Annotated[Positive, Quantity("shear modulus")] = Field(
         default=0.25e6, description="G_12 of the linear law, twice the stress over the angle [Pa]"
-    )
-    friction: Annotated[NotNegative, Quantity("friction")] = Field(
-        default=0.2, description="Coulomb coefficient between sheet and tools"
-    )
-    blank_holder_force: Annotated[NotNegative, Quantity("force")] | None = Field(
-        default=None, description="force of the whole holder [N]; the default is 20 kPa on the initial flange area"
-    )
-    blank_holder_gap: Annotated[NotNegative, Quantity("gap")] | None = Field(
-        default=None, description="fixed gap of the holder in addition to the thickness [m], instead of a force"
     )
     contact_thickness: Literal["initial", "current"] = Field(
         default="initial", description="sheet thickness used for contact with the tools"
@@ -162,26 +152,6 @@ class DoubleDomeParameters(RunOptions):
         return BLANK_LENGTH * BLANK_WIDTH * 0.5 ** len(SYMMETRY[self.part])
 
 
-def clearance(thickness: float) -> float:
-    """Between the default punch and die [m]: a thicker sheet or stack gets an opening that is made for it."""
-    return max(SMALLEST_CLEARANCE, thickness)
-
-
-def blank_holder_area(thickness: float) -> float:
-    """Flat area of the undeformed blank, of ``thickness`` [m], between die and holder [m^2].
-
-    Raises:
-        InputError: there is none, since the fabric is too thick for these tools.
-    """
-    rim = PUNCH_RADIUS + clearance(thickness) + DIE_ENTRY_RADIUS
-    if rim > 0.5 * BLANK_WIDTH:
-        raise InputError(
-            f"double dome: the fabric is {1e3 * thickness:.3g} mm thick, and an opening made for it is wider "
-            f"than the blank; at most {1e3 * (0.5 * BLANK_WIDTH - PUNCH_RADIUS - DIE_ENTRY_RADIUS):.3g} mm is allowed"
-        )
-    return BLANK_LENGTH * BLANK_WIDTH - (math.pi * rim**2 + 2.0 * rim * DOME_DISTANCE)
-
-
 def tool_shapes(
     parameters: DoubleDomeParameters, thickness: float, symmetry: tuple[str, ...]
 ) -> tuple[Shape, Shape, Shape]:
@@ -212,17 +182,8 @@ def make_tools(parameters: DoubleDomeParameters, thickness: float, symmetry: tup
     """Punch, die and blank holder around a sheet or stack of ``thickness`` [m] whose middle is at z = 0."""
     half = 0.5 * thickness
     down = (0.0, 0.0, -1.0)
-    share = 0.5 ** len(symmetry)
     punch, die, blank_holder = tool_shapes(parameters, thickness, symmetry)
-    holder_motion: Motion
-    gap = 0.0
-    if parameters.blank_holder_gap is not None:
-        holder_motion, gap = Fixed(), parameters.blank_holder_gap
-    else:
-        force = parameters.blank_holder_force
-        if force is None:
-            force = BLANK_HOLDER_PRESSURE * blank_holder_area(thickness)
-        holder_motion = ForceDriven.constant(force * share, BLANK_HOLDER_MASS * share, BLANK_HOLDER_RAMP)
+    holders = make_holder(parameters, blank_holder, die, thickness, 2 ** len(symmetry))
     return (
         Tool(
             "punch", raised(punch, half),
@@ -230,17 +191,8 @@ def make_tools(parameters: DoubleDomeParameters, thickness: float, symmetry: tup
             friction=parameters.friction, axis=down, colour=(0.75, 0.76, 0.80),
         ),
         Tool("die", raised(die, -half), friction=parameters.friction, colour=(0.45, 0.52, 0.62)),
-        Tool(
-            "blank_holder", raised(blank_holder, half + gap), holder_motion,
-            friction=parameters.friction, axis=down, colour=(0.62, 0.55, 0.45),
-        ),
+        *holders,
     )  # fmt: skip
-
-
-def raised(shape: Shape, height: float) -> Shape:
-    """``shape`` moved up by ``height`` [m]."""
-    x, y, z = shape.origin
-    return shape.model_copy(update={"origin": (x, y, z + height)})
 
 
 def held_free(parameters: DoubleDomeParameters, blank: Blank) -> tuple[Support, ...]:
@@ -285,8 +237,6 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     Raises:
         InputError: parameters that contradict each other or the mesh.
     """
-    if parameters.blank_holder_force is not None and parameters.blank_holder_gap is not None:
-        raise InputError("blank holder: both a force and a gap are given; choose one")
     if fabric is None:
         fabric = resolve_fabric(parameters.fabric, accept_unusual=parameters.accept_unusual)
         if parameters.shear_law == "linear":

@@ -78,6 +78,7 @@ class Scene:
                 writers=parameters.writers,
                 overwrite=parameters.overwrite,
                 options=parameters.model_dump(mode="json") | ({"case": case} if case else {}),
+                solver_fields=parameters.solver_fields,
                 **vars(shown),
             )
             for case, shown in wanted.items()
@@ -109,7 +110,7 @@ class Scene:
 
         return Job(
             setup, new_run_id(), parameters.model_dump(mode="json"), {"scene": self.name, "case": case},
-            parameters.writers, order,
+            parameters.writers, order, parameters.solver_fields,
         )  # fmt: skip
 
     def resume(self, job: Job, options: Mapping[str, Any], out: Path) -> dict[str, Any]:
@@ -130,11 +131,12 @@ class Scene:
         from weavesim.output import ResultFolder
         from weavesim.output.results import Wanted
 
-        parameters = self.parameters(**{**options, "out": out, "write": None, "without": None})
+        parameters = self.parameters(**{**options, "out": out, "write": None, "without": None, "solver_fields": False})
         case = job.origin["case"]
         wanted = self.wanted(parameters, job.setup) if self.wanted else Wanted()
         given = dict(job.options) | ({"case": case} if case else {})
-        folder = ResultFolder(out, writers=job.writers, options=given, resumes=True, **vars(wanted))
+        how: dict[str, Any] = {"writers": job.writers, "solver_fields": job.solver_fields, **vars(wanted)}
+        folder = ResultFolder(out, options=given, resumes=True, **how)
         return self._run_case(parameters, case, job.setup, folder, wanted, job=job, resumes=True)
 
     def _run_case(

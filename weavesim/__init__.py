@@ -88,6 +88,7 @@ if TYPE_CHECKING:
     from .sheet.stack import LayUp, Ply
     from .sheet.symmetry import Symmetry
     from .tools.mesh_tool import MeshShape
+    from .tools.segments.opening import DomeOpeningSector
     from .tools.shapes import (
         Capsule,
         DomeCavity,
@@ -185,6 +186,7 @@ _names_in = {
     "sheet.stack": ("LayUp", "Ply"),
     "sheet.symmetry": ("Symmetry",),
     "tools.mesh_tool": ("MeshShape",),
+    "tools.segments.opening": ("DomeOpeningSector",),
     "tools.shapes": (
         "Capsule",
         "DomeCavity",

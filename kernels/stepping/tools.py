@@ -27,6 +27,8 @@ class ToolDrive:
     fading: wp.float64  # rate at which the damper fades while the tool carries [1/s]
     largest_force: wp.float64  # at which a stroke waits [N]; 0 for none
     stiffness: wp.float64  # largest of the contact with all sheets [N/m]
+    stop: wp.float64  # displacement at which spacers hold a tool that a force moves [m]
+    stop_way: wp.float64  # towards them: 1 or -1 along the axis; 0 without spacers
 
 
 @wp.struct
@@ -127,6 +129,23 @@ def damped(drive: ToolDrive, velocity: wp.float64, gained: wp.float64, share: wp
     return velocity + gained - decay * mean, decay * drive.mass * mean * mean
 
 
+@wp.func
+def stopped(
+    drive: ToolDrive, at: wp.float64, before: wp.float64, gained: wp.float64, share: wp.float64, steps: wp.vec2d
+):
+    """New velocity of a mass at ``at``, on a damper, and the energy that this and its spacers take from it.
+
+    ``steps`` are the step to come and the mean step. A mass beyond its spacers already is held where it is.
+    """
+    velocity, lost = damped(drive, before, gained, share, steps[1])
+    room = wp.max(drive.stop_way * (drive.stop - at), wp.float64(0.0))
+    held = drive.stop_way * steps[0] * velocity > room
+    if held:
+        velocity = drive.stop_way * room / steps[0]
+        lost = drive.mass * (gained - (velocity - before)) * wp.float64(0.5) * (before + velocity)
+    return velocity, lost, held
+
+
 @cache
 def partial_sum_kernel(real: type):
     """Sum ``SUM_GROUP`` neighbouring reactions in double precision, so that the final sum stays short with many nodes.
@@ -221,6 +240,7 @@ def move_tool(
     old = displacement[k]
     old_velocity = velocity[k]
     drive_force = wp.float64(0.0)
+    wanted = wp.float64(0.0)
     new = old
     if drive.kind == FORCE:
         drive_force = curve_value(drives.curve_time, drives.curve_value, drive, clock[ClockEntry.time])
@@ -230,7 +250,9 @@ def move_tool(
         carrying = wp.where(carries, kept[ToolDriveRow.carrying, k] + mean_step, wp.float64(0.0))
         kept[ToolDriveRow.carrying, k] = carrying
         share = damper_share(drive, carrying)
-        new_velocity, lost = damped(drive, old_velocity, gained, share, mean_step)
+        new_velocity, lost, held = stopped(drive, old, old_velocity, gained, share, wp.vec2d(step, mean_step))
+        # what spacers hold back is not wanted of the sheets
+        wanted = wp.where(held, wp.float64(0.0), drive_force)
         velocity[k] = new_velocity
         add(books.work, ToolWorkRow.damping, k, lost)
         new = old + step * velocity[k]
@@ -244,7 +266,7 @@ def move_tool(
     travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
     add(books.work, ToolWorkRow.on_sheet, k, -along * travel)
     add(books.work, ToolWorkRow.driving, k, drive_force * travel)
-    watch_tool(books.watch, k, step, drive_force, total, along)
+    watch_tool(books.watch, k, step, wanted, total, along)
 
 
 @cache

@@ -21,6 +21,7 @@ from weavesim.job.schema import (
     StageTable,
     ToolTable,
 )
+from weavesim.job.segments.tables import SegmentTable
 from weavesim.job.stages.paths import RotationTable
 from weavesim.job.stages.tables import EndTable, MoveTable, StagePressureTable, TrimTable
 from weavesim.job.tables import JobTable, table_within, takes_numbers, words_of
@@ -30,8 +31,8 @@ from weavesim.ranges import quantity_of
 SECTIONS: tuple[tuple[str, type[JobTable]], ...] = (
     ("Top of the file", Job), ("[[ply]]", PlyTable), ("[[tool]]", ToolTable), ("[[spring]]", SpringTable),
     ("[[gripper]]", GripperTable), ("[[pressure]]", PressureTable), ("[[stage]]", StageTable),
-    ("[[stage.move]]", MoveTable), ("[tool.rotation]", RotationTable), ("[stage.end]", EndTable),
-    ("[[stage.pressure]]", StagePressureTable), ("[[stage.trim]]", TrimTable),
+    ("[[stage.move]]", MoveTable), ("[tool.rotation]", RotationTable), ("[[tool.segment]]", SegmentTable),
+    ("[stage.end]", EndTable), ("[[stage.pressure]]", StagePressureTable), ("[[stage.trim]]", TrimTable),
     ("[interface]", InterfaceTable),
     ("[[interface.pair]]", PairTable),
     ("[process]", ProcessTable), ("[solver]", SolverTable), ("[output]", OutputTable),

@@ -43,6 +43,7 @@ WITHOUT_QUANTITY = {
     "Compaction.thickening", "CrossedYarns.warp_crimp_share", "Drive.direction", "FloatWeave.repeat",
     "Gripper.direction", "IsotropicBending.poisson_ratio",
     "Lamina.poisson_ratio", "Lamina.poisson_ratio_across", "NodalLoads.shares", "Origin.range", "Origin.scatter",
+    "HolderOptions.blank_holder_segments", "PushedTable.segments", "SegmentTable.number",
     "Rotation.axis", "RotationTable.axis", "Setup.frame_count", "Setup.leading_tool",
     "Shape.rotation", "Solver.lane_count", "Solver.step_safety", "Solver.threads", "Tool.axis",
     "Tool.colour", "TriangleMesh.side", "RunOptions.threads", "RunOptions.frame_count", "HemisphereParameters.seed",

@@ -1,6 +1,5 @@
 """The report's page as its readers open it: in a browser, without a network, wide and narrow."""
 
-import io
 import json
 import threading
 from dataclasses import replace
@@ -10,10 +9,9 @@ import h5py
 import numpy as np
 import pytest
 from filelock import FileLock
-from PIL import Image
 
+from tests.support.report_pages import DOUBTS, coloured, nodes, pixels, slide, write
 from weavesim.app.results.live import LiveServer
-from weavesim.output import ResultFolder
 from weavesim.output.claim.lock import LOCK_NAME
 from weavesim.output.history import History
 from weavesim.output.run_page.content import page_so_far
@@ -22,77 +20,6 @@ from weavesim.output.run_page.recorder import FrameRecorder
 from weavesim.output.run_page.writing import write_page
 from weavesim.output.writers import pictures
 from weavesim.run.frame import Outcome
-
-DOUBTS = [
-    {"guard": "test", "level": "warning", "text": "something at a place", "advice": "look there", "sheet": None,
-     "place_m": [0.1, 0.05], "time_s": 0.01, "message": "something at a place: look there"},
-]  # fmt: skip
-
-
-def write(path, run, summary=None, outcome=Outcome.FINISHED, writers=("report", "results"), **options):
-    """A folder of results of these frames."""
-    info, frames = run
-    folder = ResultFolder(path, writers=list(writers), **options)
-    folder.start(info)
-    for frame in frames:
-        folder.frame(frame)
-    folder.finish(outcome)
-    folder.write(summary or {})
-    assert not folder.warnings
-    return path / "report.html"
-
-
-@pytest.fixture(scope="module")
-def limits(tmp_path_factory):
-    """Limits that the made part does not keep."""
-    path = tmp_path_factory.mktemp("limits") / "limits.toml"
-    path.write_text("locking_angle = 20.0\n")
-    return path
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory, coarse_run, limits):
-    """Page of a run with a doubt, and its folder."""
-    path = tmp_path_factory.mktemp("page")
-    summary = {"doubts": DOUBTS, "verdict": "doubtful"}
-    return write(path, with_forces(coarse_run), summary, options={"limits": str(limits)}), path
-
-
-def with_forces(run):
-    """With the forces of the yarns in all frames, which the judgement of a part needs."""
-    info, frames = run
-    taut = {name: np.full(info.sheet.blank.element_count, 5.0) for name in ("warp_force", "weft_force")}
-    return info, [replace(f, sheets=(replace(f.sheet, fields=f.sheet.fields | taut),)) for f in frames]
-
-
-@pytest.fixture(scope="module")
-def page(browser, finished):
-    """That page, open, at rest; tests leave it as they like."""
-    with browser.open(finished[0]) as opened:
-        opened.page.evaluate("weavesim.ready")
-        yield opened
-
-
-def nodes(page, sheet=0):
-    """Positions of the drawn nodes, (node_count, 3) [m]."""
-    return 1e-3 * np.array(page.page.evaluate(f"Array.from(weavesim.page.sheets[{sheet}].nodes)")).reshape(-1, 3)
-
-
-def slide(page, frame):
-    """Move the slider as a reader does, and wait."""
-    page.page.locator("#frame").fill(str(frame))
-    page.page.wait_for_function(f"weavesim.page.frame === {frame}")
-
-
-def pixels(page):
-    """The picture in three dimensions, (height, width, 3)."""
-    page.page.evaluate("weavesim.page.view.drawNow()")
-    return np.asarray(Image.open(io.BytesIO(page.picture(selector="#picture"))).convert("RGB")).astype(int)
-
-
-def coloured(image):
-    """How many pixels have a colour."""
-    return int((np.ptp(image, axis=2) > 40).sum())
 
 
 @pytest.mark.parametrize("width", [1280, 390])
@@ -245,15 +172,6 @@ def test_tools_and_mirrored_parts_can_be_switched(page, coarse_run):
     assert np.abs(pixels(page) - before).max() > 60
     page.page.get_by_label("yarn directions").uncheck()
     assert page.errors == []
-
-
-def test_it_prints(browser, finished, tmp_path):
-    with browser.open(finished[0]) as opened:
-        opened.page.evaluate("weavesim.ready")
-        paper = opened.page.pdf(path=tmp_path / "page.pdf", prefer_css_page_size=True)
-        assert paper.startswith(b"%PDF") and paper.count(b"/Type /Page\n") + paper.count(b"/Type /Page ") < 25
-        opened.page.emulate_media(media="print")
-        assert not opened.page.locator("#controls").is_visible() and opened.page.locator("#picture").is_visible()
 
 
 def test_plies_can_be_taken_apart(browser, tmp_path, stack):

@@ -66,6 +66,9 @@ class RunOptions(Parameters):
         description=f"results to write, comma-separated: {','.join(known_writers())} [default: all]",
     )
     without: str | None = Field(default=None, description="results to leave out, comma-separated")
+    solver_fields: bool = Field(
+        default=False, description="frames for ParaView have the fields of the solver too, unit_cell_*"
+    )
     overwrite: bool = Field(default=False, description="replace the results of an earlier run in that folder")
     checkpoint_interval: Annotated[NotNegative, Quantity("wall time")] = Field(
         default=INTERVAL,
@@ -101,6 +104,12 @@ class RunOptions(Parameters):
                 f"{as_typed(given)} = {getattr(self, given)!r}: no results would be written; choose from "
                 f"{', '.join(known_writers())}"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _writes_solver_fields(self) -> Self:
+        if self.solver_fields and "paraview" not in self.writers:
+            raise ValueError(f"{as_typed('solver_fields')}: has no effect without the results paraview; leave it out")
         return self
 
     @model_validator(mode="after")

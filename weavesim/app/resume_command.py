@@ -59,7 +59,9 @@ def _resumed(out: Path, job: Job, content: Content, threads: int | None, device:
             raise InputError(f"folder {out}: its run is of the scene {name!r}, which this weavesim does not have")
         with tempfile.TemporaryDirectory(prefix="weavesim-") as inputs:
             return scenes[name].load().resume(job, unpacked_options(job, content, Path(inputs)), out)
-    folder = ResultFolder(out, writers=job.writers or None, options=job.options, resumes=True)
+    folder = ResultFolder(
+        out, writers=job.writers or None, options=job.options, resumes=True, solver_fields=job.solver_fields
+    )
     return run_into_folder(job.setup, folder, options=job.options, job=job, resumes=True)
 
 

@@ -88,7 +88,9 @@ def run_into_folder(
         if before is not None:
             before()
         if job is None:
-            job = Job(setup, info.run_id, plain(options), writers=folder.writer_names)
+            job = Job(
+                setup, info.run_id, plain(options), writers=folder.writer_names, solver_fields=folder.solver_fields
+            )
         checkpoints.job = job
         with interruption() as interrupted, interrupted.held():
             try:

@@ -266,7 +266,8 @@ def _form_best(study: Study, results: StudyResults, subject: JobSubject, folder:
     own = [text for factor, value in zip(study.factors, values, strict=True) for text in factor.settings(value)]
     file = subject.file(own)
     if file.job.output.write is None and file.job.output.without is None:
-        file = subject.file([*own, f"output.without={list(LEFT_OUT)}".replace("'", '"')])
+        without = f"output.without={list(LEFT_OUT)}".replace("'", '"')
+        file = subject.file([*own, without, "output.solver_fields=false"])
     say("The best point once more, with its report:", error=True)
     try:
         summary = run_job(file, folder / BEST_FOLDER, overwrite=True)

@@ -20,6 +20,7 @@ from .friction import friction_of
 from .loads import Loads
 from .placing import Box, axis_of, motion_of, reach, start_shift
 from .read import JobFile
+from .segments.cutting import load_of, segments_of
 from .stages.build import stages_of
 from .surfaces import Surfaces
 
@@ -68,11 +69,14 @@ class Builder:
         job, solver, output = self.file.job, self.file.job.solver, self.file.job.output
         symmetry = Symmetry(job.process.symmetry)
         sheets = tuple(self._sheet(k) for k in range(len(self.plies)))
-        tools = tuple(self._tool(k, symmetry.share) for k in range(len(job.tool)))
+        made = [self._tools(k, symmetry.share) for k in range(len(job.tool))]
+        tools = tuple(tool for own in made for tool in own)
+        places = np.cumsum([0, *map(len, made)]).tolist()  # of the first tool of each table
         strokes = {move.name for stage in job.stage for move in stage.move if move.stroke is not None}
         moving = [k for k, tool in enumerate(job.tool) if tool.stroke is not None]
         moving += [k for k, tool in enumerate(job.tool) if tool.name in strokes]
-        stages = stages_of(self.file, sheets, tools, symmetry.share)
+        by_table = dict(zip([tool.name for tool in job.tool], made, strict=True))
+        stages = stages_of(self.file, sheets, by_table, symmetry.share)
         return Setup(
             job.name,
             sheets=sheets,
@@ -90,7 +94,7 @@ class Builder:
             stages=stages,
             duration=sum(stage.duration for stage in stages) if stages else self._duration(tools),
             frame_count=output.frame_count,
-            leading_tool=moving[0] if moving else 0,
+            leading_tool=places[moving[0]] if moving else 0,
             solver=Solver(
                 device=solver.device,
                 precision=solver.precision,
@@ -182,6 +186,23 @@ class Builder:
                 law = law_of(friction_of(self.file, [*keys, "friction"], own.friction, of_tool=False))
             found[pair] = Interface(*pair, law, passes=own.passes or table.passes)
         return tuple(found.values())
+
+    def _tools(self, k: int, share: float) -> tuple[Tool, ...]:
+        """The tool of a table, or its segments."""
+        whole, table = self._tool(k, share), self.file.job.tool[k]
+        if table.segments is None:
+            return (whole,)
+        found = []
+        try:
+            if self.file.job.process.symmetry:
+                raise InputError("segments: a plane of symmetry would cut them; leave symmetry out of [process]")
+            for segment in segments_of(table, whole.shape, self.facing[k]):
+                motion, back = load_of(table, segment, whole.motion)
+                shape = segment.shape.placed(-back * np.array(whole.axis)) if back else segment.shape
+                found.append(whole.model_copy(update={"name": segment.name, "shape": shape, "motion": motion}))
+        except InputError as error:
+            self.file.refuse(["tool", k, "segments"], error)
+        return tuple(found)
 
     def _tool(self, k: int, share: float) -> Tool:
         tool = self.file.job.tool[k]

@@ -75,7 +75,7 @@ def axis_of(tool: ToolTable, facing: str | None) -> tuple[float, float, float]:
     if tool.axis is not None:
         return tool.axis
     if facing is None:
-        if tool.stroke is None and tool.force is None:
+        if tool.stroke is None and tool.force is None and tool.forces is None and tool.segments is None:
             return UP
         raise InputError('faces: is required, or an axis: "up" for a tool below the sheet, "down" for one above it')
     return UP if facing == "up" else DOWN
@@ -120,7 +120,10 @@ def motion_of(tool: ToolTable, shift: float, share: float) -> Motion:
 def _along_axis(tool: ToolTable, shift: float, share: float) -> Motion:
     if tool.force is not None:
         ramp = FORCE_RAMP if tool.ramp is None else tool.ramp
-        return ForceDriven.constant(tool.force * share, tool.mass * share, ramp)
+        return ForceDriven.constant(tool.force * share, tool.mass * share, ramp, stop=tool.stop)
+    if tool.forces is not None and tool.times is not None:
+        forces = tuple(force * share for force in tool.forces)
+        return ForceDriven(tool.times, forces, tool.mass * share, stop=tool.stop)
     if tool.stroke is None:
         return Fixed()
     travel = -shift if isinstance(tool.stroke, str) else tool.stroke

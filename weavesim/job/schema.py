@@ -12,7 +12,7 @@ from ..names import FileName, Label
 from ..ranges import Quantity
 from ..sheet.lay_up_code import angles_of
 from .friction import LAWS, FrictionValue
-from .stages.paths import CarriedTable
+from .segments.tables import PushedTable
 from .stages.tables import PressureTable, StageTable
 from .tables import Coordinate, JobTable, Point, one_of, without
 from .units import length_unit
@@ -93,7 +93,7 @@ class PlyTable(JobTable):
         return self
 
 
-class ToolTable(CarriedTable):
+class ToolTable(PushedTable):
     """A rigid tool: its surface, where it starts, and how it moves. `[[tool]]`, one table per tool."""
 
     name: Label = Field(description="name in all results")
@@ -174,14 +174,16 @@ class ToolTable(CarriedTable):
 
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> Self:
-        if self.stroke is not None and self.force is not None:
-            raise ValueError("stroke and force: a tool moves by one of them, both are given")
+        if sum(given is not None for given in (self.stroke, self.force, self.forces)) > 1:
+            raise ValueError("stroke, force and forces: a tool moves by one of them, several are given")
+        pushed = self.force is not None or self.forces is not None
+        loaded = pushed or any(each.gap is None for each in self.segment)
         if self.stroke is None:
             without(self, ("speed", "delay", "largest_force"), "a stroke")
         elif self.speed is None:
             raise ValueError("speed: is required with a stroke")
-        if self.force is None:
-            without(self, ("mass",), "a force")
+        if not loaded:
+            without(self, ("mass", "stop"), "a force")
         if self.stroke is None and self.force is None:
             without(self, ("ramp",), "a stroke or a force")
         if self.stroke == 0.0:
@@ -319,6 +321,12 @@ class OutputTable(JobTable):
     frame_count: Annotated[int, Field(ge=1)] = Field(default=60, description="frames after the first")
     write: tuple[str, ...] | None = Field(default=None, description="results to write; all if left out")
     without: tuple[str, ...] | None = Field(default=None, description="results to leave out")
+    checkpoint_interval: Annotated[NotNegative, Quantity("wall time")] = Field(
+        default=600.0, description="wall time between two checkpoints, from which weavesim resume goes on; 0: none"
+    )
+    solver_fields: bool = Field(
+        default=False, description="frames for ParaView have the fields of the solver too, `unit_cell_*`"
+    )
 
 
 class Job(JobTable):

@@ -16,7 +16,7 @@ from ..names import file_name
 from ..run.checkpoint.container import sync_folder
 from ..run.frame import Frame, Outcome, RunInfo, SheetInfo
 from .claim.lock import FolderLock
-from .claim.record import SETUP_NAME, RunRecord, frame_hash
+from .claim.record import SETUP_NAME, RunRecord, frame_hash, hashed_fields
 from .claim.remains import check_free, check_names, remove_results
 from .curves import Curves, LastCurve
 from .files import check_writable, noting, plain, write_text
@@ -39,6 +39,7 @@ class ResultFolder:
         path: the folder, absolute; created if necessary. Its contents are not touched before the run starts.
         history: scalars of all frames, and the last frame.
         warnings: what could not be written or computed.
+        solver_fields: as given.
 
     Args:
         path: the folder.
@@ -48,6 +49,7 @@ class ResultFolder:
         overwrite: remove the results of an earlier run from the folder; files that are no results stay.
         options: given by the user, by name, for the record of the run.
         resumes: the run goes on from its checkpoints in the folder; its earlier results are replaced, its log stays.
+        solver_fields: whether frames for ParaView have the fields of the solver too.
 
     Raises:
         InputError: the folder cannot be written to, has results already, is in use by another run; a writer is
@@ -68,6 +70,7 @@ class ResultFolder:
         overwrite: bool = False,
         options: Mapping[str, Any] | None = None,
         resumes: bool = False,
+        solver_fields: bool = False,
     ) -> None:
         if not str(path).strip():
             raise InputError("output folder: its name is empty; '.' is the current folder")
@@ -78,6 +81,7 @@ class ResultFolder:
         self._kinds = chosen_writers(writers)
         self._overwrite, self._options = overwrite or resumes, dict(options or {})
         self._resumes, self._cleared = resumes, False
+        self.solver_fields = solver_fields
         self._writers: list[Writer] = []
         self._outcome: Outcome | None = None
         self._record: RunRecord | None = None
@@ -141,7 +145,7 @@ class ResultFolder:
             self._try(SETUP_NAME, lambda: write_text(self.path / SETUP_NAME, setup.to_json() + "\n"))
         for curves in self._wanted.all_curves:
             curves.start(info)
-        self._writers = [kind(self.path, self.warnings, self.history) for kind in self._kinds]
+        self._writers = [kind(self.path, self.warnings, self.history, self.solver_fields) for kind in self._kinds]
         self._inform(lambda writer: writer.start(info))
 
     def frame(self, frame: Frame) -> None:
@@ -231,6 +235,7 @@ class ResultFolder:
                 outcome=self._outcome.value,
                 missing=results.whole_summary["missing"],
                 final_state=frame_hash(frame),
+                final_fields=hashed_fields(frame),
             )
             self._try("run.json", ending)
             self.release()

@@ -14,6 +14,15 @@ from .tables import write_table
 _NOT_ENERGIES = ("energy", "work", "loss", "error", "supplied", "used")
 # Entries of the ledger that are written of each of several sheets.
 _ENERGIES_OF_A_SHEET = ("internal", "kinetic", "contact", "friction_loss", "damping_loss")
+# Ratios of two energies, by their names in the ledger.
+_RATIOS = {
+    "kinetic over internal energy": ("kinetic", "internal"),
+    "hourglass over internal energy": ("hourglass", "internal"),
+    "damping loss over supplied work": ("damping_loss", "supplied"),
+    "balance error over supplied work": ("balance_error", "supplied"),
+}
+# Of the largest lower energy, below which there is no ratio.
+_LEAST_SHARE = 1.0e-3
 
 
 class History:
@@ -114,6 +123,21 @@ class History:
     def energies(self) -> dict[str, np.ndarray]:
         names = self._rows[0][6] if self._rows else {}
         return {name: np.array([row[6].get(name, math.nan) for row in self._rows], dtype=float) for name in names}
+
+    @property
+    def energy_ratios(self) -> dict[str, np.ndarray]:
+        """Sizes of ratios by which a quasi-static run is judged, by what they are [%].
+
+        Not a number where the lower energy is below a thousandth of its largest, or the ratio is zero.
+        """
+        book, found = self.energies, {}
+        for label, (name, over) in _RATIOS.items():
+            if name in book and over in book:
+                base = np.abs(book[over])
+                base = np.where(base > _LEAST_SHARE * base.max(initial=0.0), base, np.nan)
+                values = 100.0 * np.abs(book[name]) / base
+                found[label] = np.where(values > 0.0, values, np.nan)
+        return found
 
     @property
     def support_force(self) -> np.ndarray:

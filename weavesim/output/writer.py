@@ -69,6 +69,7 @@ class Writer:
         folder: of the run; it exists.
         failures: what could not be written is added to it.
         history: scalars of all frames so far.
+        solver_fields: whether frames for other programs have the fields of the solver too.
     """
 
     name: ClassVar[str] = ""
@@ -83,8 +84,8 @@ class Writer:
             raise TypeError(f"writer {cls.name}: {other.__module__} already has one of this name")
         _known[cls.name] = cls
 
-    def __init__(self, folder: Path, failures: Failures, history: History) -> None:
-        self.folder, self.history = folder, history
+    def __init__(self, folder: Path, failures: Failures, history: History, solver_fields: bool = False) -> None:
+        self.folder, self.history, self.solver_fields = folder, history, solver_fields
         self._failures = failures
         self._said = False
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import model_validator
 
-from ..checks import Kinded, NotNegative, Positive
+from ..checks import Finite, Kinded, NotNegative, Positive
 from ..errors import InputError
 from ..quantities import Numbers, finite
 from ..ranges import Quantity, argument
@@ -55,6 +55,11 @@ class Motion(Kinded):
     def limiting_force(self) -> float:
         """Force of the sheets at which a stroke waits [N]; zero where it never does."""
         return 0.0
+
+    @property
+    def spacers(self) -> tuple[float, float]:
+        """Displacement at which spacers hold a tool that a force moves [m], and the way there; zeros for none."""
+        return 0.0, 0.0
 
     def damper(self, stiffness: float) -> tuple[float, float]:
         """Damper of a tool that a force moves, on contact of ``stiffness`` [N/m]: where it lands [N s/m], fading [1/s].
@@ -227,6 +232,8 @@ class ForceDriven(Knots):
             a sheet which lifts the tool slowly feels the force alone. Zero for no damper.
         in_touch: whether the tool starts where it just touches a sheet, moved there along its axis, instead of where
             its shape was placed.
+        stop: displacement along the axis, in the direction of the largest force, at which spacers hold the tool: a shut
+            height [m]; None for none. In a stage too it counts from where the shape was placed.
     """
 
     positional = ("times", "forces", "mass")
@@ -236,6 +243,7 @@ class ForceDriven(Knots):
     mass: Annotated[Positive, Quantity("mass")]
     damping_ratio: Annotated[NotNegative, Quantity("damping ratio")] = 1.0
     in_touch: bool = False
+    stop: Annotated[Finite, Quantity("displacement")] | None = None
 
     @classmethod
     def constant(cls, force: float, mass: float, ramp_time: float = 0.0, **values: Any) -> ForceDriven:
@@ -267,6 +275,16 @@ class ForceDriven(Knots):
     def force_at(self, time: float) -> float:
         """Of the curve, in N."""
         return float(np.interp(time, self.times, self.forces))
+
+    @property
+    def spacers(self) -> tuple[float, float]:
+        """``stop``, and the sign of the largest force."""
+        return (0.0, 0.0) if self.stop is None else (self.stop, self.way)
+
+    @property
+    def way(self) -> float:
+        """Sign of the largest force along the axis; 1 if all are zero."""
+        return math.copysign(1.0, max(self.forces, key=abs) or 1.0)
 
     def damper(self, stiffness: float) -> tuple[float, float]:
         """2 ``damping_ratio`` sqrt(stiffness mass) [N s/m], and ``FADING`` sqrt(stiffness / mass) [1/s]."""

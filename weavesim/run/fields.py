@@ -107,7 +107,10 @@ FIELDS: list[Field] = [
         "tool_pressure_below", "Pa",
         "pressure of the tools on the side from which the normal points, on the current area", _of_contact,
     ),
-    Field("tool_pressure_above", "Pa", "the same of the tools on the side to which the normal points", _of_contact),
+    Field(
+        "tool_pressure_above", "Pa",
+        "pressure of the tools on the side to which the normal points, on the current area", _of_contact,
+    ),
     Field("tool_friction_below", "Pa", "friction of the tools below over the same area", _of_contact),
     Field("tool_friction_above", "Pa", "friction of the tools above over the same area", _of_contact),
     Field(

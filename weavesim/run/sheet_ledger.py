@@ -145,8 +145,10 @@ class SheetLedger:
     def written_fields(self, frame: SheetFrame) -> dict[str, np.ndarray]:
         """Fields that only the frames of observers have, of the frame just taken; waits for the device."""
         forces, node_distance = self.tool_forces(), self._distance[:, : len(frame.position)]
-        pressed = self._tool_fields(forces, frame.director, frame.fields["area_ratio"])
-        return pressed | self._surface_fields(frame.position, frame.fields, node_distance)
+        found = self._tool_fields(forces, frame.director, frame.fields["area_ratio"])
+        found |= self._surface_fields(frame.position, frame.fields, node_distance)
+        # in the precision of the run, as the fields of the kernels: no more is known, and files are smaller
+        return {name: values.astype(self._model.precision.numpy).astype(np.float64) for name, values in found.items()}
 
     def _launch(self, ahead: SheetState) -> None:
         sheet = self._model

@@ -48,6 +48,9 @@ def touch_sheets(model: Model, state: State, tools: Sequence[int], positions: Se
     distances, displacement, time = ToolDistances(model), state.tool_displacement.numpy(), state.time
     for k in tools:
         displacement[k] = _touching(model, distances, k, positions, time)
+        stop, way = model.setup.tools[k].motion.spacers
+        if way * (displacement[k] - stop) > 0.0:  # spacers hold it above the sheet
+            displacement[k] = stop
     state.tool_displacement.assign(displacement)
     place_carried(model, state)
 

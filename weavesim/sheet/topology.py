@@ -32,6 +32,23 @@ def length_tolerance(blank: Blank) -> float:
     return _RELATIVE_TOLERANCE * float(np.ptp(blank.material_coordinates, axis=0).max())
 
 
+def area_percentile(values: np.ndarray, areas: np.ndarray, share: float) -> float:
+    """Value that a share [%] of the area stays below; what is not a number is left out, and nan if nothing is left.
+
+    Args:
+        values: of elements, (k,).
+        areas: of them, (k,), in any unit.
+        share: of the area [%].
+    """
+    known = np.isfinite(values)
+    values, areas = values[known], areas[known]
+    if not len(values):
+        return float("nan")
+    order = np.argsort(values)
+    below = np.cumsum(areas[order]) - 0.5 * areas[order]
+    return float(np.interp(0.01 * share * areas.sum(), below, values[order]))
+
+
 def flat_areas(blank: Blank) -> np.ndarray:
     """Areas of the elements of the flat blank, (element_count,) [m^2]."""
     corner = blank.material_coordinates[blank.quads]

@@ -20,7 +20,7 @@ from ..measures.findings import Finding, FormedSheet, found
 from ..measures.units import DEGREES, MILLIMETRES, PURE, SQUARE_MILLIMETRES, split_unit
 from ..output.stored.judged import distance_to, own_locking_angle
 from ..run.staging.part import part_of
-from ..sheet.topology import flat_areas
+from ..sheet.topology import area_percentile, flat_areas
 
 if TYPE_CHECKING:
     from ..run.simulation import Simulation
@@ -55,10 +55,7 @@ class FormedRun:
 
     def percentile(self, name: str, share: float) -> float:
         """Value that a share [%] of the area stays below."""
-        values = self.field(name)
-        order = np.argsort(values)
-        below = np.cumsum(self.area[order]) - 0.5 * self.area[order]
-        return float(np.interp(0.01 * share * self.area.sum(), below, values[order]))
+        return area_percentile(self.field(name), self.area, share)
 
     def mean_square_root(self, name: str) -> float:
         """Root mean square over the area."""

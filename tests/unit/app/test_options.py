@@ -49,6 +49,12 @@ def test_a_message_about_no_effect_has_only_the_names_of_options_as_typed():
     assert str(raised.value).endswith("--threads = 2: has no effect without --device = cpu; leave it out")
 
 
+def test_fields_of_the_solver_need_the_frames_that_have_them():
+    assert RunOptions(solver_fields=True).solver_fields and not RunOptions().solver_fields
+    with pytest.raises(InputError, match="solver_fields: has no effect without the results paraview; leave it out"):
+        RunOptions(solver_fields=True, without="paraview")
+
+
 @pytest.mark.parametrize("name", ["", " "])
 def test_a_folder_needs_a_name(name):
     with pytest.raises(InputError, match="out = .*a folder is needed"):

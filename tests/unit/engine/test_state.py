@@ -115,7 +115,7 @@ def test_the_state_moves():
         )
     } | {name for name in before if "/sample_" in name or name.endswith("/moved")}
     unmoved = {f"sheets/{k}/{name}" for k in range(3) for name in ("node_work", "contact_force", "awake")}
-    assert still <= own | {"reaction", "tool_force"} | unmoved
+    assert still <= own | {"reaction", "tool_force", "tool_pose", "tool_moment"} | unmoved  # no tool is carried
     assert not still & {
         "sheets/0/slip",
         "sheets/2/holding",

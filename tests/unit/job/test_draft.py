@@ -119,3 +119,18 @@ def test_a_raised_tool_has_no_ring(tmp_path):
     assert "ring_of" not in text and "No holder" in text
     (tmp_path / "job.toml").write_text(text)
     Builder(read_job(tmp_path / "job.toml"))
+
+
+@pytest.mark.parametrize("raised", [False, True])
+def test_the_stages_of_a_new_job_can_be_taken_as_they_are(tmp_path, raised):
+    vertices, faces = tray_surface()
+    path = write_stl(tmp_path / "die.stl", vertices * [1, 1, -1 if raised else 1], faces)
+    text = new_job(survey(path), Choices("part", "die.stl", "glass-polypropylene", gap=1.2e-3), glass_polypropylene())
+    begin, end = text.index("#[[stage]]"), text.index("[output]")
+    example = "\n".join(line.removeprefix("#") for line in text[begin:end].split("\n"))
+    assert ("and the ring" in example) != raised
+    (tmp_path / "job.toml").write_text(text[:begin] + example + text[end:])
+    setup = Builder(read_job(tmp_path / "job.toml")).setup()
+    assert [stage.name for stage in setup.stages] == ["close", "hold", "release"]
+    assert setup.stages[0].duration == setup.tools[1].motion.duration
+    assert setup.stages[2].tools == ("die",) and setup.stages[2].end is not None

@@ -58,3 +58,14 @@ def test_a_new_start_forgets_the_former_run(history, coarse_run):
     assert history.frame_count == len(coarse_run[1]) and history.last_frame is coarse_run[1][-1]
     history.start(coarse_run[0])
     assert history.frame_count == 0 and history.last_frame is None and history.energies == {}
+
+
+def test_ratios_of_energies_are_sizes_where_there_is_something_to_compare(history):
+    kinetic, internal = (history.energies[name] for name in ("kinetic", "internal"))
+    ratio = history.energy_ratios["kinetic over internal energy"]
+    there = np.isfinite(ratio)
+    assert there.any() and not there[0]
+    assert ratio[there] == pytest.approx(100.0 * kinetic[there] / internal[there])
+    assert len(history.energy_ratios) == 4 and all(
+        (each[np.isfinite(each)] > 0.0).all() for each in history.energy_ratios.values()
+    )

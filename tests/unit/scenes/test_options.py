@@ -33,6 +33,9 @@ OTHERS: dict[str, Any] = {
     "fabric": lambda value: "twill",
     "blank_holder_force": lambda value: 100.0,
     "blank_holder_gap": lambda value: 1.0e-4,
+    "blank_holder_stop": lambda value: 1.0e-4,
+    "blank_holder_segments": lambda value: 8,
+    "blank_holder_loads": lambda value: "100, gap 0.0001",
     "time_step": lambda value: 1.0e-7,
     "target_step": lambda value: 1.0e-5,
     "threads": lambda value: 1,
@@ -55,6 +58,7 @@ OTHERS: dict[str, Any] = {
 # What has to be given too, for an option to have its effect.
 TOGETHER: dict[str | tuple[str, str], dict[str, Any]] = {
     ("stack", "blank_holder_force"): {"tools": "double-dome", "lay_up": "0/90"},
+    "blank_holder_loads": {"blank_holder_segments": 8},
     "shear_modulus": {"shear_law": "linear"},
     "unit_scale": {"punch": "ball"},
     "tools_are_cut": {"punch": "ball"},
@@ -135,9 +139,10 @@ def test_every_option_has_an_effect_or_is_refused(name, option, files):
     value = other_value(option, scene.parameters.model_fields[option], files)
     base = COARSE[name]
     together = {
-        key: files / f"{other}.stl" if "ball" in other else files / other if other.endswith(".csv") else other
+        key: other if not isinstance(other, str) else files / f"{other}.stl" if "ball" in other
+        else files / other if other.endswith(".csv") else other
         for key, other in TOGETHER.get((name, option), TOGETHER.get(option, {})).items()
-    }
+    }  # fmt: skip
     if together:
         with pytest.raises(InputError, match=f"{option} = .*: has no effect without"):
             scene.parameters(**base, **{option: value})

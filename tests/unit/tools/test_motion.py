@@ -250,3 +250,25 @@ def test_a_stroke_with_a_largest_force_waits_and_backs_off():
     # a stiff contact lowers the gain: what is left halves from step to step
     _, velocity, _ = run([tool(motion, axis)], 1e-3, 1, (0.0, 0.0, 9.0), [1.0e6])
     assert velocity[0, 0] * 1e-3 * 1.0e6 == pytest.approx(0.5 * (10.0 - 9.0))
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_spacers_stop_a_tool_and_take_its_energy(direction):
+    """A mass that falls for 5 mm stands there; what the force did is what the spacers took."""
+    mass, force, step, stop = 2.0, 100.0, 1e-4, 0.005
+    motion = ForceDriven.constant(direction * force, mass, stop=direction * stop)
+    displacement, velocity, state = run([tool(motion)], step, 400)
+    assert direction * displacement[-1, 0] == pytest.approx(stop, abs=1e-15) and velocity[-1, 0] == 0.0
+    assert (direction * displacement).max() <= stop + 1e-15
+    on_sheet, driving, damping, carrying = state.work.numpy()[:, 0]
+    # the velocity runs half a step ahead of the place
+    assert driving == pytest.approx(force * stop, rel=0.02) and damping == pytest.approx(driving, rel=1e-12)
+    assert on_sheet == carrying == 0.0
+    # a force is not wanted of the sheets while spacers carry it
+    watched = state.watch.numpy()
+    assert watched[ToolWatchRow.waited, 0] == pytest.approx(np.sqrt(2.0 * stop * mass / force), rel=0.02)
+
+
+def test_a_tool_beyond_its_spacers_is_held_where_it_is():
+    displacement, velocity, _ = run([tool(ForceDriven.constant(100.0, 2.0, stop=-0.001))], 1e-4, 50)
+    assert not displacement.any() and not velocity.any()

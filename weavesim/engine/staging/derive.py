@@ -70,7 +70,7 @@ def stage_setup(setup: Setup, acting: Acting, begins: Sequence[Begin]) -> Setup:
         tools = []
         for tool in world.tools:
             motion = _tool_motion(setup, tool, acting, begins, tool_count)
-            changed = {} if motion is tool.motion else {"motion": motion}
+            changed: dict[str, Any] = {} if motion is tool.motion else {"motion": motion}
             if tool.name in acting.friction:
                 changed["friction"] = acting.friction[tool.name]
             tools.append(tool.model_copy(update=changed) if changed else tool)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -33,13 +33,15 @@ IN_A_JOB = (
 )
 
 
-def stages_of(file: JobFile, sheets: Sequence[Sheet], tools: Sequence[Tool], share: float) -> tuple[Stage, ...]:
+def stages_of(
+    file: JobFile, sheets: Sequence[Sheet], made: Mapping[str, tuple[Tool, ...]], share: float
+) -> tuple[Stage, ...]:
     """The stages of a job; none if it has none.
 
     Args:
         file: the job.
         sheets: its plies.
-        tools: its tools.
+        made: its tools by the names of their tables; one that is cut has several.
         share: of the whole that is computed, by symmetry; forces and masses of a job are those of the whole.
 
     Raises:
@@ -47,12 +49,12 @@ def stages_of(file: JobFile, sheets: Sequence[Sheet], tools: Sequence[Tool], sha
     """
     if not file.job.stage:
         return ()
-    builder = _Builder(file, sheets, tools, share)
+    builder = _Builder(file, sheets, made, share)
     stages = tuple(builder.stage(index) for index in range(len(file.job.stage)))
     grippers = tuple(gripper for sheet in sheets for gripper in sheet.grippers)
     touching = frozenset(sheet.name for sheet in sheets if len(sheets) > 1)
     try:
-        check_stages(stages, Parts(tuple(tools), (), grippers), sheets, touching)
+        check_stages(stages, Parts(tuple(builder.tools.values()), (), grippers), sheets, touching)
     except ValueError as error:
         text = str(error)
         for theirs, ours in IN_A_JOB:
@@ -67,8 +69,12 @@ def stages_of(file: JobFile, sheets: Sequence[Sheet], tools: Sequence[Tool], sha
 class _Builder:
     """Makes one stage after the other; remembers which tools have acted."""
 
-    def __init__(self, file: JobFile, sheets: Sequence[Sheet], tools: Sequence[Tool], share: float) -> None:
-        self.file, self.sheets, self.tools, self.share = file, sheets, {tool.name: tool for tool in tools}, share
+    def __init__(
+        self, file: JobFile, sheets: Sequence[Sheet], made: Mapping[str, tuple[Tool, ...]], share: float
+    ) -> None:
+        self.file, self.sheets, self.share = file, sheets, share
+        self.tools = {tool.name: tool for own in made.values() for tool in own}
+        self.segments = {name: tuple(tool.name for tool in own) for name, own in made.items() if len(own) > 1}
         self.loads = Loads(file, [sheet.name for sheet in sheets])
         self.groups = self._groups()
         self.acting = frozenset(self.tools)
@@ -90,7 +96,12 @@ class _Builder:
     def stage(self, index: int) -> Stage:
         """The next stage."""
         table, keys = self.file.job.stage[index], ["stage", index]
-        tools = None if table.tools is None else tuple(self._tool([*keys, "tools"], name) for name in table.tools)
+        tools = None
+        if table.tools is not None:
+            found = [
+                own for name in table.tools for own in self.segments.get(name) or (self._tool([*keys, "tools"], name),)
+            ]
+            tools = tuple(dict.fromkeys(found))
         if tools is not None:
             self.acting = frozenset(tools)
         moves: dict[str, Motion] = {}
@@ -162,6 +173,9 @@ class _Builder:
 
     def _moves(self, keys: Sequence[object], table: MoveTable) -> dict[str, Motion]:
         """Motions by the names of what they move."""
+        if table.name in self.segments:
+            self._of_segments(keys, table)
+            return dict.fromkeys(self.segments[table.name], Fixed())
         known = [*self.tools, *(name for name in self.groups if name not in self.tools)]
         self._known([*keys, "name"], table.name, "[[tool]], [[spring]] or [[gripper]]", known)
         if table.is_carried and table.name not in self.tools:
@@ -176,6 +190,15 @@ class _Builder:
         names = (table.name,) if table.name in self.tools else self.groups[table.name]
         return dict.fromkeys(names, motion)
 
+    def _of_segments(self, keys: Sequence[object], table: MoveTable) -> None:
+        """Refuse a motion of a tool that is cut, other than to stay."""
+        if not table.fixed:
+            first = self.segments[table.name][0]
+            self.file.refuse(
+                keys,
+                f"{table.name} is cut into segments: move each by its name, as {first}, or write fixed = true",
+            )
+
     def _motion(self, table: MoveTable) -> Motion:
         if table.stroke is not None:
             assert table.speed is not None
@@ -185,6 +208,8 @@ class _Builder:
         if table.fixed or (table.force is None and table.forces is None):
             return Fixed()
         own = next((tool.mass for tool in self.file.job.tool if tool.name == table.name), None)
+        if own is None and any(table.name in names for names in self.segments.values()):
+            own = self.tools[table.name].motion.driven_mass or None
         mass = table.mass if table.mass is not None else own
         if mass is None:
             raise InputError("mass: is required with a force")

@@ -17,7 +17,7 @@ from ...checks import NotNegative, Parameters, Positive
 from ...ranges import Quantity
 from ..angles import yarn_vectors
 from ..findings import FormedSheet
-from .regions import largest_around, regions
+from .regions import regions, with_neighbours
 from .touching import distance_to_others
 from .waves import LONGEST_WAVELENGTH, WRINKLE_COMPRESSION, waves
 
@@ -178,8 +178,7 @@ class Judgement:
         every = np.ones(self.sheet.blank.element_count, dtype=bool)
         if limits.wrinkle_amplitude is not None:
             # a crease is an element or two wide: the yarns beside it count too
-            compressed = largest_around(self.sheet.blank.quads, fields["yarn_compression"])
-            counts = compressed > limits.wrinkle_compression
+            counts = with_neighbours(self.sheet.blank.quads, fields["yarn_compression"] > limits.wrinkle_compression)
             yield "wrinkle", fields["wrinkle_amplitude"], limits.wrinkle_amplitude, counts
         if "gap" in fields and limits.bridging_gap is not None:
             counts = fields["yarn_tension"] > limits.bridging_tension

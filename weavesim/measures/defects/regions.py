@@ -25,8 +25,7 @@ def regions(quads: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
     return sorted(found, key=lambda region: (-len(region), int(region[0])))
 
 
-def largest_around(quads: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Largest value of each element and of those that share a node with it, (element_count,)."""
-    nodal = np.full(int(quads.max()) + 1, -np.inf)
-    np.maximum.at(nodal, quads.ravel(), np.repeat(values, 4))
-    return nodal[quads].max(axis=1)
+def with_neighbours(quads: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Elements that are chosen, or share a node with one that is, (element_count,) bool."""
+    nodal = np.bincount(quads.ravel(), np.repeat(chosen, 4)) > 0.0
+    return nodal[quads].any(axis=1)

@@ -13,7 +13,8 @@ import numpy as np
 from ...errors import InputError
 from ..colours import LARGEST_SHOWN_ANGLE, encoded
 from ..files import replacing
-from ..pictures.style import INK, colour_map
+from ..pictures.style import colour_map
+from .captions import Captions, Scale
 from .reading import FilmedField, FilmedMesh, StoredFilm
 
 if TYPE_CHECKING:
@@ -117,15 +118,21 @@ def field_of(film: StoredFilm, name: str) -> FilmedField:
     raise InputError(f"field {name!r}: the film has {', '.join(film.fields)}")
 
 
-def scale_of(film: StoredFilm, movie: Movie, field: FilmedField) -> tuple[float, float]:
-    """Smallest and largest value of the scale, in the unit of the film."""
+def scale_of(film: StoredFilm, movie: Movie, field: FilmedField) -> Scale:
+    """The scale in the unit of the film, with what it leaves out."""
+    every = [film.values(sheet, field.name, frame) for sheet in film.sheets for frame in film.frames]
+    values = np.concatenate([part for part in every if part is not None])
+    values = values[np.isfinite(values)]
+    if field.name == _ANGLE:
+        values = np.abs(values)
+    return Scale.of(values, *_ends(movie, field, values))
+
+
+def _ends(movie: Movie, field: FilmedField, values: np.ndarray) -> tuple[float, float]:
     if movie.limits is not None:
         return movie.limits
     if field.name == _ANGLE:
         return 0.0, LARGEST_SHOWN_ANGLE
-    every = [film.values(sheet, field.name, frame) for sheet in film.sheets for frame in film.frames]
-    values = np.concatenate([part for part in every if part is not None])
-    values = values[np.isfinite(values)]
     low, high = map(float, np.quantile(values, _SCALE)) if len(values) else (0.0, 1.0)
     margin = 0.0 if high - low > 1.0e-9 * max(abs(low), abs(high)) else max(1.0e-3 * abs(high), 1.0e-12)
     return low - margin, high + margin
@@ -145,33 +152,43 @@ def drawn_frames(film: StoredFilm, movie: Movie) -> Iterator[np.ndarray]:
     return _draw(film, movie, field, scale_of(film, movie, field))
 
 
-def _draw(film: StoredFilm, movie: Movie, field: FilmedField, scale: tuple[float, float]) -> Iterator[np.ndarray]:
+def _draw(film: StoredFilm, movie: Movie, field: FilmedField, scale: Scale) -> Iterator[np.ndarray]:
     import pyvista
 
     unit, factor = _SHOWN.get(field.unit, (field.unit, 1.0))
+    shown = scale.in_unit(factor)
+    captions = Captions(movie.size, _title(field, unit), shown, _side(film, movie))
     with _quiet():
-        plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(movie.size), lighting="light kit")
+        plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(captions.scene_size), lighting="light kit")
         plotter.set_background("white")
-        height = movie.size[1]
-        bar = {
-            "title": _title(field, unit), "vertical": False, "width": 0.5, "height": 0.1, "position_x": 0.25,
-            "position_y": 0.02, "title_font_size": height // 38, "label_font_size": height // 46, "color": INK,
-            "n_labels": 5, "fmt": "%.4g",
-        }  # fmt: skip
-        limits = (factor * scale[0], factor * scale[1])
-        updates = [
-            _add_sheet(plotter, film, movie, sheet, field, factor, limits, bar if place == 0 else None)
-            for place, sheet in enumerate(film.sheets)
-        ]
+        limits = (shown.low, shown.high)
+        updates = [_add_sheet(plotter, film, movie, sheet, field, factor, limits) for sheet in film.sheets]
         updates += [_add_tool(plotter, film, tool) for tool in film.tools if movie.tools]
-        _look(plotter, film, movie)
+        _look(plotter, film, movie, captions.scene_size)
         for place, frame in enumerate(film.frames):
             for update in updates:
                 update(frame)
-            text = f"{film.name.replace('_', ' ')}    {film.times[place]:.4g} s    {1e3 * film.strokes[place]:.1f} mm"
-            plotter.add_text(text, name="clock", font_size=max(6, height // 80), color=INK, position="upper_left")
-            yield np.asarray(plotter.screenshot(return_img=True))[..., :3]
+            plotter.render()
+            scene = np.asarray(plotter.screenshot(return_img=True))[..., :3]
+            yield captions.around(scene, _about(film, place))
         plotter.close()
+
+
+def _about(film: StoredFilm, place: int) -> str:
+    """Run, time and stroke of a frame."""
+    words = [film.name.replace("_", " "), f"time {film.times[place]:.4g} s"]
+    if np.ptp(film.strokes) > 0.0:
+        words.append(f"stroke {1e3 * film.strokes[place]:.1f} mm")
+    return ",  ".join(words)
+
+
+def _side(film: StoredFilm, movie: Movie) -> str:
+    """From where the part is seen; from below its z axis points down in the picture."""
+    return "seen from below, turned over" if film.view(_camera(movie)).up[2] < 0.0 else "seen from above"
+
+
+def _camera(movie: Movie) -> str:
+    return "camera_back" if movie.back else "camera"
 
 
 def _title(field: FilmedField, unit: str) -> str:
@@ -188,7 +205,6 @@ def _add_sheet(
     field: FilmedField,
     factor: float,
     limits: tuple[float, float],
-    bar: dict[str, Any] | None,
 ) -> Callable[[float], None]:
     """Add a sheet to a scene; returns what shows it at a time code."""
     mirrors = sheet.mirrors if movie.mirror else sheet.mirrors[:1]
@@ -212,7 +228,7 @@ def _add_sheet(
     mesh.cell_data["value"] = values(film.frames[0])
     plotter.add_mesh(
         mesh, scalars="value", cmap=colour_map(), clim=list(limits), nan_color="#c8ccd4",
-        show_scalar_bar=bar is not None, scalar_bar_args=bar, ambient=0.25, diffuse=0.8, specular=0.05,
+        show_scalar_bar=False, ambient=0.25, diffuse=0.8, specular=0.05,
     )  # fmt: skip
 
     def show(frame: float) -> None:
@@ -248,12 +264,12 @@ def _with_counts(faces: np.ndarray) -> np.ndarray:
     return np.insert(faces, 0, faces.shape[1], axis=1).ravel()
 
 
-def _look(plotter: Any, film: StoredFilm, movie: Movie) -> None:
-    view = film.view("camera_back" if movie.back else "camera")
+def _look(plotter: Any, film: StoredFilm, movie: Movie, size: tuple[int, int]) -> None:
+    view = film.view(_camera(movie))
     camera = plotter.camera
     camera.position, camera.focal_point, camera.up = view.eye.tolist(), view.target.tolist(), view.up.tolist()
     # the width of the film's own format has to be seen in narrower pictures too
-    narrow = max(1.0, 1.5 * movie.size[1] / movie.size[0])
+    narrow = max(1.0, 1.5 * size[1] / size[0])
     camera.view_angle = float(np.rad2deg(2.0 * np.arctan(narrow * np.tan(np.deg2rad(0.5 * view.angle)))))
     plotter.reset_camera_clipping_range()
 

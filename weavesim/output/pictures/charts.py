@@ -105,7 +105,7 @@ def energies(history: History, info: RunInfo) -> Figure:
     charts = (
         _stack_of_energies(figure, history, book, shown, colour, f"Where the work goes, {part}"),
         _every_energy(figure, history, book, [name for name in parts if size[name] > 1.0e-6 * largest], colour, part),
-        _ratios(figure, history, size),
+        _ratios(figure, history),
     )
     for chart in charts:
         _name_progress(chart, history)
@@ -156,20 +156,10 @@ def _every_energy(
     return every
 
 
-def _ratios(figure: Figure, history: History, size: Mapping[str, float]) -> Axes:
-    book = history.energies
+def _ratios(figure: Figure, history: History) -> Axes:
     ratios = new_axes(figure, 1, 3, 3, title="Ratios that judge the run", ylabel="ratio [%]", yscale="log")
-    for name, over, label in (
-        ("kinetic", "internal", "kinetic over internal energy"),
-        ("hourglass", "internal", "hourglass over internal energy"),
-        ("damping_loss", "supplied", "damping loss over supplied work"),
-        ("balance_error", "supplied", "balance error over supplied work"),
-    ):
-        if name in book and over in book:
-            base = np.where(np.abs(book[over]) > 1.0e-3 * size[over], np.abs(book[over]), np.nan)
-            values = 100.0 * np.abs(book[name]) / base
-            chosen = LINE_COLOURS[len(ratios.lines)]
-            ratios.plot(*_against(history, np.where(values > 0.0, values, np.nan)), color=chosen, label=label)
+    for label, values in history.energy_ratios.items():
+        ratios.plot(*_against(history, values), color=LINE_COLOURS[len(ratios.lines)], label=label)
     ratios.minorticks_off()
     drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in ratios.lines] or [np.ones(1)])
     drawn = drawn[np.isfinite(drawn)]

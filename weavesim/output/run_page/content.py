@@ -15,6 +15,7 @@ from ...measures.findings import SHEET_FINDINGS
 from ...measures.units import Unit, split_unit
 from ...run.frame import Outcome, RunInfo
 from ...run.verdict import RUN_FINDINGS
+from ...sheet.topology import area_percentile, flat_areas
 from ..history import History, energy_copies, tool_copies
 from ..results import Results
 from .fabric_part import fabrics_of
@@ -141,7 +142,8 @@ def _frame_of_page(
     title = info.name.replace("_", " ")
     scene = partial(scene_of, info, recorder, history, part.fields if part else ())
     none: list[Any] = []
-    angles = [_angles(frame) for frame in _shear_angles(recorder, info)]
+    areas = np.concatenate([flat_areas(sheet.blank) / sheet.symmetry.share for sheet in info.sheets])
+    angles = [_angles(frame, areas) for frame in _shear_angles(recorder, info)]
     return PageContent(
         title[:1].upper() + title[1:],
         info.run_id,
@@ -271,6 +273,6 @@ def _shear_angles(recorder: FrameRecorder, info: RunInfo) -> Iterator[list[np.nd
             yield [np.abs(np.rad2deg(kept.values[place])) for kept in fields if kept is not None]
 
 
-def _angles(sheets: list[np.ndarray]) -> list[float]:
+def _angles(sheets: list[np.ndarray], areas: np.ndarray) -> list[float]:
     every = np.concatenate(sheets)
-    return [float(every.max()), float(np.percentile(every, 99.0))]
+    return [float(np.nanmax(every)), area_percentile(every, areas, 99.0)]

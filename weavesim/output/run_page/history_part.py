@@ -92,16 +92,7 @@ def _energies(info: RunInfo, history: History) -> list[dict[str, Any]]:
     lines = [_line(name.replace("_", " "), copies * book[name]) for name in names]
     if "supplied" in book:
         lines.insert(0, _line("supplied work", copies * book["supplied"], dashed=True))
-    ratios = []
-    for name, over, label in (
-        ("kinetic", "internal", "kinetic over internal"), ("hourglass", "internal", "hourglass over internal"),
-        ("damping_loss", "supplied", "damping loss over supplied"),
-        ("balance_error", "supplied", "balance error over supplied"),
-    ):  # fmt: skip
-        if name in book and over in book:
-            base = np.where(np.abs(book[over]) > 1.0e-3 * size[over], np.abs(book[over]), np.nan)
-            values = 100.0 * np.abs(book[name]) / base
-            ratios.append(_line(label, np.where(values > 0.0, values, np.nan)))
+    ratios = [_line(label, values) for label, values in history.energy_ratios.items()]
     return [
         {"name": "energies", "title": "Stored and lost energies", "yLabel": "energy [J]", "lines": lines},
         {"name": "ratios", "title": "Ratios of energies that judge the run", "yLabel": "ratio [%]", "lines": ratios,

@@ -23,7 +23,20 @@ if TYPE_CHECKING:
 
 # In this order: the libraries, then what uses them.
 _LIBRARIES = {"three": "three.min.js", "uplot": "uplot.min.js"}
-_SCRIPTS = ("data", "colours", "sheets", "view", "section", "charts", "probe", "page", "controls", "live", "main")
+_SCRIPTS = (
+    "data",
+    "colours",
+    "yarns",
+    "sheets",
+    "view",
+    "section",
+    "charts",
+    "probe",
+    "page",
+    "controls",
+    "live",
+    "main",
+)
 # All of them read without telling red from green, and in grey.
 COLOUR_TABLES = (COLOUR_MAP, "cividis", "magma")
 

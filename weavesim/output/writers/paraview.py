@@ -17,7 +17,7 @@ class ParaViewWriter(Writer):
 
     def start(self, info: RunInfo) -> None:
         """Begin the series."""
-        self._series = ParaViewSeries(self.folder / "paraview")
+        self._series = ParaViewSeries(self.folder / "paraview", diagnostics=self.solver_fields)
         self._series.start(info)
 
     def frame(self, frame: Frame) -> None:

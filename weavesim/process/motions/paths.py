@@ -239,6 +239,11 @@ class PathMotion(Motion, Curve):
         """Of ``along`` [N]."""
         return self.along.limiting_force
 
+    @property
+    def spacers(self) -> tuple[float, float]:
+        """Of ``along``."""
+        return self.along.spacers
+
     def damper(self, stiffness: float) -> tuple[float, float]:
         """Of ``along``."""
         return self.along.damper(stiffness)

@@ -28,6 +28,7 @@ class Job:
         origin: what made the set-up, such as the name of a scene, for whoever resumes the run.
         writers: names of the writers of its results.
         order: among the runs of one command, which are resumed in this order.
+        solver_fields: whether frames for ParaView have the fields of the solver too.
     """
 
     setup: Setup
@@ -36,6 +37,7 @@ class Job:
     origin: Mapping[str, Any] = field(default_factory=dict)
     writers: tuple[str, ...] = ()
     order: int = 0
+    solver_fields: bool = False
 
     def write(self, path: Path) -> None:
         """Write it to one file, with the content of all files that options name.
@@ -46,6 +48,7 @@ class Job:
         values = {
             "setup": self.setup.to_json(), "run_id": self.run_id, "options": dict(self.options),
             "origin": dict(self.origin), "writers": list(self.writers), "order": self.order,
+            "solver_fields": self.solver_fields,
         }  # fmt: skip
         write_container(path, values, dict(_named_files(self.options)))
 

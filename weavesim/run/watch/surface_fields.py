@@ -10,7 +10,7 @@ import numpy as np
 from ...engine.model import Model
 from ...engine.state import State
 from ...measures.defects.contact import half_thickness
-from ...measures.defects.regions import largest_around
+from ...measures.defects.regions import with_neighbours
 from ...measures.defects.waves import WAVELENGTH_OF_FRAMES, WRINKLE_COMPRESSION, WaveFilter
 from ...sheet.blank import Blank
 from .tool_gaps import ToolGaps
@@ -79,7 +79,7 @@ class SurfaceFields:
             (part, nodes), kept, height = self._part, self._sheet.kept, np.full(len(quads), np.nan)
             stretches = (fields[f"{yarn}_stretch"][kept] for yarn in ("warp", "weft"))
             # a crease is an element or two wide: the yarns beside it count too
-            shortened = [largest_around(part.quads, 1.0 - each) > WRINKLE_COMPRESSION for each in stretches]
+            shortened = [with_neighbours(part.quads, 1.0 - each > WRINKLE_COMPRESSION) for each in stretches]
             deviation = self._deviation(position[nodes], node_distance[:, nodes])
             height[kept] = 2.0 * self._filter.along_yarns(deviation, np.array(shortened))
             found["wrinkle_height"] = height

@@ -1,12 +1,13 @@
 """Movies of a film: every frame, the right colours, and only fields that are there."""
 
 import sys
+from dataclasses import astuple
 
 import numpy as np
 import pytest
 
 from weavesim.errors import InputError
-from weavesim.output.film.movie import Movie, drawn_frames, scale_of, write_mp4, write_pictures
+from weavesim.output.film.movie import Movie, _about, _side, drawn_frames, scale_of, write_mp4, write_pictures
 from weavesim.output.film.reading import StoredFilm
 
 pytest.importorskip("pyvista")
@@ -40,6 +41,18 @@ def test_every_frame_is_drawn_and_the_sheet_forms(pictures, film):
     assert (last[:, 1] > last[:, 0] + 60).sum() > 20 > (first[:, 1] > first[:, 0] + 60).sum()
 
 
+def test_the_scale_is_the_same_in_every_frame(pictures):
+    strips = [picture[int(0.86 * len(picture)) :] for picture in pictures]
+    assert all(np.array_equal(strip, strips[0]) for strip in strips)
+    assert len(np.unique(strips[0].reshape(-1, 3), axis=0)) > 50
+
+
+def test_a_movie_tells_stroke_and_side(film):
+    assert _about(film, len(film.frames) - 1) == "double dome,  time 0.06 s,  stroke 60.0 mm"
+    assert _side(film, Movie()) == "seen from below, turned over"
+    assert _side(film, Movie(back=True)) == "seen from above"
+
+
 def test_the_whole_part_is_larger_than_what_was_computed(pictures, film):
     (quarter, *_) = drawn_frames(film, Movie(size=SIZE, mirror=False, tools=False))
     (whole, *_) = drawn_frames(film, Movie(size=SIZE, tools=False))
@@ -49,11 +62,13 @@ def test_the_whole_part_is_larger_than_what_was_computed(pictures, film):
 
 def test_the_scale_is_that_of_all_frames_or_as_it_is_wanted(film, coarse_run):
     thickness = film.fields["thickness"]
-    low, high = scale_of(film, Movie("thickness"), thickness)
+    low, high, smallest, largest, beyond = astuple(scale_of(film, Movie("thickness"), thickness))
     values = np.concatenate([frame.fields["thickness"] for frame in coarse_run[1]])
     assert values.min() <= low < high <= values.max() * (1.0 + 1e-6)
-    assert scale_of(film, Movie("thickness", limits=(0.0, 2e-3)), thickness) == (0.0, 2e-3)
-    assert scale_of(film, Movie(), film.fields["shear_angle_deg"]) == (0.0, 60.0)
+    assert (smallest, largest) == pytest.approx((values.min(), values.max())) and 0.0 < beyond < 0.01
+    assert astuple(scale_of(film, Movie("thickness", limits=(0.0, 2e-3)), thickness))[:2] == (0.0, 2e-3)
+    angle = scale_of(film, Movie(), film.fields["shear_angle_deg"])
+    assert (angle.low, angle.high, angle.beyond) == (0.0, 60.0, 0.0) and angle.smallest >= 0.0
 
 
 def test_a_movie_has_every_frame_at_its_rate(tmp_path, film):

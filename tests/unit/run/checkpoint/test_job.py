@@ -13,7 +13,7 @@ CASES = every_kind()
 
 @pytest.mark.parametrize("name", CASES)
 def test_every_set_up_is_kept_whole(tmp_path, name):
-    job = Job(CASES[name], "id", {"a": [1, "b"], "c": None}, {"scene": "s", "case": ""}, ("film",), 3)
+    job = Job(CASES[name], "id", {"a": [1, "b"], "c": None}, {"scene": "s", "case": ""}, ("film",), 3, True)
     job.write(tmp_path / "job.bin")
     again, content = Job.read(tmp_path / "job.bin")
     assert again == job and again.setup.content_hash == job.setup.content_hash

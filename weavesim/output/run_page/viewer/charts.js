@@ -20,6 +20,7 @@ weavesim.chart = (container, given, height = 250) => {
       {
         label: given.yLabel, labelSize: 20, size: 58, font: "11px system-ui", labelFont: "12px system-ui", grid: { stroke: "#e6e8ec", width: 1 }, ticks: { width: 1, size: 4 },
         values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : weavesim.text(tick, 3))),
+        ...(given.logarithmic ? weavesim.DECADES : {}),
       },
     ],
     series: [{ label: given.xLabel, value: (_, x) => weavesim.text(x) }, ...series],
@@ -59,6 +60,21 @@ weavesim.chart = (container, given, height = 250) => {
     if (Math.abs(width - box.plot.width) > 1) box.plot.setSize({ width, height });
   }).observe(box);
   return box;
+};
+
+// Lines and numbers of a logarithmic axis: powers of ten alone, all written alike.
+weavesim.DECADES = {
+  splits: (_, __, low, high) => {
+    const [first, last] = [low, high].map((value) => Math.round(Math.log10(value)));
+    const step = Math.ceil((last - first) / 6) || 1;
+    return Array.from({ length: Math.floor((last - first) / step) + 1 }, (_value, k) => 10 ** (first + k * step));
+  },
+  filter: (_, ticks) => ticks,
+  values: (_, ticks) => {
+    const exponents = ticks.map((tick) => Math.round(Math.log10(tick)));
+    const plain = exponents.every((exponent) => Math.abs(exponent) <= 3);
+    return exponents.map((exponent) => (plain ? weavesim.text(10 ** exponent) : `10${weavesim.raised(exponent)}`));
+  },
 };
 
 // One abscissa for all lines, which uPlot needs, and how each line is drawn.

@@ -7,11 +7,19 @@ weavesim.Controls = class {
     this.panel.replaceChildren(...[
       this.ofColours(), this.ofView(), this.ofSheets(), this.ofTools(), this.ofCut(),
     ].filter((part) => part !== null));
+    this.panel.onscroll = () => this.hint();
+    new ResizeObserver(() => this.hint()).observe(this.panel);
     this.timeline();
     page.onColour = () => this.write();
     page.onField = () => {
       this.menu.value = page.field.name;
     };
+  }
+
+  // Says that there is more below, where the panel is scrolled.
+  hint() {
+    const { scrollHeight, scrollTop, clientHeight } = this.panel;
+    this.panel.classList.toggle("more", scrollHeight - scrollTop - clientHeight > 4);
   }
 
   group(title, ...children) {
@@ -42,12 +50,12 @@ weavesim.Controls = class {
       page.colours.name = name;
       page.recolour();
     });
-    const bound = this.select("bound", [["98", "1st to 99th percentile"], ["90", "5th to 95th percentile"], ["100", "smallest to largest"]], (value) => {
+    const bound = this.select("bound", [["98", "98 % of area"], ["90", "90 % of area"], ["100", "all values"]], (value) => {
       page.bound = value;
       page.manual = null;
       page.recolour();
     });
-    const scope = this.select("scope", [["last", "of the last frame"], ["one", "of this frame"], ["all", "of all frames"]], (value) => {
+    const scope = this.select("scope", [["last", "last frame"], ["one", "this frame"], ["all", "all frames"]], (value) => {
       page.scope = value;
       page.manual = null;
       page.recolour();
@@ -61,16 +69,17 @@ weavesim.Controls = class {
     };
     [this.low, this.high] = ["smallest", "largest"].map((label) =>
       make("input", { type: "number", step: "any", "aria-label": `${label} shown value`, onchange: own }));
-    return this.group("Colours", this.menu, this.about, bound, scope, make("div", { class: "pair" }, this.low, this.high), map);
+    return this.group("Colours", this.menu, this.about, make("div", { class: "pair" }, bound, scope),
+      make("div", { class: "pair" }, this.low, this.high, map));
   }
 
   ofView() {
     const { page } = this;
     const { view } = page;
     const { make } = weavesim;
-    const lines = (names) => (on) => {
+    const lines = (name) => (on) => {
       for (const sheet of page.sheets) {
-        for (const name of names) sheet[name].visible = on;
+        sheet[name].visible = on;
         sheet.moveLines();
         sheet.sync();
       }
@@ -83,8 +92,8 @@ weavesim.Controls = class {
       view.canvas.toBlob((blob) => weavesim.save("view.png", blob));
     } }, "save PNG");
     return this.group("View", make("div", { class: "buttons" }, ...buttons, picture),
-      this.check("yarn directions (warp black, weft white)", false, lines(["warpLines", "weftLines"])),
-      this.check("mesh", false, lines(["meshLines"])));
+      this.check("yarn directions (warp black)", false, lines("yarnBars")),
+      this.check("mesh", false, lines("meshLines")));
   }
 
   ofSheets() {
@@ -131,7 +140,7 @@ weavesim.Controls = class {
         for (const tool of page.view.tools) page.view.setOpacity(tool, Number(opacity.value));
         page.view.draw();
       } });
-    return this.group("Tools", ...parts, weavesim.make("label", {}, "opacity", opacity));
+    return this.group("Tools", weavesim.make("div", { class: "row" }, ...parts), weavesim.make("label", {}, "opacity", opacity));
   }
 
   ofCut() {
@@ -157,6 +166,7 @@ weavesim.Controls = class {
     typed.addEventListener("change", () => place(typed.value));
     const aim = () => {
       more.hidden = !section.on;
+      requestAnimationFrame(() => this.hint());
       turned.hidden = section.kind !== "any";
       if (!section.on) {
         section.update();

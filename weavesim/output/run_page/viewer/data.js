@@ -3,7 +3,9 @@
 const weavesim = {};
 
 weavesim.bytes = async (text) => {
-  const raw = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const letters = atob(text);
+  const raw = new Uint8Array(letters.length);
+  for (let i = 0; i < raw.length; i += 1) raw[i] = letters.charCodeAt(i);
   const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 };
@@ -49,14 +51,17 @@ weavesim.placeOf = (field, frame) => (field.at ? field.at.indexOf(frame) : frame
 
 weavesim.NOTHING = "–";
 
+// An exponent.
+weavesim.raised = (exponent) =>
+  String(exponent).replace(/[-0-9]/g, (sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]);
+
 weavesim.text = (value, digits = 4) => {
   if (value === null || value === undefined || Number.isNaN(value)) return weavesim.NOTHING;
   if (value === 0) return "0";
   const size = Math.abs(value);
   if (size >= 1e5 || size < 1e-4) {
     const [mantissa, exponent] = value.toExponential(Math.min(digits - 1, 2)).split("e");
-    const raised = String(Number(exponent)).replace(/[-0-9]/g, (sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]);
-    return `${mantissa}·10${raised}`.replace(/^-/, "−");
+    return `${Number(mantissa)}·10${weavesim.raised(Number(exponent))}`.replace(/^-/, "−");
   }
   return String(Number(value.toPrecision(digits))).replace(/^-/, "−");
 };

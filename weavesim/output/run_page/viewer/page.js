@@ -136,6 +136,8 @@ weavesim.Page = class {
     if (!(high >= low)) [low, high] = [0, 1];
     // sizes begin at zero
     if (field.absolute || ["yarn_compression", "wrinkle_amplitude", "wrinkle_height"].includes(field.name)) low = 0;
+    // a part without wrinkles must not look like one: up to the height that the verdict allows by itself
+    if (field.name === "wrinkle_height") high = Math.max(high, 2);
     if (!(high > low)) high = low + (Math.abs(low) * 1e-3 || 1);
     return [low, high, field.lastOnly ? "last" : scope];
   }

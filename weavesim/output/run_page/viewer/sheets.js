@@ -100,19 +100,17 @@ weavesim.Sheet = class {
       vertexColors: true, side: THREE.DoubleSide, clippingPlanes: clip,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
     });
-    this.meshLines = this.lines(this.edges(), 0x303540, 0.35, clip);
-    this.warpLines = this.lines(new Uint32Array(0), 0x000000, 0.8, clip);
-    this.weftLines = this.lines(new Uint32Array(0), 0xffffff, 0.9, clip);
-    for (const lines of [this.warpLines, this.weftLines]) lines.geometry.setIndex(null);
-    this.meshLines.visible = this.warpLines.visible = this.weftLines.visible = false;
+    this.meshLines = this.lines(this.edges(), 0.55, clip);
+    this.meshLines.visible = false;
+    this.yarnBars = new weavesim.Yarns(this, clip);
     this.group = new THREE.Group();
     this.copies = this.given.copies.map(([x, y]) => {
       const mesh = new THREE.Mesh(this.geometry, this.surface);
       const copy = new THREE.Group();
       copy.scale.set(x, y, 1);
-      copy.add(mesh, ...[this.meshLines, this.warpLines, this.weftLines].map((lines) => {
-        const own = new THREE.LineSegments(lines.geometry, lines.material);
-        own.userData.of = lines;
+      copy.add(mesh, ...[this.meshLines, ...this.yarnBars.parts].map((drawn) => {
+        const own = new drawn.constructor(drawn.geometry, drawn.material);
+        own.userData.of = drawn;
         return own;
       }));
       mesh.userData = { sheet: this, factors: [x, y] };
@@ -128,11 +126,16 @@ weavesim.Sheet = class {
     }
   }
 
-  lines(index, colour, opacity, clip) {
+  // Of everything that is drawn of it.
+  get materials() {
+    return [this.surface, this.meshLines.material, ...this.yarnBars.parts.map((part) => part.material)];
+  }
+
+  lines(index, opacity, clip) {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(0), 3));
     geometry.setIndex(new THREE.BufferAttribute(index, 1));
-    const material = new THREE.LineBasicMaterial({ color: colour, transparent: true, opacity, clippingPlanes: clip });
+    const material = new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity, clippingPlanes: clip });
     return new THREE.LineSegments(geometry, material);
   }
 
@@ -181,13 +184,9 @@ weavesim.Sheet = class {
     if (this.meshLines.visible) {
       this.meshLines.geometry.setAttribute("position", new THREE.BufferAttribute(this.nodes, 3));
       this.meshLines.geometry.computeBoundingSphere();
+      this.colourLines();
     }
-    if (this.warpLines.visible) {
-      [this.warpLines, this.weftLines].forEach((lines, yarn) => {
-        lines.geometry.setAttribute("position", new THREE.BufferAttribute(this.yarnLines(yarn), 3));
-        lines.geometry.computeBoundingSphere();
-      });
-    }
+    if (this.yarnBars.visible) this.yarnBars.move();
   }
 
   // Normals of the nodes: the mean of the elements around each.
@@ -209,32 +208,26 @@ weavesim.Sheet = class {
     return found;
   }
 
-  // A short line along the warp (0) or weft (1) of each element, or of every second, third, ... of a fine mesh.
-  yarnLines(yarn) {
-    const every = Math.max(1, Math.ceil(this.elementCount / 12000));
-    const count = Math.ceil(this.elementCount / every);
-    const found = new Float32Array(6 * count);
-    const x = this.nodes;
-    for (let i = 0; i < count; i += 1) {
-      const e = i * every;
-      const [a, b, c, d] = [0, 1, 2, 3].map((k) => 3 * this.quads[4 * e + k]);
-      const [p, q] = [this.yarns[4 * e + 2 * yarn], this.yarns[4 * e + 2 * yarn + 1]];
-      const along = [0, 1, 2].map((k) => p * (x[a + k] - x[c + k]) + q * (x[b + k] - x[d + k]));
-      const size = Math.hypot(...[0, 1, 2].map((k) => x[c + k] - x[a + k]));
-      const reach = (this.has(e) ? 1 : 0) * (0.3 * size * Math.sqrt(every)) / (Math.hypot(...along) || 1);
-      for (let k = 0; k < 3; k += 1) {
-        const centre = 0.25 * (x[a + k] + x[b + k] + x[c + k] + x[d + k]);
-        found[6 * i + k] = centre - reach * along[k];
-        found[6 * i + 3 + k] = centre + reach * along[k];
-      }
-    }
-    return found;
-  }
-
   colour(values, colours) {
     const attribute = this.geometry.attributes.color;
     colours.fill(values, attribute.array, 4);
     attribute.needsUpdate = true;
+    this.colourLines();
+  }
+
+  // Lines of the mesh are dark where the sheet is bright, and bright where it is dark.
+  colourLines() {
+    if (!this.meshLines.visible) return;
+    const { array } = this.geometry.attributes.color;
+    const [sum, count] = [new Float32Array(this.given.nodeCount), new Uint8Array(this.given.nodeCount)];
+    for (let i = 0; i < this.quads.length; i += 1) {
+      const node = this.quads[i];
+      sum[node] += 0.3 * array[3 * i] + 0.59 * array[3 * i + 1] + 0.11 * array[3 * i + 2];
+      count[node] += 1;
+    }
+    const colours = new Uint8Array(3 * sum.length);
+    sum.forEach((value, node) => colours.fill(value > 115 * count[node] ? 0 : 255, 3 * node, 3 * node + 3));
+    this.meshLines.geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3, true));
   }
 
   centre(element, source = this.nodes, width = 3) {

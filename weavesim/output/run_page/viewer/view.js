@@ -208,7 +208,8 @@ weavesim.View = class {
     [this.camera.top, this.camera.bottom] = [half, -half];
     [this.camera.right, this.camera.left] = [(half * width) / height, (-half * width) / height];
     this.camera.updateProjectionMatrix();
-    this.draw();
+    // at once: another size has emptied the picture, and paper waits for no refresh of the screen
+    this.drawNow();
   }
 
   // Draws before the next refresh of the screen, however often it is asked.
@@ -236,8 +237,7 @@ weavesim.View = class {
       this.plane.constant = -offset;
       this.clip.push(this.plane);
     }
-    for (const material of [...this.sheets.flatMap((s) => [s.surface, s.meshLines.material, s.warpLines.material,
-      s.weftLines.material]), ...this.tools.map((tool) => tool.mesh.material)]) {
+    for (const material of [...this.sheets.flatMap((sheet) => sheet.materials), ...this.tools.map((tool) => tool.mesh.material)]) {
       material.clippingPlanes = normal === null ? null : this.clip;
       material.needsUpdate = true;
     }

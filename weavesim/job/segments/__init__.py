@@ -1,0 +1,1 @@
+"""Tools of a job that are cut into sectors."""

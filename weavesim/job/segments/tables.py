@@ -1,0 +1,92 @@
+"""Keys of a tool that is driven by a force, whole or in segments."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from ...checks import Finite, NotNegative
+from ...ranges import Quantity
+from ..stages.paths import CarriedTable
+from ..tables import JobTable, one_of, without
+
+MOST_SEGMENTS = 72
+LOADS = ("force", "forces", "gap")
+
+
+class SegmentTable(JobTable):
+    """What drives one segment of a tool, in place of its share of the whole. `[[tool.segment]]`, below its tool."""
+
+    number: Annotated[int, Field(ge=1, le=MOST_SEGMENTS)] = Field(
+        description="of the segment, from 1 on, counter-clockwise from above"
+    )
+    force: Annotated[NotNegative, Quantity("force")] | None = Field(default=None, description="load: on this segment")
+    forces: Annotated[tuple[Finite, ...], Quantity("force")] | None = Field(
+        default=None, description="load: forces at `times`, straight between them"
+    )
+    times: Annotated[tuple[Finite, ...], Quantity("time")] | None = Field(default=None, description="of `forces`")
+    gap: Annotated[NotNegative, Quantity("gap")] | None = Field(
+        default=None, description="load: fixed, so far back from where it starts"
+    )
+
+    @model_validator(mode="after")
+    def _has_one_load(self) -> Self:
+        if one_of(self, LOADS) == "forces":
+            check_curve(self.times, self.forces)
+        else:
+            without(self, ("times",), "forces")
+        return self
+
+
+class PushedTable(CarriedTable):
+    """Keys of a force: its curve, spacers, and segments that share it."""
+
+    forces: Annotated[tuple[Finite, ...], Quantity("force")] | None = Field(
+        default=None, description="instead of `force`: forces at `times`, straight between them, of the whole tool"
+    )
+    times: Annotated[tuple[Finite, ...], Quantity("time")] | None = Field(default=None, description="of `forces`")
+    stop: Annotated[NotNegative, Quantity("gap")] | None = Field(
+        default=None,
+        description="shut height: spacers stop a tool under a force when it is so far from its start",
+    )
+    segments: Annotated[int, Field(ge=2, le=MOST_SEGMENTS)] | None = Field(
+        default=None, description="cuts a mesh into sectors NAME_1, NAME_2, ..., each of which moves on its own"
+    )
+    segments_from: Annotated[Finite, Quantity("angle")] = Field(
+        default=0.0, description="where the first sector begins, from the x axis counter-clockwise"
+    )
+    segment: tuple[SegmentTable, ...] = Field(
+        default=(), description="[[tool.segment]]: loads of segments that are not their shares of the whole"
+    )
+
+    @model_validator(mode="after")
+    def _shares_a_force(self) -> Self:
+        if self.forces is not None:
+            check_curve(self.times, self.forces)
+        else:
+            without(self, ("times",), "forces")
+        if self.segments is None:
+            without(self, ("segments_from",), "segments")
+            if self.segment:
+                raise ValueError("segment: has no effect without segments; leave it out")
+            return self
+        numbers = [each.number for each in self.segment]
+        for number in numbers:
+            if number > self.segments:
+                raise ValueError(f"segment: number = {number}: the tool has {self.segments} segments")
+            if numbers.count(number) > 1:
+                raise ValueError(f"segment: number = {number} is given twice; one table for each is needed")
+        return self
+
+
+def check_curve(times: tuple[float, ...] | None, forces: tuple[float, ...] | None) -> None:
+    """Raise ValueError unless there are as many increasing times as forces, none of which is negative."""
+    if times is None:
+        raise ValueError("times: is required with forces, one for each")
+    if len(times) != len(forces or ()) or not times:
+        raise ValueError(f"times: {len(times)} times for {len(forces or ())} forces; one for each is needed")
+    if any(b <= a for a, b in zip(times, times[1:], strict=False)):
+        raise ValueError("times: times must increase")
+    if min(forces or ()) < 0.0:
+        raise ValueError("forces: forces of zero or more are needed; they act along the tool's axis")

@@ -1,0 +1,1 @@
+"""Tools cut into sectors, each of which moves on its own."""

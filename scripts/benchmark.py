@@ -5,6 +5,7 @@
     python scripts/benchmark.py cells       cost of each unit cell, relative to the plain weave
     python scripts/benchmark.py sheets      cost of several sheets in one run, relative to one
     python scripts/benchmark.py plies       cost of the contact between plies
+    python scripts/benchmark.py meshes      cost of tools that are meshes, relative to built-in shapes
     python scripts/benchmark.py answer      time from the command to an answer within a tolerance of the converged one
     python scripts/benchmark.py bounds      memory bandwidth and multiply-add rate of this machine
     python scripts/benchmark.py schedule    a step on up to 64 threads, predicted from its plan
@@ -32,11 +33,12 @@ from scripts.benchmarks.laws import cells, laws  # noqa: E402
 from scripts.benchmarks.rates import rates, worker  # noqa: E402
 from scripts.benchmarks.schedule import schedule  # noqa: E402
 from scripts.benchmarks.sheets import plies, sheets  # noqa: E402
+from scripts.benchmarks.tools.meshes import meshes  # noqa: E402
 from scripts.peers.command import peers  # noqa: E402
 
 app = typer.Typer(add_completion=False, help=__doc__, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command(hidden=True)(worker)
-for command in (rates, answer, laws, cells, sheets, batch, plies, against, peers, bounds, cuda, schedule):
+for command in (rates, answer, laws, cells, sheets, batch, plies, meshes, against, peers, bounds, cuda, schedule):
     app.command()(command)
 
 if __name__ == "__main__":

@@ -64,10 +64,12 @@ def meet_carried_tools_function(real: type, lane_count: int, traits: NodeTraits)
             distance_left = touch.gap[k, block] - way - present.thickened
             if not distance_left > real(0.0):
                 tool = tools.tool[k]
-                distance, normal = posed_distance(tools.part, tool, pose, present.position, present.remainder)
+                distance, normal, clearance = posed_distance(
+                    tools.part, tool, pose, present.position, present.remainder
+                )
                 penetration = present.half_thickness - distance
                 deepest = lane_maximum(penetration)
-                distance_left = -deepest - laws.spare_distance - tool.blind_distance
+                distance_left = -lane_maximum(present.half_thickness - clearance) - laws.spare_distance
                 stretch, push = lanes3(), lanes3()
                 if not deepest <= real(0.0):
                     velocity = velocity_at(pose, arm)

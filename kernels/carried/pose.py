@@ -4,9 +4,9 @@ from functools import cache
 
 import warp as wp
 
-from ..contact.tool_distance import part_distance_function, tool_set_struct, tool_struct
+from ..contact.tool_distance import part_clearance_function, part_distance_function, tool_set_struct, tool_struct
 from ..contact.tool_shapes import part_struct
-from ..lanes import dot, lane_maximum, lane_types, where_positive
+from ..lanes import dot, lane_maximum, lane_types, smaller, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import ToolPoseRow
 
@@ -93,7 +93,7 @@ def away_function(real: type, lane_count: int):
 
 @cache
 def posed_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...]):
-    """wp.func (parts, tool, pose, x, remainder) -> (signed distance, outward normal); see ``tool_distance_function``.
+    """wp.func (parts, tool, pose, x, remainder) -> (distance, normal, clearance); see ``tool_distance_function``.
 
     Points are taken into the frame of each part, and normals back.
     """
@@ -101,17 +101,21 @@ def posed_distance_function(real: type, lane_count: int, shape_kinds: tuple[str,
     lanes, lanes3 = types.lanes, types.lanes3
     Tool, ToolPart, Pose = tool_struct(real), part_struct(real), pose_struct(real)
     part_distance, away = part_distance_function(real, lane_count, shape_kinds), away_function(real, lane_count)
+    part_clearance = part_clearance_function(real, lane_count)
 
     @wp.func
     def posed_distance(parts: wp.array(dtype=ToolPart), tool: Tool, pose: Pose, x: lanes3, remainder: lanes3):
         distance = lanes()
         normal = lanes3()
+        clearance = lanes()
         for k in range(tool.part_count):
             part = parts[tool.first_part + k]
             turn = pose.turn * part.rotation
             p = wp.transpose(turn) * away(pose.rotation * part.origin + pose.shift, x, remainder)
             part_d, part_n = part_distance(part, p)
             part_n = turn * part_n
+            part_c = part_clearance(part, part_d)
+            clearance = part_c if k == 0 else smaller(clearance, part_c)
             if k == 0:
                 distance = part_d
                 normal = part_n
@@ -120,7 +124,7 @@ def posed_distance_function(real: type, lane_count: int, shape_kinds: tuple[str,
                 distance = where_positive(nearer, part_d, distance)
                 for c in range(3):
                     normal[c] = where_positive(nearer, part_n[c], normal[c])
-        return distance, normal
+        return distance, normal, clearance
 
     return posed_distance
 

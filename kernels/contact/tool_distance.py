@@ -7,9 +7,10 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import lane_types, where_positive
+from ..lanes import lane_types, smaller, where_positive
 from .friction import tool_friction_struct
-from .tool_shapes import SHAPE_KINDS, part_struct, shape_kind, shape_number
+from .mesh_samples import sampled_clearance
+from .tool_shapes import SHAPE_KINDS, number, part_struct, shape_kind, shape_number
 
 
 @cache
@@ -22,7 +23,6 @@ def tool_struct(real: type):
         part_count: wp.int32
         axis: wp.vec3d  # unit direction of the motion
         friction: real  # Coulomb coefficient
-        blind_distance: real  # below it the distance may jump as points move; above, it changes by at most their travel
 
     return Tool
 
@@ -86,17 +86,34 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
 
 
 @cache
-def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...], rotated: bool):
-    """wp.func (parts, tool, displacement, x, remainder) -> (signed distance, outward normal), for lanes of points.
+def part_clearance_function(real: type, lane_count: int):
+    """wp.func (part, distances of points from it) -> their clearances; see ``tool_distance_function``."""
+    lanes, ToolPart = lane_types(real, lane_count).lanes, part_struct(real)
 
-    The points are x + remainder. In single precision both, and the place of a part as such a pair, make the vector
-    between them as exact far from the origin as at the origin. Supported are only parts of ``shape_kinds``, and rotated
-    ones only if ``rotated``.
+    @wp.func
+    def part_clearance(part: ToolPart, distance: lanes):
+        clearance = distance
+        if part.kind == wp.static(shape_number("volume")):
+            clearance = sampled_clearance(part.reach, number(part, 0), number(part, 1), number(part, 2), distance)
+        return clearance
+
+    return part_clearance
+
+
+@cache
+def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...], rotated: bool):
+    """wp.func (parts, tool, displacement, x, remainder) -> (signed distance, outward normal, clearance), in lanes.
+
+    The clearance is a lower bound of the distance that changes by at most the way of a point: samples err, and outside
+    their box nothing is known. The points are x + remainder. In single precision both, and the place of a part as such
+    a pair, make the vector between them as exact far from the origin as at the origin. Supported are only parts of
+    ``shape_kinds``, and rotated ones only if ``rotated``.
     """
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     Tool, ToolPart = tool_struct(real), part_struct(real)
     part_distance = part_distance_function(real, lane_count, shape_kinds)
+    part_clearance = part_clearance_function(real, lane_count)
 
     @wp.func
     def tool_distance(
@@ -104,6 +121,7 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
     ):
         distance = lanes()
         normal = lanes3()
+        clearance = lanes()
         for k in range(tool.part_count):
             part = parts[tool.first_part + k]
             centre = part.origin + displacement * tool.axis
@@ -117,6 +135,9 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
             part_d, part_n = part_distance(part, p)
             if wp.static(rotated):
                 part_n = part.rotation * part_n
+            if wp.static("volume" in shape_kinds):
+                part_c = part_clearance(part, part_d)
+                clearance = part_c if k == 0 else smaller(clearance, part_c)
             if k == 0:
                 distance = part_d
                 normal = part_n
@@ -125,7 +146,9 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
                 distance = where_positive(nearer, part_d, distance)
                 for c in range(3):
                     normal[c] = where_positive(nearer, part_n[c], normal[c])
-        return distance, normal
+        if wp.static("volume" not in shape_kinds):
+            clearance = distance
+        return distance, normal, clearance
 
     return tool_distance
 
@@ -162,7 +185,7 @@ def sample_distance_kernel(real: type, lane_count: int, further_kinds: tuple[str
             for c in range(3):
                 x[c, i] = real(point[c])
                 remainder[c, i] = real(point[c] - wp.float64(real(point[c])))
-        d, n = tool_distance(parts, tools[tool_index], displacement, x, remainder)
+        d, n, _ = tool_distance(parts, tools[tool_index], displacement, x, remainder)
         for i in range(lane_count):
             if first + i <= last:
                 distance[first + i] = d[i]

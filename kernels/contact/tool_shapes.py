@@ -19,7 +19,7 @@ import warp as wp
 
 from ..lanes import fill, larger, magnitude, smaller, square_root, where_positive
 from ..operators import div, mul  # noqa: F401
-from .mesh_distance import volume_distance
+from .mesh_samples import volume_distance
 
 
 @cache
@@ -37,9 +37,9 @@ def part_struct(real: type):
         half_length: real
         edge_radius: real
         volume: wp.uint64  # address of a SampledMesh in the part's frame
-        lower: vec3  # box of the volume; outside it the distance is at least that to the box
+        lower: vec3  # further dimensions, see number
         upper: vec3
-        reach: real  # value used outside the volume [m]
+        reach: real  # of a sampled mesh: up to which distances are sampled; beyond it begins what is not [m]
 
     return ToolPart
 
@@ -163,7 +163,7 @@ def dome_cavity_distance(part: Any, p: Any):
 
 
 # Fields of the part that a kind may have among its dimensions.
-NAMED_DIMENSIONS = ("radius", "major_radius", "half_length", "edge_radius", "volume", "lower", "upper", "reach")
+NAMED_DIMENSIONS = ("radius", "major_radius", "half_length", "edge_radius", "volume", "reach")
 # Where the others stand: a formula has no box. A vector of their own in the part, which is copied in the innermost
 # loop, made a step of the double dome 8 % slower (16 lanes, float32).
 NUMBER_PLACES = (*product(("lower", "upper"), range(3)),)
@@ -185,19 +185,18 @@ class ShapeKind:
             part; the others are ``number(part, 0)``, ``number(part, 1)`` and so on, in this order.
 
     Raises:
-        ValueError: there are more than six others, or any in addition to the box of a volume.
+        ValueError: there are more than six others.
     """
 
     distance: Any
     dimensions: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        room = 0 if {"lower", "upper"} & set(self.dimensions) else len(NUMBER_PLACES)
         others = [name for name in self.dimensions if name not in NAMED_DIMENSIONS]
-        if len(others) > room:
+        if len(others) > len(NUMBER_PLACES):
             raise ValueError(
-                f"a shape has at most {len(NUMBER_PLACES)} dimensions beside {', '.join(NAMED_DIMENSIONS)}, and none "
-                f"with lower or upper; these are {len(others)}: {', '.join(others)}"
+                f"a shape has at most {len(NUMBER_PLACES)} dimensions beside {', '.join(NAMED_DIMENSIONS)}; these are "
+                f"{len(others)}: {', '.join(others)}"
             )
 
     @property
@@ -216,7 +215,7 @@ SHAPE_KINDS: Mapping[str, ShapeKind] = MappingProxyType(
         "dome_punch": ShapeKind(dome_punch_distance, ("radius", "half_length")),
         "dome_opening": ShapeKind(dome_opening_distance, ("radius", "half_length", "edge_radius")),
         "dome_cavity": ShapeKind(dome_cavity_distance, ("radius", "half_length")),
-        "volume": ShapeKind(volume_distance, ("volume", "lower", "upper", "reach")),
+        "volume": ShapeKind(volume_distance, ("volume", "reach", "checked", "error", "largest_error")),
     }
 )
 

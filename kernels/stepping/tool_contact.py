@@ -96,12 +96,12 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
             # the tool moved over the last step, which is at most twice the mean step
             distance_left = touch.gap[k, block] - real(2.0) * present.mean_step * wp.abs(speed) - present.thickened
             if not distance_left > real(0.0):
-                distance, normal = tool_distance(
+                distance, normal, clearance = tool_distance(
                     tools.part, tool, tools.displacement[k], present.position, present.remainder
                 )
                 penetration = present.half_thickness - distance
                 deepest = lane_maximum(penetration)
-                distance_left = -deepest - laws.spare_distance - tool.blind_distance
+                distance_left = -lane_maximum(present.half_thickness - clearance) - laws.spare_distance
                 stretch = lanes3()
                 push = lanes3()
                 if not deepest <= real(0.0):

@@ -23,12 +23,15 @@ from ..device import Precision, available_threads, initialise, is_compiled, load
 from ..fabric.cell import UnitCell
 from ..kernel_cache import ensure_room
 from ..kernels.carried.motion import carried_motion_kernel
-from ..kernels.contact.mesh_distance import (
+from ..kernels.contact.fill_samples import (
     doubt_cells_kernel,
     fill_tiles_kernel,
+    mark_cells_kernel,
     mesh_distance_kernel,
     sampled_distance_kernel,
+    share_corners_kernel,
 )
+from ..kernels.contact.list_nearest import count_nearest_kernel, list_nearest_kernel
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.loads.grippers import grip_kernel
@@ -227,7 +230,16 @@ class MeshKernelSet:
 
 def mesh_kernels() -> list[wp.Kernel]:
     """Kernels that sample the distance to a triangle mesh."""
-    return [mesh_distance_kernel, sampled_distance_kernel, fill_tiles_kernel, doubt_cells_kernel]
+    return [
+        mesh_distance_kernel,
+        sampled_distance_kernel,
+        fill_tiles_kernel,
+        share_corners_kernel,
+        doubt_cells_kernel,
+        mark_cells_kernel,
+        count_nearest_kernel,
+        list_nearest_kernel,
+    ]
 
 
 def missing(kernel_set: Kernels) -> list[int]:

@@ -16,14 +16,13 @@ from ..device import Precision, available_memory
 from ..engine.setup import Setup
 from ..errors import InputError
 from ..ranges import ACCEPTING
-from ..tools.mesh_tool import MeshShape
 
 # Elements times steps per second: of a core and of a GPU in single precision. Double precision takes twice as long.
 CORE_RATE, GPU_RATE = 15.0e6, 4.0e9
 # Smallest time of a step [s], which small meshes take.
 CORE_STEP, GPU_STEP = 15.0e-6, 20.0e-6
-# Of a node and a tool that is an open mesh, on one core [s]: triangles are searched near its borders and creases.
-OPEN_MESH_TIME = 0.7e-6
+# Of a node and a mesh of a tool, on one core [s].
+MESH_TIME = 15.0e-9
 # Time of a frame with its files [s]: of each, and per element.
 FRAME_TIME, FRAME_TIME_PER_ELEMENT = 3.0e-3, 2.0e-6
 # Largest need of memory, while a run is prepared, and need per frame of the history [bytes].
@@ -94,7 +93,7 @@ def estimate(setup: Setup, *, time_step: float | None = None, thread_count: int 
         slower = 1.0 if setup.solver.precision is Precision.SINGLE else 2.0
         rate = CORE_RATE * max(1.0, 0.8 * thread_count) if is_cpu else GPU_RATE
         per_step = max(CORE_STEP if is_cpu else GPU_STEP, slower * elements / rate)
-        per_step += open_mesh_nodes(setup) * OPEN_MESH_TIME * CORE_RATE / rate
+        per_step += mesh_nodes(setup) * MESH_TIME * CORE_RATE / rate
         seconds = step_count * per_step + frames * (FRAME_TIME + FRAME_TIME_PER_ELEMENT * elements)
     on_page = min(PAGE_MEMORY * frames * elements, LARGEST_PAGE_MEMORY)
     return Estimate(
@@ -110,11 +109,11 @@ def estimate(setup: Setup, *, time_step: float | None = None, thread_count: int 
     )
 
 
-def open_mesh_nodes(setup: Setup) -> int:
-    """Nodes times tools that are open meshes, of all worlds."""
+def mesh_nodes(setup: Setup) -> int:
+    """Nodes times parts of tools that are meshes, of all worlds."""
     return sum(
         sum(sheet.blank.node_count for sheet in world.sheets)
-        * sum(isinstance(tool.shape, MeshShape) and not tool.shape.mesh.surface.closed for tool in world.tools)
+        * sum(part.surface is not None for tool in world.tools for part in tool.shape.parts())
         for world in setup.worlds
     )
 

@@ -101,7 +101,7 @@ def build_device_tools(
     drives.curve_value = array(np.concatenate([np.empty(0), *(values for _, values in curves)]), wp.float64)
     carriers = build_carriers(tools, device)
     return DeviceTools(
-        tool=array(_tool_data(tools, real, samples), tool_struct(real)),
+        tool=array(_tool_data(tools, real), tool_struct(real)),
         part=array([_part_data(part, real, samples) for part in parts], part_struct(real)),
         drives=drives,
         carriers=carriers,
@@ -115,7 +115,7 @@ def build_device_tools(
     )
 
 
-def _tool_data(tools: Sequence[Tool], real: type, samples: Samples) -> list[Any]:
+def _tool_data(tools: Sequence[Tool], real: type) -> list[Any]:
     result: list[Any] = []
     first_part = 0
     for tool in tools:
@@ -126,9 +126,6 @@ def _tool_data(tools: Sequence[Tool], real: type, samples: Samples) -> list[Any]
         data.axis = tool.axis
         # of one coefficient; laws are read from their tables
         data.friction = law_of(tool.friction).table()[1][0]
-        # sampled distances are truncated at their reach, and outside the box they are only a lower bound
-        reaches = [samples[part.surface].reach for part in parts if part.surface is not None]
-        data.blind_distance = max(reaches, default=0.0)
         first_part += len(parts)
         result.append(data)
     return result

@@ -1,11 +1,10 @@
-"""Samples of the signed distance of triangle meshes on sparse volumes, and their accuracy."""
+"""Samples of the signed distance of triangle meshes in sparse tiles, and their accuracy."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from itertools import product
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -13,25 +12,18 @@ import numpy as np
 import warp as wp
 
 from ..errors import InputError
-from ..kernels.contact.mesh_distance import (
-    BLOCK_SIZE,
-    TILE_REACH,
-    TILE_SIZE,
-    SampledMesh,
-    doubt_cells_kernel,
-    fill_tiles_kernel,
-    sampled_distance_kernel,
-)
+from ..kernels.contact.fill_samples import sampled_distance_kernel
+from ..kernels.contact.mesh_samples import SampledMesh
 from .mesh_features import points_near
 from .mesh_tool import MeshSurface
+from .samples.candidates import nearest_candidates
+from .samples.grid import HALF_CELL, Grid, chosen_grid, preferred_spacing
+from .samples.tiles import doubt_above, doubted_cells, filled_values, record_of
 from .solid_triangles import SolidTriangles
 
 if TYPE_CHECKING:
     from .tool import Tool
 
-# Largest number of voxels: the first for an automatic spacing, the second for a given one.
-CHOSEN_VOXEL_COUNT = 6_000_000
-LARGEST_VOXEL_COUNT = 150_000_000
 ERROR_SAMPLE_COUNT = 20_000
 # Where samples err by more than this share of their spacing, or of the thinnest sheet, triangles are searched; and by
 # more than the other share of their spacing without a sheet, when time does not matter.
@@ -40,28 +32,26 @@ ALLOWED_ERROR_ALONE = 0.03
 # Error of 99 % of the points near the surface over the thickness of the thinnest sheet: more is doubtful, or refused.
 DOUBTFUL_ERROR = 0.1
 LARGEST_ERROR = 0.5
-# Half the diagonal of a cell, in spacings.
-HALF_CELL = 0.5 * math.sqrt(3.0)
-# Places of the eight cubes in one of twice their edge.
-HALVES = np.array(list(product(range(2), repeat=3)))
+# Samples of simplified triangles err by at most this beyond interpolation, in spacings.
+SIMPLIFIED_ERROR = 0.03
 
 
 @dataclass(frozen=True, eq=False)
 class SampledDistance:
-    """Signed distance of a mesh on the voxels of a volume, with the error of what the kernels read.
+    """Signed distance of a mesh in sparse tiles of samples, with the error of what the kernels read.
 
     The kernels search the triangles where the samples are doubted, as at edges and in thin walls.
 
     Attributes:
-        record: a ``kernels.contact.mesh_distance.SampledMesh``, (1,).
-        volume: sparse, float32; its background is ``reach``.
-        doubted: sparse, int32: 1 in each cell whose triangles are searched.
+        record: a ``kernels.contact.mesh_samples.SampledMesh``, (1,).
+        values: the samples, with marks on doubted cells.
+        others: further arrays that ``record`` refers to.
         mesh: the triangles.
         centre: of the frame of all these, in the frame of the mesh, (3,) [m].
-        lower, upper: box within which the volume is read, about ``centre``, (3,) [m].
-        spacing: of the voxels [m].
+        spacing: of the samples [m].
         reach: distances are truncated to plus and minus this [m].
         voxel_count: number of values.
+        checked: up to this distance the samples of each cell were compared with the triangles [m].
         band: samples within this distance are those of ``mesh`` to 0.002 of the spacing, the others to 0.02 [m].
         tolerance: error of the samples from which on triangles are searched [m].
         largest_error: largest difference to the mesh at random points near its surface [m]:
@@ -71,15 +61,14 @@ class SampledDistance:
     """
 
     record: wp.array
-    volume: wp.Volume
-    doubted: wp.Volume
+    values: wp.array
+    others: tuple[wp.array, ...]
     mesh: wp.Mesh
     centre: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
     spacing: float
     reach: float
     voxel_count: int
+    checked: float
     band: float
     tolerance: float
     largest_error: float
@@ -88,11 +77,14 @@ class SampledDistance:
 
     def dimensions(self) -> dict[str, Any]:
         """Values that the kernels read; see ``ShapeKind`` in ``kernels/contact/tool_shapes.py``."""
+        # between right samples: the way to them
+        error_between = (1.05 * HALF_CELL + SIMPLIFIED_ERROR) * self.spacing
         return {
             "volume": self.record.ptr,
-            "lower": tuple(self.lower),
-            "upper": tuple(self.upper),
             "reach": self.reach,
+            "checked": self.checked,
+            "error": min(2.0 * max(self.tolerance, self.largest_error), error_between),
+            "largest_error": error_between,
         }
 
     def note(self, name: str) -> str:
@@ -187,50 +179,38 @@ def exact_distance(surface: MeshSurface, points: np.ndarray, device: str = "cpu"
     return triangles.distance(points, triangles.mesh, triangles.crossed)
 
 
-@dataclass(frozen=True)
-class _Grid:
-    """Sample locations: a box, and those of its tiles in which distances are below the reach."""
-
-    lower: np.ndarray  # (3,) [m]
-    upper: np.ndarray
-    spacing: float  # [m]
-    reach: float  # [m]
-    first_voxel: np.ndarray  # of each tile, (tile_count, 3)
-    centre_distance: np.ndarray  # at the middle of each tile, (tile_count,) [m]
-    voxel_count: int  # of all tiles
-
-
 def _sample(
     surface: MeshSurface, device: str, thickness: float, thickest: float, other: SampledDistance | None
 ) -> SampledDistance:
-    """Sample a surface; the volume of ``other`` samples serves again."""
-    spacing = _preferred_spacing(surface, thickness)
+    """Sample a surface; the ``other`` samples serve again."""
+    spacing = preferred_spacing(surface, thickness, ALLOWED_ERROR)
     triangles = SolidTriangles(surface, device, spacing)
-    grid = _chosen_grid(triangles, spacing, thickest)
+    grid = chosen_grid(triangles, spacing, thickest)
     needed = thickness or min(3.5 * grid.spacing, grid.reach)
     # all corners of a cell whose middle may be doubted
     band = max(needed + 2.1 * HALF_CELL * grid.spacing, other.band if other else 0.0)
     same = other is not None and (other.spacing, other.reach, other.band) == (grid.spacing, grid.reach, band)
-    volume = other.volume if other and same else _filled_volume(triangles, grid, band)
     tolerance = ALLOWED_ERROR * min(grid.spacing, thickness) if thickness else ALLOWED_ERROR_ALONE * grid.spacing
-    doubted = _doubted_cells(triangles, volume, grid, tolerance, needed)
-    record = SampledMesh()
-    record.volume, record.doubted, record.mesh = volume.id, doubted.id, triangles.mesh.id
-    record.crossed, record.searched = triangles.crossed, _searched(grid, needed)
-    record = wp.array([record], dtype=SampledMesh, device=device)
+    searched = _searched(grid, needed)
+    tiles: wp.array = wp.array(grid.tiles, dtype=wp.int32, device=device)
+    values = wp.clone(other.values) if other and same else filled_values(triangles, grid, tiles, band)
+    sampled = record_of(grid, tiles, values)
+    doubted = doubted_cells(triangles, grid, sampled, values, doubt_above(grid.spacing, tolerance, needed))
+    candidates = nearest_candidates(triangles, grid, doubted, 4.0 * searched)
+    sampled.nearest, sampled.searched = candidates.record, searched
+    record = wp.array([sampled], dtype=SampledMesh, device=device)
     offset = min(3.0 * grid.spacing, 0.5 * grid.reach, thickness or math.inf)
     error = np.abs(_errors(triangles, record, offset))
     return SampledDistance(
         record=record,
-        volume=volume,
-        doubted=doubted,
+        values=values,
+        others=(tiles, *candidates.arrays),
         mesh=triangles.mesh,
         centre=surface.centre,
-        lower=grid.lower,
-        upper=grid.upper,
         spacing=grid.spacing,
         reach=grid.reach,
         voxel_count=grid.voxel_count,
+        checked=needed,
         band=band,
         tolerance=tolerance,
         largest_error=float(error.max()),
@@ -239,127 +219,13 @@ def _sample(
     )
 
 
-def _searched(grid: _Grid, needed: float) -> float:
+def _searched(grid: Grid, needed: float) -> float:
     """Sampled distance up to which triangles are searched [m], for right distances up to the ``needed`` one.
 
     Between right samples distances are wrong by no more than the way to the corners, half a cell's diagonal. Cells with
     a truncated corner are left as they are.
     """
     return min(needed + 1.05 * HALF_CELL * grid.spacing, max(grid.reach - 2.0 * grid.spacing, 0.0))
-
-
-def _doubted_cells(
-    triangles: SolidTriangles, volume: wp.Volume, grid: _Grid, tolerance: float, needed: float
-) -> wp.Volume:
-    """Cells whose samples err by more than ``tolerance`` [m], and whose distances may be below the ``needed`` one [m].
-
-    A crease that turns the gradient by twice an angle makes samples err by h/2 sin(angle) in the middle of a cell of
-    size h, where the gradient has the length cos(angle).
-    """
-    device, searched = triangles.device, _searched(grid, needed)
-    near = np.abs(grid.centre_distance) < searched + 2.0 * float(TILE_REACH) * grid.spacing
-    first_voxel: wp.array = wp.array(grid.first_voxel[near], dtype=wp.vec3i, device=device)
-    doubted = wp.Volume.allocate_by_tiles(first_voxel, voxel_size=grid.spacing, bg_value=0, device=device)
-    least = math.sqrt(1.0 - min(2.0 * tolerance / grid.spacing, 1.0) ** 2)
-    gradient_range = wp.vec2(grid.spacing * least, grid.spacing * (2.0 - least))
-    inputs = [triangles.near.id, triangles.crossed, volume.id, first_voxel, tolerance, gradient_range]
-    limits = wp.vec2(needed + 2.05 * HALF_CELL * grid.spacing, needed + HALF_CELL * grid.spacing)
-    wp.launch(
-        doubt_cells_kernel,
-        dim=(len(first_voxel), int(TILE_SIZE) ** 3),
-        inputs=[*inputs, limits],
-        outputs=[doubted.id],
-        device=device,
-    )
-    return doubted
-
-
-def _preferred_spacing(surface: MeshSurface, thickness: float) -> float:
-    spacing = surface.first_spacing
-    if surface.spacing is None and surface.reach is None and thickness and math.isfinite(surface.fillet_radius):
-        # samples of a curvature 1/r err by h^2 / 4 r: fine enough that fillets need no search
-        spacing = min(spacing, math.sqrt(4.0 * surface.fillet_radius * ALLOWED_ERROR * thickness))
-    return spacing
-
-
-def _chosen_grid(triangles: SolidTriangles, spacing: float, thickest: float) -> _Grid:
-    """The preferred grid, or the finest one within the voxel limit."""
-    surface, name = triangles.surface, triangles.surface.name
-    while True:
-        grid = _grid(triangles, spacing, thickest)
-        if grid.voxel_count <= (CHOSEN_VOXEL_COUNT if surface.spacing is None else LARGEST_VOXEL_COUNT):
-            return grid
-        if surface.spacing is not None:
-            raise InputError(
-                f"{name}: a spacing of {spacing} m needs {grid.voxel_count} samples, above {LARGEST_VOXEL_COUNT}; "
-                f"give at least {spacing * (grid.voxel_count / LARGEST_VOXEL_COUNT) ** 0.5:.2g} m, or a smaller reach."
-            )
-        spacing *= 1.02 * (grid.voxel_count / CHOSEN_VOXEL_COUNT) ** (1.0 / 3.0)
-        if surface.reach is not None and spacing > 0.5 * surface.reach:
-            raise InputError(
-                f"{name}: a reach of {surface.reach} m needs too many samples at a spacing that resolves it; "
-                "leave reach out, or give a spacing too."
-            )
-
-
-def _grid(triangles: SolidTriangles, spacing: float, thickest: float) -> _Grid:
-    """The grid for one spacing; without tiles if those near the surface are too many to compute.
-
-    Large blocks of tiles are halved again and again where they come near the surface or lie inside.
-    """
-    surface, size = triangles.surface, int(TILE_SIZE)
-    reach = 6.0 * spacing if surface.reach is None else surface.reach
-    if surface.reach is None and reach < thickest:  # a small tool
-        reach = thickest + 3.0 * spacing
-    vertices = surface.vertices - surface.centre
-    lower, upper = vertices.min(axis=0) - reach, vertices.max(axis=0) + reach
-    # one voxel beyond the box on every side, so that interpolation within the box never reads the background
-    counts = np.floor((upper - lower) / spacing / size).astype(int) + 2
-    level = max(0, math.ceil(math.log2(max(counts.max() / 16, 1))))
-    index = np.stack(np.meshgrid(*(np.arange(-(-n // 2**level)) for n in counts), indexing="ij"), axis=-1)
-    index = index.reshape(-1, 3)
-    while True:
-        width = size * 2**level
-        # as the distance from a tile's middle to its farthest voxel, rounded up
-        spread = float(TILE_REACH) + 0.5 * math.sqrt(3.0) * (width - size)
-        first = width * index - size
-        centre = surface.centre + lower + spacing * (first + 0.5 * (width - 1))
-        distance = triangles.distance(centre, triangles.far, triangles.crossed)
-        near = distance < reach + spread * spacing
-        index = index[near]
-        if level == 0 or len(index) * size**3 > LARGEST_VOXEL_COUNT:
-            break
-        level -= 1
-        index = (2 * index[:, None] + HALVES).reshape(-1, 3)
-        index = index[np.all(index < counts, axis=1)]
-    if level:
-        return _Grid(lower, upper, spacing, reach, np.empty((0, 3)), np.empty(0), len(index) * (size * 2**level) ** 3)
-    return _Grid(lower, upper, spacing, reach, first[near], distance[near], len(index) * size**3)
-
-
-def _filled_volume(triangles: SolidTriangles, grid: _Grid, band: float) -> wp.Volume:
-    device = triangles.device
-    first_voxel: wp.array = wp.array(grid.first_voxel, dtype=wp.vec3i, device=device)
-    volume = wp.Volume.allocate_by_tiles(
-        first_voxel,
-        voxel_size=grid.spacing,
-        bg_value=float(grid.reach),
-        translation=tuple(grid.lower),
-        device=device,
-    )
-    middle = grid.first_voxel[:, None] + int(BLOCK_SIZE) * (HALVES + 0.5) - 0.5
-    points = triangles.surface.centre + grid.lower + grid.spacing * middle.reshape(-1, 3)
-    distance = triangles.distance(points, triangles.far, triangles.crossed)
-    centre_distance: wp.array = wp.array(distance.reshape(-1, 8), dtype=float, device=device)
-    inputs = [triangles.sampled(band), first_voxel, centre_distance, wp.vec3(*grid.lower)]
-    wp.launch(
-        fill_tiles_kernel,
-        dim=(len(grid.first_voxel), int(TILE_SIZE) ** 3),
-        inputs=[*inputs, grid.spacing, grid.reach],
-        outputs=[volume.id],
-        device=device,
-    )
-    return volume
 
 
 def _errors(triangles: SolidTriangles, record: wp.array, offset: float) -> np.ndarray:

@@ -7,7 +7,7 @@ import logging
 import numpy as np
 import warp as wp
 
-from ..kernels.contact.mesh_distance import SampledTriangles, mesh_distance_kernel
+from ..kernels.contact.fill_samples import SampledTriangles, mesh_distance_kernel
 from .mesh_bodies import simplified
 from .mesh_features import face_normals
 from .mesh_repair import diagonal

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import time
 
 import numpy as np
 import pytest
@@ -278,3 +279,16 @@ def test_a_margin_is_a_line_at_its_distance():
     assert distance == pytest.approx(0.02, abs=2e-5)
     assert plan_area(line) == pytest.approx(0.006 + 0.32 * 0.02 + np.pi * 0.02**2, rel=2e-3)
     assert np.array_equal(with_margin(square, 0.0), square)
+
+
+@pytest.mark.parametrize("margin", [1e-5, 1e-3, 0.05])
+def test_a_margin_of_any_width_is_quick_and_keeps_its_distance(margin):
+    turn = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
+    radius = 0.4 + 0.1 * np.cos(5.0 * turn)  # convex and hollow
+    line = np.column_stack([radius * np.cos(turn), radius * np.sin(turn)])
+    started = time.process_time()
+    found = with_margin(line, margin)
+    assert time.process_time() - started < 1.0
+    assert plan_area(found) > plan_area(line)
+    distance = -Outline(line).nearest(found)[0]
+    assert distance == pytest.approx(margin, rel=2e-3, abs=2e-8)

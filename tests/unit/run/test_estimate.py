@@ -10,7 +10,7 @@ from weavesim.run import estimate as module
 from weavesim.run.estimate import check_bounds, check_room, duration_text, estimate
 from weavesim.sheet.blank import Blank
 from weavesim.tools.mesh_tool import MeshShape
-from weavesim.tools.shapes import Plane
+from weavesim.tools.shapes import Plane, Union
 from weavesim.tools.tool import Tool
 
 
@@ -30,14 +30,18 @@ def test_what_is_estimated():
     assert estimate(setup()).seconds is None and "steps" not in str(estimate(setup()))
 
 
-def test_open_meshes_cost_more_than_built_in_shapes():
-    """Surfaces as CAD programs export them: triangles are searched near their borders."""
+def test_meshes_cost_more_than_built_in_shapes():
     vertices = np.array([(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)])
-    plate = Tool("plate", MeshShape.from_triangles(vertices, np.array([(0, 1, 2), (0, 2, 3)]), side=(0.0, 0.0, 1.0)))
+    plate = MeshShape.from_triangles(vertices, np.array([(0, 1, 2), (0, 2, 3)]), side=(0.0, 0.0, 1.0))
     table = Tool("table", Plane())
-    alone = estimate(setup(tools=(table,)), time_step=1.0e-6).seconds
-    with_mesh = estimate(setup(tools=(table, plate)), time_step=1.0e-6).seconds
-    assert with_mesh - alone == pytest.approx(1.0e6 * 25 * module.OPEN_MESH_TIME)
+
+    def seconds(*shapes):
+        tools = (table, *(Tool(f"tool {k}", shape) for k, shape in enumerate(shapes)))
+        return estimate(setup(tools=tools), time_step=1.0e-6).seconds
+
+    each = 1.0e6 * 25 * module.MESH_TIME
+    assert seconds(plate) - seconds() == pytest.approx(each)
+    assert seconds(Union([plate, plate.placed((0.0, 0.0, -1.0)), Plane()])) - seconds() == pytest.approx(2.0 * each)
 
 
 @pytest.mark.parametrize(

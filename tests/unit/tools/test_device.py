@@ -75,6 +75,6 @@ def test_samples_must_tell_the_faces_of_the_sheet_apart():
     samples = sample_meshes(tools, "cpu", thickness=4e-3)
     device = build_device_tools(tools, wp.float32, "cpu", samples)
     assert device.samples == tuple(samples.values())
-    assert device.tool.numpy()["blind_distance"].tolist() == [np.float32(4e-3)]
+    assert device.part.numpy()["reach"].tolist() == [np.float32(4e-3)]
     with pytest.raises(InputError, match="ball 0: .* up to a distance of 0.004 m, but the sheet is 0.0041 m thick"):
         sample_meshes(tools, "cpu", thickness=4.1e-3)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...sheet.blank import Blank
-from ...sheet.outline import Outline, checked_outline
+from ...sheet.outline import checked_outline
 from ...sheet.symmetry import WHOLE, Symmetry
 from ..comparison.kinematic import KinematicDrape
 from ..stored.file import StoredSheet
@@ -15,8 +15,8 @@ from .trimming import FlatPattern, flat_pattern
 
 # Yarns lie along planes of symmetry within this.
 ALONG = 1.0e-6
-# Points of a margin's line, across the margin.
-POINTS_ACROSS = 12
+# Segments of a full turn of a margin's line around a corner.
+TURN_SEGMENTS = 72
 
 
 def pattern_of_net(
@@ -82,15 +82,10 @@ def with_margin(outline: np.ndarray, margin: float) -> np.ndarray:
     outline = checked_outline(outline)
     if margin == 0.0:
         return outline
-    from contourpy import contour_generator
+    from manifold3d import CrossSection, FillRule, JoinType
 
-    step = margin / POINTS_ACROSS
-    lower, upper = outline.min(axis=0) - 1.5 * margin, outline.max(axis=0) + 1.5 * margin
-    x, y = (np.arange(lower[k], upper[k] + step, step) for k in (0, 1))
-    grid = np.stack(np.meshgrid(x, y), axis=-1)
-    inside = Outline(outline)
-    # a line at a time: distances to all sides are an array
-    distance = np.array([inside.nearest(line)[0] for line in grid])
-    lines = [np.asarray(line) for line in contour_generator(x, y, distance).lines(-margin)]
+    # the library rounds to 1e-8 units: in margins, which may be millimetres of metres
+    grown = CrossSection([outline / margin], FillRule.NonZero).offset(1.0, JoinType.Round, 2.0, TURN_SEGMENTS)
+    lines = [margin * np.asarray(line, dtype=np.float64) for line in grown.to_polygons()]
     largest = max(lines, key=lambda line: abs(plan_area(line)))
-    return largest[:-1] if plan_area(largest) > 0.0 else largest[:-1][::-1]
+    return largest if plan_area(largest) > 0.0 else largest[::-1]

@@ -17,18 +17,50 @@ def sheets_of(paper):
         document.close()
 
 
+def first_sheet(opened):
+    """The first sheet of paper of a page."""
+    return sheets_of(opened.page.pdf(prefer_css_page_size=True, page_ranges="1"))[0]
+
+
 def test_it_prints_with_the_part_on_it(browser, finished):
+    """Also where the picture has just got the size of the paper, and without the part there is none."""
     with browser.open(finished[0]) as opened:
         opened.page.evaluate("weavesim.ready")
         sheets = sheets_of(opened.page.pdf(prefer_css_page_size=True))
         assert 2 <= len(sheets) < 25
         # a part of the first paper, not only lines of charts
-        assert coloured(sheets[0]) > 0.06 * sheets[0].shape[0] * sheets[0].shape[1]
-        opened.page.evaluate("weavesim.page.sheets[0].group.visible = false; weavesim.page.view.drawNow()")
-        without = sheets_of(opened.page.pdf(prefer_css_page_size=True, page_ranges="1"))
-        assert coloured(without[0]) < 0.25 * coloured(sheets[0])
+        least = 0.06 * sheets[0].shape[0] * sheets[0].shape[1]
+        assert coloured(sheets[0]) > least
         opened.page.emulate_media(media="print")
         assert not opened.page.locator("#controls").is_visible() and opened.page.locator("#picture").is_visible()
+        assert coloured(first_sheet(opened)) > 0.4 * least
+        opened.page.evaluate("weavesim.page.sheets[0].group.visible = false; weavesim.page.view.drawNow()")
+        assert coloured(first_sheet(opened)) < 0.25 * coloured(sheets[0])
+
+
+def test_a_picture_of_another_size_is_drawn_at_once(page):
+    """It is empty else until the screen is refreshed, which paper does not wait for."""
+    share = page.page.evaluate(
+        """() => {
+            const { view } = weavesim.page;
+            view.canvas.parentElement.style.height = "300px";
+            view.resize();
+            const copy = document.createElement("canvas");
+            [copy.width, copy.height] = [view.canvas.width, view.canvas.height];
+            const pen = copy.getContext("2d");
+            pen.drawImage(view.canvas, 0, 0);
+            const { data } = pen.getImageData(0, 0, copy.width, copy.height);
+            let count = 0;
+            for (let i = 0; i < data.length; i += 4) {
+                const [red, green, blue, alpha] = data.slice(i, i + 4);
+                if (alpha > 0 && Math.max(red, green, blue) - Math.min(red, green, blue) > 40) count += 1;
+            }
+            view.canvas.parentElement.style.height = "";
+            view.resize();
+            return (4 * count) / data.length;
+        }"""
+    )
+    assert share > 0.05
 
 
 @pytest.mark.parametrize(("width", "share"), [(1280, 0.1), (390, 0.0)])

@@ -86,6 +86,9 @@ def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> I
     else:
         yield f"{start}Results are in {out}."
     for one in every:
+        for stage in one.get("stages") or ():
+            yield f"Stage {stage['name']}: {_stage_end(stage)}."
+    for one in every:
         if "springback_mm" in one:
             yield (
                 f"Springback: {one['springback_mm']:.3g} mm, largest shear angle "
@@ -97,6 +100,13 @@ def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> I
         yield f"Go on with it: weavesim resume {out}"
     for report in _reports(result, out):
         yield f"Open {report} in a browser."
+
+
+def _stage_end(stage: Mapping[str, Any]) -> str:
+    """What ended a stage, when, and where the leading tool then was."""
+    by = {"force": "ended by its force", "stroke": "ended by its stroke", "rest": "came to rest"}
+    how = by.get(stage["ended_by"], "took its time" if stage["reached"] else "took its time; its end was not reached")
+    return f"{how}, at {1e3 * stage['end_s']:.4g} ms and a stroke of {stage['stroke_mm']:.4g} mm"
 
 
 def _can_go_on(result: Mapping[str, Any], out: Path) -> bool:

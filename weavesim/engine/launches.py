@@ -266,7 +266,7 @@ class Launches:
             )
         inputs, moved = [tools.drives], [state.tool_displacement, state.tool_velocity]
         if tools.carriers is not None:
-            inputs, moved = [*inputs, tools.carriers], [carried_motion(*moved, state.tool_pose, state.tool_moment)]
+            inputs, moved = [*inputs, tools.carriers], [carried_motion(state)]
         wp.launch(
             self._tool_motion,
             dim=tools.drives.thread_count,

@@ -29,6 +29,7 @@ ELSEWHERE = {
     "write": "write it in [output]",
     "without": "write it in [output]",
     "frame_count": "write it in [output]",
+    "checkpoint_interval": "write it in [output]",
 }
 
 

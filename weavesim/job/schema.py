@@ -321,6 +321,9 @@ class OutputTable(JobTable):
     frame_count: Annotated[int, Field(ge=1)] = Field(default=60, description="frames after the first")
     write: tuple[str, ...] | None = Field(default=None, description="results to write; all if left out")
     without: tuple[str, ...] | None = Field(default=None, description="results to leave out")
+    checkpoint_interval: Annotated[NotNegative, Quantity("wall time")] = Field(
+        default=600.0, description="wall time between two checkpoints, from which weavesim resume goes on; 0: none"
+    )
     solver_fields: bool = Field(
         default=False, description="frames for ParaView have the fields of the solver too, `unit_cell_*`"
     )

@@ -16,7 +16,7 @@ from ..names import file_name
 from ..run.checkpoint.container import sync_folder
 from ..run.frame import Frame, Outcome, RunInfo, SheetInfo
 from .claim.lock import FolderLock
-from .claim.record import SETUP_NAME, RunRecord, frame_hash
+from .claim.record import SETUP_NAME, RunRecord, frame_hash, hashed_fields
 from .claim.remains import check_free, check_names, remove_results
 from .curves import Curves, LastCurve
 from .files import check_writable, noting, plain, write_text
@@ -235,6 +235,7 @@ class ResultFolder:
                 outcome=self._outcome.value,
                 missing=results.whole_summary["missing"],
                 final_state=frame_hash(frame),
+                final_fields=hashed_fields(frame),
             )
             self._try("run.json", ending)
             self.release()

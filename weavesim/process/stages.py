@@ -60,7 +60,7 @@ class AtStroke(StageEnd):
 
 
 class AtForce(StageEnd):
-    """Ends a stage when the sheets push a tool with a force.
+    """Ends a stage when the sheets push a tool with a force, on average over a hundredth of the ``duration``.
 
     Attributes:
         tool: its name.

@@ -264,7 +264,7 @@ class DomeOpening(Shape):
     """
 
     distance_function = "dome_opening"
-    dimension_names = ("radius", "half_length", "edge_radius")
+    dimension_names: ClassVar[tuple[str, ...]] = ("radius", "half_length", "edge_radius")
     positional = ("radius", "half_length", "edge_radius", "display_size", "display_depth")
 
     radius: Annotated[Positive, Quantity("length")]

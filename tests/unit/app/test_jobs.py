@@ -10,9 +10,14 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from tests.support.jobs import write_tray
-from weavesim import InputError
+from tests.support.jobs import TRAY, tray_surface, write_stl, write_tray
+from weavesim import InputError, Simulation
 from weavesim.app.command_line import application
+from weavesim.app.ending import ExitCode
+from weavesim.app.jobs.rerun import repeatable
+from weavesim.job.build import setup_of
+from weavesim.job.read import read_job
+from weavesim.output.claim.record import frame_hash
 from weavesim.scenes.scene import known_scenes
 
 DOME = {"mesh_size": 0.02, "stroke": 0.004, "punch_speed": 2.0}
@@ -225,3 +230,69 @@ def _bent_by_calculix(folder):
     down = np.array([float(row[3]) for row in rows if len(row) == 4])
     assert np.isfinite(down).all() and np.abs(down).max() < 0.01
     return float(-down.min())
+
+
+def test_fields_of_a_later_version_and_another_commit_do_not_make_a_run_another(job_folder, tmp_path):
+    shutil.copytree(job_folder, tmp_path / "out")
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    fewer = [name for name in record["final_fields"] if name != "shear_angle"]
+    setup, _ = repeatable(tmp_path / "out", record)
+    simulation = Simulation(setup)
+    simulation.run()
+    older = {"final_state": frame_hash(simulation.frame, fewer), "final_fields": fewer, "commit": "0" * 40}
+    (tmp_path / "out" / "run.json").write_text(json.dumps({**record, **older}))
+    result = call("rerun", tmp_path / "out")
+    assert result.exit_code == 0 and "The same to the bit" in result.output
+    assert "Note: it was made by commit 000000000000" in result.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--scene", "double-dome", "--thickness", "3", "--fabric", "carbon"],
+         "--thickness, --fabric: no effect with --scene"),
+        (["--die", "die.stl", "--ring", "ring.stl", "--no-ring"], "--ring and --no-ring: give one of them"),
+    ],
+)  # fmt: skip
+def test_options_of_new_without_effect_are_refused(tmp_path, monkeypatch, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    write_stl(tmp_path / "die.stl", *tray_surface())
+    assert message in problem("new", "mine", *arguments)
+    assert not (tmp_path / "mine").exists()
+
+
+def test_a_new_job_has_its_fabric_with_it_and_any_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    die = write_stl(tmp_path / 'my "die" \\ 2.stl', *tray_surface())
+    (tmp_path / "curve.csv").write_text("angle [rad],moment [N/m]\n0,0\n0.5,20\n1,60\n")
+    (tmp_path / "mine.toml").write_text(
+        'based_on = "glass-polypropylene"\n[shear]\nkind = "MomentCurve"\n'
+        'angle = {csv = "curve.csv", column = "angle"}\nmoment_values = {csv = "curve.csv", column = "moment"}\n'
+    )
+    assert call("new", "mine", "--die", die, "--fabric", tmp_path / "mine.toml").exit_code == 0
+    file = read_job(tmp_path / "mine" / "job.toml")
+    assert file.job.tool[0].file == die.name and file.job.ply[0].fabric == "mine.toml"
+    assert setup_of(file).sheet.fabric.shear.angle == (0.0, 0.5, 1.0)
+
+
+def test_options_of_export_without_formats_are_refused(job_folder, tmp_path):
+    text = problem("export", job_folder, "--flat", tmp_path / "f.dxf", "--unit", "furlong", "--yarns", 7, "--whole")
+    assert "--unit, --whole, --yarns: no effect without formats" in text
+    assert not (tmp_path / "f.dxf").exists()
+
+
+def test_what_only_the_run_would_refuse_is_told_by_the_check(tmp_path):
+    path = write_tray(tmp_path, TRAY)
+    assert "movie" in problem("check", path, "--set", 'output.write=["movie"]')
+    assert "--picture" in problem("check", path, "--picture", "picture.xyz")
+
+
+def test_a_strict_run_beyond_a_limit_ends_with_its_own_code(tmp_path):
+    path = write_tray(tmp_path, TRAY)
+    (tmp_path / "limits.toml").write_text("locking_angle = 5\n")
+    settings = ("--set", "ply.mesh_size=20 mm", "--set", "tools.punch.speed=5 m/s", "--set", "output.frame_count=1",
+                "--set", 'output.write=["summary", "results"]')  # fmt: skip
+    result = call("form", path, "--strict", "--limits", tmp_path / "limits.toml", *settings)
+    assert result.exit_code in (ExitCode.BEYOND_LIMITS, ExitCode.DO_NOT_USE), result.output
+    assert "Verdict: beyond limits" in result.output
+    assert (tmp_path / "out" / "verdict.json").is_file()

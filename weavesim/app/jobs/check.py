@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...errors import InputError
 from ..session import announced, interruptible
 from ..terminal import say
 from .arguments import FilesFrom, JobPath, Settings
@@ -17,13 +18,14 @@ if TYPE_CHECKING:
     from ...job.read import JobFile
 
 WIDTH = 120
+SUFFIXES = (".png", ".svg", ".pdf")
 
 
 def check_command(
     job: JobPath,
     set_: Settings = None,
     picture: Annotated[
-        Path | None, typer.Option(help="file for the picture, .png or .svg [default: beside the job file]")
+        Path | None, typer.Option(help="file for the picture, .png, .svg or .pdf [default: beside the job file]")
     ] = None,
     files_from: FilesFrom = None,
 ) -> None:
@@ -32,8 +34,12 @@ def check_command(
     from ...job.read import read_job
     from ...output.pictures.before import before_run
     from ...output.pictures.style import write_picture
+    from ...output.writer import chosen_writers
 
     file = read_job(job, set_ or (), files_from or ())
+    if picture is not None and picture.suffix.lower() not in SUFFIXES:
+        raise InputError(f"--picture {picture}: a file that ends in {' or '.join(SUFFIXES)} is needed")
+    chosen_writers(file.job.output.write, file.job.output.without or ())
     with interruptible(), announced():
         for case, setup in setups_of(file).items():
             name = "_".join(filter(None, (job.stem, "check", case)))

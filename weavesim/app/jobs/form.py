@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...errors import InputError
-from ..ending import closing_lines, exit_code
+from ..ending import ExitCode, closing_lines, exit_code
 from ..session import announce_compilation, announced, interruptible
 from ..terminal import say
 from .arguments import FilesFrom, JobPath, Overwrite, Settings
@@ -56,8 +56,10 @@ def form_command(
         for line in closing_lines(result, folder, number):
             say(line)
         code = exit_code(result, number)
-        if wanted is not None and code == 0:
-            code = strict_code(result, folder, wanted)
+        if wanted is not None and code in (ExitCode.FINISHED, ExitCode.DO_NOT_USE):
+            # what should not be used is judged and told too, but that it should not be used comes first
+            judged = strict_code(result, folder, wanted)
+            code = code or judged
     if code:
         raise typer.Exit(code)
 
@@ -98,7 +100,7 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
         options["limits"] = str(limits.absolute())
     how: dict[str, Any] = {"overwrite": overwrite, "options": options, "solver_fields": output.solver_fields}
     folder = ResultFolder(out, writers=writers, **how)
-    return run_into_folder(setup, folder, options=options)
+    return run_into_folder(setup, folder, options=options, checkpoint_interval=output.checkpoint_interval)
 
 
 def options_of(file: JobFile) -> dict[str, Any]:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ...errors import InputError, did_you_mean
 from ..terminal import say
 
+DEFAULT_FABRIC = "glass-polypropylene"
 SCHEMA_NAME, JOB_NAME = "job.schema.json", "job.toml"
 
 
@@ -26,9 +28,9 @@ def new_command(
         str | None,
         typer.Option(help="gap between the closed tools, in mm or with a unit [default: of the fabric]"),
     ] = None,
-    fabric: Annotated[str, typer.Option(help="a preset, or the name of a file in your own folder")] = (
-        "glass-polypropylene"
-    ),
+    fabric: Annotated[
+        str | None, typer.Option(help=f"a preset, or a file, which is copied [default: {DEFAULT_FABRIC}]")
+    ] = None,
     unit: Annotated[str | None, typer.Option(help="of the files: mm, inch, m [default: from the size]")] = None,
     up: Annotated[
         str | None, typer.Option(help="direction in the files from die to punch: +z, -y, ... [default: found]")
@@ -45,14 +47,21 @@ def new_command(
     if (scene is None) == (die is None):
         raise InputError("give --die FILE for a tool of your own, or --scene NAME for a scene")
     if scene is not None:
+        given = {"--punch": punch, "--ring": ring, "--no-ring": no_ring or None, "--thickness": thickness,
+                 "--fabric": fabric, "--unit": unit, "--up": up, "--mesh-size": mesh_size}  # fmt: skip
+        if extra := [option for option, value in given.items() if value is not None]:
+            raise InputError(f"{', '.join(extra)}: no effect with --scene; set the options of the scene in the job")
         text = scene_text(scene)
         _write(folder, text, ())
     else:
         assert die is not None
-        text = _tool_text(
-            name, die, punch, None if no_ring else ring, not no_ring, thickness, fabric, unit, up, mesh_size
+        if no_ring and ring is not None:
+            raise InputError("--ring and --no-ring: give one of them")
+        text, own = _tool_text(
+            name, die, punch, ring, not no_ring, thickness, fabric or DEFAULT_FABRIC, unit, up, mesh_size
         )
-        _write(folder, text, tuple(path for path in (die, punch, None if no_ring else ring) if path is not None))
+        tables = () if own is None else tables_of(own)
+        _write(folder, text, tuple(path for path in (die, punch, ring, own, *tables) if path is not None))
     for line in text.split("\n"):
         if line.startswith("# "):
             say(line[2:])
@@ -70,18 +79,25 @@ def _tool_text(
     unit: str | None,
     up: str | None,
     mesh_size: str | None,
-) -> str:
+) -> tuple[str, Path | None]:
+    """The text of the job, and the file of its fabric if that is no preset."""
     from ...fabric.file import resolve_fabric
+    from ...fabric.presets.folder import SUFFIXES
     from ...job.draft.survey import survey
     from ...job.draft.template import Choices, new_job
     from ...job.surfaces import TURNS
 
     if up is not None and up not in TURNS:
         raise InputError(f"--up {up}: one of {', '.join(TURNS)} is needed")
+    found = resolve_fabric(fabric)
+    own = Path(fabric) if Path(fabric).suffix.lower() in SUFFIXES else None
+    surface = survey(die, unit=unit, up=up)
+    if ring is not None and not surface.is_female:
+        raise InputError(f"--ring {ring}: the die has no opening with a rim for a holder to press on; leave it out")
     choices = Choices(
         name=name,
         die=die.name,
-        fabric=fabric,
+        fabric=fabric if own is None else own.name,
         gap=_millimetres("--thickness", thickness, "gap"),
         punch=None if punch is None else punch.name,
         ring=None if ring is None else ring.name,
@@ -89,7 +105,30 @@ def _tool_text(
         with_ring=with_ring,
         schema=SCHEMA_NAME,
     )
-    return new_job(survey(die, unit=unit, up=up), choices, resolve_fabric(fabric))
+    return new_job(surface, choices, found), own
+
+
+def tables_of(fabric: Path) -> Iterator[Path]:
+    """Tables of measured curves that a fabric file names.
+
+    Raises:
+        InputError: one lies in a folder below that of the file, where a copy would not be found.
+    """
+    from ...documents import read_document
+
+    def within(value: Any) -> Iterator[str]:
+        if isinstance(value, Mapping):
+            if isinstance(value.get("csv"), str):
+                yield value["csv"]
+            value = list(value.values())
+        if isinstance(value, list):
+            for item in value:
+                yield from within(item)
+
+    for name in dict.fromkeys(within(read_document(fabric, "fabric").values)):
+        if Path(name).name != name:
+            raise InputError(f"--fabric {fabric}: its table {name} lies in another folder; put it beside the file")
+        yield fabric.parent / name
 
 
 def _millimetres(option: str, text: str | None, quantity: str) -> float | None:

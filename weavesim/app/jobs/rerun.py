@@ -35,7 +35,7 @@ def rerun_command(
     for line in differences(record):
         say(line)
     with interruptible() as interrupted, side_by_side(partial(announce_compilation, setup.name)), announced():
-        found = _run(setup, into, overwrite, dict(record.get("options") or {}))
+        found = _run(setup, into, overwrite, record)
     if interrupted.signal is not None:
         raise typer.Exit(128 + interrupted.signal)
     if found == expected:
@@ -70,33 +70,38 @@ def differences(record: dict[str, Any]) -> list[str]:
     """What is different here from where a run was made, and may change its bits."""
     from ...device import cpu_features
     from ...output.claim.record import versions
+    from ...output.claim.source import source_commit
 
     found = [
         f"Note: {name} was {then}, here it is {now}"
         for name, then in (record.get("versions") or {}).items()
         if (now := versions().get(name)) != then
     ]
+    commit = record.get("commit")
+    if commit and commit != (here := source_commit()):
+        found.append(f"Note: it was made by commit {commit[:12]}, here is {here[:12] if here else 'another copy'}")
     if record.get("processor_features") != cpu_features():
         found.append("Note: the processor is of another kind, on which compiled kernels may round differently")
     return found
 
 
-def _run(setup: Setup, into: Path | None, overwrite: bool, options: dict[str, Any]) -> str:
-    """Hash of the final state of a repeated run."""
+def _run(setup: Setup, into: Path | None, overwrite: bool, record: dict[str, Any]) -> str:
+    """Hash of the final state of a repeated run, with the fields that ``record`` has."""
     from ...output import ResultFolder
     from ...output.claim.record import frame_hash
     from ...run.simulation import Simulation
     from ..progress import ProgressBar
     from ..run_into_folder import run_into_folder
 
+    options, fields = dict(record.get("options") or {}), record.get("final_fields")
     if into is not None:
         folder = ResultFolder(into, overwrite=overwrite, options=options)
         run_into_folder(setup, folder, options=options)
-        return str(read_record(into).get("final_state"))
+        return "" if folder.history.last_frame is None else frame_hash(folder.history.last_frame, fields)
     simulation, bar = Simulation(setup), ProgressBar(stays=True)
     bar.listen()
     try:
         simulation.run([bar])
     finally:
         bar.close()
-    return frame_hash(simulation.frame)
+    return frame_hash(simulation.frame, fields)

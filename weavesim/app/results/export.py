@@ -26,11 +26,16 @@ def export_command(
             "--map", help="shell mesh that gets the plies, such as part.inp; its unit is --unit [default: own mesh]"
         ),
     ] = None,
-    unit: Annotated[str, typer.Option(help='of the files: "m" (m, N, Pa) or "mm" (mm, N, t, MPa)')] = "m",
+    unit: Annotated[
+        str | None, typer.Option(help='of the files: "m" (m, N, Pa) or "mm" (mm, N, t, MPa) [default: m]')
+    ] = None,
     whole: Annotated[bool, typer.Option("--whole", help="add the mirrored copies of a sheet cut at symmetry")] = False,
     yarns: Annotated[
-        int, typer.Option(help="layers per ply: 2, warp and weft apart at half the thickness; 1, along the warp")
-    ] = 2,
+        int | None,
+        typer.Option(
+            help="layers per ply: 2, warp and weft apart at half the thickness; 1, along the warp [default: 2]"
+        ),
+    ] = None,
     lamina: Annotated[
         Path | None, typer.Option(help="TOML file of the elastic constants of a layer [default: assumed, and said so]")
     ] = None,
@@ -38,8 +43,9 @@ def export_command(
         float | None, typer.Option(help="largest distance from the mesh to the formed sheet [m; default: 2 elements]")
     ] = None,
     reference: Annotated[
-        tuple[float, float, float], typer.Option(help="direction from which OpenRadioss counts angles")
-    ] = (1.0, 0.0, 0.0),
+        tuple[float, float, float] | None,
+        typer.Option(help="direction from which OpenRadioss counts angles [default: x]"),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="folder for the files [default: OUT/export]")] = None,
     flat: Annotated[
         Path | None, typer.Option(help="DXF drawing of the flat blanks, with trim line and yarns, to write")
@@ -60,9 +66,16 @@ def export_command(
     """Write the end of a run for other programs: fibre directions, thickness, flat pattern (docs/outputs.md)."""
     if not to and flat is None and trim is None and part_edge is None and opening is None:
         raise InputError("export: nothing to write; give formats (--to csv), or a drawing (--flat FILE, --trim FILE)")
+    if not to:
+        given = {"--map": map_onto is not None, "--unit": unit is not None, "--whole": whole,
+                 "--yarns": yarns is not None, "--lamina": lamina is not None, "--within": within is not None,
+                 "--reference": reference is not None, "--out": out is not None}  # fmt: skip
+        if extra := [option for option, is_given in given.items() if is_given]:
+            raise InputError(f"{', '.join(extra)}: no effect without formats (--to csv); leave it out")
     drawings = _drawings(run, flat, trim, part_edge, edge_unit, edge_layer, opening)
     if to:
-        _formats(run, to, map_onto, unit, whole, yarns, lamina, within, reference, out)
+        axis = (1.0, 0.0, 0.0) if reference is None else reference
+        _formats(run, to, map_onto, unit or "m", whole, 2 if yarns is None else yarns, lamina, within, axis, out)
     drawings()
 
 

@@ -38,6 +38,10 @@ def plies_of(file: JobFile) -> tuple[tuple[int, PlyTable], ...]:
             values = {name: getattr(ply, name) for name in ply.model_fields_set if name != "layup"}
             found.append((index, PlyTable(**{**values, "name": f"{ply.name}_{number}", "angle": angle})))
     names = [ply.name for _, ply in found]
+    used = {ply.fabric for ply in file.job.ply}
+    for name in file.job.fabric:
+        if name not in used:
+            file.refuse(["fabric", name], f"no ply is of it; write fabric = {name!r} in its [[ply]], or leave it out")
     for place, (index, ply) in enumerate(found):
         if ply.name in names[:place]:
             file.refuse(["ply", index, "name"], f"name = {ply.name!r}: another ply has it; give each its own")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass
 from textwrap import wrap
@@ -107,7 +108,7 @@ def _head(found: Survey, choices: Choices) -> str:
             f"The die's surface is {x} x {y} x {z} mm. Unit: {found.unit}, {found.unit_reason}. Up: {found.up}, "
             f"{found.up_reason}. " + _shape(found)
         ),
-        f'name = "{choices.name}"\n',
+        f"name = {_text(choices.name)}\n",
     ]
     return "\n".join(lines)
 
@@ -133,8 +134,8 @@ def _ply(found: Survey, choices: Choices, sides: np.ndarray, size: float, fabric
             f"The blank: over the surface, whose sections are {along} mm long"
             + (", and onto the rim. Without a height it lies on the die." if found.is_female else ".")
         )
-        + f'[[ply]]\nname = "ply"\nfabric = "{choices.fabric}"  # {1e3 * fabric.thickness:.3g} mm; see weavesim fabric '
-        f'list\nrectangle = ["{_mm(sides[0])} mm", "{_mm(sides[1])} mm"]\n{centre}'
+        + f'[[ply]]\nname = "ply"\nfabric = {_text(choices.fabric)}  # {1e3 * fabric.thickness:.3g} mm; see weavesim '
+        f'fabric list\nrectangle = ["{_mm(sides[0])} mm", "{_mm(sides[1])} mm"]\n{centre}'
         f'angle = "0 deg"  # from x to the warp\nmesh_size = "{_mm(size)} mm"  # about '
         f"{np.prod(sides) / size**2:,.0f} elements{fine}\n"
     )
@@ -142,7 +143,7 @@ def _ply(found: Survey, choices: Choices, sides: np.ndarray, size: float, fabric
 
 def _die(found: Survey, choices: Choices) -> str:
     return (
-        f'[[tool]]\nname = "die"\nfile = "{choices.die}"\nunit = "{found.unit}"\nup = "{found.up}"\n'
+        f'[[tool]]\nname = "die"\nfile = {_text(choices.die)}\nunit = "{found.unit}"\nup = "{found.up}"\n'
         'faces = "up"  # towards the sheet\n'
     )
 
@@ -153,7 +154,7 @@ def _punch(found: Survey, choices: Choices, gap: float, speed: float) -> str:
         surface = f'offset_of = "die"\ngap = "{_mm(gap)} mm"\n'
     else:
         head = _comment("The punch, drawn closed: it starts above the sheet and goes to where it is drawn.")
-        surface = f'file = "{choices.punch}"\nunit = "{found.unit}"\nup = "{found.up}"\nfaces = "down"\n'
+        surface = f'file = {_text(choices.punch)}\nunit = "{found.unit}"\nup = "{found.up}"\nfaces = "down"\n'
     force = rounded_down(max(PRESS_PRESSURE * float(np.prod(found.opening[1] - found.opening[0])), 1.0))
     return (
         f'{head}[[tool]]\nname = "punch"\n{surface}start = "touching"\nclearance = "1 mm"\nstroke = "close"\n'
@@ -171,7 +172,8 @@ def _ring(found: Survey, choices: Choices, area: float) -> str:
     else:
         head = _comment("The holder, moved until it touches the sheet; 20 kPa on the sheet.")
         surface = (
-            f'file = "{choices.ring}"\nunit = "{found.unit}"\nup = "{found.up}"\nfaces = "down"\nstart = "touching"\n'
+            f'file = {_text(choices.ring)}\nunit = "{found.unit}"\nup = "{found.up}"\nfaces = "down"\n'
+            'start = "touching"\n'
         )
     return f'{head}[[tool]]\nname = "ring"\n{surface}force = "{force:g} N"\nmass = "{mass:g} kg"\n'
 
@@ -213,6 +215,11 @@ end = {{ rest = 1e-3, speed = "10 mm/s" }}
 
 def _comment(text: str) -> str:
     return "".join(f"# {line}\n" for line in wrap(text, 100, break_on_hyphens=False))
+
+
+def _text(value: str) -> str:
+    """As TOML writes a text, whatever is in it."""
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _steps(lengths: np.ndarray, step: float) -> np.ndarray:

@@ -8,7 +8,7 @@ import os
 import platform
 import socket
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from fnmatch import fnmatch
@@ -110,8 +110,18 @@ class RunRecord:
         self.write()
 
 
-def frame_hash(frame: Frame) -> str:
-    """SHA-256 of the state that a frame shows: time, tools, and every position, director and field, to the bit."""
+def hashed_fields(frame: Frame) -> list[str]:
+    """Names of the fields in ``frame_hash``, since a later version may have more."""
+    return sorted({name for sheet in frame.sheets for name in sheet.fields})
+
+
+def frame_hash(frame: Frame, fields: Collection[str] | None = None) -> str:
+    """SHA-256 of the state that a frame shows: time, tools, and every position, director and field, to the bit.
+
+    Args:
+        frame: the state.
+        fields: names of those that count; None for all.
+    """
     digest = hashlib.sha256()
     for part in (frame.time, frame.step_count, *np.asarray(frame.tool_displacement).tolist()):
         digest.update(repr(part).encode())
@@ -119,7 +129,7 @@ def frame_hash(frame: Frame) -> str:
     for sheet in frame.sheets:
         digest.update(np.ascontiguousarray(sheet.position).tobytes())
         digest.update(np.ascontiguousarray(sheet.director).tobytes())
-        for name in sorted(sheet.fields):
+        for name in sorted(sheet.fields if fields is None else set(sheet.fields) & set(fields)):
             digest.update(name.encode() + np.ascontiguousarray(sheet.fields[name]).tobytes())
     return digest.hexdigest()
 

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 CHECK_COUNT = 1000
 # Looks in a row at which a stage is at rest.
 REST_COUNT = 3
+# Share of the duration over which the force on a tool is averaged: contact rings, and landing is not pressing.
+FORCE_SHARE = 0.01
 
 
 class Course:
@@ -55,6 +57,7 @@ class Course:
     def _start_anew(self) -> None:
         self._next_check, self._rests, self._largest_internal = 1, 0, 0.0
         self._reached = ""
+        self._forces: list[tuple[float, float]] = []
 
     # ------------------------------------------------------------------------------------------------- the present one
 
@@ -133,7 +136,10 @@ class Course:
             self._reached = "stroke" if stage.end.reached(moved) else ""
         else:
             along = float(state.tool_force.numpy()[k] @ np.array(self._setup.tools[k].axis))
-            self._reached = "force" if stage.end.reached(along) else ""
+            window = FORCE_SHARE * self.duration
+            self._forces = [(at, force) for at, force in self._forces if at > time - window] + [(time, along)]
+            mean = sum(force for _, force in self._forces) / len(self._forces)
+            self._reached = "force" if time - self.begin >= window and stage.end.reached(mean) else ""
         return bool(self._reached)
 
     def _tool(self, name: str) -> int:
@@ -217,6 +223,7 @@ class Course:
             "rests": self._rests,
             "largest_internal": self._largest_internal,
             "reached": self._reached,
+            "forces": [list(each) for each in self._forces],
         }
 
     def recall(self, memory: Mapping[str, Any]) -> None:
@@ -230,3 +237,4 @@ class Course:
         self.index, self._first_frame = memory["index"], memory["first_frame"]
         self._next_check, self._rests = memory["next_check"], memory["rests"]
         self._largest_internal, self._reached = memory["largest_internal"], memory["reached"]
+        self._forces = [(at, force) for at, force in memory["forces"]]

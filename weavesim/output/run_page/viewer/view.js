@@ -208,7 +208,8 @@ weavesim.View = class {
     [this.camera.top, this.camera.bottom] = [half, -half];
     [this.camera.right, this.camera.left] = [(half * width) / height, (-half * width) / height];
     this.camera.updateProjectionMatrix();
-    this.draw();
+    // at once: another size has emptied the picture, and paper waits for no refresh of the screen
+    this.drawNow();
   }
 
   // Draws before the next refresh of the screen, however often it is asked.

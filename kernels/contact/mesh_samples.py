@@ -103,16 +103,14 @@ def _read(lane_count: int, scalar: str) -> str:
             const float scale = stored && square > 0.0f && !outside ? 1.0f / sqrtf(square) : 0.0f;
             distance = stored ? distance : (tile[i] == {int(DEEP_TILE)} ? -sampled.reach : sampled.reach);
             distance = outside ? sampled.reach + sqrtf(beyond[i]) : distance;
-            int bits, last;
-            __builtin_memcpy(&bits, &distance, 4);
-            __builtin_memcpy(&last, &lowest, 4);
+            union {{ float number; int bits; }} found, mark;
+            found.number = distance, mark.number = lowest;
             const bool near = distance < sampled.searched && distance > -sampled.searched;
-            bits = (bits & ~1) | (stored && near ? last & 1 : 0);
-            __builtin_memcpy(&distance, &bits, 4);
+            found.bits = (found.bits & ~1) | (stored && near ? mark.bits & 1 : 0);
             result.data[0][i] = gx * scale;
             result.data[1][i] = gy * scale;
             result.data[2][i] = outside ? 1.0f : gz * scale;
-            result.data[3][i] = distance;
+            result.data[3][i] = found.number;
         }}
         return result;
     """
@@ -130,10 +128,9 @@ for _types in ALL_LANE_TYPES:
     @wp.func_native(f"""
         int result = 0;
         for (int i = 0; i < {_types.lane_count}; ++i) {{
-            const float single = static_cast<float>(distance[i]);
-            int bits;
-            __builtin_memcpy(&bits, &single, 4);
-            result |= (bits & 1) << i;
+            union {{ float number; int bits; }} found;
+            found.number = static_cast<float>(distance[i]);
+            result |= (found.bits & 1) << i;
         }}
         return result;
     """)

@@ -40,6 +40,7 @@ html_theme = "furo"
 html_title = f"weavesim {__version__}"
 html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["site.css"]
+html_js_files = ["search_from_folder.js"]
 html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sphinx = False

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +21,7 @@ class Exhibit(NamedTuple):
         commands: what makes it, in this order; they run in one folder, after those of the exhibits before.
         sources: pictures that the commands leave, relative to that folder; several are put one below the other.
         after: name of the exhibit whose commands have to run before; empty for none.
+        holds: whether what the text says is true of the folder; None where nothing of it may change.
     """
 
     name: str
@@ -27,6 +30,12 @@ class Exhibit(NamedTuple):
     commands: tuple[str, ...]
     sources: tuple[str, ...]
     after: str = ""
+    holds: Callable[[Path], bool] | None = None
+
+
+def _wrinkles_and_bridges(folder: Path) -> bool:
+    sheets = json.loads((folder / "verdict" / "verdict.json").read_text(encoding="utf-8"))["sheets"]
+    return all({"wrinkle", "bridging"} <= {region["kind"] for region in sheet["regions"]} for sheet in sheets)
 
 
 EXHIBITS = (
@@ -80,20 +89,21 @@ EXHIBITS = (
         after="check",
     ),
     Exhibit(
-        "verdict",
-        "A verdict by regions",
-        "What is beyond a limit in the tray, and where: wrinkles, bridging, locking, gaps to the tools "
-        "([outputs.md](outputs.md#verdict)).",
-        ("weavesim verdict tray/out --out verdict",),
-        ("verdict/verdict.png",),
-        after="tray",
-    ),
-    Exhibit(
         "stack",
         "Two plies at 0 and 45 degrees",
         "Formed together over a ball, with friction between them, and drawn apart ([stacks.md](stacks.md)).",
         ("weavesim stack --lay-up 0/45 --mesh-size 0.0075",),
         ("out/stack/pictures/stack.png",),
+    ),
+    Exhibit(
+        "verdict",
+        "A verdict by regions",
+        "Where these two plies are beyond a limit: without a blank holder they wrinkle, and bridge hollows of the "
+        "tools ([outputs.md](outputs.md#verdict)).",
+        ("weavesim verdict out/stack --out verdict",),
+        ("verdict/verdict.png",),
+        after="stack",
+        holds=_wrinkles_and_bridges,
     ),
     Exhibit(
         "hemisphere",

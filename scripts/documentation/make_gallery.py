@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from PIL import Image
 
@@ -26,6 +27,8 @@ from weavesim.app.ending import ExitCode  # noqa: E402
 
 WIDTH = 1400  # pixels
 COLOURS = 256
+# Of the pixels: thin lines have less than 1 %, a grey part has none.
+LEAST_COLOURED = 0.002
 COMMAND = "from weavesim.app.command_line import main; main()"
 # A doubtful result is a picture all the same: the page says what is seen, not that it is to be trusted.
 ACCEPTED = (ExitCode.FINISHED, ExitCode.DO_NOT_USE, ExitCode.BEYOND_LIMITS)
@@ -66,19 +69,28 @@ def joined(paths: list[Path]) -> Image.Image:
     return whole
 
 
+def coloured_share(picture: Image.Image) -> float:
+    """Share of the pixels that are neither white nor grey."""
+    saturation = np.asarray(picture.convert("HSV"))[..., 1]
+    return float(np.mean(saturation > 50))
+
+
 def write(exhibit: Exhibit, folder: Path) -> Path:
     """Write the picture of an exhibit from what its commands left in ``folder``.
 
     Raises:
-        SystemExit: a picture is missing.
+        SystemExit: a picture is missing or blank, or what its text says is not true of it.
     """
     found = [path for source in exhibit.sources for path in sorted(folder.glob(source))]
     if len(found) < len(exhibit.sources):
         raise SystemExit(f"{exhibit.name}: {', '.join(exhibit.sources)} is missing in {folder}")
+    if exhibit.holds is not None and not exhibit.holds(folder):
+        raise SystemExit(f"{exhibit.name}: its text is not true of what its commands left in {folder}")
+    whole = joined(found)
+    if coloured_share(whole) < LEAST_COLOURED:
+        raise SystemExit(f"{exhibit.name}: {', '.join(exhibit.sources)} shows next to nothing")
     path = FOLDER / f"{exhibit.name}.png"
-    joined(found).quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(
-        path, optimize=True
-    )
+    whole.quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(path, optimize=True)
     return path
 
 

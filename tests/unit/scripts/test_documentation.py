@@ -4,6 +4,7 @@ import re
 import shlex
 
 import pytest
+from PIL import Image
 
 from scripts.doc_tables import text_of, text_with_tables
 from scripts.documentation import built_pages, gallery, make_gallery, reference, staging
@@ -111,9 +112,27 @@ def test_the_gallery_shows_what_its_commands_make():
     names = [one.name for one in gallery.EXHIBITS]
     assert len(set(names)) == len(names)
     for one in gallery.EXHIBITS:
-        assert (gallery.FOLDER / f"{one.name}.png").stat().st_size > 5_000, one.name
+        picture = Image.open(gallery.FOLDER / f"{one.name}.png").convert("RGB")
+        assert make_gallery.coloured_share(picture) > make_gallery.LEAST_COLOURED, one.name
         assert one.after in ("", *names[: names.index(one.name)]), one.name
         assert one.commands or one.after, one.name
+
+
+def test_a_picture_that_does_not_show_what_its_text_says_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(gallery, "FOLDER", tmp_path)
+    monkeypatch.setattr(make_gallery, "FOLDER", tmp_path)
+    (verdict,) = [one for one in gallery.EXHIBITS if one.name == "verdict"]
+    folder = tmp_path / "verdict"
+    folder.mkdir()
+    Image.new("RGB", (200, 100), "#d6d9e0").save(folder / "verdict.png")
+    (folder / "verdict.json").write_text('{"sheets": [{"regions": []}]}')
+    with pytest.raises(SystemExit, match="its text is not true"):
+        make_gallery.write(verdict, tmp_path)
+    (folder / "verdict.json").write_text('{"sheets": [{"regions": [{"kind": "wrinkle"}, {"kind": "bridging"}]}]}')
+    with pytest.raises(SystemExit, match="shows next to nothing"):
+        make_gallery.write(verdict, tmp_path)
+    Image.new("RGB", (200, 100), "#d1495b").save(folder / "verdict.png")
+    assert make_gallery.write(verdict, tmp_path).is_file()
 
 
 @pytest.mark.parametrize("command", [command for one in gallery.EXHIBITS for command in one.commands])

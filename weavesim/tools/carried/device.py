@@ -20,7 +20,8 @@ def build_carriers(tools: Sequence[Tool], device: str) -> Any:
     """Curves and poses of all tools, as ``carried_motion_kernel`` reads them; None where no tool is carried."""
     if not any(tool.motion.is_carried for tool in tools):
         return None
-    curves, carriers = [], []
+    curves: list[tuple[np.ndarray, np.ndarray]] = []
+    carriers: list[Any] = []
     for tool in tools:
         path = _path(tool)
         placed, carrier = Pose.from_numbers(path.placed), Carrier()
@@ -38,10 +39,11 @@ def build_carriers(tools: Sequence[Tool], device: str) -> Any:
     return result
 
 
-def carried_motion(displacement: wp.array, velocity: wp.array, pose: wp.array, moment: wp.array) -> Any:
-    """The arrays of a state that ``carried_motion_kernel`` writes, as its ``CarriedMotion``."""
+def carried_motion(state: Any) -> Any:
+    """The arrays of a ``State`` that ``carried_motion_kernel`` writes, as its ``CarriedMotion``."""
     result = CarriedMotion()
-    result.displacement, result.velocity, result.pose, result.moment = displacement, velocity, pose, moment
+    result.displacement, result.velocity = state.tool_displacement, state.tool_velocity
+    result.pose, result.moment = state.tool_pose, state.tool_moment
     return result
 
 

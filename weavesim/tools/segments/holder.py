@@ -70,7 +70,7 @@ class Holder(NamedTuple):
         for k, (load, share) in enumerate(zip(loads, areas / areas.sum(), strict=True)):
             # turned upside down, its own angles run clockwise
             assert self.opening is not None
-            own = self.opening.model_dump(exclude={"origin", "rotation"})
+            own = {name: getattr(self.opening, name) for name in DomeOpening.positional}
             sector = DomeOpeningSector(**own, begin=-(k + 1) * step, end=-k * step)
             shape = sector.placed((0.0, 0.0, self.height + self.lift(load)), face_down)
             motion = self.motion(load, self.mass * float(share))

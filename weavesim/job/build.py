@@ -61,8 +61,21 @@ class Builder:
         self.outlines = tuple(outline_of(file, index, ply) for index, ply in self.plies)
         boxes = [outline.box for outline in self.outlines]
         self.box = Box(np.min([b.lower for b in boxes], axis=0), np.max([b.upper for b in boxes], axis=0))
+        self._check_symmetry()
         self.heights = self._heights()
         self.shifts = tuple(self._shift(k) for k in range(len(job.tool)))
+
+    def _check_symmetry(self) -> None:
+        """Check that no ply is on both sides of a plane of symmetry."""
+        for name in self.file.job.process.symmetry:
+            for (index, _), outline in zip(self.plies, self.outlines, strict=True):
+                low, high = (float(end["xy".index(name)]) for end in (outline.box.lower, outline.box.upper))
+                if min(-low, high) > 1.0e-3 * (high - low):
+                    self.file.refuse(
+                        ["ply", index],
+                        f"it goes from {name} = {1e3 * low:.4g} to {1e3 * high:.4g} mm, through the plane of symmetry "
+                        f"{name} = 0 of [process]; draw the part on one side of it",
+                    )
 
     def setup(self) -> Setup:
         """All of it."""

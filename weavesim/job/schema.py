@@ -273,7 +273,8 @@ class ProcessTable(JobTable):
     """What acts on all plies, and how long. `[process]`."""
 
     symmetry: tuple[Literal["x", "y"], ...] = Field(
-        default=(), description="planes x = 0 and y = 0 at which plies and forces are cut"
+        default=(),
+        description="planes x = 0 and y = 0 at which plies end: half or a quarter is drawn, forces are of the whole",
     )
     gravity: Annotated[NotNegative, Quantity("acceleration")] = Field(default=0.0, description="downwards")
     damping: Annotated[NotNegative, Quantity("damping rate")] = Field(

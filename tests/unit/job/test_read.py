@@ -15,6 +15,7 @@ from weavesim.job.tables import schema_of
 
 # What is replaced in the tray, by what, and the message.
 BROKEN = [
+    ("[output]", '[process]\nsymmetry = ["x"]\n[output]', "[[ply]] ply: it goes from x = -100 to 100 mm, through the plane of symmetry x = 0"),
     ("[output]", "[fabric.mine]\nthickness = 1e-3\n[output]", "line 29, [fabric.mine]: no ply is of it; write fabric = 'mine'"),
     ('fabric = "glass', 'fabrik = "glass', "line 5, [[ply]] ply: fabrik = 'glass-polypropylene': unknown name; did you mean 'fabric'?"),
     ('fabric = "glass-polypropylene"', "", "[[ply]] ply: fabric: is required"),

@@ -52,7 +52,8 @@ class Scale:
 
     def in_unit(self, factor: float) -> Scale:
         """The same in another unit."""
-        return Scale(*(factor * each for each in (self.low, self.high, self.smallest, self.largest)), self.beyond)
+        low, high, smallest, largest = (factor * x for x in (self.low, self.high, self.smallest, self.largest))
+        return Scale(low, high, smallest, largest, self.beyond)
 
     def note(self) -> str:
         """What the ends do not tell."""

@@ -40,6 +40,7 @@ TESTED_ELSEWHERE = {
     "kernels/contact/opening_sector.py": "unit/tools/segments/test_opening.py",
     "weavesim/tools/segments/holder.py": "unit/scenes/test_dome_holder.py",
     "weavesim/job/segments/tables.py": "unit/job/segments/test_cutting.py",
+    "weavesim/meshes/cad_process.py": "unit/meshes/test_cad.py",
     "kernels/contact/mesh_nearest.py": "unit/tools/surfaces/test_exact.py",
     "weavesim/tools/surfaces/distance.py": "unit/run/test_carried_tools.py",
     "kernels/loads/grippers.py": "verification/process/test_grippers.py",

@@ -257,13 +257,9 @@ class Launches:
         tools, state, device = self.model.tools, self.state, self.model.device
         for values, sums in itertools.pairwise(self._sums):
             wp.launch_tiled(
-                self._partial_sums_of(values),
-                dim=sums.shape,
-                block_dim=TILE_THREAD_COUNT,
-                inputs=[values],
-                outputs=[sums],
-                device=device,
-            )
+                self._partial_sums_of(values), dim=sums.shape, block_dim=TILE_THREAD_COUNT, inputs=[values],
+                outputs=[sums], device=device,
+            )  # fmt: skip
         inputs, moved = [tools.drives], [state.tool_displacement, state.tool_velocity]
         if tools.carriers is not None:
             inputs, moved = [*inputs, tools.carriers], [carried_motion(state)]

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InputError
 from ..input_files import MEBIBYTE, check_bounded, shown
 
+# It quotes damaged files in warnings, which would end on the terminal unless somebody asks for them.
+logging.getLogger("ezdxf").addHandler(logging.NullHandler())
+
 LARGEST_DRAWING = 64 * MEBIBYTE
 # Curves are drawn by lines this near to them [m].
 FLATNESS = 2.0e-5
+# No blank has more entities and points than these, nor an entity that is larger [m]: a curve of it would never end.
+MOST_ENTITIES, MOST_POINTS = 100_000, 5_000_000
+LARGEST_SIZE = 1.0e3
 # Ends of lines this near to each other are joined, over the size of the drawing.
 JOINED = 1.0e-5
 # Codes of the unit in a drawing's header, and metres per unit.
@@ -56,30 +64,59 @@ def read_lines(path: Path, *, layer: str | None = None, metres_per_unit: float |
     check_bounded(path, "drawing", LARGEST_DRAWING)
     try:
         drawing = ezdxf.readfile(path)
-    except (OSError, ValueError, KeyError, IndexError, UnicodeError, ezdxf.DXFError) as error:
-        raise InputError(f"{name}: no DXF drawing that can be read ({shown(type(error).__name__)})") from None
-    scale = _unit(name, int(drawing.header.get("$INSUNITS", 0)), metres_per_unit)
-    entities = list(recursive_decompose(drawing.modelspace()))
-    layers = sorted({str(entity.dxf.layer) for entity in entities})
+        entities = list(islice(recursive_decompose(drawing.modelspace()), MOST_ENTITIES + 1))
+        layers = sorted({str(entity.dxf.layer) for entity in entities})
+        code = int(drawing.header.get("$INSUNITS", 0))
+    except Exception as error:  # whatever a damaged file makes of it
+        reason = "it needs too much memory" if isinstance(error, MemoryError) else shown(type(error).__name__)
+        raise InputError(
+            f"{name}: no DXF drawing that can be read ({reason}); export it again, as DXF of the release 2010 or later"
+        ) from None
+    if len(entities) > MOST_ENTITIES:
+        raise InputError(f"{name}: it has more than {MOST_ENTITIES:,} entities; export the outlines of the blanks only")
+    scale = _unit(name, code, metres_per_unit)
     if layer is not None and layer not in layers:
         raise InputError(f"layer = {layer!r}: {name} has no such layer; it has {', '.join(map(shown, layers))}")
     lines: list[np.ndarray] = []
     left_out: dict[str, int] = {}
+    point_count = 0
     for entity in entities:
         if layer is not None and entity.dxf.layer != layer:
             continue
         try:
-            points = np.array([(p.x, p.y, p.z) for p in make_path(entity).flattening(FLATNESS / scale)])
-        except (TypeError, ValueError, ezdxf.DXFError):
+            points = _points(name, make_path(entity), scale)
+        except InputError:
+            raise
+        except Exception:  # no path, or damaged values
             left_out[entity.dxftype()] = left_out.get(entity.dxftype(), 0) + 1
             continue
-        if len(points) < 2:
-            continue
-        if not np.isfinite(points).all():
-            raise InputError(f"{name}: {entity.dxftype()} has coordinates that are not finite")
-        lines.append(scale * points)
+        point_count += len(points)
+        if point_count > MOST_POINTS:
+            raise InputError(f"{name}: its curves have more than {MOST_POINTS:,} points; export the outlines only")
+        if len(points) > 1:
+            lines.append(points)
     notes = (f"{Path(path).name}: {count} {kind} left out: no lines" for kind, count in sorted(left_out.items()))
     return Drawing(name, tuple(lines), tuple(notes))
+
+
+def _points(name: str, path: Any, scale: float) -> np.ndarray:
+    """Points of a path of ezdxf, (k, 3) [m].
+
+    Raises:
+        InputError: coordinates that are not finite, or farther apart than any blank's.
+    """
+    control = scale * np.array([(p.x, p.y, p.z) for p in path.control_vertices()], dtype=float).reshape(-1, 3)
+    if not np.isfinite(control).all():
+        raise InputError(f"{name}: a line has coordinates that are not finite; export it again")
+    if len(control) and np.abs(control).max() > LARGEST_SIZE:
+        raise InputError(
+            f"{name}: a line lies {np.abs(control).max():.3g} m from the origin, more than {LARGEST_SIZE:g} m; check "
+            "its unit, or move the drawing to the origin"
+        )
+    points = np.array([(p.x, p.y, p.z) for p in islice(path.flattening(FLATNESS / scale), MOST_POINTS + 1)])
+    if not np.isfinite(points).all():
+        raise InputError(f"{name}: a line has coordinates that are not finite; export it again")
+    return scale * points
 
 
 def _unit(name: str, code: int, given: float | None) -> float:

@@ -198,7 +198,7 @@ def _sample(
     doubted = doubted_cells(triangles, grid, sampled, values, doubt_above(grid.spacing, tolerance, needed))
     candidates = nearest_candidates(triangles, grid, doubted, 4.0 * searched)
     sampled.nearest, sampled.searched = candidates.record, searched
-    record = wp.array([sampled], dtype=SampledMesh, device=device)
+    record: wp.array = wp.array([sampled], dtype=SampledMesh, device=device)
     offset = min(3.0 * grid.spacing, 0.5 * grid.reach, thickness or math.inf)
     error = np.abs(_errors(triangles, record, offset))
     return SampledDistance(

@@ -1,10 +1,14 @@
 """STEP and IGES files, written by the kernel itself, become the triangles of their surfaces."""
 
+import subprocess
+from subprocess import CompletedProcess
+
 import numpy as np
 import pytest
 
 from weavesim import InputError
-from weavesim.meshes import read_mesh
+from weavesim.meshes import cad, read_mesh
+from weavesim.meshes.cad_process import NO_MEMORY
 
 pytest.importorskip("OCP", reason="needs cadquery-ocp-novtk")
 
@@ -92,8 +96,36 @@ def test_what_is_none_is_refused(tmp_path, name, content, message):
 def test_without_the_package_the_message_says_what_to_install(tmp_path, monkeypatch):
     import sys
 
-    monkeypatch.setitem(sys.modules, "OCP.BRepMesh", None)
+    monkeypatch.setitem(sys.modules, "OCP", None)
     path = tmp_path / "a.step"
     path.write_bytes(b"ISO-10303-21;\n")
     with pytest.raises(InputError, match=r"pip install 'weavesim\[cad\]', or export the surface as STL"):
+        read_mesh(path)
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs"])
+def test_a_damaged_file_is_refused_without_a_word(tmp_path, capfd, suffix):
+    path = write(tmp_path / f"box{suffix}", box(8.0))
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    capfd.readouterr()
+    with pytest.raises(InputError, match="cannot be read: it .*; export it again, or as STL"):
+        read_mesh(path)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("code", "message"), [(-11, "it is damaged, or cut off"), (1, "it is damaged"), (NO_MEMORY, "far more memory")]
+)
+def test_however_its_reader_ends_it_is_told(tmp_path, monkeypatch, code, message):
+    path = write(tmp_path / "box.step", box())
+    monkeypatch.setattr(subprocess, "run", lambda *_, **__: CompletedProcess([], code, b"", b""))
+    with pytest.raises(InputError, match=message):
+        read_mesh(path)
+
+
+def test_it_may_take_only_so_long(tmp_path, monkeypatch):
+    path = write(tmp_path / "box.step", box())
+    monkeypatch.setattr(cad, "_LONGEST", 0.01)
+    with pytest.raises(InputError, match="Open CASCADE takes longer than 0.01 s"):
         read_mesh(path)

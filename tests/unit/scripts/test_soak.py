@@ -10,8 +10,11 @@ from weavesim.errors import InputError
 def test_damaged_files_of_every_reader(tmp_path, capsys):
     assert damage.damage(tmp_path, 12, 3)
     said = capsys.readouterr().out.splitlines()
-    assert len(said) == len(list(damage.readers(tmp_path))) >= 21
-    assert all("refused" in line for line in said)
+    names = [reader.name for reader in damage.readers(tmp_path)]
+    assert [line.split(":")[0] for line in said if "not tried" not in line] == names
+    assert len(names) == len(set(names)) >= 31
+    # of those that a process of its own reads, only one is damaged here
+    assert all("refused" in line for line in said if not line.startswith(("a.step", "a.igs", "STEP")))
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ import os
 import sys
 from pathlib import Path
 
-import meshio
 import numpy as np
 
 
@@ -37,6 +36,8 @@ def bound(memory: int, seconds: int) -> None:
 
 def found_in(path: str, file_format: str) -> bytes:
     """Points, and the nodes of every block of cells with the name of its kind."""
+    import meshio
+
     mesh = meshio.read(path, file_format)
     arrays = {f"nodes_{k}": np.asarray(block.data) for k, block in enumerate(mesh.cells)}
     kinds = np.array([block.type for block in mesh.cells], dtype="U40")

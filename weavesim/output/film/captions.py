@@ -52,7 +52,7 @@ class Scale:
 
     def in_unit(self, factor: float) -> Scale:
         """The same in another unit."""
-        low, high, smallest, largest = (factor * x for x in (self.low, self.high, self.smallest, self.largest))
+        low, high, smallest, largest = (factor * each for each in (self.low, self.high, self.smallest, self.largest))
         return Scale(low, high, smallest, largest, self.beyond)
 
     def note(self) -> str:

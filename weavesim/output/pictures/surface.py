@@ -11,6 +11,7 @@ from ...measures.findings import FormedSheet
 from ...run.fields import FIELDS, Field
 from ...run.frame import Frame, RunInfo
 from ...run.staging.part import part_of
+from ...sheet.topology import area_percentile, flat_areas
 from .sheet import OBLIQUE, PLAN, formed_sheet, projection
 from .style import INK, colour_map, fitting_height, new_axes, new_figure
 
@@ -115,11 +116,13 @@ def _field(name: str, fields: dict[str, np.ndarray]) -> Field:
 
 
 def field_picture(sheet: FormedSheet, field: Field) -> Figure:
-    """The whole part, oblique and in plan; the largest value is ringed, and 98 % of the elements have all colours."""
+    """The whole part, oblique and in plan; the largest value is ringed, and 98 % of the area has all colours."""
     unit, factor = _SHOWN.get(field.file_unit, (field.file_unit, 1.0))
     values = factor * field.in_file(sheet.fields[field.name])
     known = values[np.isfinite(values)]
-    low, high = (float(np.percentile(known, share)) for share in (1.0, 99.0)) if len(known) else (0.0, 1.0)
+    low, high = (
+        (area_percentile(values, flat_areas(sheet.blank), share) for share in (1.0, 99.0)) if len(known) else (0.0, 1.0)
+    )
     if not high - low > 1.0e-9 * max(abs(low), abs(high)):
         low, high = low - 0.5e-3 * max(abs(low), 1.0e-9), high + 0.5e-3 * max(abs(high), 1.0e-9)
     border = sheet.position[sheet.border.node, 2]

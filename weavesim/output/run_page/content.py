@@ -216,7 +216,7 @@ def _numbers(info: RunInfo, summary: Mapping[str, Any]) -> list[tuple[str, list[
 def _on_supports(info: RunInfo, summary: Mapping[str, Any]) -> dict[str, list[float]]:
     """Force of each support and its mirror images on the whole part [N]: what points across a plane cancels."""
     forces = summary.get("support_force_n") or {}
-    found = {}
+    found: dict[str, list[float]] = {}
     for sheet in info.sheets:
         factors = np.sum([(*each, 1.0) for each in sheet.symmetry.mirror_factors], axis=0)
         names = [info.supports[place].name for place in sheet.supports]

@@ -1,6 +1,7 @@
 """``results.h5``: written from the last frame of a run, and read back (docs/outputs.md).
 
 Groups ``sheets/0``, ``sheets/1``, ... in the order of the set-up, and ``tools/0``, ...: names may have any characters.
+The file begins with the SHA-256 of the rest, in the block that HDF5 leaves to its users (``sealed.py``).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from ...errors import InputError
 from ...input_files import check_bounded, read_bounded, shown
 from ...measures.findings import FormedSheet
+from ...measures.stresses import STRESS_FIELDS
 from ...process.motions.paths import Place, Pose
 from ...run.fields import FIELDS
 from ...run.frame import Frame, RunInfo
@@ -24,18 +26,27 @@ from ...sheet.blank import Blank
 from ...sheet.symmetry import Symmetry
 from ...tools.tool import Tool
 from ...version import __version__
-from ..claim.record import SETUP_NAME
+from ..claim.record import RECORD_NAME, SETUP_NAME
 from ..files import replacing
-from .values import ElementValue, element_values
+from .sealed import AGAIN, USER_BLOCK, check_seal, seal
+from .values import DIRECTIONS, ElementValue, element_values
 
 if TYPE_CHECKING:
     from ...engine.setup import Setup
     from ...fabric.fabric import Fabric
 
 FILE_NAME = "results.h5"
-FORMAT, FORMAT_VERSION = "weavesim results", 1
+FORMAT, FORMAT_VERSION = "weavesim results", 2
+# Those of version 1 have no checksum of their own.
+READ_VERSIONS = (1, 2)
 LARGEST_FILE = 4 * 2**30
 LARGEST_SETUP = 2**30
+# Fields that are not a number where they have no meaning; nothing is infinite.
+_MAY_BE_MISSING = {"tool_gap"}
+# What a damaged file makes of HDF5 and of the values in it.
+_DAMAGE = (
+    OSError, KeyError, ValueError, TypeError, AttributeError, RuntimeError, IndexError, OverflowError, MemoryError,
+)  # fmt: skip
 _REFERENCE = ("node_position", "material_coordinates", "initial_director", "quads", "warp_direction", "weft_direction")
 
 
@@ -145,28 +156,34 @@ def write_results(path: Path, info: RunInfo, frame: Frame, outcome: str) -> None
     """Write the last frame of a run."""
     import h5py
 
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
-        file.attrs.update(
-            {"format": FORMAT, "format_version": FORMAT_VERSION, "weavesim_version": __version__,
-             "run_id": info.run_id, "name": info.name, "time": frame.time, "outcome": outcome}
+    with replacing(path) as temporary:
+        with h5py.File(temporary, "w", userblock_size=USER_BLOCK) as file:
+            _write(file, info, frame, outcome)
+        seal(temporary)
+
+
+def _write(file: Any, info: RunInfo, frame: Frame, outcome: str) -> None:
+    file.attrs.update(
+        {"format": FORMAT, "format_version": FORMAT_VERSION, "weavesim_version": __version__,
+         "run_id": info.run_id, "name": info.name, "time": frame.time, "outcome": outcome}
+    )  # fmt: skip
+    for index, each in enumerate(zip(info.sheets, frame.sheets, strict=True)):
+        sheet, state = part_of(*each)
+        group = file.create_group(f"sheets/{index}")
+        group.attrs.update(
+            {"name": sheet.name, "fabric": sheet.fabric.name, "thickness": sheet.fabric.thickness,
+             "symmetry": "".join(sheet.symmetry.planes), "tools": np.array(sheet.tools, dtype=np.int64)}
         )  # fmt: skip
-        for index, each in enumerate(zip(info.sheets, frame.sheets, strict=True)):
-            sheet, state = part_of(*each)
-            group = file.create_group(f"sheets/{index}")
-            group.attrs.update(
-                {"name": sheet.name, "fabric": sheet.fabric.name, "thickness": sheet.fabric.thickness,
-                 "symmetry": "".join(sheet.symmetry.planes), "tools": np.array(sheet.tools, dtype=np.int64)}
-            )  # fmt: skip
-            for name in _REFERENCE:
-                group[f"reference/{name}"] = getattr(sheet.blank, name)
-            group["nodes/position"], group["nodes/director"] = state.position, state.director
-            write_values(group.create_group("elements"), element_values(sheet, state))
-        for index, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
-            group = file.create_group(f"tools/{index}")
-            group.attrs.update({"name": name, "axis": tool.axis, "displacement": frame.tool_displacement[index],
-                                "reaction": frame.tool_reaction[index], "acts": frame.acts(index)})  # fmt: skip
-            if len(frame.tool_pose):
-                group.attrs.update({"pose": frame.tool_pose[index], "moment": frame.tool_moment[index]})
+        for name in _REFERENCE:
+            group[f"reference/{name}"] = getattr(sheet.blank, name)
+        group["nodes/position"], group["nodes/director"] = state.position, state.director
+        write_values(group.create_group("elements"), element_values(sheet, state))
+    for index, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
+        group = file.create_group(f"tools/{index}")
+        group.attrs.update({"name": name, "axis": tool.axis, "displacement": frame.tool_displacement[index],
+                            "reaction": frame.tool_reaction[index], "acts": frame.acts(index)})  # fmt: skip
+        if len(frame.tool_pose):
+            group.attrs.update({"pose": frame.tool_pose[index], "moment": frame.tool_moment[index]})
 
 
 def write_values(group: Any, values: dict[str, ElementValue]) -> None:
@@ -192,11 +209,12 @@ def read_results(folder: str | Path) -> StoredRun:
             "results, --write without it) or is older than this file; run it again"
         )
     check_bounded(path, "results", LARGEST_FILE)
+    check_seal(path, _recorded_hash(folder))
     import h5py
 
     try:
         with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != FORMAT or file.attrs.get("format_version") != FORMAT_VERSION:
+            if file.attrs.get("format") != FORMAT or file.attrs.get("format_version") not in READ_VERSIONS:
                 raise InputError(
                     f"results {shown(path)}: it is no file of this format, or of another version than "
                     f"{FORMAT_VERSION}; run it again with this version of weavesim"
@@ -209,36 +227,75 @@ def read_results(folder: str | Path) -> StoredRun:
             poses = [tools[str(k)].attrs["pose"] for k in range(len(tools)) if "pose" in tools[str(k)].attrs]
             pose = np.array(poses, dtype=float).reshape(-1, 12)
             text = {name: str(file.attrs[name]) for name in ("run_id", "name", "outcome")}
-            return StoredRun(folder, text["run_id"], text["name"], float(file.attrs["time"]), text["outcome"],
+            time = float(file.attrs["time"])
+            if not (np.isfinite(time) and np.isfinite(displacement).all() and np.isfinite(pose).all()):
+                raise ValueError("the time, or the place of a tool, is not finite")
+            return StoredRun(folder, text["run_id"], text["name"], time, text["outcome"],
                              sheets, displacement, acts, pose)  # fmt: skip
-    except (OSError, KeyError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"results {shown(path)}: damaged ({shown(error)}); run it again") from None
+    except InputError:
+        raise
+    except _DAMAGE as error:
+        raise InputError(f"results {shown(path)}: damaged ({shown(error)}); {AGAIN}") from None
+
+
+def _recorded_hash(folder: Path) -> str | None:
+    """The SHA-256 of the results in the record of the run, if it has one that can be read."""
+    try:
+        record = json.loads(read_bounded(folder / RECORD_NAME, "record of the run", LARGEST_SETUP))
+        found = record["files"][FILE_NAME]
+    except (InputError, ValueError, KeyError, TypeError):
+        return None
+    return found if isinstance(found, str) else None
+
+
+def _content(item: Any) -> np.ndarray:
+    """A dataset; one that promises more than a file has is damaged."""
+    if item.nbytes > LARGEST_FILE or (item.size and item.id.get_storage_size() < item.nbytes):
+        raise ValueError("it promises more values than it has")
+    return item[()]
 
 
 def _read_sheet(group: Any) -> StoredSheet:
     values = {
-        name: ElementValue(str(item.attrs["unit"]), str(item.attrs["description"]), item[()])
+        name: ElementValue(str(item.attrs["unit"]), str(item.attrs["description"]), _content(item))
         for name, item in group["elements"].items()
     }
-    blank = Blank(**{name: group[f"reference/{name}"][()] for name in _REFERENCE})
+    blank = Blank(**{name: _content(group[f"reference/{name}"]) for name in _REFERENCE})
     if any(len(value.values) != blank.element_count for value in values.values()):
         raise ValueError("the values of its elements are not as many as its elements")
-    position, director = group["nodes/position"][()], group["nodes/director"][()]
+    position, director = _content(group["nodes/position"]), _content(group["nodes/director"])
     if position.shape != (blank.node_count, 3) or not np.isfinite(position).all():
         raise ValueError("the positions of its nodes are not as many as its nodes, or not finite")
+    if director.shape != position.shape or not np.isfinite(director).all():
+        raise ValueError("the directors of its nodes are not as many as its nodes, or not finite")
+    for name, value in values.items():
+        _check_finite(name, value.values)
+    thickness = float(group.attrs["thickness"])
+    if not 0.0 < thickness < np.inf:
+        raise ValueError("its thickness is not a positive length")
     return StoredSheet(
         name=str(group.attrs["name"]),
         blank=blank,
         position=position,
         director=director,
         values=values,
-        thickness=float(group.attrs["thickness"]),
+        thickness=thickness,
         symmetry=Symmetry(tuple(str(group.attrs["symmetry"]))),
         tools=tuple(int(k) for k in group.attrs["tools"]),
         fabric=str(group.attrs["fabric"]),
     )
+
+
+def _check_finite(name: str, values: np.ndarray) -> None:
+    """Check that a field is finite; the own ones of a user, and some of ours, are not a number where they do not apply.
+
+    Raises:
+        ValueError: it is not.
+    """
+    own = {field.file_name for field in FIELDS} | set(DIRECTIONS) | set(STRESS_FIELDS)
+    wrong = np.isinf(values) if name in _MAY_BE_MISSING or name not in own else ~np.isfinite(values)
+    if wrong.any():
+        raise ValueError(f"{name} has values that are not finite")
 
 
 def recorded_summary(folder: Path) -> dict[str, Any]:

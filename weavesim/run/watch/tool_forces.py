@@ -162,8 +162,8 @@ class ToolForces:
             if places := len(sheet.samples.places):
                 between = contact_areas(sheet, samples=True).reshape(places, -1)[:, sheet.samples.slot]
                 area.append(between.ravel())
-            arguments = wp.array(argument_rows(sheet, count), dtype=sheet.real, device=sheet.device)
-            areas = wp.array(np.concatenate(area), dtype=sheet.real, device=sheet.device)
+            arguments: wp.array = wp.array(argument_rows(sheet, count), dtype=sheet.real, device=sheet.device)
+            areas: wp.array = wp.array(np.concatenate(area), dtype=sheet.real, device=sheet.device)
             touch.argument, touch.area = lanes_view(arguments, 1), lanes_view(areas, 1)
         return touch
 

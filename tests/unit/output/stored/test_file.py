@@ -1,5 +1,7 @@
 """``results.h5``: what a run wrote is what is read back, and what is not one is refused."""
 
+import json
+
 import h5py
 import numpy as np
 import pytest
@@ -9,7 +11,9 @@ from tests.support.sheet import plain_fabric
 from weavesim.errors import InputError
 from weavesim.measures.stresses import STRESS_FIELDS
 from weavesim.output import ResultFolder
+from weavesim.output.claim.record import file_hash
 from weavesim.output.stored.file import FILE_NAME, read_results, recorded_summary
+from weavesim.output.stored.sealed import seal
 from weavesim.run.frame import Outcome
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
@@ -100,5 +104,59 @@ def test_a_damaged_file_is_told(made, tmp_path, damage, message):
     path = tmp_path / FILE_NAME
     path.write_bytes((made[1] / FILE_NAME).read_bytes())
     damage(path)
+    if path.read_bytes().startswith(b"weavesim results"):
+        seal(path)  # as if it had been written so
     with pytest.raises(InputError, match=message):
+        read_results(tmp_path)
+
+
+def _values(name, value):
+    def change(path):
+        with h5py.File(path, "a") as file:
+            file[name][0] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        _values("sheets/0/elements/thickness", np.nan), _values("sheets/0/elements/shear_angle_deg", np.inf),
+        _values("sheets/0/nodes/director", np.nan), _values("sheets/0/elements/warp_angle_deg", -np.inf),
+    ],
+)  # fmt: skip
+def test_values_that_are_not_finite_are_refused(made, tmp_path, damage):
+    path = tmp_path / FILE_NAME
+    path.write_bytes((made[1] / FILE_NAME).read_bytes())
+    damage(path)
+    seal(path)
+    with pytest.raises(InputError, match="not finite"):
+        read_results(tmp_path)
+
+
+def test_every_flipped_bit_is_found(made, tmp_path):
+    whole = (made[1] / FILE_NAME).read_bytes()
+    path, random = tmp_path / FILE_NAME, np.random.default_rng(3)
+    for place in [*range(0, 600, 7), *random.integers(len(whole), size=100)]:
+        data = bytearray(whole)
+        data[place] ^= 1 << int(random.integers(8))
+        path.write_bytes(data)
+        with pytest.raises(InputError, match=r"damaged: it is not what was written.*weavesim rerun"):
+            read_results(tmp_path)
+
+
+def test_a_file_without_a_checksum_is_held_against_the_record(made, tmp_path):
+    """As version 1 wrote it: HDF5 from its first byte on."""
+    path = tmp_path / FILE_NAME
+    with h5py.File(made[1] / FILE_NAME) as source, h5py.File(path, "w") as file:
+        for name in source:
+            source.copy(name, file)
+        file.attrs.update({**source.attrs, "format_version": 1})
+    assert read_results(tmp_path).name == "small"
+    (tmp_path / "run.json").write_text(json.dumps({"files": {FILE_NAME: file_hash(path)}}))
+    assert read_results(tmp_path).name == "small"
+    data = bytearray(path.read_bytes())
+    data[-100] ^= 4
+    path.write_bytes(data)
+    with pytest.raises(InputError, match="damaged: it is not what was written"):
         read_results(tmp_path)

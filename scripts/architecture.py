@@ -56,7 +56,14 @@ ROOMS = {
     "scripts": ("what a person runs", "#5b3fb5"),
 }
 # The rooms of kernels, row by row from the top; "" stands for the modules outside its folders.
-KERNEL_ROWS = (("worlds",), ("loads", "plies"), ("stepping", "shell"), ("contact", "laws", "cell"), ("formula",), ("",))
+KERNEL_ROWS = (
+    ("worlds", "carried"),
+    ("loads", "plies"),
+    ("stepping", "shell"),
+    ("contact", "laws", "cell"),
+    ("formula",),
+    ("",),
+)
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,10 @@ from functools import cache
 
 import warp as wp
 
+from ..contact.carried_pose import store_vector, vector_entries
 from ..rows import ClockEntry, ToolPoseRow, ToolWorkRow
 from ..stepping.supports import piecewise_cubic
 from ..stepping.tools import ToolBooks, ToolDrives, add, move_tool, total_force, wait_for_block
-from .pose import store_vector, vector_entries
 
 # Curves of a tool: x, y and z of its path, and its angle.
 CURVE_COUNT = wp.constant(4)

@@ -4,12 +4,12 @@ from functools import cache
 
 import warp as wp
 
-from ..carried.contact import meeting_function
 from ..contact.penalty import touch_struct
 from ..lanes import dot, lane_types, rows3, step_options
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, record3, record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, ClockEntry, MotionRow, NodeWorkRow
+from .carried_contact import meeting_function
 from .node_advance import (
     follow_supports_function,
     note_motion_function,

@@ -8,8 +8,7 @@ from functools import cache
 
 import warp as wp
 
-from ..carried.contact import meeting_function
-from ..carried.pose import away_function, read_pose_function, surface_speed_functions
+from ..contact.carried_pose import away_function, read_pose_function, surface_speed_functions
 from ..contact.tool_distance import tool_set_struct
 from ..lanes import dot, lane_maximum, lane_types, rows3, step_options, store_rows3
 from ..operators import div, mul  # noqa: F401
@@ -23,6 +22,7 @@ from ..rows import (
     SampleRow,
     ThicknessRow,
 )
+from .carried_contact import meeting_function
 from .node_data import NodeTraits, node_laws_struct, present_struct, surroundings_struct
 from .sample_data import layer_struct, load_struct, patch_struct, point_struct, sampled_struct, samples_struct
 from .surface_point import corner_function, load_functions, patch_function, point_function

@@ -19,7 +19,7 @@ SLOW = pytest.mark.slow
 LAUNCH = """
 import warp as wp
 from weavesim.device import initialise, load_kernel
-from weavesim.kernels.stepping.machine import barrier
+from weavesim.kernels.machine import barrier
 initialise()
 load_kernel(barrier, wp.get_device("cpu"))
 wp.launch(barrier, dim=1, inputs=[wp.zeros(1, dtype=wp.int32, device="cpu"), 1], device="cpu")

@@ -36,12 +36,12 @@ from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.loads.grippers import grip_kernel
 from ..kernels.loads.pressure import element_pressure_kernel
+from ..kernels.machine import barrier, flush_subnormals, restore_subnormals
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
 from ..kernels.shell.frequency import element_frequency_kernel, frequency_lane_count
 from ..kernels.shell.laws import SheetTraits
-from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
 from ..kernels.stepping.step import (

@@ -9,7 +9,7 @@ from contextlib import contextmanager, nullcontext
 import warp as wp
 
 from ..device import exclusive, giving_way
-from ..kernels.stepping.machine import barrier, flush_subnormals, restore_subnormals
+from ..kernels.machine import barrier, flush_subnormals, restore_subnormals
 
 
 class Replay:

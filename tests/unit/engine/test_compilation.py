@@ -162,7 +162,7 @@ def test_what_is_loaded_is_not_compiled_again_by_its_launch(tmp_path):
     code = """
 import warp as wp
 from weavesim.device import initialise, is_compiled, load_kernel
-from weavesim.kernels.stepping.machine import barrier
+from weavesim.kernels.machine import barrier
 initialise()
 assert not is_compiled(barrier, wp.get_device("cpu"))
 load_kernel(barrier, wp.get_device("cpu"))

@@ -11,8 +11,8 @@ from weavesim.device import load_kernel
 from weavesim.engine import stepper as stepper_module
 from weavesim.engine.stepper import REFRESH_INTERVAL
 from weavesim.fabric.presets import glass_polypropylene
+from weavesim.kernels.machine import flush_subnormals, restore_subnormals
 from weavesim.kernels.rows import MOTION_VECTORS, ClockEntry, MotionRow, ToolWatchRow
-from weavesim.kernels.stepping.machine import flush_subnormals, restore_subnormals
 from weavesim.kernels.stepping.step import check_clock
 from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Drive, Support

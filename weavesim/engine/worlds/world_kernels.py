@@ -8,7 +8,7 @@ from typing import Self
 import warp as wp
 
 from ...device import resolve_device
-from ...kernels.stepping.machine import flush_subnormals, restore_subnormals
+from ...kernels.machine import flush_subnormals, restore_subnormals
 from ...kernels.stepping.tools import partial_sum_kernel
 from ...kernels.worlds.clocks import (
     check_worlds,

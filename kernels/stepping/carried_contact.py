@@ -4,15 +4,15 @@ from functools import cache
 
 import warp as wp
 
+from ..contact.carried_pose import away_function, posed_distance_function, read_pose_function, surface_speed_functions
 from ..contact.penalty import touch_struct
 from ..contact.tool_distance import tool_set_struct
 from ..lanes import cross, lane_maximum, lane_sum, lane_types, larger, rows3, store_rows3
 from ..operators import div, mul  # noqa: F401
 from ..rows import NodeWorkRow
-from ..stepping.node_data import NodeTraits, node_laws_struct, present_struct
-from ..stepping.tool_contact import contact_function, meet_tools_function
-from ..stepping.tool_friction import rub_by_law_function
-from .pose import away_function, posed_distance_function, read_pose_function, surface_speed_functions
+from .node_data import NodeTraits, node_laws_struct, present_struct
+from .tool_contact import contact_function, meet_tools_function
+from .tool_friction import rub_by_law_function
 
 THICKNESS_WORK = wp.constant(int(NodeWorkRow.thickness_work))
 

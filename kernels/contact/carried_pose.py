@@ -4,11 +4,11 @@ from functools import cache
 
 import warp as wp
 
-from ..contact.tool_distance import part_clearance_function, part_distance_function, tool_set_struct, tool_struct
-from ..contact.tool_shapes import part_struct
 from ..lanes import dot, lane_maximum, lane_types, smaller, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import ToolPoseRow
+from .tool_distance import part_clearance_function, part_distance_function, tool_set_struct, tool_struct
+from .tool_shapes import part_struct
 
 
 @cache

@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from .mesh_distance import mesh_signed_distance
+from .nearest_triangle import mesh_signed_distance
 
 
 @wp.kernel(enable_backward=False)

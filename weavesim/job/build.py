@@ -61,7 +61,6 @@ class Builder:
         self.outlines = tuple(outline_of(file, index, ply) for index, ply in self.plies)
         boxes = [outline.box for outline in self.outlines]
         self.box = Box(np.min([b.lower for b in boxes], axis=0), np.max([b.upper for b in boxes], axis=0))
-        self._check_symmetry()
         self.heights = self._heights()
         self.shifts = tuple(self._shift(k) for k in range(len(job.tool)))
 
@@ -84,6 +83,7 @@ class Builder:
         sheets = tuple(self._sheet(k) for k in range(len(self.plies)))
         made = [self._tools(k, symmetry.share) for k in range(len(job.tool))]
         tools = tuple(tool for own in made for tool in own)
+        self._check_symmetry()
         places = np.cumsum([0, *map(len, made)]).tolist()  # of the first tool of each table
         strokes = {move.name for stage in job.stage for move in stage.move if move.stroke is not None}
         moving = [k for k, tool in enumerate(job.tool) if tool.stroke is not None]

@@ -238,7 +238,8 @@ class SheetLedger:
         half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
-            half_thickness = np.concatenate([own[:node_count], np.tile(between[slot], sample_count)])
+            samples = [np.tile(between[slot], sample_count)] if sample_count else []
+            half_thickness = np.concatenate([own[:node_count], *samples])
         half_thickness[node_count:] -= sheet.samples.allowance
         self._half_thickness = half_thickness
         stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])

@@ -25,12 +25,14 @@ from weavesim.fabric.presets import PRESETS, glass_polypropylene
 from weavesim.kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
+from weavesim.process.motions.paths import PathMotion
 from weavesim.process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
 from weavesim.process.supports import Drive, Support
 from weavesim.run.simulation import Simulation
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.segments.opening import DomeOpeningSector
 from weavesim.tools.shapes import Plane, Shape, Sphere, Torus, Union, rotation_matrix
 from weavesim.tools.tool import Tool
 
@@ -39,6 +41,7 @@ TURN = rotation_matrix((1.0, 0.3, 0.0), 0.7)
 TRIANGLES = {"vertices": np.eye(4, 3) / 3.0, "faces": [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]}
 SHAPES = (
     *(shape.placed((0.0, 0.1, 1.0 / 3.0), TURN) for shape in FORMULAS),
+    DomeOpeningSector(0.1, 0.02, 0.01, 10.0, 80.0),
     Union((Sphere(0.1), Union((Plane(), Torus(0.1, 0.3)), rotation=TURN))),
     MeshShape.from_triangles(**TRIANGLES, mirror=(), origin=(0.0, 0.0, 0.1)),
 )
@@ -54,7 +57,7 @@ def kinds_of_weavesim(family: type) -> set[type]:
 def every_tool() -> Setup:
     tools = [Tool(f"tool {k}", shape, MOTIONS[k % 3], axis=(1.0, 1.0, k)) for k, shape in enumerate(SHAPES)]
     assert {type(tool.shape) for tool in tools} == kinds_of_weavesim(Shape)
-    assert {type(tool.motion) for tool in tools} | {SmoothStroke} == kinds_of_weavesim(Motion)
+    assert {type(tool.motion) for tool in tools} | {SmoothStroke, PathMotion} == kinds_of_weavesim(Motion)
     return Setup(
         "tools", sheets=[Sheet(BLANK, glass_polypropylene())], tools=tools, duration=1.0, leading_tool=3,
         accept_unusual=True,

@@ -22,7 +22,7 @@ PULL = SmoothStroke.ramped(1e-3, speed=1.0, ramp_time=1e-4)
         (lambda: Drive(PULL, (1.0, 0.0)), "finite values"),
         (lambda: Drive(PULL, ("0", "1", "0")), "an array of float64 is needed"),
         (lambda: Drive(PULL, [[1.0, 0.0, 0.0], [1.0]]), "rows of equal length"),
-        (lambda: Drive(0.5, (1.0, 0.0, 0.0)), "SmoothStroke is needed"),
+        (lambda: Drive(0.5, (1.0, 0.0, 0.0)), "SmoothStroke, PathMotion is needed"),
         (lambda: Drive(Fixed(), (1.0, 0.0, 0.0)), "must be one of Stroke, SmoothStroke"),
         (lambda: Support("grip", [1, 2], (Drive(PULL, np.ones((3, 3))),)), "3 directions for 2 nodes"),
         (lambda: Support("grip", [1, 2], (Drive(PULL, (0.0, 1.0, 0.0)),), displacements="xz"), "driven or free"),

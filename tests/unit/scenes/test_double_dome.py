@@ -8,8 +8,8 @@ from weavesim.errors import InputError
 from weavesim.fabric.file import resolve_fabric
 from weavesim.run.simulation import Simulation
 from weavesim.run.verdict import Judged
+from weavesim.scenes.dome_holder import SMALLEST_CLEARANCE
 from weavesim.scenes.double_dome import (
-    SMALLEST_CLEARANCE,
     DoubleDomeParameters,
     double_dome,
     expected_draw_in,

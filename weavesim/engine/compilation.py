@@ -8,11 +8,11 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Protocol, Self
@@ -90,6 +90,7 @@ class KernelSet:
         meshes: whether the distance to a triangle mesh is sampled.
         plies: whether sheets touch each other, or themselves.
         own_contact: whether they touch themselves.
+        others: of sheets whose unit cells are of other kinds.
     """
 
     unit_cell: UnitCell
@@ -106,6 +107,7 @@ class KernelSet:
     meshes: bool = False
     plies: bool = False
     own_contact: bool = False
+    others: tuple[KernelSet, ...] = ()
 
     @classmethod
     def of_setups(cls, setups: Iterable[Setup], unit_cell: UnitCell | None = None) -> Self:
@@ -113,12 +115,19 @@ class KernelSet:
 
         Args:
             setups: of runs in one precision and on one device; at least one.
-            unit_cell: replaces their own, which must be of one kind.
+            unit_cell: replaces those of all sheets.
 
         Raises:
             InputError: no such device.
         """
         sets = [kernel_set for setup in setups for kernel_set in kernel_sets(setup)]
+        kinds = dict.fromkeys(type(unit_cell or one.unit_cell) for one in sets)
+        first, *others = ([one for one in sets if unit_cell or type(one.unit_cell) is kind] for kind in kinds)
+        return replace(cls._of_sets(first, unit_cell), others=tuple(cls._of_sets(each, unit_cell) for each in others))
+
+    @classmethod
+    def _of_sets(cls, sets: Sequence[KernelSet], unit_cell: UnitCell | None) -> Self:
+        """All of several sets of unit cells of one kind."""
         return cls(
             unit_cell or sets[0].unit_cell,
             tuple(dict.fromkeys(traits for one in sets for traits in one.sheets)),
@@ -153,7 +162,7 @@ class KernelSet:
             solver.lanes(is_cpu=is_cpu),
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
-            pressed=any(sheet.pressures for sheet in setup.sheets),
+            pressed=any(sheet.pressures for sheet in setup.sheets) or any(stage.pressures for stage in setup.stages),
             gripped=bool(setup.grippers),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
             plies=nodes.touched,
@@ -172,7 +181,7 @@ class KernelSet:
         carried = dict.fromkeys(node.carried for node in self.nodes)
         motions = [carried_motion_kernel if each else tool_motion_kernel for each in carried]
         further = dict.fromkeys(further_kinds(node.shape_kinds) for node in self.nodes)
-        return [
+        own = [
             *(element_force_kernel(real, lane_count, law, sheet) for sheet in self.sheets),
             *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
             *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
@@ -201,6 +210,7 @@ class KernelSet:
             *([flush_subnormals, restore_subnormals] if is_cpu else [check_clock]),
             *([barrier] if is_cpu and self.threaded else []),
         ]
+        return list(dict.fromkeys([*own, *(kernel for each in self.others for kernel in each.kernels())]))
 
 
 def kernel_sets(setup: Setup) -> list[KernelSet]:

@@ -7,7 +7,7 @@ import warp as wp
 from ..lanes import dot, lane_maximum, lane_types, smaller, where_positive
 from ..operators import div, mul  # noqa: F401
 from ..rows import ToolPoseRow
-from .tool_distance import part_clearance_function, part_distance_function, tool_set_struct, tool_struct
+from .tool_distance import away_function, part_clearance_function, part_distance_function, tool_set_struct, tool_struct
 from .tool_shapes import part_struct
 
 
@@ -71,24 +71,6 @@ def read_pose_function(real: type):
         return pose
 
     return read_pose
-
-
-@cache
-def away_function(real: type, lane_count: int):
-    """wp.func (centre, x, remainder) -> x + remainder - centre, exact to the rounding of the result."""
-    types = lane_types(real, lane_count)
-    lanes, lanes3 = types.lanes, types.lanes3
-
-    @wp.func
-    def away(centre: wp.vec3d, x: lanes3, remainder: lanes3):
-        p = lanes3()
-        for c in range(3):
-            near = real(centre[c])
-            rest = real(centre[c] - wp.float64(near))
-            p[c] = (x[c] - lanes(near)) + (remainder[c] - lanes(rest))
-        return p
-
-    return away
 
 
 @cache

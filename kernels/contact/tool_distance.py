@@ -101,6 +101,24 @@ def part_clearance_function(real: type, lane_count: int):
 
 
 @cache
+def away_function(real: type, lane_count: int):
+    """wp.func (centre, x, remainder) -> x + remainder - centre, exact to the rounding of the result."""
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+
+    @wp.func
+    def away(centre: wp.vec3d, x: lanes3, remainder: lanes3):
+        p = lanes3()
+        for c in range(3):
+            near = real(centre[c])
+            rest = real(centre[c] - wp.float64(near))
+            p[c] = (x[c] - lanes(near)) + (remainder[c] - lanes(rest))
+        return p
+
+    return away
+
+
+@cache
 def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, ...], rotated: bool):
     """wp.func (parts, tool, displacement, x, remainder) -> (signed distance, outward normal, clearance), in lanes.
 
@@ -113,7 +131,7 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
     lanes, lanes3 = types.lanes, types.lanes3
     Tool, ToolPart = tool_struct(real), part_struct(real)
     part_distance = part_distance_function(real, lane_count, shape_kinds)
-    part_clearance = part_clearance_function(real, lane_count)
+    part_clearance, away = part_clearance_function(real, lane_count), away_function(real, lane_count)
 
     @wp.func
     def tool_distance(
@@ -124,12 +142,7 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
         clearance = lanes()
         for k in range(tool.part_count):
             part = parts[tool.first_part + k]
-            centre = part.origin + displacement * tool.axis
-            p = lanes3()
-            for c in range(3):
-                near = real(centre[c])
-                rest = real(centre[c] - wp.float64(near))
-                p[c] = (x[c] - lanes(near)) + (remainder[c] - lanes(rest))
+            p = away(part.origin + displacement * tool.axis, x, remainder)
             if wp.static(rotated):
                 p = wp.transpose(part.rotation) * p
             part_d, part_n = part_distance(part, p)

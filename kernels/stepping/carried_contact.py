@@ -4,9 +4,9 @@ from functools import cache
 
 import warp as wp
 
-from ..contact.carried_pose import away_function, posed_distance_function, read_pose_function, surface_speed_functions
+from ..contact.carried_pose import posed_distance_function, read_pose_function, surface_speed_functions
 from ..contact.penalty import touch_struct
-from ..contact.tool_distance import tool_set_struct
+from ..contact.tool_distance import away_function, tool_set_struct
 from ..lanes import cross, lane_maximum, lane_sum, lane_types, larger, rows3, store_rows3
 from ..operators import div, mul  # noqa: F401
 from ..rows import NodeWorkRow

@@ -8,8 +8,8 @@ from functools import cache
 
 import warp as wp
 
-from ..contact.carried_pose import away_function, read_pose_function, surface_speed_functions
-from ..contact.tool_distance import tool_set_struct
+from ..contact.carried_pose import read_pose_function, surface_speed_functions
+from ..contact.tool_distance import away_function, tool_set_struct
 from ..lanes import dot, lane_maximum, lane_types, rows3, step_options, store_rows3
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, gather4
@@ -253,7 +253,7 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
     is_near, wake, touches, note_smallest = watch_function(*layout, traits.carried)
     follow_thickness, present_sample = present_sample_function(*layout, traits.follows_thickness)
     meet_tools, book = meeting_function(*layout, traits), book_function(*layout)
-    Load, (add_load, store_forces, store_couples) = load_struct(*layout), load_functions(*layout)
+    Load, (add_load, store_load) = load_struct(*layout), load_functions(*layout)
 
     @wp.func
     def push_tools(samples: Samples, block: wp.int32, tool_count: wp.int32, sampled: Sampled):
@@ -305,8 +305,7 @@ def surface_contact_function(real: type, lane_count: int, traits: NodeTraits):
                     load = add_load(load, point, u, v, force, force - friction - dashpots)
                     loaded = wp.int32(1)
         if loaded != 0:
-            store_forces(samples, block, load, corner_force)
-            store_couples(samples, block, load, corner_force)
+            store_load(samples, block, load, corner_force)
         if loaded | touched != 0:
             push_tools(samples, block, laws.tool_count, sampled)
         note_smallest(samples, block, laws.tool_count, sampled)

@@ -161,29 +161,31 @@ def load_functions(real: type, lane_count: int):
         scatter4(corner_force, element, row * stride, stride, vector_of(piece) + vector, piece[SCALAR])
 
     @wp.func
-    def store_forces(samples: Samples, block: wp.int32, load: Load, corner_force: wp.array(dtype=real)):
+    def store(
+        samples: Samples,
+        block: wp.int32,
+        row: wp.int32,
+        mean: lanes3,
+        by_u: lanes3,
+        by_v: lanes3,
+        by_uv: lanes3,
+        # Out
+        corner_force: wp.array(dtype=real),
+    ):
         quarter = real(0.25)
-        near = quarter * (load.force - load.force_v)
-        far = quarter * (load.force + load.force_v)
-        along = quarter * (load.force_u - load.force_uv)
-        across = quarter * (load.force_u + load.force_uv)
-        row = CornerRow.force
+        near = quarter * (mean - by_v)
+        far = quarter * (mean + by_v)
+        along = quarter * (by_u - by_uv)
+        across = quarter * (by_u + by_uv)
         add_at(samples, block, row, near - along, corner_force)
         add_at(samples, block, ROWS_PER_CORNER + row, near + along, corner_force)
         add_at(samples, block, 2 * ROWS_PER_CORNER + row, far + across, corner_force)
         add_at(samples, block, 3 * ROWS_PER_CORNER + row, far - across, corner_force)
 
     @wp.func
-    def store_couples(samples: Samples, block: wp.int32, load: Load, corner_force: wp.array(dtype=real)):
-        quarter = real(0.25)
-        near = quarter * (load.couple - load.couple_v)
-        far = quarter * (load.couple + load.couple_v)
-        along = quarter * (load.couple_u - load.couple_uv)
-        across = quarter * (load.couple_u + load.couple_uv)
-        row = CornerRow.couple
-        add_at(samples, block, row, near - along, corner_force)
-        add_at(samples, block, ROWS_PER_CORNER + row, near + along, corner_force)
-        add_at(samples, block, 2 * ROWS_PER_CORNER + row, far + across, corner_force)
-        add_at(samples, block, 3 * ROWS_PER_CORNER + row, far - across, corner_force)
+    def store_load(samples: Samples, block: wp.int32, load: Load, corner_force: wp.array(dtype=real)):
+        force, couple = CornerRow.force, CornerRow.couple
+        store(samples, block, force, load.force, load.force_u, load.force_v, load.force_uv, corner_force)
+        store(samples, block, couple, load.couple, load.couple_u, load.couple_v, load.couple_uv, corner_force)
 
-    return add_load, store_forces, store_couples
+    return add_load, store_load

@@ -165,8 +165,6 @@ def run_study(
         table = stack.enter_context(RunTable(folder / TABLE_NAME))
         subject, executor = _prepared(study, (*study.table.set, *settings), files_from, jobs, scheduler, fields)
         stack.callback(executor.close)
-        if fields:
-            table.want_fields_at(digest([(points.name, points.flat.tolist()) for points in subject.points]))
         study = study.with_si_units(subject.unit_of)
         progress = StudyProgress(study.table.name)
         stack.callback(progress.close)
@@ -175,6 +173,8 @@ def run_study(
         )  # fmt: skip
         with side_by_side(partial(announce_compilation, study.table.name)):
             conductor.accept()
+            if fields:
+                table.want_fields_at(digest([(points.name, points.flat.tolist()) for points in subject.points]))
             _clear_other(folder, table, digest(study.table.model_dump(mode="json"), list(settings)))
             results = conductor.run()
         progress.close()
@@ -207,7 +207,11 @@ def _clear_other(folder: Path, table: RunTable, key: str) -> None:
     from ..study.record import SUMMARY_NAME
     from ..study.record import TABLE_NAME as RUNS_NAME
 
-    if table.about("study") == key:
+    before = table.about("study")
+    if before is None and table.run_count():  # made by a version that did not say what its study was
+        before = key
+    if before == key:
+        table.remark("study", key)
         return
     names = [name for name in (FILE_NAME, SUMMARY_NAME, RUNS_NAME, FIELDS_NAME) if (folder / name).exists()]
     for name in names:
@@ -217,7 +221,10 @@ def _clear_other(folder: Path, table: RunTable, key: str) -> None:
         for path in (folder / BEST_FOLDER, *filter(Path.is_dir, sorted((folder / BEST_FOLDER).iterdir()))):
             remove_results(path)  # of a scene with cases, each in its own folder
     if names:
-        say(f"note: {', '.join(names)} in {folder} were of another study and are replaced; its runs are kept")
+        say(
+            f"note: {', '.join(names)} in {folder} were of another study, or of this one as it was, and are replaced; "
+            "runs are kept"
+        )
     table.remark("study", key)
 
 

@@ -226,7 +226,7 @@ class SheetModel:
         """
         of_tools = self._contact_frequency if self.tool_count else 0.0
         of_springs = max(below, of_tools) + max(above, of_tools) + self._grip_frequency
-        self.step_bounds.contact_frequency = of_springs
+        self.step_bounds.contact_frequency = of_springs + self.step_bounds.sample_frequency
 
     @property
     def follows_thickness(self) -> bool:

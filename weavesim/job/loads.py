@@ -65,7 +65,7 @@ class Loads:
         try:
             outline = Outline(checked_outline(np.array(corners)))
         except InputError as error:
-            self._file.refuse(place, f"patch: {str(error).removeprefix('fitted mesh: ')}")
+            self._file.refuse(place, f"patch: {error}")
         middle = blank.material_coordinates[blank.quads].mean(axis=1)
         elements = np.flatnonzero(outline.nearest(middle)[0] >= 0.0)
         if not len(elements):

@@ -38,13 +38,14 @@ def known_scenes() -> dict[str, Any]:
     return import_module("weavesim.scenes.scene").known_scenes()
 
 
-def scene_of(file: JobFile, *, out: Path, overwrite: bool = False) -> tuple[Any, Any]:
+def scene_of(file: JobFile, *, out: Path, overwrite: bool = False, limits: Path | None = None) -> tuple[Any, Any]:
     """The scene that a job names, and its parameters.
 
     Args:
         file: the job.
         out: folder for the results.
         overwrite: replace results that are there.
+        limits: file of the limits by which the report judges the part; None for those that are built in.
 
     Raises:
         InputError: no such scene, or options that it does not have or allow.
@@ -58,6 +59,8 @@ def scene_of(file: JobFile, *, out: Path, overwrite: bool = False) -> tuple[Any,
     scene = scenes[name].load()
     fields = scene.parameters.model_fields
     values: dict[str, Any] = {"out": out, "overwrite": overwrite, "accept_unusual": file.job.accept_unusual}
+    if limits is not None:
+        values |= {"strict": True, "limits": limits.absolute()}
     for key, value in given.items():
         if key in ELSEWHERE:
             file.refuse(["scene", key], f"{key}: {ELSEWHERE[key]}")

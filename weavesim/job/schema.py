@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from ..checks import Finite, NotNegative, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision
@@ -14,8 +14,7 @@ from ..sheet.lay_up_code import angles_of
 from .friction import LAWS, FrictionValue
 from .segments.tables import PushedTable
 from .stages.tables import PressureTable, StageTable
-from .tables import Coordinate, JobTable, Point, one_of, without
-from .units import length_unit
+from .tables import Coordinate, FileUnit, JobTable, Point, one_of, without
 
 Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 
@@ -48,7 +47,7 @@ class PlyTable(JobTable):
         description="outline: a DXF drawing of closed lines, or a mesh of quadrilaterals or triangles, beside it",
     )
     layer: str | None = Field(default=None, description="layer of the DXF drawing; all layers if left out")
-    unit: str | None = Field(
+    unit: FileUnit | None = Field(
         default=None, description="unit of the outline's file, such as mm; a DXF drawing may say its own"
     )
     holes: tuple[tuple[Point, ...], ...] = Field(default=(), description="corners of each hole, in order")
@@ -67,13 +66,6 @@ class PlyTable(JobTable):
     mesh_along: Literal["yarns", "outline"] = Field(
         default="yarns", description="whether the elements are parallel to the yarns, or to the longest side"
     )
-
-    @field_validator("unit")
-    @classmethod
-    def _is_a_length(cls, value: str | None) -> str | None:
-        if value is not None:
-            length_unit(value)
-        return value
 
     @model_validator(mode="after")
     def _has_one_angle(self) -> Self:
@@ -100,7 +92,7 @@ class ToolTable(PushedTable):
     file: str | None = Field(
         default=None, description="surface: a mesh (STL, OBJ, PLY, ...) or a CAD file (STEP, IGES) beside the job"
     )
-    unit: str | None = Field(default=None, description="unit of the file, such as mm; some formats say their own")
+    unit: FileUnit | None = Field(default=None, description="unit of the file, such as mm; some formats say their own")
     up: Direction = Field(default="+z", description="direction in the file that points up, from the die to the punch")
     mirror: tuple[Literal["x", "y"], ...] = Field(
         default=(), description="planes at which the file ends, and behind which it is mirrored"
@@ -150,13 +142,6 @@ class ToolTable(PushedTable):
     mass: Annotated[Positive, Quantity("mass")] = Field(default=2.0, description="what the force moves")
     friction: FrictionValue = Field(default=0.2, description=f"between tool and sheet: {LAWS}")
 
-    @field_validator("unit")
-    @classmethod
-    def _is_a_length(cls, value: str | None) -> str | None:
-        if value is not None:
-            length_unit(value)
-        return value
-
     @model_validator(mode="after")
     def _has_one_surface(self) -> Self:
         surface = one_of(self, SURFACES)
@@ -184,7 +169,7 @@ class ToolTable(PushedTable):
             raise ValueError("speed: is required with a stroke")
         if not loaded:
             without(self, ("mass", "stop"), "a force")
-        if self.stroke is None and self.force is None:
+        if self.stroke is None and self.force is None and all(each.force is None for each in self.segment):
             without(self, ("ramp",), "a stroke or a force")
         if self.stroke == 0.0:
             raise ValueError("stroke = 0: for a tool at rest leave it out")

@@ -4,15 +4,24 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, get_args, get_origin
 
-from pydantic import ValidationInfo, field_validator
+from pydantic import AfterValidator, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
 from ..checks import Finite, Parameters, json_schema, types_within
 from ..ranges import Quantity, quantity_of
-from .units import EXAMPLES, in_units
+from .units import EXAMPLES, in_units, length_unit
 
 Coordinate = Annotated[Finite, Quantity("position")]
 Point = tuple[Coordinate, Coordinate]
+
+
+def _a_length(text: str) -> str:
+    length_unit(text)
+    return text
+
+
+# Unit of a file, such as "mm".
+FileUnit = Annotated[str, AfterValidator(_a_length)]
 
 
 class JobTable(Parameters):
@@ -73,6 +82,20 @@ def words_of(field: FieldInfo) -> tuple[str, ...]:
         if get_origin(part) is Literal:
             found += [word for word in get_args(part) if isinstance(word, str) and word not in found]
     return tuple(found)
+
+
+def check_knots(times: tuple[float, ...] | None, values: tuple | None, name: str, what: str) -> None:
+    """Check that there are as many increasing times as values; ``name`` is that of the times, ``what`` the values are.
+
+    Raises:
+        ValueError: there are not.
+    """
+    if times is None:
+        raise ValueError(f"{name}: is required with {what}, one for each")
+    if len(times) != len(values or ()) or not times:
+        raise ValueError(f"{name}: {len(times)} times for {len(values or ())} {what}; one for each is needed")
+    if any(b <= a for a, b in zip(times, times[1:], strict=False)):
+        raise ValueError(f"{name}: times must increase")
 
 
 def table_within(field: FieldInfo) -> type[JobTable] | None:

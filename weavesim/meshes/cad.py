@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .cad_process import NO_FACES, NO_MEMORY, NO_SHAPES
+from .cad_process import NO_FACES, NO_LIBRARY, NO_MEMORY, NO_SHAPES
 from .mesh_file import MeshFile, cells_of, check_finite, check_references
 from .source import Source
 
@@ -79,6 +79,11 @@ def _read_apart(source: Source, kind: str) -> bytes:
     if done.returncode:
         reasons = {NO_MEMORY: "it needs far more memory than a file of its size should", NO_SHAPES: "it has no shapes",
                    NO_FACES: "it has no faces"}  # fmt: skip
+        if done.returncode == NO_LIBRARY:
+            raise source.error(
+                "Open CASCADE is installed but cannot be loaded",
+                "python -c 'import OCP.STEPControl' says what it lacks",
+            )
         raise source.error(
             reasons.get(done.returncode, "it is damaged, or cut off: Open CASCADE fails at it"), otherwise
         )

@@ -3,7 +3,8 @@
     python cad_process.py PATH step|iges DEFLECTION ANGLE BYTES SECONDS
 
 Open CASCADE throws, prints and breaks memory at damaged files; a process of its own holds that. Exit codes: 0 done, 1
-the file cannot be read, 3 not enough memory, 4 no shapes, 5 no faces. Nothing else of weavesim is imported here.
+the file cannot be read, 3 not enough memory, 4 no shapes, 5 no faces, 6 Open CASCADE cannot be loaded. Nothing else of
+weavesim is imported here.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-NO_MEMORY, NO_SHAPES, NO_FACES = 3, 4, 5
+NO_MEMORY, NO_SHAPES, NO_FACES, NO_LIBRARY = 3, 4, 5, 6
 
 
 def found_in(path: str, kind: str, deflection: float, angle: float) -> bytes | int:
@@ -111,7 +112,9 @@ def main() -> int:
     os.dup2(silent, 2)
     try:
         import OCP.STEPControl  # noqa: F401  # what it takes by itself is not bounded
-
+    except ImportError:
+        return NO_LIBRARY
+    try:
         bound = runpy.run_path(str(Path(__file__).parent / "formats" / "meshio_process.py"))["bound"]
         bound(int(memory), int(seconds))
         content = found_in(path, kind, float(deflection), float(angle))

@@ -286,8 +286,9 @@ class SheetLedger:
         at_elements = half_thickness(sheet.fabric.thickness, frame.fields["thickness"], sheet.follows_thickness)
         at_nodes = np.full(len(position), 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
-            sharing = np.bincount(quads.ravel())
-            at_nodes = np.bincount(quads.ravel(), weights=np.repeat(at_elements, 4)) / sharing
+            there, count = quads[sheet.kept].ravel(), len(position)
+            own = np.bincount(there, np.repeat(at_elements[sheet.kept], 4), count)
+            at_nodes = own / np.maximum(np.bincount(there, minlength=count), 1)
         gone, count = ~sheet.kept, len(JUDGED_PLACES)
         points = [position, *self._surfaces(position, frame.director, JUDGED_PLACES)]
         distance = self._judged_gaps(np.concatenate([*points, position[quads].mean(axis=1)]))

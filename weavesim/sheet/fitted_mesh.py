@@ -61,7 +61,10 @@ def fitted_mesh(
         InputError: an outline that crosses itself, is too small for the elements, or has corners that they cannot
             fill well.
     """
-    loops = [checked_outline(outline), *(checked_outline(hole)[::-1] for hole in holes)]
+    try:
+        loops = [checked_outline(outline), *(checked_outline(hole)[::-1] for hole in holes)]
+    except InputError as error:
+        raise InputError(f"fitted mesh: {error}") from None
     outline = loops[0]
     element_size, mesh_angle = positive("element_size", element_size), finite("mesh_angle", mesh_angle)
     distortion = checked_distortion(distortion)

@@ -24,12 +24,12 @@ def checked_outline(outline: np.ndarray) -> np.ndarray:
     try:
         outline = np.asarray(outline, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError("fitted mesh: the outline is no array of numbers; (k, 2) coordinates are needed") from None
+        raise InputError("the outline is no array of numbers; (k, 2) coordinates are needed") from None
     if outline.ndim != 2 or outline.shape[1:] != (2,) or len(outline) < 3 or not np.isfinite(outline).all():
-        raise InputError(f"fitted mesh: outline of shape {outline.shape}; (k, 2) finite coordinates, k > 2, are needed")
+        raise InputError(f"outline of shape {outline.shape}; (k, 2) finite coordinates, k > 2, are needed")
     side = np.roll(outline, -1, axis=0) - outline
     if np.any(np.linalg.norm(side, axis=1) < 1e-9 * np.ptp(outline, axis=0).max()):
-        raise InputError("fitted mesh: two corners of the outline coincide; give each once, the last one too")
+        raise InputError("two corners of the outline coincide; give each once, the last one too")
     # sides i and j cross if the ends of each lie on different sides of the other
     start, end = outline, np.roll(outline, -1, axis=0)
     across = np.sign(cross(side[:, None], start[None] - start[:, None])) * np.sign(
@@ -37,7 +37,7 @@ def checked_outline(outline: np.ndarray) -> np.ndarray:
     )
     if np.any((across < 0.0) & (across.T < 0.0)):
         i, j = np.argwhere((across < 0.0) & (across.T < 0.0))[0]
-        raise InputError(f"fitted mesh: sides {i} and {j} of the outline cross; order the corners around it")
+        raise InputError(f"sides {i} and {j} of the outline cross; order the corners around it")
     return outline if cross(start, end).sum() > 0.0 else outline[::-1]
 
 

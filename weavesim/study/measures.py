@@ -18,7 +18,7 @@ from ..errors import InputError, did_you_mean
 from ..measures.defects.judgement import Judgement, Limits
 from ..measures.findings import Finding, FormedSheet, found
 from ..measures.units import DEGREES, MILLIMETRES, PURE, SQUARE_MILLIMETRES, split_unit
-from ..output.stored.judged import distance_to, own_locking_angle
+from ..output.stored.judged import ToolsOfRun, distance_to, own_locking_angle
 from ..run.staging.part import part_of
 from ..sheet.topology import area_percentile, flat_areas
 
@@ -115,10 +115,11 @@ STUDY_FINDINGS: tuple[Finding, ...] = (
 def formed_run(simulation: Simulation, limits: Limits) -> FormedRun:
     """The sheets of a run as they are now."""
     info, frame = simulation.info, simulation.frame
+    tools = ToolsOfRun(info.tools)
 
     def judged(place: int) -> Judgement:
         sheet, state = part_of(info.sheets[place], frame.sheets[place])
-        acting = [(info.tools[k], frame.place(k)) for k in sheet.tools if frame.acts(k)]
+        acting = [(tools[k], frame.place(k)) for k in sheet.tools if frame.acts(k)]
         formed = FormedSheet(
             sheet.blank, state.position, state.fields, sheet.fabric.thickness, sheet.symmetry,
             follows_thickness=sheet.follows_thickness,

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 from tests.support.paths import ROOT
 from tests.support.studies import Silence, write_small_job
 from weavesim.app.command_line import application
+from weavesim.app.study_command import _clear_other
 from weavesim.errors import InputError
 from weavesim.study.conduct import Conductor
 from weavesim.study.execution.executor import HereExecutor
@@ -157,3 +158,26 @@ def test_another_study_in_a_folder_replaces_the_results_of_the_first(done, tmp_p
     assert len(rows) == 2 and "spring.corner.stiffness [N/m]" in rows[0]
     with RunTable(folder / "study" / "study.sqlite") as table:
         assert table.run_count() == 9  # 0.5 and 2 N/mm were known
+
+
+def test_a_refused_study_keeps_the_fields_of_another(done, tmp_path):
+    folder = Path(shutil.copytree(done[0].parent, tmp_path / "copy"))
+    job = folder / "small.toml"
+    job.write_text(job.read_text().replace('rectangle = ["60 mm", "60 mm"]', 'rectangle = ["50 mm", "60 mm"]'))
+    result = invoked(
+        job, "--vary", "spring.corner.stiffness=500:2000:2", "--measure", "max_sheer_p99", "--jobs", 1, "--fields"
+    )
+    assert "'max_sheer_p99'" in str(result.exception)
+    with RunTable(folder / "study" / "study.sqlite") as table:
+        keys = {key for key, _, outcome in table.attempts() if outcome == "finished"}
+        assert keys and all(table.has(key, fields=True) for key in keys)
+
+
+def test_the_results_of_a_version_that_did_not_name_its_study_stay(done, tmp_path):
+    folder = Path(shutil.copytree(done[0], tmp_path / "study"))
+    with RunTable(folder / "study.sqlite") as table:
+        table._connection.execute("DELETE FROM about WHERE name = 'study'")
+        _clear_other(folder, table, "key")
+        assert table.about("study") == "key" and (folder / "study.html").is_file()
+        _clear_other(folder, table, "another")
+    assert not (folder / "study.html").exists()

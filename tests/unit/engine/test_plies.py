@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
-from weavesim import Simulation
+from weavesim import Plane, Simulation, Tool
+from weavesim.engine.model import Model
 from weavesim.engine.plies.connectivity import edge_neighbours, free_edge_distance, home_elements, rings
 from weavesim.engine.plies.feet import find_feet
 from weavesim.engine.plies.groups import compact_groups, groups_that_hang_together, nodes_at_cuts, nodes_of
@@ -157,3 +158,14 @@ def test_nodes_of_a_slit_lie_on_each_other():
     flat = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
     assert nodes_at_cuts(flat, np.ones(4, dtype=bool), 1.0).tolist() == [False, True, True, False]
     assert not nodes_at_cuts(flat, np.array([True, True, False, True]), 1.0).any()
+
+
+def test_an_interface_only_adds_to_the_stable_step_of_sheets_that_meet_tools_between_nodes():
+    plies = [ply("lower", square(0.02, 0.005)), ply("upper", square(0.02, 0.005, THICKNESS))]
+    table = Tool("table", Plane(origin=(0.0, 0.0, -0.5 * THICKNESS)))
+    dynamics = {"contact_samples": "surface", "contact_allowance": 0.02}
+    joined = stack_setup(plies, Coulomb(0.2), dynamics=dynamics, tools=(table,), duration=1e-4)
+    apart = joined.model_copy(update={"worlds": (joined.worlds[0].model_copy(update={"interfaces": ()}),)})
+    for alone, together in zip(Model(apart).sheets, Model(joined).sheets, strict=True):
+        assert together.step_bounds.contact_frequency >= alone.step_bounds.contact_frequency > 0.0
+        assert together.step_bounds.sample_frequency == alone.step_bounds.sample_frequency > 0.0

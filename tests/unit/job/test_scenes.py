@@ -63,3 +63,11 @@ without = ["film", "report"]
 def test_mistakes_are_told_with_their_place(tmp_path, text, message):
     with pytest.raises(InputError, match=f"(?s)^job .*{message}"):
         scene_of(job_of(tmp_path, f"[scene]\n{text}\n"), out=Path("out"))
+
+
+def test_limits_of_a_strict_job_are_those_of_its_report(tmp_path):
+    file = job_of(tmp_path, '[scene]\nname = "double-dome"\n')
+    (tmp_path / "limits.toml").write_text("gap = 1e-3\n")
+    _, parameters = scene_of(file, out=tmp_path / "out", limits=tmp_path / "limits.toml")
+    assert parameters.strict and parameters.limits == tmp_path / "limits.toml"
+    assert not scene_of(file, out=tmp_path / "out")[1].strict

@@ -123,6 +123,17 @@ def test_a_page_of_a_run_in_progress_has_few_frames_with_all_fields():
     assert recorded(info, frames[:24]).thinned(24).places == list(range(24))
 
 
+@pytest.mark.parametrize("count", [19, 25, 31, 48])
+def test_a_page_in_progress_keeps_frames_between_those_with_all_fields(count):
+    info, frames = made_run(0.03, frame_count=count)
+    _, other = sizes_of(info, frames)
+    fewer = recorded(info, frames, other_limit=6 * other).thinned(24)
+    assert 12 <= len(fewer.places) <= 25 and fewer.places[-1] == count - 1
+    fields = fewer.fields(0)
+    assert fields["shear_angle"].at == list(range(len(fewer.places)))
+    assert 3 <= len(fields["warp_stretch"].at) <= 7
+
+
 def test_the_view_has_every_field_in_units_for_readers(coarse_run):
     info, frames = coarse_run
     recorder, folder_history = _recorded(info, frames)

@@ -34,7 +34,9 @@ fixed = true
     [
         ("tools.ring.force", "N"), ("tools.ring.friction", ""), ("tools.ring.faces", ""), ("ply.mesh_size", "m"),
         ("ply.angle", "degrees"), ("stages.close.duration", "s"), ("stages.close.move.ring.mass", "kg"),
-        ("process.damping", "1/s"), ("fabric.mine.areal_density", "kg/m^2"), ("output.frame_count", ""),
+        ("process.damping", "1/s"), ("fabric.mine.areal_density", "kg/m^2"),
+        ("fabric.mine.unit_cell.crossover_height", "m"),
+        ("fabric.mine.bending.modulus", "Pa"), ("fabric.mine.bending.nothing", ""), ("output.frame_count", ""),
         ("tools.ring.nothing", ""), ("nothing.at_all", ""),
     ],
 )  # fmt: skip

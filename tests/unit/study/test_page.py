@@ -133,3 +133,9 @@ def test_the_page_fits_narrow_screens_and_paper(factorial, browser, tmp_path, wi
         page.evaluate("dispatchEvent(new Event('afterprint'))")
         if width == 1280:
             page.wait_for_function(f"{widest} > 1000")
+
+
+@pytest.mark.parametrize("ends", [(0.22, 0.45), (1.2, 1.9), (100.0, 150.0)])
+def test_a_narrow_log_axis_has_numbers_too(ends):
+    ticks = log_axis(factor_of(VaryTable(key="x", range=ends, scale="log")))
+    assert len(ticks["tickvals"]) == len(ticks["ticktext"]) >= 2

@@ -1,5 +1,7 @@
 """A sheet is trimmed while it is strained: what stays moves as the smaller sheet would, and the ledger closes."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 
@@ -157,3 +159,21 @@ def test_half_a_stretched_strip_springs_back_by_its_strain(strip, manual):
          ["at rest [µm]", "0", f"{1e6 * left:.2g}"],
          ["energy of the waste, of the work", "0.5", f"{share:.3g}"]],
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("thickness", ["initial", "current"])
+def test_each_of_several_trims_has_its_own_energy_and_depths_stay_numbers(strip, thickness):
+    blank = Blank.rectangle((0.0, 0.0), (LENGTH, WIDTH), SIZE)
+    after = [(-1.0, -1.0), (CUT - 2.0 * SIZE, -1.0), (CUT - 2.0 * SIZE, 1.0), (-1.0, 1.0)]
+    nothing = [(-1.0, -1.0), (CUT, -1.0), (CUT, 1.0), (-1.0, 1.0)]
+    trims = [Trim(BEFORE), Trim(nothing), Trim(after)]
+    setup = pulled(blank, strip, [Stage("pull", PULL), Stage("trim", REST, trims=trims)], right=True)
+    world = setup.worlds[0]
+    dynamics = world.dynamics.model_copy(update={"contact_thickness": thickness, "contact_samples": "surface"})
+    simulation = Simulation(setup.model_copy(update={"worlds": (world.model_copy(update={"dynamics": dynamics}),)}))
+    simulation.run()
+    told = simulation.stages.trimmed
+    energies = [each["energy_j"] for each in told]
+    assert energies[0] > 0.0 == energies[1] and energies[2] > 0.0 and told[1]["element_count"] == 0
+    assert sum(energies) == pytest.approx(simulation.frame.energies["trimmed_energy"])
+    assert np.isfinite(astuple(simulation.penetration)).all()

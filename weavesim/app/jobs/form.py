@@ -87,7 +87,7 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
     from ..run_into_folder import run_into_folder
 
     if file.job.scene is not None:
-        scene, parameters = scene_of(file, out=out, overwrite=overwrite)
+        scene, parameters = scene_of(file, out=out, overwrite=overwrite, limits=limits)
         return scene.run(parameters)
     setup, output = setup_of(file), file.job.output
     writers = tuple(kind.name for kind in chosen_writers(output.write, output.without or ()))

@@ -95,7 +95,9 @@ def _run(setup: Setup, into: Path | None, overwrite: bool, record: dict[str, Any
 
     options, fields = dict(record.get("options") or {}), record.get("final_fields")
     if into is not None:
-        folder = ResultFolder(into, overwrite=overwrite, options=options)
+        # scenes and jobs name it so in the record
+        shows_solver = bool(options.get("solver_fields") or options.get("output.solver_fields"))
+        folder = ResultFolder(into, overwrite=overwrite, options=options, solver_fields=shows_solver)
         run_into_folder(setup, folder, options=options)
         return "" if folder.history.last_frame is None else frame_hash(folder.history.last_frame, fields)
     simulation, bar = Simulation(setup), ProgressBar(stays=True)

@@ -129,7 +129,7 @@ def first_begin(setup: Setup) -> Begin:
     drives = tuple(0.0 for support in setup.supports for _ in support.drives)
     poses: tuple[tuple[float, ...], ...] = ()
     if carried_tools(setup):
-        motions = [_wrapped(tool.motion) for tool in setup.tools]
+        motions = [PathMotion.of(tool.motion) for tool in setup.tools]
         found = [
             motion.pose_at(0.0, start * np.array(tool.axis))
             for motion, start, tool in zip(motions, starts, setup.tools, strict=True)
@@ -145,25 +145,24 @@ def carried_tools(setup: Setup) -> frozenset[str]:
     return frozenset(name for name, motion in every if motion.is_carried)
 
 
-def _wrapped(motion: Motion) -> PathMotion:
-    """A motion as one that is carried, if it is none."""
-    return motion if isinstance(motion, PathMotion) else PathMotion(along=motion)
-
-
 def _tool_motion(setup: Setup, tool: Tool, acting: Acting, begins: Sequence[Begin], index: int) -> Motion:
     """Motion of a tool in a stage, in the time of the run; one that is carried in any stage is so in all of them."""
     given = acting.tool_motions[tool.name]
     if tool.name not in carried_tools(setup):
         return _shifted(given, begins, index)
     if given.since == 0 and not given.onwards:
-        return _wrapped(given.motion)
+        return PathMotion.of(given.motion)
     begin = begins[given.since]
     if not given.onwards:
         return carried_on(
-            _wrapped(given.motion), begin.time, 0.0, tool.axis, Pose.from_numbers(_wrapped(tool.motion).placed)
+            PathMotion.of(given.motion),
+            begin.time,
+            0.0,
+            tool.axis,
+            Pose.from_numbers(PathMotion.of(tool.motion).placed),
         )
     return carried_on(
-        _wrapped(given.motion), begin.time, begin.tools[index], tool.axis, Pose.from_numbers(begin.poses[index])
+        PathMotion.of(given.motion), begin.time, begin.tools[index], tool.axis, Pose.from_numbers(begin.poses[index])
     )
 
 
@@ -232,7 +231,9 @@ def _sheet(sheet: Sheet, setup: Setup, acting: Acting, begins: Sequence[Begin], 
         changed["grippers"] = grippers
     if any(stage.pressures is not None for stage in setup.stages):
         changed["pressures"] = _pressures(sheet, acting, begins)
-    if any(each.sheet in (None, sheet.name) for stage in setup.stages for each in stage.loads or ()):
+    given = [stage.loads for stage in setup.stages if stage.loads is not None]
+    own = bool(given) and sheet.loads is not None  # which a stage that loads nothing, or another sheet, takes away
+    if own or any(each.sheet in (None, sheet.name) for loads in given for each in loads):
         changed["loads"] = _loads(sheet, acting, begins)
     return sheet.model_copy(update=changed) if changed else sheet
 

@@ -57,7 +57,7 @@ def depth_inside(trim: Trim, points: np.ndarray) -> np.ndarray:
     try:
         found = [_depth(Outline(checked_outline(curve)), points) for curve in trim.curves]
     except ValueError as error:
-        raise ValueError(str(error).replace("fitted mesh: ", "trim: ").replace("outline", "curve")) from None
+        raise ValueError(str(error).replace("outline", "curve")) from None
     odd = np.sum([depth > 0.0 for depth in found], axis=0) % 2 == 1
     nearest = np.min(np.abs(found), axis=0)
     return np.where(odd == (trim.keeps == "inside"), nearest, -nearest)

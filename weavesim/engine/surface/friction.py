@@ -55,7 +55,7 @@ def _whole(sheet: SheetModel) -> float:
 def _node_areas(sheet: SheetModel) -> np.ndarray:
     """Area that each node stands for in contact, (padded nodes,) [m^2]."""
     area = np.zeros(sheet.node_count)
-    np.add.at(area, sheet.blank.quads.ravel(), np.repeat(0.25 * sheet.geometry.area, 4))
+    np.add.at(area, sheet.blank.quads.ravel(), np.repeat(0.25 * sheet.geometry.area * sheet.kept, 4))
     return area if sheet.samples.allowance > 0.0 else area / _whole(sheet)
 
 

@@ -14,6 +14,7 @@ from ...tools.mesh_tool import MeshShape
 from ...tools.segments.cutting import sector_of
 from ...tools.shapes import Shape
 from ...tools.surfaces.rim import facing_up
+from ..placing import FORCE_RAMP
 from ..schema import ToolTable
 
 # Sectors of a smaller share of the area are slivers that carry nothing.
@@ -90,12 +91,12 @@ def load_of(table: ToolTable, segment: Segment, whole: Motion) -> tuple[Motion, 
     if own is not None and own.forces is not None:
         assert own.times is not None
         return ForceDriven(own.times, own.forces, mass, stop=table.stop), 0.0
+    largest = max(whole.forces) if isinstance(whole, ForceDriven) else 0.0
+    if own is not None and own.force is not None and largest <= 0.0:
+        ramp = FORCE_RAMP if table.ramp is None else table.ramp
+        return ForceDriven.constant(own.force, mass, ramp, stop=table.stop), 0.0
     if not isinstance(whole, ForceDriven):
-        if own is None or own.force is None:
-            raise InputError(f"segment {segment.number}: it has no load; give the tool a force, or the segment its own")
-        return ForceDriven.constant(own.force, mass, 2.0e-3, stop=table.stop), 0.0
-    forces = tuple(force * segment.share for force in whole.forces)
-    if own is not None and own.force is not None:
-        largest = max(whole.forces) or 1.0
-        forces = tuple(own.force * force / largest for force in whole.forces)
+        raise InputError(f"segment {segment.number}: it has no load; give the tool a force, or the segment its own")
+    share = segment.share if own is None or own.force is None else own.force / largest
+    forces = tuple(force * share for force in whole.forces)
     return whole.model_copy(update={"forces": forces, "mass": mass}), 0.0

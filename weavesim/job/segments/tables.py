@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from ...checks import Finite, NotNegative
 from ...ranges import Quantity
 from ..stages.paths import CarriedTable
-from ..tables import JobTable, one_of, without
+from ..tables import JobTable, check_knots, one_of, without
 
 MOST_SEGMENTS = 72
 LOADS = ("force", "forces", "gap")
@@ -82,11 +82,6 @@ class PushedTable(CarriedTable):
 
 def check_curve(times: tuple[float, ...] | None, forces: tuple[float, ...] | None) -> None:
     """Raise ValueError unless there are as many increasing times as forces, none of which is negative."""
-    if times is None:
-        raise ValueError("times: is required with forces, one for each")
-    if len(times) != len(forces or ()) or not times:
-        raise ValueError(f"times: {len(times)} times for {len(forces or ())} forces; one for each is needed")
-    if any(b <= a for a, b in zip(times, times[1:], strict=False)):
-        raise ValueError("times: times must increase")
+    check_knots(times, forces, "times", "forces")
     if min(forces or ()) < 0.0:
         raise ValueError("forces: forces of zero or more are needed; they act along the tool's axis")

@@ -123,7 +123,11 @@ class _Builder:
                 grippers=None if table.grippers is None else self._grippers(keys, table.grippers),
                 moves=tuple(Move(name, motion) for name, motion in moves.items()),
                 pressures=pressures,
-                friction=tuple(FrictionOf(name, value) for name, value in table.friction.items()),
+                friction=tuple(
+                    FrictionOf(own, value)
+                    for name, value in table.friction.items()
+                    for own in self.segments.get(name, (name,))
+                ),
                 trims=tuple(self._trim([*keys, "trim", k], each) for k, each in enumerate(table.trim)),
                 gravity=None if table.gravity is None else (0.0, 0.0, -table.gravity if table.gravity else 0.0),
                 damping=table.damping,
@@ -207,17 +211,21 @@ class _Builder:
             return Stroke.smooth(table.stroke, table.speed, ramp, start_time=table.delay, largest_force=limit)
         if table.fixed or (table.force is None and table.forces is None):
             return Fixed()
-        own = next((tool.mass for tool in self.file.job.tool if tool.name == table.name), None)
-        if own is None and any(table.name in names for names in self.segments.values()):
+        cut = next((whole for whole, names in self.segments.items() if table.name in names), table.name)
+        tool = next((tool for tool in self.file.job.tool if tool.name == cut), None)
+        stop = None if tool is None else tool.stop  # the spacers stay where they are
+        own = None if tool is None else tool.mass
+        if cut != table.name:
             own = self.tools[table.name].motion.driven_mass or None
         mass = table.mass if table.mass is not None else own
         if mass is None:
             raise InputError("mass: is required with a force")
         if table.force is not None:
             ramp = FORCE_RAMP if table.ramp is None else table.ramp
-            return ForceDriven.constant(table.force * self.share, mass * self.share, ramp)
+            return ForceDriven.constant(table.force * self.share, mass * self.share, ramp, stop=stop)
         assert table.forces is not None and table.times is not None
-        return ForceDriven(table.times, tuple(force * self.share for force in table.forces), mass * self.share)
+        forces = tuple(force * self.share for force in table.forces)
+        return ForceDriven(table.times, forces, mass * self.share, stop=stop)
 
     def _of_strokes(self, keys: Sequence[object], moves: dict[str, Motion]) -> float:
         """Time of the strokes that begin in a stage [s]."""

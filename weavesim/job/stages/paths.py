@@ -11,7 +11,7 @@ from ...checks import Finite, NotNegative, Positive
 from ...process.motions.paths import PathMotion, Rotation
 from ...process.strokes import Motion
 from ...ranges import Quantity
-from ..tables import Coordinate, JobTable, without
+from ..tables import Coordinate, JobTable, check_knots, without
 
 # A ramp is this share of the time of its turn.
 RAMP_SHARE = 0.05
@@ -54,7 +54,7 @@ class RotationTable(JobTable):
             without(self, ("times",), "angles")
         else:
             without(self, ("speed", "ramp", "delay"), "angle")
-            _check_knots(self.times, self.angles, "times", "angles")
+            check_knots(self.times, self.angles, "times", "angles")
         if not any(self.axis):
             raise ValueError("axis = (0, 0, 0): a direction is needed, other than zero")
         return self
@@ -88,7 +88,7 @@ class CarriedTable(JobTable):
         if self.path is None:
             without(self, ("path_times",), "a path")
         else:
-            _check_knots(self.path_times, self.path, "path_times", "points of the path")
+            check_knots(self.path_times, self.path, "path_times", "points of the path")
         return self
 
     @property
@@ -102,13 +102,3 @@ class CarriedTable(JobTable):
             return along
         rotation = None if self.rotation is None else self.rotation.rotation()
         return PathMotion(self.path_times or (), self.path or (), rotation, along)
-
-
-def _check_knots(times: tuple[float, ...] | None, values: tuple | None, name: str, what: str) -> None:
-    """Raise ValueError unless there are as many increasing times as values."""
-    if times is None:
-        raise ValueError(f"{name}: is required with {what}, one for each")
-    if len(times) != len(values or ()) or not times:
-        raise ValueError(f"{name}: {len(times)} times for {len(values or ())} {what}; one for each is needed")
-    if any(b <= a for a, b in zip(times, times[1:], strict=False)):
-        raise ValueError(f"{name}: times must increase")

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from ...checks import Finite, NotNegative, Positive
 from ...names import Label
 from ...ranges import Quantity
-from ..tables import JobTable, Point, one_of, without
-from ..units import length_unit
+from ..tables import FileUnit, JobTable, Point, one_of, without
 from .paths import CarriedTable
 
 MOTIONS = ("stroke", "fixed", "force", "forces")
@@ -72,8 +71,8 @@ class MoveTable(CarriedTable):
 
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> Self:
-        alone = self.is_carried and not any(getattr(self, name) for name in MOTIONS if name != "stroke")
-        given = "fixed" if alone and self.stroke is None else one_of(self, MOTIONS)
+        alone = self.is_carried and all(getattr(self, name) is None or getattr(self, name) is False for name in MOTIONS)
+        given = "fixed" if alone else one_of(self, MOTIONS)
         if self.fixed and self.is_carried:
             raise ValueError("fixed: has no effect with a path or a rotation; leave it out")
         if given == "stroke":
@@ -145,19 +144,12 @@ class TrimTable(JobTable):
         "the job; seen from above",
     )
     layer: str | None = Field(default=None, description="layer of the DXF drawing; all layers if left out")
-    unit: str | None = Field(default=None, description="unit of the file, such as mm; a file may say its own")
+    unit: FileUnit | None = Field(default=None, description="unit of the file, such as mm; a file may say its own")
     centre: Point = Field(default=(0.0, 0.0), description="where the middle of rectangle or disc, or the origin, lies")
     view: Literal["formed", "blank"] = Field(
         default="formed", description="what the curves are drawn on: the part as it is then, from above, or the blank"
     )
     keeps: Literal["inside", "outside"] = Field(default="inside", description="what stays")
-
-    @field_validator("unit")
-    @classmethod
-    def _is_a_length(cls, value: str | None) -> str | None:
-        if value is not None:
-            length_unit(value)
-        return value
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:

@@ -5,6 +5,7 @@ It is drawn into strips of its own, at the same places in every frame, where it 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -43,12 +44,16 @@ class Scale:
     beyond: float
 
     @classmethod
-    def of(cls, values: np.ndarray, low: float, high: float) -> Scale:
-        """A scale from ``low`` to ``high`` of values that are numbers."""
-        if not len(values):
+    def of(cls, values: Iterable[np.ndarray], low: float, high: float) -> Scale:
+        """A scale from ``low`` to ``high`` of values that are numbers, (k,) arrays one after the other."""
+        count, beyond, smallest, largest = 0, 0, np.inf, -np.inf
+        for part in values:
+            if len(part):
+                count, beyond = count + len(part), beyond + int(np.sum((part < low) | (part > high)))
+                smallest, largest = min(smallest, float(part.min())), max(largest, float(part.max()))
+        if not count:
             return cls(low, high, float("nan"), float("nan"), 0.0)
-        beyond = float(np.mean((values < low) | (values > high)))
-        return cls(low, high, float(values.min()), float(values.max()), beyond)
+        return cls(low, high, smallest, largest, beyond / count)
 
     def in_unit(self, factor: float) -> Scale:
         """The same in another unit."""

@@ -120,19 +120,24 @@ def field_of(film: StoredFilm, name: str) -> FilmedField:
 
 def scale_of(film: StoredFilm, movie: Movie, field: FilmedField) -> Scale:
     """The scale in the unit of the film, with what it leaves out."""
-    every = [film.values(sheet, field.name, frame) for sheet in film.sheets for frame in film.frames]
-    values = np.concatenate([part for part in every if part is not None])
-    values = values[np.isfinite(values)]
-    if field.name == _ANGLE:
-        values = np.abs(values)
-    return Scale.of(values, *_ends(movie, field, values))
 
+    def parts() -> Iterator[np.ndarray]:
+        for sheet in film.sheets:
+            for frame in film.frames:
+                if (values := film.values(sheet, field.name, frame)) is not None:
+                    values = values[np.isfinite(values)]
+                    yield np.abs(values) if field.name == _ANGLE else values
 
-def _ends(movie: Movie, field: FilmedField, values: np.ndarray) -> tuple[float, float]:
     if movie.limits is not None:
-        return movie.limits
+        return Scale.of(parts(), *movie.limits)
     if field.name == _ANGLE:
-        return 0.0, LARGEST_SHOWN_ANGLE
+        return Scale.of(parts(), 0.0, LARGEST_SHOWN_ANGLE)
+    every = list(parts())  # quantiles need all at once
+    return Scale.of(every, *_usual(np.concatenate([np.empty(0), *every])))
+
+
+def _usual(values: np.ndarray) -> tuple[float, float]:
+    """Ends of a scale that leaves out the furthest values."""
     low, high = map(float, np.quantile(values, _SCALE)) if len(values) else (0.0, 1.0)
     margin = 0.0 if high - low > 1.0e-9 * max(abs(low), abs(high)) else max(1.0e-3 * abs(high), 1.0e-12)
     return low - margin, high + margin

@@ -145,7 +145,7 @@ def _every_energy(
     part: str,
 ) -> Axes:
     largest = max((float(np.abs(values).max(initial=0.0)) for values in book.values()), default=0.0) or 1.0
-    every = new_axes(figure, 1, 3, 2, title=f"Every stored and lost energy, {part}", ylabel="energy [J]", yscale="log")
+    every = new_axes(figure, 1, 3, 2, title=f"Every energy, {part}", ylabel="energy [J]", yscale="log")
     for i, name in enumerate(names):  # the largest first, so that no energy is hidden
         values = np.where(book[name] > 0.0, book[name], np.nan)
         style = ("-", "--")[i // len(LINE_COLOURS) % 2]

@@ -94,8 +94,10 @@ def _lay_out(figure: Figure) -> None:
         engine.execute(figure)
         if _titles_are_cut(figure):  # axes of equal scales took their final heights only while it was done
             engine.execute(figure)
+        if _fit_texts(figure):  # wrapped titles need more height than the layout has left them
+            engine.execute(figure)
+            _fit_texts(figure)
         figure.set_layout_engine(None)
-        _fit_texts(figure)
 
 
 def _titles_are_cut(figure: Figure) -> bool:
@@ -111,26 +113,29 @@ def _titles_are_cut(figure: Figure) -> bool:
     return False
 
 
-def _fit_texts(figure: Figure) -> None:
+def _fit_texts(figure: Figure) -> bool:
     """Move and wrap titles that are wider than their axes, and show fewer labels where they would lie on each other.
+
+    Returns whether a title goes beyond the height of the figure.
 
     Axes of equal scales may become as narrow as a part is; a layout leaves the widths of titles out of account.
     """
     canvas: Any = figure.canvas
-    renderer = canvas.get_renderer()
+    renderer, is_cut = canvas.get_renderer(), False
     for axes in figure.axes:
         axes.apply_aspect()
         own = axes.get_window_extent(renderer)
         if own.width < _NARROW * figure.dpi:
             _thin_out(axes, renderer)
         loc: Any = "left" if axes.get_title(loc="left") else "center"
-        text, spec = axes.get_title(loc=loc), axes.get_subplotspec()
+        text, spec = axes.get_title(loc=loc).replace("\n", " "), axes.get_subplotspec()
         if not text or spec is None:
             continue
         cell = spec.get_position(figure)
         left, right = cell.x0 * figure.bbox.width, min(cell.x1, 0.995) * figure.bbox.width
         with styled():
             title = axes.set_title(text, loc=loc)
+            title.set_x({"left": 0.0, "center": 0.5}[loc])  # where it was before it was moved
             width = title.get_window_extent(renderer).width
             if width > right - left:
                 letters = max(8, int(len(text) * (right - left) / width))
@@ -138,6 +143,8 @@ def _fit_texts(figure: Figure) -> None:
         box = title.get_window_extent(renderer)
         if box.x1 > right:
             title.set_x(title.get_position()[0] - (box.x1 - max(right, left + box.width)) / max(own.width, 1.0))
+        is_cut |= box.y1 > figure.bbox.height
+    return is_cut
 
 
 def _thin_out(axes: Axes, renderer: Any) -> None:

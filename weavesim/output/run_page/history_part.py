@@ -19,8 +19,9 @@ def share_text(info: RunInfo) -> str:
     shares = {sheet.symmetry.share for sheet in info.sheets}
     if shares == {1.0}:
         return ""
-    own = "" if len(shares) == 1 else ", energies those of what is computed"
-    return f" (forces{' and energies' if not own else ''} here are those of the whole part{own})"
+    if len(shares) == 1:
+        return " (forces and energies here are those of the whole part)"
+    return " (forces of tools here are those of the whole part, all else that of what is computed)"
 
 
 def charts_of(
@@ -66,7 +67,8 @@ def _forces(info: RunInfo, history: History) -> list[dict[str, Any]]:
 
 
 def _drives(info: RunInfo, history: History) -> list[dict[str, Any]]:
-    copies = energy_copies(info) or 1.0
+    known = energy_copies(info)
+    copies = known or 1.0
     lines = [
         _line(name.replace("_", " "), copies * history.drive_force[:, k]) for k, name in enumerate(history.drive_names)
     ]
@@ -74,7 +76,7 @@ def _drives(info: RunInfo, history: History) -> list[dict[str, Any]]:
         _line(f"gripper {name.replace('_', ' ')}", copies * history.gripper_force[:, k])
         for k, name in enumerate(history.gripper_names)
     ]
-    mirrored = ", each with its mirror images" if copies > 1.0 else ""
+    mirrored = ", computed parts" if known is None else ", each with its mirror images" if copies > 1.0 else ""
     return [
         {"name": "drives", "title": f"Forces of supports and grippers{mirrored}", "yLabel": "force [N]", "lines": lines}
     ]

@@ -12,7 +12,7 @@ import numpy as np
 from ...input_files import shown
 from ...measures.defects.judgement import Judgement, Limits, Region
 from ..results import Results
-from ..stored.judged import distance_to, own_locking_angle, place_text, read_limits, region_text
+from ..stored.judged import ToolsOfRun, distance_to, own_locking_angle, place_text, read_limits, region_text
 from .shown_fields import JUDGED_FIELDS
 from .values import number, words
 
@@ -77,9 +77,10 @@ def judge(results: Results, options: Mapping[str, Any]) -> JudgedPart | None:
         return None
     limits = read_limits(Path(options["limits"]) if options.get("limits") else None)
     sheets, regions, fields = [], [], []
+    names, tools = list(results.info.tool_names), ToolsOfRun(results.info.tools)
     for place, sheet in enumerate(results.sheets):
         judgement = Judgement(
-            sheet.formed, limits, distance_to([(tool, displacement) for _, tool, displacement in sheet.tools]),
+            sheet.formed, limits, distance_to([(tools[names.index(name)], at) for name, _, at in sheet.tools]),
             own_locking_angle(sheet.info.fabric),
         )  # fmt: skip
         sheets.append(judgement)

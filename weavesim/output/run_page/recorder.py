@@ -83,16 +83,13 @@ class FrameRecorder:
                     kept.drop_others()
 
     def thinned(self, count: int) -> FrameRecorder:
-        """The same with at most about ``count`` frames, all of them with all fields; it is not to be gone on with."""
-        fewer = FrameRecorder(self._limit, self._other_limit)
-        fewer.frame_count, fewer.stride, fewer._last = self.frame_count, self.stride, self._last
-        whole = [kept for kept in self._kept if kept.has_others]
-        if len(self._kept) <= count:
-            fewer._kept, fewer.other_stride = self._kept, self.other_stride
-        else:
-            step = -(-len(whole) // count)
-            fewer._kept = whole[::step]
-            fewer.stride = fewer.other_stride = self.other_stride * step
+        """The same with at most about ``count`` frames; it is not to be gone on with."""
+        fewer, ratio = FrameRecorder(self._limit, self._other_limit), self.other_stride // self.stride
+        step = max(-(-len(self._kept) // count), 1)
+        # one that hits the frames with all fields; their ratio is a power of two
+        step = 1 << (step - 1).bit_length() if step < ratio else ratio * -(-step // ratio)
+        fewer.frame_count, fewer.stride, fewer._last = self.frame_count, self.stride * step, self._last
+        fewer.other_stride, fewer._kept = max(self.other_stride, fewer.stride), self._kept[::step]
         return fewer
 
     @property

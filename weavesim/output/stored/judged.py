@@ -113,11 +113,13 @@ def place_text(place: Sequence[float]) -> str:
 
 def judge_run(run: StoredRun, limits: Limits) -> JudgedRun:
     """Judge every sheet of a run at its end."""
-    return JudgedRun(run, limits, tuple(_judge(run, sheet, limits) for sheet in run.sheets))
+    tools = ToolsOfRun(run.tools)
+    return JudgedRun(run, limits, tuple(_judge(run, sheet, limits, tools) for sheet in run.sheets))
 
 
-def _judge(run: StoredRun, sheet: StoredSheet, limits: Limits) -> Judgement:
-    return Judgement(run.formed(sheet), limits, tool_distance(run, sheet), own_locking_angle(run.fabric(sheet)))
+def _judge(run: StoredRun, sheet: StoredSheet, limits: Limits, tools: ToolsOfRun) -> Judgement:
+    distance = tool_distance(run, sheet, tools)
+    return Judgement(run.formed(sheet), limits, distance, own_locking_angle(run.fabric(sheet)))
 
 
 def own_locking_angle(fabric: Fabric) -> float | None:
@@ -127,19 +129,34 @@ def own_locking_angle(fabric: Fabric) -> float | None:
     return None if angle is None else math.degrees(angle)
 
 
-def tool_distance(run: StoredRun, sheet: StoredSheet) -> Distance | None:
+class ToolsOfRun:
+    """Distances to the tools of a run; a tool of several sheets is sampled once, when it is first asked for.
+
+    Args:
+        tools: in the order of the run.
+    """
+
+    def __init__(self, tools: Sequence[Tool]) -> None:
+        self._tools, self._found = tuple(tools), dict[int, ToolDistance]()
+
+    def __getitem__(self, number: int) -> ToolDistance:
+        if number not in self._found:
+            self._found[number] = ToolDistance(self._tools[number])
+        return self._found[number]
+
+
+def tool_distance(run: StoredRun, sheet: StoredSheet, tools: ToolsOfRun) -> Distance | None:
     """Distance to the nearest tool of a sheet that acts at the end of its run; None without one."""
-    return distance_to([(run.tools[k], run.place(k)) for k in run.acting_tools(sheet)])
+    return distance_to([(tools[k], run.place(k)) for k in run.acting_tools(sheet)])
 
 
-def distance_to(tools: Sequence[tuple[Tool, Place]]) -> Distance | None:
+def distance_to(tools: Sequence[tuple[ToolDistance, Place]]) -> Distance | None:
     """Distance to the nearest of tools at their places; None without tools."""
     if not tools:
         return None
-    sampled = [(ToolDistance(tool), place) for tool, place in tools]
 
     def distance(points: np.ndarray) -> np.ndarray:
-        return np.min([tool(points, place)[0] for tool, place in sampled], axis=0)
+        return np.min([tool(points, place)[0] for tool, place in tools], axis=0)
 
     return distance
 

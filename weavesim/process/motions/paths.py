@@ -190,6 +190,11 @@ class PathMotion(Motion, Curve):
     along: SerializeAsAny[Motion] = Fixed()
     placed: Annotated[Numbers, Quantity("position")] = Pose().numbers
 
+    @classmethod
+    def of(cls, motion: Motion) -> PathMotion:
+        """A motion as one that is carried: with no path and no turn if it has none."""
+        return motion if isinstance(motion, PathMotion) else cls(along=motion)
+
     @field_validator("along")
     @classmethod
     def _is_along_an_axis(cls, value: Motion) -> Motion:

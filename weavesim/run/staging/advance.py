@@ -81,18 +81,19 @@ def trim(simulation: Simulation, whole: Prepared, index: int) -> Prepared:
     """
     course, state = simulation.stages, whole.state
     before = whole.ledger.frame(index).energies
-    cuts = cut_sheets(course.acting[course.index], whole.model, state, course.kept)
-    for each in cuts:
+    for each in cut_sheets(course.acting[course.index], whole.model, state, course.kept):
+        lost = waste_of(each, whole.model, state)
         course.kept[each.sheet] = each.kept
-    model = _model(simulation)
-    lost = [waste_of(each, whole.model, model, state) for each in cuts]
-    clear_waste(state, model)
-    trimmed = _prepared(simulation, model, {})
-    trimmed.stepper.refresh_step()
-    trimmed.ledger.carry_on(before, index, trimmed=True)
-    energy = trimmed.ledger.frame(index).energies["trimmed_energy"] - before["trimmed_energy"]
-    course.trimmed += [{"stage": course.name, "time_s": state.time, "energy_j": energy, **each} for each in lost]
-    return trimmed
+        model = _model(simulation)
+        clear_waste(state, model)
+        whole = _prepared(simulation, model, {})
+        whole.stepper.refresh_step()
+        whole.ledger.carry_on(before, index, trimmed=True)
+        after = whole.ledger.frame(index).energies
+        energy = after["trimmed_energy"] - before["trimmed_energy"]
+        course.trimmed.append({"stage": course.name, "time_s": state.time, "energy_j": energy, **lost})
+        before = after
+    return whole
 
 
 def _model(simulation: Simulation) -> Model:

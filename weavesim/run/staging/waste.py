@@ -55,13 +55,12 @@ def cut_sheets(now: Acting, model: Model, state: State, kept: Sequence[np.ndarra
     return found
 
 
-def waste_of(each: SheetCut, whole: Model, model: Model, state: State) -> dict[str, Any]:
+def waste_of(each: SheetCut, whole: Model, state: State) -> dict[str, Any]:
     """What a trim takes away, for the summary.
 
     Args:
         each: the cut.
-        whole, model: constants before and after all cuts of the stage.
-        state: of the run, before it.
+        whole, state: of the run before it.
     """
     old, own = whole.sheets[each.sheet], state.sheets[each.sheet]
     gone = each.before & ~each.kept

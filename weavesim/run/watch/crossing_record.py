@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ...measures.crossings import Crossings
 from ..frame import Frame, Outcome, RunInfo, SheetInfo
-from ..staging.part import part_of
+from ..staging.part import Part
 from .condition import StackCondition
 
 # Parts of a sheet that are closer on the flat blank than this, over the thickness, are neighbours.
@@ -32,17 +34,20 @@ class CrossingRecord:
 
     def start(self, info: RunInfo) -> None:
         self._info = info
+        self._parts = [Part(sheet, np.zeros(0, dtype=bool)) for sheet in info.sheets]
         self._crossings = [_crossings(sheet) for sheet in info.sheets]
         self._stacks = [StackCondition(sheets) for sheets in info.worlds if len(sheets) > 1]
         self.within = {sheet.name: [] for sheet in info.sheets}
         self.between = {names: [] for stack in self._stacks for names in stack.crossings}
 
     def frame(self, frame: Frame) -> None:
-        for sheet, crossings, state in zip(self._info.sheets, self._crossings, frame.sheets, strict=True):
+        for place, (sheet, state) in enumerate(zip(self._info.sheets, frame.sheets, strict=True)):
             limit = self._neighbour_distance * sheet.fabric.thickness
-            if len(state.kept):
-                sheet, state = part_of(sheet, state)
-                crossings = _crossings(sheet)
+            if not self._parts[place].holds(state):
+                self._parts[place] = Part(sheet, state.kept)
+                self._crossings[place] = _crossings(self._parts[place].info)
+            sheet, state = self._parts[place].of(state)
+            crossings = self._crossings[place]
             pairs = crossings.distant(crossings.pairs(state.position), sheet.blank.material_coordinates, limit)
             self.within[sheet.name].append(len(pairs))
         for stack in self._stacks:

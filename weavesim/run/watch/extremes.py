@@ -79,8 +79,10 @@ class SheetExtremes:
                 of_run = self._model.places.tools.start + int(tool)
                 self.depth = Extreme(float(depth[tool, node]), time, (float(x), float(y)), of_run)
             self.touched |= depth.max(axis=1) > 0.0
-            if self._model.samples.count and self._model.kept.all():
-                self.touched |= state.sample_depth.numpy().max(axis=1) > 0.0
+            samples = self._model.samples
+            if samples.count:
+                own = state.sample_depth.numpy().reshape(len(depth), len(samples.places), -1)
+                self.touched |= own[..., samples.slot[self._model.kept]].max(axis=(1, 2)) > 0.0
 
     def memory(self) -> dict[str, Any]:
         """All that was read so far, for a checkpoint."""

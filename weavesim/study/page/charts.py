@@ -126,7 +126,9 @@ def log_axis(factor: Factor) -> dict[str, Any]:
     steps = (1, 2, 5) if len(decades) <= MOST_DECADES else (1,)
     ticks = [step * 10.0**decade for decade in decades for step in steps]
     shown = [tick for tick in ticks if 0.999 * factor.low <= tick <= 1.001 * factor.high]
-    return {"type": "log", "tickvals": shown, "ticktext": [f"{tick:g}" for tick in shown]}
+    if len(shown) < 2:
+        shown = [factor.low, math.sqrt(factor.low * factor.high), factor.high]
+    return {"type": "log", "tickvals": shown, "ticktext": [f"{tick:.3g}" for tick in shown]}
 
 
 def _response_traces(results: StudyResults, measure: MeasureTable, k: int) -> Iterator[Any]:

@@ -23,7 +23,7 @@ def build_carriers(tools: Sequence[Tool], device: str) -> Any:
     curves: list[tuple[np.ndarray, np.ndarray]] = []
     carriers: list[Any] = []
     for tool in tools:
-        path = _path(tool)
+        path = PathMotion.of(tool.motion)
         placed, carrier = Pose.from_numbers(path.placed), Carrier()
         carrier.rotation, carrier.shift = placed.matrix.tolist(), placed.shift
         carrier.point, carrier.axis = path.point, path.axis
@@ -47,11 +47,6 @@ def carried_motion(state: Any) -> Any:
     return result
 
 
-def _path(tool: Tool) -> PathMotion:
-    """Of a tool; one that stays where it is if it is not carried."""
-    return tool.motion if isinstance(tool.motion, PathMotion) else PathMotion(along=tool.motion)
-
-
 def poses(tools: Sequence[Tool], time: float, displacement: np.ndarray) -> np.ndarray:
     """Entries of the poses of all tools at a time, with the rates just after it, (tool_count, entries).
 
@@ -65,7 +60,7 @@ def poses(tools: Sequence[Tool], time: float, displacement: np.ndarray) -> np.nd
     """
     result = np.zeros((len(tools), ToolPoseRow.row_count()))
     for k, tool in enumerate(tools):
-        path, along = _path(tool), displacement[k] * np.array(tool.axis)
+        path, along = PathMotion.of(tool.motion), displacement[k] * np.array(tool.axis)
         pose, (way, angle) = path.pose_at(time, along), path.state_at(time)
         result[k, ToolPoseRow.rotation.span], result[k, ToolPoseRow.shift.span] = pose.rotation, pose.shift
         result[k, ToolPoseRow.pivot.span] = np.array(path.point) + way + along

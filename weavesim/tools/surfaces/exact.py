@@ -62,11 +62,9 @@ class ExactSurface:
         own = self._own(points)
         if not self._meshes or (self._analytic is None and all(mesh.surface.closed for mesh in self._meshes)):
             return np.zeros(len(own), dtype=bool)
-        sheets = np.array([mesh.nearest(own)[0] for mesh in self._meshes])
-        nearest = self._meshes[0].beyond(own) if len(self._meshes) == 1 else np.zeros(len(own), dtype=bool)
-        if len(self._meshes) > 1:
-            each = np.stack([mesh.beyond(own) for mesh in self._meshes])
-            nearest = each[sheets.argmin(axis=0), np.arange(len(own))]
+        sheets = np.stack([mesh.nearest(own)[0] for mesh in self._meshes])
+        each = np.stack([mesh.beyond(own, away) for mesh, away in zip(self._meshes, sheets, strict=True)])
+        nearest = each[sheets.argmin(axis=0), np.arange(len(own))]
         if self._analytic is not None:
             nearest &= sheets.min(axis=0) < self._analytic(own)[0]
         return nearest
@@ -108,13 +106,13 @@ class _Triangles:
         outward = np.where((size > TOUCHING)[:, None], away / np.where(size > 0.0, distance, 1.0)[:, None], facing)
         return distance, outward @ self._rotation.T
 
-    def beyond(self, points: np.ndarray) -> np.ndarray:
-        """Whether the wall that makes a sheet solid is nearer than the sheet, (k,) bool."""
+    def beyond(self, points: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """Whether the wall that makes a sheet solid is nearer than the sheet, (k,) bool; with the ``nearest`` [m]."""
         if self.surface.closed:
             return np.zeros(len(points), dtype=bool)
         own = (points - self._origin) @ self._rotation
         face, _ = self._faces(self._shown_mesh, own)
-        return _away(self._shown[face], own)[1] > np.abs(self.nearest(points)[0]) + self.error
+        return _away(self._shown[face], own)[1] > np.abs(distance) + self.error
 
     def _faces(self, mesh: wp.Mesh, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The nearest face of each point, and the signed distance in single precision."""

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tests.unit.engine.staging.test_checks import DOWN, FORCE, staged
-from weavesim import AtStroke, Fixed, Pressure, SheetPressure, SmoothStroke, Stage, Stroke
+from weavesim import AtStroke, Fixed, NodalLoads, Pressure, SheetPressure, SmoothStroke, Stage, Stroke
 from weavesim.engine.staging.derive import acting_of, first_begin, planned_begins, stage_setup
+from weavesim.process.stages import SheetLoads
 
 
 def in_stage(setup, index, **given):
@@ -90,3 +91,11 @@ def test_the_plan_knows_where_strokes_end():
     assert [begin.time for begin in begins] == pytest.approx([0.0, 0.05, 0.15])
     assert begins[1].tools == pytest.approx((0.01, 0.0, 0.0, 0.01))
     assert begins[2].tools == pytest.approx((0.02, 0.0, 0.0, 0.015))
+
+
+@pytest.mark.parametrize("loads", [(), (SheetLoads(NodalLoads()),)])
+def test_loads_of_a_stage_replace_those_of_the_sheet_even_if_there_are_none(loads):
+    own = NodalLoads(np.full((25, 3), 2.0))
+    setup = staged(Stage("a", 0.1), Stage("b", 0.1, loads=loads), loads=own)
+    assert np.array_equal(in_stage(setup, 0).sheet.loads.force, own.force)
+    assert not np.any(in_stage(setup, 1).sheet.loads.force)

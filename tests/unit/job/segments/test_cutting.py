@@ -72,6 +72,38 @@ def test_each_has_its_own_load(tmp_path):
     assert setup.leading_tool == 1
 
 
+def test_a_segment_has_its_force_where_the_whole_has_none(tmp_path):
+    whole = 'ring_of = "die"\nforce = "0 N"\nmass = "0.6 kg"\nsegments = 4\nramp = "5 ms"\n'
+    setup = setup_with(tmp_path, whole + '\n[[tool.segment]]\nnumber = 2\nforce = "100 N"\n')
+    ring = {tool.name: tool.motion for tool in setup.tools}
+    assert ring["ring_2"].forces == (0.0, 100.0) and ring["ring_2"].times == (0.0, 5e-3)
+    assert max(ring["ring_1"].forces) == 0.0
+    alone = setup_with(tmp_path, whole.replace('force = "0 N"\n', "") + "".join(
+        f'\n[[tool.segment]]\nnumber = {k}\nforce = "100 N"\n' for k in range(1, 5)
+    ))  # fmt: skip
+    assert alone.tools[-1].motion.times == (0.0, 5e-3)
+
+
+def test_stages_keep_the_spacers_and_know_the_friction_of_the_whole(tmp_path):
+    stages = """
+[[stage]]
+name = "close"
+duration = "20 ms"
+
+[[stage]]
+name = "ease"
+duration = "5 ms"
+friction = { ring = 0.05 }
+[[stage.move]]
+name = "ring_1"
+force = "5 N"
+"""
+    setup = setup_with(tmp_path, RING + 'segments = 4\nstop = "0.1 mm"\n', stages)
+    ease = setup.stages[1]
+    assert ease.moves[0].motion.stop == 1e-4
+    assert [(each.name, each.coefficient) for each in ease.friction] == [(f"ring_{k}", 0.05) for k in range(1, 5)]
+
+
 def test_a_force_may_be_a_curve(tmp_path):
     curve = 'ring_of = "die"\ntimes = [0, "10 ms", "30 ms"]\nforces = [0, "600 N", "200 N"]\nmass = "0.6 kg"\n'
     assert setup_with(tmp_path, curve).tools[-1].motion == ForceDriven((0.0, 0.01, 0.03), (0.0, 600.0, 200.0), 0.6)

@@ -5,6 +5,7 @@ import pytest
 from weavesim import Fixed, ForceDriven, InputError, PathMotion, Rotation, Stroke
 from weavesim.job.build import setup_of
 from weavesim.job.read import read_job
+from weavesim.job.stages.tables import MoveTable
 from weavesim.job.stages.told import stage_lines
 
 JOB = """
@@ -74,6 +75,13 @@ def test_paths_of_a_job_are_those_of_a_script(tmp_path):
     assert drum.motion.rotation.angles == pytest.approx(spin.angles, rel=1e-3)
     # paths and turns are over before the run is
     assert setup.duration == pytest.approx(drum.motion.travel_time + 2.0e-3, abs=1e-2)
+
+
+def test_a_force_of_nothing_is_a_force(tmp_path):
+    table = MoveTable(
+        name="drum", path=((0, 0, 0), (0, 0, 1e-3)), path_times=(0, 1e-2), force="0 N", mass="1 kg", ramp="1 ms"
+    )
+    assert table.force == 0.0 and table.mass == 1.0
 
 
 def test_stages_have_them_too(tmp_path):

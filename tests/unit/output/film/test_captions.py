@@ -7,13 +7,13 @@ from weavesim.output.film.captions import Captions, Scale
 
 
 def test_a_scale_tells_what_lies_beyond_its_ends():
-    scale = Scale.of(np.array([1.0, 2.0, 3.0, 9.0]), 1.0, 4.0)
+    scale = Scale.of([np.array([1.0, 2.0, 3.0, 9.0])], 1.0, 4.0)
     assert scale.note() == (
         "all frames: smallest 1, largest 9; 25 % of the values lie beyond the ends and have their colours"
     )
-    assert Scale.of(np.array([1.0, 4.0]), 1.0, 4.0).note() == "all frames: smallest 1, largest 4"
-    assert "less than 0.01 %" in Scale.of(np.linspace(0.0, 1.00001, 100_000), 0.0, 1.0).note()
-    assert Scale.of(np.zeros(0), 0.0, 1.0).note() == "no values"
+    assert Scale.of([np.array([1.0, 4.0])], 1.0, 4.0).note() == "all frames: smallest 1, largest 4"
+    assert "less than 0.01 %" in Scale.of([np.linspace(0.0, 1.00001, 100_000)], 0.0, 1.0).note()
+    assert Scale.of([np.zeros(0)], 0.0, 1.0).note() == "no values"
     assert scale.in_unit(1e3) == Scale(1e3, 4e3, 1e3, 9e3, 0.25)
 
 

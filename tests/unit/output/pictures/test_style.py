@@ -50,6 +50,7 @@ def test_a_title_that_is_too_long_is_wrapped(tmp_path):
     boxes = [one._left_title.get_window_extent(renderer) for one in axes]
     assert all("\n" in one.get_title(loc="left") for one in axes)
     assert boxes[0].x1 < boxes[1].x0 and boxes[1].x1 <= figure.bbox.width
+    assert all(box.y1 <= figure.bbox.height for box in boxes)
 
 
 def test_rows_are_as_high_as_what_they_show():

@@ -14,7 +14,7 @@ from tests.support.stored_runs import stored_run, stored_sheet
 from tests.support.summary_keys import keys_without_unit
 from weavesim.measures.defects.judgement import Limits
 from weavesim.output.stored.file import StoredRun
-from weavesim.output.stored.judged import judge_run, tool_distance, write_judged
+from weavesim.output.stored.judged import ToolsOfRun, judge_run, tool_distance, write_judged
 from weavesim.sheet.blank import Blank
 from weavesim.tools.shapes import Sphere
 from weavesim.tools.tool import Tool
@@ -39,14 +39,14 @@ def run() -> StoredRun:
 
 
 def test_the_distance_is_that_to_the_tool_where_it_is(run):
-    distance = tool_distance(run, run.sheets[0])
+    distance = tool_distance(run, run.sheets[0], ToolsOfRun(run.tools))
     assert distance(np.array([[0.0, 0.0, 0.0], [0.0, 0.05, 0.0]])) == pytest.approx([0.02, np.hypot(0.05, 0.12) - 0.1])
 
 
 def test_a_tool_that_no_longer_acts_is_no_distance_away(run):
     free = dataclasses.replace(run, tool_acts=np.array([False]))
     free.__dict__["setup"] = run.setup
-    assert tool_distance(free, run.sheets[0]) is None
+    assert tool_distance(free, run.sheets[0], ToolsOfRun(run.tools)) is None
     judged = judge_run(free, Limits())
     assert "gap" not in judged.sheets[0].fields and "gap" in judge_run(run, Limits()).sheets[0].fields
     assert judged.as_dict()["sheets"][0]["largest_gap_mm"] is None
@@ -76,3 +76,10 @@ def test_a_run_within_its_limits(run, tmp_path):
     judged = judge_run(run, Limits(wrinkle_amplitude=None))
     assert judged.passed and list(judged.lines()) == ["within all limits"]
     assert json.loads(write_judged(tmp_path, judged)[0].read_text())["sheets"][0]["regions"] == []
+
+
+def test_a_tool_of_several_sheets_is_sampled_once(monkeypatch):
+    made = []
+    monkeypatch.setattr("weavesim.output.stored.judged.ToolDistance", lambda tool: made.append(tool) or len(made))
+    tools = ToolsOfRun(["die", "punch"])
+    assert [tools[1], tools[0], tools[1], tools[1]] == [1, 2, 1, 1] and made == ["punch", "die"]

@@ -18,37 +18,6 @@ from ..cases import element_count
 from ..measures import seconds_per_step
 
 TRAY = Path(__file__).resolve().parents[3] / "docs" / "notebooks" / "tray.stl"
-# The job that `weavesim new tray --die docs/notebooks/tray.stl --thickness 1.2` writes, on a coarser mesh.
-TRAY_JOB = """\
-name = "tray"
-[[ply]]
-name = "ply"
-fabric = "glass-polypropylene"
-rectangle = ["230 mm", "200 mm"]
-mesh_size = "{mesh_size} m"
-[[tool]]
-name = "die"
-file = "{file}"
-unit = "mm"
-up = "+z"
-faces = "up"
-[[tool]]
-name = "punch"
-offset_of = "die"
-gap = "1.2 mm"
-start = "touching"
-clearance = "1 mm"
-stroke = "close"
-speed = "0.4 m/s"
-largest_force = "20000 N"
-[[tool]]
-name = "ring"
-ring_of = "die"
-force = "400 N"
-mass = "0.4 kg"
-[output]
-frame_count = 40
-"""
 
 
 def _with_shapes(setup: Any, shape_of: Callable[[Any], Any], precision: str) -> Any:
@@ -89,13 +58,17 @@ def _double_dome(precision: str, kind: str, mesh_size: float) -> Any:
 
 def _tray(precision: str, kind: str, mesh_size: float) -> Any:
     """``kind``: "open", or "built-in": domes of like size with the same strokes and forces."""
+    from weavesim.fabric.presets import glass_polypropylene
     from weavesim.job.build import setup_of
+    from weavesim.job.draft.survey import survey
+    from weavesim.job.draft.template import Choices, new_job
     from weavesim.job.read import read_job
     from weavesim.tools.shapes import DomeOpening, DomePunch, rotation_matrix
 
     with TemporaryDirectory() as folder:
         job = Path(folder) / "job.toml"
-        job.write_text(TRAY_JOB.format(mesh_size=mesh_size, file=TRAY))
+        chosen = Choices("tray", str(TRAY), "glass-polypropylene", mesh_size=mesh_size)
+        job.write_text(new_job(survey(TRAY), chosen, glass_polypropylene()))
         setup = setup_of(read_job(job, (), [TRAY.parent]))
     opening = DomeOpening(radius=0.0605, half_length=0.015, edge_radius=0.02)
     built_in = {

@@ -198,6 +198,8 @@ def test_rest_that_never_comes_is_said_with_time_and_advice(caplog):
     )
     assert "give it more damping or a longer duration" in doubt.message and doubt.message in simulation.warnings
     assert "stage swing took all of its" in caplog.text
+    begins = [k for k, record in enumerate(caplog.records) if "stage swing took all of its time" in record.message]
+    assert begins and begins[0] < next(k for k, record in enumerate(caplog.records) if doubt.text in record.message)
     assert simulation.stages.ended[1]["reached"] is False
 
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from tests.support.bent_strips import bent_strip
 from tests.support.runs import one_sheet_run
 from weavesim.fabric.bending import YarnBending
 from weavesim.fabric.bending.curve import BendingCurve
 from weavesim.fabric.cell import LinearMembrane
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
-from weavesim.sheet.blank import Blank
 
 RIGIDITY, LOOP, SLIP = 2.0e-3, 8.0e-3, 0.5
 LENGTH, WIDTH, COUNT = 0.05, 0.01, 10
@@ -23,13 +23,8 @@ def test_a_bent_strip_springs_back_by_its_law(fabric, frames, manual):
         areal_density=0.5, thickness=5.0e-4, unit_cell=LinearMembrane(warp_stiffness=2.0e4, weft_stiffness=2.0e4),
         bending=YarnBending(warp=curve, weft=curve, twist=1.0e-3), transverse_shear_modulus=1.0e6,
     )  # fmt: skip
-    blank = Blank.rectangle((0.0, 0.0), (LENGTH, WIDTH), (LENGTH / COUNT, WIDTH))
+    blank, free, couple = bent_strip(LENGTH, WIDTH, COUNT, MOMENT)
     x = blank.node_position[:, 0]
-    free = np.ones((blank.node_count, 6), dtype=bool)
-    free[x < 1e-9] = False
-    free[:, [1, 3, 5]] = False
-    couple = np.zeros((blank.node_count, 3))
-    couple[x > LENGTH - 1e-9, 1] = -0.5 * MOMENT * WIDTH
     s = np.linspace(0.0, 1.0, 21)
     smooth = s * s * (3.0 - 2.0 * s)
     times, shares = (*(RAMP * s), *(RAMP * (1.5 + s))), (*smooth, *smooth[::-1])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.support.bent_strips import bent_strip
 from weavesim.engine.model import Model
 from weavesim.engine.setup import Setup, Solver
 from weavesim.engine.stepper import Stepper
@@ -89,13 +90,8 @@ def test_an_elastic_strip_is_straight_again(fabric, manual):
         unit_cell=LinearMembrane(warp_stiffness=2.0e4, weft_stiffness=2.0e4),
         bending=IsotropicBending(modulus=12.0 * RIGIDITY / thickness**3), transverse_shear_modulus=1.0e6,
     )  # fmt: skip
-    blank = Blank.rectangle((0.0, 0.0), (LENGTH, WIDTH), (LENGTH / COUNT, WIDTH))
+    blank, free, couple = bent_strip(LENGTH, WIDTH, COUNT, MOMENT)
     x = blank.node_position[:, 0]
-    free = np.ones((blank.node_count, 6), dtype=bool)
-    free[x < 1e-9] = False
-    free[:, [1, 3, 5]] = False
-    couple = np.zeros((blank.node_count, 3))
-    couple[x > LENGTH - 1e-9, 1] = -0.5 * MOMENT * WIDTH
     s = np.linspace(0.0, 1.0, 21)
     ramp = NodalLoads(None, couple, tuple(0.2 * s), tuple(s * s * (3.0 - 2.0 * s)))
     stages = (Stage("bend", 0.3, loads=[SheetLoads(ramp)]), Stage("release", 1.0, AtRest(1e-6, 1e-4), loads=[]))

@@ -31,6 +31,13 @@ def begin_stage(simulation: Simulation) -> None:
     """
     prepared, course, frame = simulation.prepare(), simulation.stages, simulation.frame
     course.finish(frame, prepared.model.setup)
+    if not course.ended[-1]["reached"]:  # a guard tells more at the end of the run, which may be hours away
+        logger.warning(
+            "%s: stage %s took all of its time, to %.6g s; its end was not reached",
+            simulation.name,
+            course.name,
+            frame.time,
+        )
     simulation.watch.look(frame, last=True)
     last, before = course.acting[course.index], prepared.model
     course.go_on(frame, before.setup)

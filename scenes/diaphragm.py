@@ -24,7 +24,6 @@ from weavesim.fabric.cell import LinearMembrane
 from weavesim.fabric.fabric import Fabric
 from weavesim.fabric.file import FABRIC_HELP, resolve_fabric
 from weavesim.fabric.shear import LinearShear
-from weavesim.output.stored.judged import distance_to
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.friction import Coulomb
 from weavesim.process.interfaces import Interface
@@ -37,6 +36,7 @@ from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 from weavesim.sheet.stack import LayUp
 from weavesim.tools.shapes import Plane, Sphere, Union
+from weavesim.tools.surfaces.distance import ToolDistance
 from weavesim.tools.tool import Tool
 
 from .double_dome import SYMMETRY
@@ -302,10 +302,9 @@ def formed(parameters: DiaphragmParameters, simulation: Simulation) -> dict[str,
         name: float(max(sheets[name].fields[f"{yarn}_stretch"].max() for yarn in ("warp", "weft"))) - 1.0
         for name in (LOWER, UPPER)
     }
-    distance = distance_to([(tool, float(frame.tool_displacement[0]))])
-    assert distance is not None
+    distance = ToolDistance(tool)
     under = np.abs(simulation.info.sheets[0].blank.material_coordinates).max(axis=1) <= 0.5 * parameters.ply_side
-    gap = distance(sheets[LOWER].position[under]) - 0.5 * parameters.rubber_thickness
+    gap = distance(sheets[LOWER].position[under], frame.place(0))[0] - 0.5 * parameters.rubber_thickness
     return {
         "largest_diaphragm_strain": strain, "touching_share": float((gap < TOUCHING).mean()), **slips(simulation)
     }  # fmt: skip

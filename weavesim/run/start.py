@@ -114,10 +114,19 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
         thread_counts=thread_counts,
         internal_energies=ledger.internal,
         warnings=[doubt.message for doubt in doubts if doubt.level > Level.NOTE],
-        notes=(*mesh_notes(model), *(doubt.message for doubt in doubts if doubt.level == Level.NOTE)),
+        notes=(
+            *mesh_notes(model),
+            *_scaling_notes(setup),
+            *(doubt.message for doubt in doubts if doubt.level == Level.NOTE),
+        ),
         run_id=run_id or new_run_id(),
     )
     return Prepared(model, state, stepper, ledger, info, frame, guards)
+
+
+def _scaling_notes(setup: Setup) -> Iterator[str]:
+    if setup.solver.mass_scaling is not None:
+        yield "; ".join(line.strip() for line in setup.solver.mass_scaling.report().split("\n"))
 
 
 def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:

@@ -3,6 +3,7 @@
 import pytest
 
 from tests.support.jobs import TRAY, write_tray
+from weavesim.job.advice.damping import suggested_damping
 from weavesim.job.build import setup_of
 from weavesim.job.check import Row, check_setup, table_of
 from weavesim.job.read import read_job
@@ -29,6 +30,18 @@ def test_everything_that_is_asked_for_is_there(tray):
     assert rows["forces", "ring"].value == "in touch at the start"
     assert "suggested: 0.4 m/s" in rows["speeds", "punch"].advice
     assert "steps" in rows["cost", "time step"].value
+
+
+def test_a_damping_is_suggested_with_its_reason(tray, tmp_path):
+    checked, rows = tray
+    row = rows["damping", "of nodes"]
+    assert row.value == "100 1/s" and row.judgement == "ok"
+    assert (
+        f"suggested: {suggested_damping(checked.setup.duration):g} 1/s, by which vibrations fall by e six" in row.advice
+    )
+    for given, words in (("10 1/s", "vibrations last for the whole run"), ("9000 1/s", "it holds back")):
+        found = rows_of(tmp_path, ("[output]", f'[process]\ndamping = "{given}"\n\n[output]'))[1]["damping", "of nodes"]
+        assert found.judgement == "look" and found.advice.startswith(words)
 
 
 def test_coarse_elements_and_a_fast_punch_are_to_be_looked_at(tray):
@@ -78,5 +91,8 @@ def test_the_stages_are_told_with_what_acts_and_ends_them(tmp_path):
         "punch stays, ring pushed with 100 N, 80 kPa on ply; takes 5 ms"
     )
     assert told["open"].startswith("die, punch act, punch moves by -20 mm; ends at rest")
+    damping = {row.what: row for row in checked.rows if row.topic == "damping"}
+    assert list(damping) == ["while tools move", "until open is at rest"]
+    assert "critical for the slowest bending of the flat sheet" in damping["until open is at rest"].advice
     speeds = {row.what: row.value for row in checked.rows if row.topic == "speeds"}
     assert speeds["punch in open"] == "20 mm at 0.4 m/s"

@@ -57,6 +57,8 @@ def test_the_middle_leg_of_three_touches_on_both_sides():
     assert not entries(run)[:, PassEntry.late].any()
     above, below = (pass_rows(run, k)["depth"] > 0.0 for k in (0, 1))
     assert (above & below).sum() > 20
+    last = run.history[-1]
+    assert abs(last["balance_error"]) < 0.01 * last["supplied"]
 
 
 def test_turns_of_a_roll_meet_back_to_face():

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from .guard import Level
+from .guard import Doubt, Level
 from .limit import LimitGuard
 
 if TYPE_CHECKING:
     from ..verdict import Judged
+
+
+SCALED = (
+    "the scaling of the mass was found for a stated error of shear angles and draw-in, which it keeps on a coarser "
+    "mesh (mass_scaling in the summary); forces, stresses and energies have the inertia of the added mass"
+)
 
 
 class EnergyBalance(LimitGuard):
@@ -32,6 +40,12 @@ class KineticEnergy(LimitGuard):
     text = "kinetic over internal energy in the last quarter"
     largest = 0.05
     advice = "the run is not quasi-static, slow the tools down"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """With a scaling of the mass that was found for a stated error, what that error says, and what it does not."""
+        chosen = run.run.setup.solver.mass_scaling
+        for doubt in super().after(run):
+            yield doubt if chosen is None else replace(doubt, advice=SCALED)
 
 
 class HourglassEnergy(LimitGuard):
@@ -68,3 +82,9 @@ class AddedMass(LimitGuard):
     text = "the added mass over the blank's"
     largest = 0.05
     advice = "it changes the dynamics: give a smaller target_step"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """A note where the scaling was found for a stated error."""
+        chosen = run.run.setup.solver.mass_scaling
+        for doubt in super().after(run):
+            yield doubt if chosen is None else replace(doubt, level=Level.NOTE, advice=SCALED)

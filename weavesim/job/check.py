@@ -6,27 +6,26 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..engine.setup import Setup
 from ..process.motions.paths import PathMotion
-from ..process.stages import AtRest
 from ..process.strokes import Motion
 from ..run.guards import Doubt, Level, Start
 from ..run.guards.closing import on_both_sides, smallest_gap
 from ..run.guards.tool_mesh import FEWEST_ELEMENTS_PER_QUARTER_TURN, LEAST_ELEMENTS_PER_QUARTER_TURN
 from ..run.simulation import Simulation
-from ..run.staging.rehearsal import Phase, phases_of
+from ..run.staging.rehearsal import phases_of
 from ..run.watch.tool_distance import ToolDistances
 from ..tools.mesh_tool import MeshSurface
 from ..tools.mesh_topology import place
 from ..tools.sampling import DOUBTFUL_ERROR
 from ..tools.shapes import Shape
 from ..tools.surfaces.flaws import holes_of, sharper_than
-from .advice.damping import FAR_OFF, release_damping, slowest_bending, suggested_damping
-from .advice.speed import KINETIC_SHARE, suggested_speed
+from .advice.speed import suggested_speed
+from .advice.told import LOOK, NOTE, OK, Row, damping_rows
 from .stages.told import stage_lines
 
 if TYPE_CHECKING:
@@ -40,25 +39,6 @@ IN_TOUCH = 0.1
 TOO_FAST = 2.0
 # A force-driven tool should close a gap of a tenth of the stack within this share of the run.
 SLOW_HOLDER = 0.02
-OK, NOTE, LOOK = "ok", "note", "look"
-
-
-class Row(NamedTuple):
-    """A line of the table.
-
-    Attributes:
-        topic: of the group of lines.
-        what: that is known.
-        value: with its unit.
-        judgement: "ok", "note" or "look"; "" for a mere fact.
-        advice: what to do, or how it is judged.
-    """
-
-    topic: str
-    what: str
-    value: str
-    judgement: str = ""
-    advice: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,7 +83,7 @@ def check_setup(setup: Setup) -> Checked:
         *_holders(setup, start),
         *(Row("stages", name, text) for name, text in stage_lines(setup)),
         *_speeds(setup),
-        *_damping(setup),
+        *damping_rows(setup),
         *_cost(prepared.info.expected),
         *(
             Row("doubts", doubt.guard.replace("_", " "), doubt.text, _judgement(doubt), doubt.advice)
@@ -323,57 +303,6 @@ def _turning_speeds(name: str, motion: Motion, speed: float, setup: Setup) -> It
         OK if fastest <= TOO_FAST * speed else LOOK,
         f"suggested: {speed:g} m/s, at which inertia is about a hundredth of the work of shearing",
     )
-
-
-def _damping(setup: Setup) -> Iterator[Row]:
-    """The damping while tools move, and that of every stage that is to come to rest, beside what is suggested."""
-    phases = phases_of(setup)
-    forming = [phase for phase in phases if not isinstance(phase.end_by, AtRest)]
-    if forming:
-        time = sum(phase.end - phase.begin for phase in forming)
-        suggested = suggested_damping(time)
-        most = 2.0 * suggested * time * KINETIC_SHARE
-        given = _rate(forming[0])
-        far = given < suggested / FAR_OFF or given > suggested * FAR_OFF
-        slow = "vibrations last for the whole run" if given < suggested else "it holds back what moves slowly"
-        yield Row(
-            "damping",
-            "of nodes" if len(phases) == 1 else "while tools move",
-            f"{given:g} 1/s",
-            LOOK if far else OK,
-            (f"{slow}; " if far else "")
-            + f"suggested: {suggested:g} 1/s, by which vibrations fall by e six times in {1e3 * time:.3g} ms; a sheet "
-            f"as fast as its punch all the way would lose {most:.0%} of the work of shearing, most moves far less",
-        )
-    for phase in phases:
-        if isinstance(phase.end_by, AtRest):
-            yield from _damping_to_rest(phase)
-
-
-def _damping_to_rest(phase: Phase) -> Iterator[Row]:
-    length, sheet = max(
-        ((float(np.ptp(sheet.blank.node_position[:, :2], axis=0).max()), sheet) for sheet in phase.setup.sheets),
-        key=lambda each: each[0],
-    )
-    length *= 2.0 if any(world.symmetry.planes for world in phase.setup.worlds) else 1.0
-    slowest = slowest_bending(sheet.fabric, length)
-    if slowest == 0.0:
-        return
-    given, suggested = _rate(phase), release_damping(sheet.fabric, length)
-    low = given < suggested / FAR_OFF
-    yield Row(
-        "damping",
-        f"until {phase.name} is at rest",
-        f"{given:g} 1/s",
-        LOOK if low else NOTE if given > suggested * FAR_OFF else OK,
-        ("it swings for long; " if low else "it creeps to its rest; " if given > suggested * FAR_OFF else "")
-        + f"suggested: {suggested:g} 1/s, critical for the slowest bending of the flat sheet, {slowest:.3g} rad/s; a "
-        "formed part is stiffer",
-    )
-
-
-def _rate(phase: Phase) -> float:
-    return max(world.dynamics.damping for world in phase.setup.worlds)
 
 
 def _cost(expected: Estimate | None) -> Iterator[Row]:

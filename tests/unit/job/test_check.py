@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tests.support.jobs import TRAY, tray_surface, write_stl, write_tray
-from weavesim.job.advice.damping import suggested_damping
+from weavesim.job.advice.told import Row
 from weavesim.job.build import setup_of
-from weavesim.job.check import Row, check_setup, table_of
+from weavesim.job.check import check_setup, table_of
 from weavesim.job.read import read_job
 
 
@@ -31,18 +31,6 @@ def test_everything_that_is_asked_for_is_there(tray):
     assert rows["forces", "ring"].value == "in touch at the start"
     assert "suggested: 0.4 m/s" in rows["speeds", "punch"].advice
     assert "steps" in rows["cost", "time step"].value
-
-
-def test_a_damping_is_suggested_with_its_reason(tray, tmp_path):
-    checked, rows = tray
-    row = rows["damping", "of nodes"]
-    assert row.value == "100 1/s" and row.judgement == "ok"
-    assert (
-        f"suggested: {suggested_damping(checked.setup.duration):g} 1/s, by which vibrations fall by e six" in row.advice
-    )
-    for given, words in (("10 1/s", "vibrations last for the whole run"), ("9000 1/s", "it holds back")):
-        found = rows_of(tmp_path, ("[output]", f'[process]\ndamping = "{given}"\n\n[output]'))[1]["damping", "of nodes"]
-        assert found.judgement == "look" and found.advice.startswith(words)
 
 
 def test_coarse_elements_and_a_fast_punch_are_to_be_looked_at(tray):

@@ -106,7 +106,9 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
     how: dict[str, Any] = {"overwrite": overwrite, "options": options, "solver_fields": output.solver_fields}
     folder = ResultFolder(out, writers=writers, **how)
     interval = output.checkpoint_interval
-    return run_into_folder(setup, folder, options=options, checkpoint_interval=interval, stop_on=output.stop_on)
+    return run_into_folder(
+        setup, folder, options=options, checkpoint_interval=interval, stop_on=output.stop_on, reads_frames=False
+    )
 
 
 def options_of(file: JobFile) -> dict[str, Any]:

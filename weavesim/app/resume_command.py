@@ -62,7 +62,7 @@ def _resumed(out: Path, job: Job, content: Content, threads: int | None, device:
     folder = ResultFolder(
         out, writers=job.writers or None, options=job.options, resumes=True, solver_fields=job.solver_fields
     )
-    return run_into_folder(job.setup, folder, options=job.options, job=job, resumes=True)
+    return run_into_folder(job.setup, folder, options=job.options, job=job, resumes=True, reads_frames=False)
 
 
 def _elsewhere(setup: Setup, threads: int | None, device: str | None) -> Setup:

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
+# Writers that read the fields of the last frame at most; films, series and pages read those of all.
+OF_LAST_FRAME = frozenset({"summary", "tables", "pictures", "results"})
+
 
 def run_into_folder(
     setup: Setup,
@@ -33,6 +36,7 @@ def run_into_folder(
     checkpoint_interval: float = INTERVAL,
     resumes: bool = False,
     shown: Mapping[str, str] | None = None,
+    reads_frames: bool = True,
 ) -> dict[str, Any]:
     """Run a set-up and write its results to ``folder``, however the run ends.
 
@@ -49,6 +53,8 @@ def run_into_folder(
         checkpoint_interval: wall time between two checkpoints [s]; 0 writes none.
         resumes: go on from the last checkpoint of ``job`` in the folder, or from the start where there is none yet.
         shown: the options in words and with their units, for the report; by default as they are.
+        reads_frames: whether anything beside the writers of the folder, such as its curves, may read any field of any
+            frame.
 
     Returns:
         The summary as written.
@@ -95,7 +101,11 @@ def run_into_folder(
         with interruption() as interrupted, interrupted.held():
             try:
                 # the folder removes old results, before the log begins and after warnings are shown
-                simulation.run([bar, folder, log], checkpoints=checkpoints if checkpoint_interval else None)
+                simulation.run(
+                    [bar, folder, log],
+                    checkpoints=checkpoints if checkpoint_interval else None,
+                    every_field=reads_frames or not OF_LAST_FRAME.issuperset(folder.writer_names),
+                )
             finally:
                 if simulation.history:
                     folder.add(log.path)

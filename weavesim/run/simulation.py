@@ -71,7 +71,7 @@ class Simulation:
         self._frame: Frame | None = None
         self._watch: Watch | None = None
         self._checkpoints: Checkpoints | None = None
-        self._resumes = False
+        self._resumes, self._every_field = False, True
         self._started = self._time_before = 0.0
 
     @property
@@ -130,7 +130,7 @@ class Simulation:
     @property
     def frame(self) -> Frame:
         """The last frame taken."""
-        return self._frame or self.prepare().frame
+        return self._frame or self.prepare().whole_frame
 
     @property
     def watch(self) -> Watch:
@@ -192,7 +192,9 @@ class Simulation:
             self.wall_time = self._time_before + time.perf_counter() - self._started
         return self._checkpoints.save(self)
 
-    def run(self, observers: Sequence[Observer] = (), *, checkpoints: Checkpoints | None = None) -> Outcome:
+    def run(
+        self, observers: Sequence[Observer] = (), *, checkpoints: Checkpoints | None = None, every_field: bool = True
+    ) -> Outcome:
         """Run until the end, until rest, until a signal, or until the state is no longer finite.
 
         Ctrl-C, SIGTERM and SIGHUP stop a run within about a tenth of a second on a CPU (or a block of steps, if that
@@ -204,13 +206,15 @@ class Simulation:
         Args:
             observers: of the run.
             checkpoints: where to write some; those of ``resume`` by default.
+            every_field: whether an observer reads what is computed for frames alone, such as pressures of the tools; if
+                not, only the last frame has it, and the last of every stage.
 
         Raises:
             InputError: see ``prepare``.
             RunError: the state became non-finite (the message names the element and the likely cause), or this
                 simulation has been run before.
         """
-        with closing(self.course(observers, checkpoints=checkpoints)) as course:
+        with closing(self.course(observers, checkpoints=checkpoints, every_field=every_field)) as course:
             try:
                 target, interrupted = next(course)
                 while True:
@@ -220,18 +224,18 @@ class Simulation:
                 return outcome
 
     def course(
-        self, observers: Sequence[Observer] = (), *, checkpoints: Checkpoints | None = None
+        self, observers: Sequence[Observer] = (), *, checkpoints: Checkpoints | None = None, every_field: bool = True
     ) -> Generator[tuple[float, Interruption], bool, Outcome]:
-        """The run for whoever steps it: see ``run``.
-
-        Yields up to which time the state is to be advanced [s], and what notes the signals that stop it earlier. It
-        wants to know whether the run goes on, and, if the state is no longer finite, ``failed``.
+        """The run for whoever steps it, see ``run``: yields up to which time the state is to be advanced [s], and what
+        notes the signals that stop it earlier. It wants to know whether the run goes on, and, if the state is no longer
+        finite, ``failed``.
         """
         if self.history:
             raise RunError("this simulation has been run: make a new one, since runs start from the undeformed blank")
         self.prepare()
         self._started, self._time_before = time.perf_counter(), self.wall_time
         self._checkpoints = self._checkpoints or checkpoints
+        self._every_field = every_field and len(observers) > 0
         with exclusive(), interruption() as interrupted, interrupted.held(), ExitStack() as at_end:
             self.outcome = Outcome.INTERRUPTED
             for observer in observers:
@@ -239,11 +243,11 @@ class Simulation:
                 at_end.callback(self._finish, observer)
             if self._resumes and self._checkpoints is not None:
                 for frame in self._checkpoints.frames():
-                    self._publish(frame, observers)
+                    self._publish(frame, observers, complete=False)
             else:
                 if self._checkpoints is not None:
                     self._checkpoints.begin(self._checkpoints.job or Job(self.setup, self.info.run_id))
-                self._take(self.frame, observers)
+                self._publish(self.prepare().frame, observers, self._every_field, kept=True)
             self.outcome = yield from self._run_frames(observers, interrupted)
             try:
                 report_new(self.doubts(), self.prepare().guards.first, self.warnings)
@@ -282,8 +286,8 @@ class Simulation:
             if frame.time < target and running and not ends_here:
                 continue
             if frame is not self.frame:
-                take = self._take if frame.time >= target or ends_here else self._publish
-                take(frame, observers)
+                complete = self._every_field or not running or stages.is_over(frame)
+                self._publish(frame, observers, complete, kept=frame.time >= target or ends_here)
             self.wall_time = self._time_before + time.perf_counter() - self._started
             if not running and not (stages.is_last and stages.is_over(self.frame)):
                 self.interrupted_by = interrupted.signal.name if interrupted.signal else None
@@ -316,18 +320,14 @@ class Simulation:
         with exclusive():
             frame = self.ledger.frame(self.frame.index + 1)
             self.watch.look(frame, last=True)
-            self._publish(frame, ())
+            self._publish(frame, (), True)
         return self.frame
 
-    def _take(self, frame: Frame, observers: Sequence[Observer]) -> None:
-        """Publish a frame that every run of this set-up has."""
-        frame = self.ledger.completed(frame)
-        if self._checkpoints is not None:
+    def _publish(self, frame: Frame, observers: Sequence[Observer], complete: bool, kept: bool = False) -> None:
+        """Show a frame, ``complete`` with every field; ``kept`` if every run of this set-up has it."""
+        self._frame = frame = self.ledger.completed(frame) if complete else frame
+        if kept and self._checkpoints is not None:
             self._checkpoints.add(frame)
-        self._publish(frame, observers)
-
-    def _publish(self, frame: Frame, observers: Sequence[Observer]) -> None:
-        self._frame = frame = self.ledger.completed(frame)
         self.stages.keep(frame)
         self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
         for observer in observers:

@@ -6,10 +6,11 @@ import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..device import resolve_thread_counts
+from ..device import exclusive, resolve_thread_counts
 from ..engine.model import Model
 from ..engine.setup import Setup
 from ..engine.staging.derive import acting_of
@@ -39,7 +40,7 @@ class Prepared:
     Attributes:
         model, state, stepper, ledger: of the run.
         info: for its observers.
-        frame: the undeformed state.
+        frame: the undeformed state, with the fields that kernels write.
         guards: of the run, asked what they know so far.
     """
 
@@ -50,6 +51,12 @@ class Prepared:
     info: RunInfo
     frame: Frame
     guards: Guards
+
+    @cached_property
+    def whole_frame(self) -> Frame:
+        """``frame`` with every field, before anything else is done with the state; waits for the device."""
+        with exclusive():
+            return self.ledger.completed(self.frame)
 
 
 def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
@@ -94,7 +101,7 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
     logger.info("%s takes %s", setup.name, expected)
     book = StageBook(course[0].stage.name, course[0].tools, {}, setup.trims) if course else None
     ledger = Ledger(stepper, book)
-    frame = ledger.completed(ledger.frame(0))
+    frame = ledger.frame(0)
     for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
         check_cell_at_rest(sheet.fabric.unit_cell, first)
     guards = Guards()

@@ -100,7 +100,8 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
         options["limits"] = str(limits.absolute())
     how: dict[str, Any] = {"overwrite": overwrite, "options": options, "solver_fields": output.solver_fields}
     folder = ResultFolder(out, writers=writers, **how)
-    return run_into_folder(setup, folder, options=options, checkpoint_interval=output.checkpoint_interval)
+    interval = output.checkpoint_interval
+    return run_into_folder(setup, folder, options=options, checkpoint_interval=interval, reads_frames=False)
 
 
 def options_of(file: JobFile) -> dict[str, Any]:

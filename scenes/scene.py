@@ -136,7 +136,7 @@ class Scene:
 
         return Job(
             setup, new_run_id(), parameters.model_dump(mode="json"), {"scene": self.name, "case": case},
-            parameters.writers, order, parameters.solver_fields,
+            parameters.writers, order, parameters.solver_fields, parameters.stops,
         )  # fmt: skip
 
     def resume(self, job: Job, options: Mapping[str, Any], out: Path) -> dict[str, Any]:

@@ -83,6 +83,10 @@ class RunOptions(Parameters):
         default=INTERVAL,
         description="wall time between two checkpoints, from which weavesim resume goes on [s]; 0 writes none",
     )
+    stop_on: str | None = Field(
+        default=None,
+        description="guards that end the run, comma-separated: GUARD, GUARD:do-not-use, or do-not-use for any",
+    )
 
     strict: bool = Field(
         default=False, description="judge the run by limits at its end: exit code 5 beyond one (weavesim verdict)"
@@ -103,6 +107,15 @@ class RunOptions(Parameters):
     @classmethod
     def _are_known(cls, value: str | None) -> str | None:
         chosen_writers(_names(value))
+        return value
+
+    @field_validator("stop_on")
+    @classmethod
+    def _are_guards(cls, value: str | None) -> str | None:
+        if value is not None:
+            from ..run.watch.stops import stop_levels
+
+            stop_levels(_names(value) or ())
         return value
 
     @model_validator(mode="after")
@@ -172,6 +185,11 @@ class RunOptions(Parameters):
     def tolerances(self) -> dict[str, float] | None:
         """What a mass scaling has to keep, for ``choose_mass_scaling``; None if none is sought."""
         return tolerances_of(self.mass_scaling_angle, self.mass_scaling_draw_in)
+
+    @property
+    def stops(self) -> tuple[str, ...]:
+        """What ends the run, for a ``Simulation``."""
+        return tuple(_names(self.stop_on) or ())
 
     def solver(self, **given: Any) -> Solver:
         """Solver settings from these options; ``given`` are additional values."""

@@ -57,7 +57,7 @@ from ..kernels.stepping.tool_contact import tool_push_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..process.friction import AmongLaws
 from ..sheet.geometry import ElementGeometry
-from .plies.ply_kernels import own_contact_kernels, ply_kernels
+from .plies.ply_kernels import mirror_kernels, own_contact_kernels, ply_kernels
 from .setup import Setup, World
 from .staging.derive import among_laws
 from .traits import node_traits, sheet_traits
@@ -92,6 +92,7 @@ class KernelSet:
         meshes: whether the distance to a triangle mesh is sampled.
         plies: whether sheets touch each other, or themselves.
         own_contact: whether they touch themselves.
+        mirrored: whether they touch their mirror images.
         others: of sheets whose unit cells are of other kinds.
     """
 
@@ -109,6 +110,7 @@ class KernelSet:
     meshes: bool = False
     plies: bool = False
     own_contact: bool = False
+    mirrored: bool = False
     others: tuple[KernelSet, ...] = ()
 
     @classmethod
@@ -144,6 +146,7 @@ class KernelSet:
             meshes=True,
             plies=any(one.plies for one in sets),
             own_contact=any(one.own_contact for one in sets),
+            mirrored=any(one.mirrored for one in sets),
         )
 
     @classmethod
@@ -169,6 +172,11 @@ class KernelSet:
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
             plies=nodes.touched,
             own_contact=any(sheet.self_contact is not None for sheet in setup.sheets),
+            mirrored=any(
+                sheet.self_contact is not None and world.symmetry.planes
+                for world in setup.worlds
+                for sheet in world.sheets
+            ),
         )
 
     def kernels(self) -> list[wp.Kernel]:
@@ -201,6 +209,7 @@ class KernelSet:
             *(mesh_kernels() if self.meshes else []),
             *(ply_kernels(real, lane_count) if self.plies else []),
             *(own_contact_kernels(real, lane_count) if self.own_contact else []),
+            *(mirror_kernels(real, lane_count) if self.mirrored else []),
             *(motion(real if is_cpu or not self.tools else wp.float64) for motion in motions),
             *([] if is_cpu or not self.tools else map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))),
             *([support_motion_kernel(real)] if self.driven else []),

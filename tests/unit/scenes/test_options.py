@@ -15,7 +15,7 @@ SCENES = {name: found.load() for name, found in known_scenes().items()}
 # sought before the run, test_scene.py.
 LEFT_OUT = {
     "out", "write", "without", "overwrite", "checkpoint_interval", "accept_unusual", "device", "strict", "limits",
-    "solver_fields", "mass_scaling_angle", "mass_scaling_draw_in",
+    "solver_fields", "stop_on", "mass_scaling_angle", "mass_scaling_draw_in",
 }  # fmt: skip
 # Changes only what a run records; tests/validation/ have its effect.
 RECORDED = {("picture-frame", "load_factor")}

@@ -22,7 +22,7 @@ from weavesim.scenes.stack import StackParameters, slips, stack
 from weavesim.tools.surfaces.distance import ToolDistance
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
-SIZES = (0.015, 0.010, 0.0075)
+SIZES = (0.015, 0.0125, 0.010)
 FRICTIONS = (0.0, 0.5)
 # Twice the default speed: the kinetic energy in the last quarter is told on the page.
 SPEED = 0.5
@@ -41,7 +41,7 @@ class Formed:
 
 def formed(size: float, friction: float, lay_up: str = "0/45") -> Formed:
     """The deck of one mesh size [m], with friction between the plies."""
-    parameters = StackParameters(lay_up=lay_up, mesh_size=size, ply_friction=friction, punch_speed=SPEED, threads=2)
+    parameters = StackParameters(lay_up=lay_up, mesh_size=size, ply_friction=friction, punch_speed=SPEED, threads=1)
     simulation, record = Simulation(stack(parameters)), CrossingRecord()
     simulation.run([record])
     plies = tuple(

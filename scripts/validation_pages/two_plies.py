@@ -22,7 +22,7 @@ from weavesim.scenes.stack import StackParameters, slips, stack
 from weavesim.tools.surfaces.distance import ToolDistance
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
-SIZES = (0.015, 0.0125, 0.010)
+SIZES = (0.015, 0.010, 0.0075)
 FRICTIONS = (0.0, 0.5)
 # Twice the default speed: the kinetic energy in the last quarter is told on the page.
 SPEED = 0.5

@@ -120,8 +120,8 @@ EXHIBITS = (
     Exhibit(
         "grippers",
         "A blank on springs",
-        "Held by springs at its edges, pushed 50 mm down by a ball, and released: friction between its yarns keeps more "
-        "than half of that. A fabric without it springs back until it is flat.",
+        "Held by springs at its edges, pushed 50 mm down by a ball, and released: friction between its yarns keeps "
+        "more than half of that. A fabric without it springs back until it is flat.",
         ("weavesim grippers --fabric glass-polypropylene-consensus",),
         ("out/grippers/pictures/formed_sheet.png",),
         holds=_keeps_half,

@@ -34,6 +34,7 @@ LARGEST_SIZE = 2.0
 class NotFinite(Guard):
     """A state that is no longer finite: the run stops, and what it wrote ends at its last good frame."""
 
+    lasting = True
     name = "not_finite"
     watches = "whether the state is finite, after every turn of steps"
 
@@ -53,6 +54,7 @@ class NotFinite(Guard):
 class _Counted(Guard):
     """What ``Condition`` counts."""
 
+    lasting = True
     what: ClassVar[str] = ""
     text: ClassVar[str] = ""
     advice: ClassVar[str] = ""
@@ -86,6 +88,7 @@ class SelfIntersection(_Counted):
 class SheetIntersection(Guard):
     """Sheets of one world that pass through each other."""
 
+    lasting = True
     name = "sheet_intersection"
     watches = "sheets that pass through each other"
 
@@ -249,6 +252,7 @@ class InvertedElements(_Counted):
 class BeyondSymmetry(Guard):
     """Nodes on the side of the mirror image."""
 
+    lasting = True
     name = "beyond_symmetry"
     watches = "nodes beyond a symmetry plane"
 

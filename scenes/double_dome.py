@@ -26,6 +26,8 @@ from weavesim.measures.border import taut_path_draw_in
 from weavesim.output import load_measured_angles, load_measured_outline
 from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
+from weavesim.process.friction import Coulomb
+from weavesim.process.self_contact import SelfContact
 from weavesim.process.stages import AtRest, Stage
 from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Support
@@ -88,6 +90,9 @@ class DoubleDomeParameters(HolderOptions):
     )
     contact_thickness: Literal["initial", "current"] = Field(
         default="initial", description="sheet thickness used for contact with the tools"
+    )
+    self_contact: bool = Field(
+        default=False, description="the sheet meets itself in folds, with its friction on the tools"
     )
     contact_samples: Literal["nodes", "surface"] = Field(
         default="nodes", description="where the sheet meets tools: at its nodes, or between them too, on its surface"
@@ -253,8 +258,10 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
     )
     tools = make_tools(parameters, fabric.thickness, symmetry)
     supports = held_free(parameters, blank) if parameters.release else ()
+    own = SelfContact(Coulomb(parameters.friction)) if parameters.self_contact else None
     return Setup(
-        "double_dome", sheets=(Sheet(blank, fabric, supports=supports),), tools=tools, symmetry=symmetry,
+        "double_dome", sheets=(Sheet(blank, fabric, supports=supports, self_contact=own),), tools=tools,
+        symmetry=symmetry,
         dynamics=Dynamics(
             damping=parameters.damping,
             director_damping=DIRECTOR_DAMPING,

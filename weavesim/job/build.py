@@ -89,7 +89,8 @@ class Builder:
         moving = [k for k, tool in enumerate(job.tool) if tool.stroke is not None]
         moving += [k for k, tool in enumerate(job.tool) if tool.name in strokes]
         by_table = dict(zip([tool.name for tool in job.tool], made, strict=True))
-        stages = stages_of(self.file, sheets, by_table, symmetry.share)
+        drawn = {tool.name: -shift for tool, shift in zip(job.tool, self.shifts, strict=True)}
+        stages = stages_of(self.file, sheets, by_table, symmetry.share, drawn)
         return Setup(
             job.name,
             sheets=sheets,
@@ -222,8 +223,10 @@ class Builder:
         try:
             axis = np.array(axis_of(tool, self.facing[k]), dtype=np.float64)
             shape = self.shapes[k]
-            if self.shifts[k] != 0.0:
-                shape = shape.placed(self.shifts[k] * axis / np.linalg.norm(axis))
+            # a gap counts from where the tool starts; segments have theirs each
+            back = tool.gaps[0] if tool.gaps is not None and tool.segments is None else 0.0
+            if self.shifts[k] != back:
+                shape = shape.placed((self.shifts[k] - back) * axis / np.linalg.norm(axis))
             motion = motion_of(tool, self.shifts[k], share)
             return Tool(
                 tool.name,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -11,30 +12,34 @@ from ...engine.staging.acting import Parts
 from ...engine.staging.checks import check_stages
 from ...errors import InputError, did_you_mean
 from ...output.flat.part_edge import read_part_edge
+from ...process.grippers import MOVES_ANCHORS
 from ...process.stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetPressure, Stage, StageEnd
 from ...process.strokes import Fixed, ForceDriven, Motion, Stroke
 from ...process.trims import Trim
 from ...sheet.sheet import Sheet
 from ...tools.tool import Tool
 from ..blanks.plies import DISC_CORNERS
+from ..friction import friction_of
 from ..loads import Loads
 from ..placing import FORCE_RAMP, RAMP_SHARE
 from ..read import JobFile
 from ..units import length_unit
+from .places import Places
 from .tables import EndTable, MoveTable, StagePressureTable, TrimTable
 
 # What the engine says of motions, in the words of a job.
 IN_A_JOB = (
     ("a motion, or Fixed() to stay where it is", "a [[stage.move]] with a motion, or with fixed = true to stay"),
-    (
-        "a Stroke without a largest_force, or Fixed, moves the anchors",
-        "a stroke without a largest_force, or fixed = true, moves the anchors",
-    ),
+    (MOVES_ANCHORS, "a stroke without a largest_force, a path, or fixed = true is needed"),
 )
 
 
 def stages_of(
-    file: JobFile, sheets: Sequence[Sheet], made: Mapping[str, tuple[Tool, ...]], share: float
+    file: JobFile,
+    sheets: Sequence[Sheet],
+    made: Mapping[str, tuple[Tool, ...]],
+    share: float,
+    drawn: Mapping[str, float],
 ) -> tuple[Stage, ...]:
     """The stages of a job; none if it has none.
 
@@ -43,13 +48,14 @@ def stages_of(
         sheets: its plies.
         made: its tools by the names of their tables; one that is cut has several.
         share: of the whole that is computed, by symmetry; forces and masses of a job are those of the whole.
+        drawn: displacements at which the tools of the tables are where they are drawn [m].
 
     Raises:
         InputError: a name that is not there, a motion that does not fit, or an end that can never come.
     """
     if not file.job.stage:
         return ()
-    builder = _Builder(file, sheets, made, share)
+    builder = _Builder(file, sheets, made, share, drawn)
     stages = tuple(builder.stage(index) for index in range(len(file.job.stage)))
     grippers = tuple(gripper for sheet in sheets for gripper in sheet.grippers)
     touching = frozenset(sheet.name for sheet in sheets if len(sheets) > 1)
@@ -70,13 +76,19 @@ class _Builder:
     """Makes one stage after the other; remembers which tools have acted."""
 
     def __init__(
-        self, file: JobFile, sheets: Sequence[Sheet], made: Mapping[str, tuple[Tool, ...]], share: float
+        self,
+        file: JobFile,
+        sheets: Sequence[Sheet],
+        made: Mapping[str, tuple[Tool, ...]],
+        share: float,
+        drawn: Mapping[str, float],
     ) -> None:
-        self.file, self.sheets, self.share = file, sheets, share
+        self.file, self.sheets, self.share, self.drawn = file, sheets, share, drawn
         self.tools = {tool.name: tool for own in made.values() for tool in own}
         self.segments = {name: tuple(tool.name for tool in own) for name, own in made.items() if len(own) > 1}
         self.loads = Loads(file, [sheet.name for sheet in sheets])
         self.groups = self._groups()
+        self.places = Places(self.tools)
         self.acting = frozenset(self.tools)
         self.acted: frozenset[str] = frozenset()
 
@@ -115,7 +127,7 @@ class _Builder:
         if table.pressure is not None:
             pressures = tuple(self._pressure([*keys, "pressure", k], each) for k, each in enumerate(table.pressure))
         try:
-            return Stage(
+            made = Stage(
                 table.name,
                 duration,
                 None if table.end is None else self._end([*keys, "end"], table.end),
@@ -123,11 +135,7 @@ class _Builder:
                 grippers=None if table.grippers is None else self._grippers(keys, table.grippers),
                 moves=tuple(Move(name, motion) for name, motion in moves.items()),
                 pressures=pressures,
-                friction=tuple(
-                    FrictionOf(own, value)
-                    for name, value in table.friction.items()
-                    for own in self.segments.get(name, (name,))
-                ),
+                friction=self._frictions([*keys, "friction"], table.friction),
                 trims=tuple(self._trim([*keys, "trim", k], each) for k, each in enumerate(table.trim)),
                 gravity=None if table.gravity is None else (0.0, 0.0, -table.gravity if table.gravity else 0.0),
                 damping=table.damping,
@@ -137,6 +145,17 @@ class _Builder:
             )
         except InputError as error:
             self.file.refuse(keys, str(error).removeprefix("Stage: "))
+        self.places.go_through(made, self.acting)
+        return made
+
+    def _frictions(self, keys: Sequence[object], values: Mapping[str, Any]) -> tuple[FrictionOf, ...]:
+        """Of tools, all segments of one that is cut, and neighbours."""
+        found: list[FrictionOf] = []
+        for name, value in values.items():
+            names = self.segments.get(name, (name,))
+            friction = friction_of(self.file, [*keys, name], value, of_tool=names[0] in self.tools)
+            found += [FrictionOf(own, friction) for own in names]
+        return tuple(found)
 
     def _trim(self, keys: Sequence[object], table: TrimTable) -> Trim:
         if table.file is not None:
@@ -182,10 +201,10 @@ class _Builder:
             return dict.fromkeys(self.segments[table.name], Fixed())
         known = [*self.tools, *(name for name in self.groups if name not in self.tools)]
         self._known([*keys, "name"], table.name, "[[tool]], [[spring]] or [[gripper]]", known)
-        if table.is_carried and table.name not in self.tools:
+        if table.rotation is not None and table.name not in self.tools:
             self.file.refuse(
-                [*keys, "path" if table.path is not None else "rotation"],
-                f"{table.name} is no [[tool]]: only tools follow paths and turn; give springs and grippers a stroke",
+                [*keys, "rotation"],
+                f"{table.name} is no [[tool]]: only tools turn; give springs and grippers a stroke or a path",
             )
         try:
             motion = table.carried(self._motion(table))
@@ -203,12 +222,39 @@ class _Builder:
                 f"{table.name} is cut into segments: move each by its name, as {first}, or write fixed = true",
             )
 
+    def _travel(self, table: MoveTable) -> float:
+        """Of a stroke [m].
+
+        Raises:
+            InputError: "close" of something else than a whole tool, or from where only the run knows.
+        """
+        if not isinstance(table.stroke, str):
+            assert table.stroke is not None
+            return table.stroke
+        name = table.name
+        if name not in self.drawn or name not in self.tools:
+            raise InputError(f'stroke = "close": {name} is no whole [[tool]] that is drawn closed; give the travel')
+        at = self.places.at(name)
+        if at is None or table.is_carried:
+            raise InputError(
+                f'stroke = "close": where {name} stands when the stage begins is decided by the run, since a force, a '
+                "path or the early end of a stage has moved it; give the travel"
+            )
+        travel = self.drawn[name] - at
+        if not travel > 0.0:
+            raise InputError(
+                f'stroke = "close": {name} stands {abs(1e3 * travel):.4g} mm beyond where it is drawn when the stage '
+                "begins; give the travel, or fixed = true to stay"
+            )
+        return travel
+
     def _motion(self, table: MoveTable) -> Motion:
         if table.stroke is not None:
             assert table.speed is not None
-            ramp = RAMP_SHARE * abs(table.stroke) / table.speed if table.ramp is None else table.ramp
+            travel = self._travel(table)
+            ramp = RAMP_SHARE * abs(travel) / table.speed if table.ramp is None else table.ramp
             limit = None if table.largest_force is None else table.largest_force * self.share
-            return Stroke.smooth(table.stroke, table.speed, ramp, start_time=table.delay, largest_force=limit)
+            return Stroke.smooth(travel, table.speed, ramp, start_time=table.delay, largest_force=limit)
         if table.fixed or (table.force is None and table.forces is None):
             return Fixed()
         cut = next((whole for whole, names in self.segments.items() if table.name in names), table.name)

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from ...checks import Finite, NotNegative, Positive
 from ...names import Label
 from ...ranges import Quantity
+from ..friction import FrictionValue
 from ..tables import FileUnit, JobTable, Point, one_of, without
 from .paths import CarriedTable
 
@@ -42,8 +43,9 @@ class MoveTable(CarriedTable):
     """A motion that begins with a stage, from where things then are. `[[stage.move]]`, below its stage."""
 
     name: str = Field(description="of a tool, a gripper or a spring; the name of a group moves all of it")
-    stroke: Annotated[Finite, Quantity("displacement")] | None = Field(
-        default=None, description="motion: travel along its axis; a negative one goes back"
+    stroke: Literal["close"] | Annotated[Finite, Quantity("displacement")] | None = Field(
+        default=None,
+        description='motion: travel along its axis; a negative one goes back, "close" goes to where a tool is drawn',
     )
     fixed: bool = Field(default=False, description="motion: true keeps it where it is")
     force: Annotated[NotNegative, Quantity("force")] | None = Field(
@@ -179,8 +181,9 @@ class StageTable(JobTable):
     pressure: tuple[StagePressureTable, ...] | None = Field(
         default=None, description="[[stage.pressure]]: all pressures from here on; [] for none"
     )
-    friction: dict[str, Annotated[NotNegative, Quantity("friction")]] = Field(
-        default={}, description='other coefficients from here on, by names of tools, or "LOWER / UPPER" of plies'
+    friction: dict[str, FrictionValue] = Field(
+        default={},
+        description='other coefficients or laws from here on, by names of tools, or "LOWER / UPPER" of plies',
     )
     trim: tuple[TrimTable, ...] = Field(default=(), description="[[stage.trim]]: cuts through plies as it begins")
     gravity: Annotated[NotNegative, Quantity("acceleration")] | None = Field(default=None, description="downwards")

@@ -233,7 +233,7 @@ def kernel_sets(setup: Setup) -> list[KernelSet]:
     sets = []
     for world in setup.worlds:
         for sheet in world.sheets:
-            geometry = ElementGeometry.of(sheet.oriented_blank)
+            geometry = ElementGeometry.of(world.symmetry.upright(sheet.oriented_blank))
             traits = (
                 sheet_traits(sheet.fabric, geometry, world.dynamics),
                 node_traits(sheet, _as_in_stages(setup, world)),

@@ -198,8 +198,9 @@ def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
         for sheet in world.sheets:
             supports = tuple(range(support_count, support_count + len(sheet.supports)))
             support_count += len(sheet.supports)
+            blank = world.symmetry.upright(sheet.oriented_blank)
             yield SheetInfo(
-                sheet.name, sheet.oriented_blank, sheet.fabric, world.symmetry, tools, supports, world.name,
+                sheet.name, blank, sheet.fabric, world.symmetry, tools, supports, world.name,
                 world.dynamics.contact_thickness == "current",
             )  # fmt: skip
 

@@ -3,7 +3,9 @@
 #   make test       run the test suite on the CPU
 #   make test-fast  run it without the slow tests, under a minute once the kernels are compiled
 #   make verify     run the verification studies and rebuild docs/verification.md (about 20 minutes)
+#   make hour       form two tools from their surfaces to a structural model, as a newcomer would (under 10 minutes)
 #   make render     install Blender as a Python module in .venv-render (1 GB, Python 3.11), and render the film with it
+#   make readers    install pyNastran and ansys-dyna-core in .venv-readers (0.7 GB), and read exported decks with them
 #   make soak       kill, damage and exhaust it for hours; SOAK="--part kills --count 200" takes one part (scripts/soaking/soak.py)
 #   make site       build the documentation as a site, without a network: build/site/html/index.html
 #   make gallery    make the pictures of the documentation anew (minutes), and notebooks likewise: make notebooks
@@ -16,7 +18,7 @@ PYTHON_IN_VENV := $(VENV)/bin/python
 # Two workers suit two cores; more would mostly compile the same kernels once more each.
 WORKERS ?= 2
 
-.PHONY: demo test test-fast verify render soak site gallery notebooks audit release lint clean
+.PHONY: demo test test-fast verify hour render readers soak site gallery notebooks audit release lint clean
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py --overwrite
@@ -30,6 +32,9 @@ test-fast: $(VENV)/.installed-test
 verify: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) scripts/verification.py --workers $(WORKERS)
 
+hour: $(VENV)/.installed-test
+	$(PYTHON_IN_VENV) -m pytest tests/validation/test_own_part.py -m hour -s
+
 # Blender wants an older NumPy than the tests, hence an environment of its own.
 render: $(VENV)/.installed-test .venv-render/.installed
 	$(PYTHON_IN_VENV) -m pytest tests/unit/output/film
@@ -37,6 +42,14 @@ render: $(VENV)/.installed-test .venv-render/.installed
 .venv-render/.installed: $(VENV)/.installed
 	@$(PYTHON_IN_VENV) -m venv .venv-render
 	@.venv-render/bin/python -m pip install --quiet --disable-pip-version-check "bpy>=4.2"
+	@touch $@
+
+readers: $(VENV)/.installed-test .venv-readers/.installed
+	$(PYTHON_IN_VENV) -m pytest tests/unit/output/export/test_readers.py
+
+.venv-readers/.installed: $(VENV)/.installed
+	@$(PYTHON_IN_VENV) -m venv .venv-readers
+	@.venv-readers/bin/python -m pip install --quiet --disable-pip-version-check "pyNastran>=1.4" "ansys-dyna-core>=0.10"
 	@touch $@
 
 soak: $(VENV)/.installed-test
@@ -63,7 +76,7 @@ lint: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) scripts/check_types.py
 
 clean:
-	rm -rf $(VENV) .venv-render build dist *.egg-info
+	rm -rf $(VENV) .venv-render .venv-readers build dist *.egg-info
 
 # PYTHON=/path/to/python names an interpreter; without it the first that is new enough is taken.
 $(VENV)/.installed: pyproject.toml

@@ -110,7 +110,7 @@ class Scene:
 
         return Job(
             setup, new_run_id(), parameters.model_dump(mode="json"), {"scene": self.name, "case": case},
-            parameters.writers, order, parameters.solver_fields,
+            parameters.writers, order, parameters.solver_fields, parameters.stops,
         )  # fmt: skip
 
     def resume(self, job: Job, options: Mapping[str, Any], out: Path) -> dict[str, Any]:
@@ -152,8 +152,9 @@ class Scene:
         shown = {row.label: row.text for row in rows_of(parameters)} | ({"case": case} if case else {})
         interval = parameters.checkpoint_interval
         return run_into_folder(
-            setup, folder, options=options, measure=measure, checkpoint_interval=interval, shown=shown, **how
-        )
+            setup, folder, options=options, measure=measure, checkpoint_interval=interval, shown=shown,
+            reads_frames=bool(wanted.all_curves), **how
+        )  # fmt: skip
 
 
 def _begin(cases: list[tuple[ResultFolder, Job]], parameters: RunOptions) -> None:

@@ -27,6 +27,7 @@ from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.friction import Coulomb
 from weavesim.process.interfaces import Interface
+from weavesim.process.self_contact import SelfContact
 from weavesim.process.strokes import Stroke
 from weavesim.ranges import Quantity, unusual_values
 from weavesim.sheet.stack import LayUp, MeshAlong
@@ -87,6 +88,9 @@ class StackParameters(RunOptions):
     friction: Annotated[NotNegative, Quantity("friction")] | None = Field(
         default=None,
         description="Coulomb coefficient between plies and tools; by default 0 in the hemisphere, 0.2 on the dome",
+    )
+    self_contact: bool = Field(
+        default=False, description="every ply meets itself in folds too, with the friction between plies"
     )
     passes: Literal["both", "one"] = Field(
         default="both", description="nodes of both plies meet the other, or those of the finer one only"
@@ -200,11 +204,12 @@ def stack(parameters: StackParameters, fabric: Fabric | None = None) -> Setup:
         fabric = fabric.model_copy(update={"thickness": parameters.ply_thickness})
     plies = lay_up(parameters, fabric)
     tools = (hemisphere_tools if parameters.tools == "hemisphere" else dome_tools)(parameters, plies.thickness)
+    friction = Coulomb(parameters.chosen("ply_friction"))
     sheets = plies.sheets(
         parameters.mesh_size, bottom=-0.5 * plies.thickness, mesh_along=parameters.mesh_along,
+        self_contact=SelfContact(friction) if parameters.self_contact else None,
         accept_unusual=parameters.accept_unusual,
     )  # fmt: skip
-    friction = Coulomb(parameters.chosen("ply_friction"))
     interfaces = tuple(
         Interface(lower, upper, friction, passes=parameters.passes)
         for lower, upper in zip(plies.names, plies.names[1:], strict=False)

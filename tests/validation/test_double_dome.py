@@ -164,7 +164,7 @@ def test_bad_input_is_refused_before_the_run(values, words, tmp_path):
 
 def test_own_tool_meshes_take_the_place_of_the_default(tmp_path):
     """The default tools exported as meshes and read back in millimetres give the same draw-in."""
-    coarse = {"mesh_size": 0.015, "threads": 1, "stroke": 0.03, "contact_samples": "nodes"}
+    coarse = {"mesh_size": 0.015, "threads": 1, "stroke": 0.03}
     reference = Simulation(double_dome(DoubleDomeParameters(**coarse)))
     paths = {}
     for tool, shift, option in zip(reference.setup.tools, (-1, 1, -1), ("punch", "die", "blank_holder"), strict=True):
@@ -245,3 +245,12 @@ def test_a_run_that_is_not_to_be_trusted_says_so():
     assert any("quasi-static" in warning for warning in simulation.warnings)
     with pytest.raises(RunError, match="has been run"):
         simulation.run()
+
+
+def test_between_nodes_the_surface_sinks_at_most_a_tenth_of_a_millimetre():
+    """With samples between its nodes; without them 0.18 mm (docs/decisions/0036-tools-between-nodes.md)."""
+    simulation = Simulation(double_dome(DoubleDomeParameters(contact_samples="surface", frame_count=40)))
+    simulation.run()
+    summary = simulation.summary()
+    assert 0.03 < summary["penetration_of_surface_mm"] <= 0.1
+    assert summary["energy_balance_error"] < 0.01

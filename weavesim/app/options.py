@@ -74,6 +74,10 @@ class RunOptions(Parameters):
         default=INTERVAL,
         description="wall time between two checkpoints, from which weavesim resume goes on [s]; 0 writes none",
     )
+    stop_on: str | None = Field(
+        default=None,
+        description="guards that end the run, comma-separated: GUARD, GUARD:do-not-use, or do-not-use for any",
+    )
 
     strict: bool = Field(
         default=False, description="judge the run by limits at its end: exit code 5 beyond one (weavesim verdict)"
@@ -94,6 +98,15 @@ class RunOptions(Parameters):
     @classmethod
     def _are_known(cls, value: str | None) -> str | None:
         chosen_writers(_names(value))
+        return value
+
+    @field_validator("stop_on")
+    @classmethod
+    def _are_guards(cls, value: str | None) -> str | None:
+        if value is not None:
+            from ..run.watch.stops import stop_levels
+
+            stop_levels(_names(value) or ())
         return value
 
     @model_validator(mode="after")
@@ -148,6 +161,11 @@ class RunOptions(Parameters):
     def writers(self) -> tuple[str, ...]:
         """Names of the requested writers, for a ``ResultFolder``."""
         return tuple(kind.name for kind in chosen_writers(_names(self.write), _names(self.without) or ()))
+
+    @property
+    def stops(self) -> tuple[str, ...]:
+        """What ends the run, for a ``Simulation``."""
+        return tuple(_names(self.stop_on) or ())
 
     def solver(self, **given: Any) -> Solver:
         """Solver settings from these options; ``given`` are additional values."""

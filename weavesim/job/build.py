@@ -89,7 +89,8 @@ class Builder:
         moving = [k for k, tool in enumerate(job.tool) if tool.stroke is not None]
         moving += [k for k, tool in enumerate(job.tool) if tool.name in strokes]
         by_table = dict(zip([tool.name for tool in job.tool], made, strict=True))
-        stages = stages_of(self.file, sheets, by_table, symmetry.share)
+        drawn = {tool.name: -shift for tool, shift in zip(job.tool, self.shifts, strict=True)}
+        stages = stages_of(self.file, sheets, by_table, symmetry.share, drawn)
         return Setup(
             job.name,
             sheets=sheets,

@@ -19,7 +19,11 @@ from ..run.guards.tool_mesh import FEWEST_ELEMENTS_PER_QUARTER_TURN, LEAST_ELEME
 from ..run.simulation import Simulation
 from ..run.staging.rehearsal import phases_of
 from ..run.watch.tool_distance import ToolDistances
+from ..tools.mesh_tool import MeshSurface
+from ..tools.mesh_topology import place
 from ..tools.sampling import DOUBTFUL_ERROR
+from ..tools.shapes import Shape
+from ..tools.surfaces.flaws import holes_of, sharper_than
 from .speed import suggested_speed
 from .stages.told import stage_lines
 
@@ -140,7 +144,8 @@ def _tools(setup: Setup, start: Start, errors: dict[str, tuple[float, float]]) -
     size = max(sheet.geometry.largest_size for sheet in start.model.sheets)
     thickness = min(sheet.fabric.thickness for sheet in setup.sheets)
     for tool in setup.tools:
-        surfaces = [part.surface for part in tool.shape.parts() if part.surface is not None]
+        parts = [(part, part.surface) for part in tool.shape.parts() if part.surface is not None]
+        surfaces = [surface for _, surface in parts]
         kind = ", ".join(
             f"{len(s.faces):,} triangles, {'closed' if s.closed else 'open, solid behind it'}" for s in surfaces
         )
@@ -150,27 +155,70 @@ def _tools(setup: Setup, start: Start, errors: dict[str, tuple[float, float]]) -
                 text = note.removeprefix(f"{surface.name}: ")
                 is_fact = text.startswith("faces (")
                 yield Row("tools", "side" if is_fact else "repaired", text, "" if is_fact else NOTE)
+        for part, surface in parts:
+            yield from _holes(part, surface)
         radius = tool.fillet_radius
         if math.isfinite(radius):
             count = tool.elements_per_quarter_turn(size)
             wanted = 0.5 * math.pi * radius / LEAST_ELEMENTS_PER_QUARTER_TURN
+            sharp = _sharp_places(parts, size)
             yield Row(
                 "tools",
                 "smallest radius",
-                f"{1e3 * radius:.3g} mm: {count:.1f} elements on 90 degrees",
-                OK if count >= LEAST_ELEMENTS_PER_QUARTER_TURN
+                f"{1e3 * radius:.3g} mm: {count:.1f} elements on 90 degrees{sharp}",
+                OK if count >= LEAST_ELEMENTS_PER_QUARTER_TURN and not sharp
                 else NOTE if count >= FEWEST_ELEMENTS_PER_QUARTER_TURN else LOOK,
                 "" if count >= LEAST_ELEMENTS_PER_QUARTER_TURN else f"five need mesh_size = \"{1e3 * wanted:.2g} mm\"",
             )  # fmt: skip
         if tool.name in errors:
             usual, largest = errors[tool.name]
+            trusted = DOUBTFUL_ERROR * thickness
+            samples = [(part, start.model.samples[surface]) for part, surface in parts]
+            part, worst = max(samples, key=lambda each: each[1].largest_error)
+            spacing = max(sampled.spacing for _, sampled in samples)
             yield Row(
                 "tools",
                 "error of distance",
-                f"{1e3 * usual:.2g} mm (99 %), {1e3 * largest:.2g} mm at most",
-                OK if usual <= DOUBTFUL_ERROR * thickness else LOOK,
-                f"at most {1e3 * DOUBTFUL_ERROR * thickness:.2g} mm are trusted",
+                f"{1e3 * usual:.2g} mm (99 %), {1e3 * largest:.2g} mm at most, with samples every "
+                f"{1e3 * spacing:.2g} mm"
+                + (f", the worst about {place(_in_world(part, worst.worst_points[0]))}" if largest > trusted else ""),
+                OK if usual <= trusted else LOOK,
+                f"at most {1e3 * trusted:.2g} mm are trusted",
             )
+
+
+def _in_world(part: Shape, point: np.ndarray) -> np.ndarray:
+    """A point of a mesh where its tool is at the start [m]."""
+    return point @ np.array(part.rotation).T + np.array(part.origin)
+
+
+def _holes(part: Shape, surface: MeshSurface) -> Iterator[Row]:
+    """Holes in an open sheet: large ones are openings, and small ones were probably forgotten."""
+    holes = holes_of(surface)
+    small = [hole for hole in holes if not hole.is_opening]
+    if len(holes) > len(small):
+        widths = ", ".join(f"{1e3 * hole.width:.3g}" for hole in holes if hole not in small)
+        yield Row("tools", "opening", f"{widths} mm across, with nothing of the tool in it")
+    if small:
+        yield Row(
+            "tools",
+            "holes",
+            f"{len(small)} in the surface, {1e3 * small[0].width:.3g} to {1e3 * small[-1].width:.3g} mm across, one "
+            f"about {place(_in_world(part, small[-1].place))}",
+            LOOK,
+            "the sheet meets nothing there; close them in the CAD file if the tool has none",
+        )
+
+
+def _sharp_places(parts: Sequence[tuple[Shape, MeshSurface]], size: float) -> str:
+    """Where a tool has radii on which there are fewer than three elements of a ``size`` [m], in words."""
+    radius = FEWEST_ELEMENTS_PER_QUARTER_TURN * size / (0.5 * math.pi)
+    found = [(part, sharp) for part, surface in parts if (sharp := sharper_than(surface, radius)) is not None]
+    if not found:
+        return ""
+    part, sharp = max(found, key=lambda each: each[1].share)
+    where = place(_in_world(part, sharp.place))
+    return f"; {100 * sharp.share:.2g} % of its surface has fewer than three, as about {where}"
 
 
 def _gaps(setup: Setup, start: Start) -> Iterator[Row]:

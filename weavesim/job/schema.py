@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ..checks import Finite, NotNegative, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision
@@ -310,9 +310,22 @@ class OutputTable(JobTable):
     checkpoint_interval: Annotated[NotNegative, Quantity("wall time")] = Field(
         default=600.0, description="wall time between two checkpoints, from which weavesim resume goes on; 0: none"
     )
+    stop_on: tuple[str, ...] = Field(
+        default=(),
+        description="guards that end the run: `GUARD`, `GUARD:do-not-use`, or `do-not-use` for any (docs/results.md)",
+    )
     solver_fields: bool = Field(
         default=False, description="frames for ParaView have the fields of the solver too, `unit_cell_*`"
     )
+
+    @field_validator("stop_on")
+    @classmethod
+    def _are_guards(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        if value:
+            from ..run.watch.stops import stop_levels
+
+            stop_levels(value)
+        return value
 
 
 class Job(JobTable):

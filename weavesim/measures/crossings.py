@@ -87,7 +87,7 @@ class Crossings:
         across = np.linalg.svd(up[None])[2][1:]
         start, end = (position[self._border[:, side]] @ across.T for side in (0, 1))
         rows = (slice(k, k + EDGES_AT_ONCE) for k in range(0, len(start), EDGES_AT_ONCE))
-        return not any(_crossing_edges(start, end, self._border, row).any() for row in rows)
+        return not any(_crosses(start, end, self._border, row) for row in rows)
 
     def _normals(self, position: np.ndarray) -> np.ndarray:
         """Of all triangles, as long as twice their area, (triangle_count, 3) [m^2]."""
@@ -220,19 +220,25 @@ def _corner_gap(points: np.ndarray, triangle: np.ndarray) -> np.ndarray:
     return gap
 
 
-def _crossing_edges(start: np.ndarray, end: np.ndarray, nodes: np.ndarray, rows: slice) -> np.ndarray:
-    """Which of the edges in ``rows`` cross or touch which edges of a plane, (k, 2) each, without a common node."""
-
-    def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
-        """Side of the lines p-q on which the points r lie, (lines, points)."""
-        along, to = q - p, r[None] - p[:, None]
-        return np.asarray(along[:, None, 0] * to[..., 1] - along[:, None, 1] * to[..., 0])
-
-    own, other = (start[rows], end[rows]), (start, end)
-    parted = side(*own, start) * side(*own, end) <= 0.0
-    parted &= (side(*other, own[0]) * side(*other, own[1]) <= 0.0).T
+def _crosses(start: np.ndarray, end: np.ndarray, nodes: np.ndarray, rows: slice) -> bool:
+    """Whether an edge in ``rows`` crosses or touches any edge of a plane, (k, 2) each, without a common node."""
     # edges on one line are parted by rounding; their boxes overlap only where they do
     lower, upper = np.minimum(start, end), np.maximum(start, end)
-    near = ((lower[rows, None] <= upper[None]) & (lower[None] <= upper[rows, None])).all(axis=2)
-    common = (nodes[rows, None, :, None] == nodes[None, :, None, :]).any(axis=(2, 3))
-    return np.asarray(parted & near & ~common)
+    near = np.ones((len(start[rows]), len(start)), dtype=bool)
+    for low, high in zip(lower.T, upper.T, strict=True):
+        near &= (low[rows, None] <= high) & (low <= high[rows, None])
+    own, other = np.nonzero(near)
+    own += rows.start
+    apart = ~(nodes[own][:, :, None] == nodes[other][:, None, :]).any(axis=(1, 2))
+    own, other = own[apart], other[apart]
+
+    def parts(line: np.ndarray, edge: np.ndarray) -> np.ndarray:
+        """Whether the lines along edges part the ends of other edges, or go through one."""
+        along = end[line] - start[line]
+        sides = []
+        for point in (start[edge], end[edge]):
+            to = point - start[line]
+            sides.append(along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0])
+        return np.asarray(sides[0] * sides[1] <= 0.0)
+
+    return bool((parts(own, other) & parts(other, own)).any())

@@ -6,10 +6,11 @@ import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..device import resolve_thread_counts
+from ..device import exclusive, resolve_thread_counts
 from ..engine.model import Model
 from ..engine.setup import Setup
 from ..engine.staging.derive import acting_of
@@ -39,7 +40,7 @@ class Prepared:
     Attributes:
         model, state, stepper, ledger: of the run.
         info: for its observers.
-        frame: the undeformed state.
+        frame: the undeformed state, with the fields that kernels write.
         guards: of the run, asked what they know so far.
     """
 
@@ -50,6 +51,12 @@ class Prepared:
     info: RunInfo
     frame: Frame
     guards: Guards
+
+    @cached_property
+    def whole_frame(self) -> Frame:
+        """``frame`` with every field, before anything else is done with the state; waits for the device."""
+        with exclusive():
+            return self.ledger.completed(self.frame)
 
 
 def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
@@ -94,7 +101,7 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
     logger.info("%s takes %s", setup.name, expected)
     book = StageBook(course[0].stage.name, course[0].tools, {}, setup.trims) if course else None
     ledger = Ledger(stepper, book)
-    frame = ledger.completed(ledger.frame(0))
+    frame = ledger.frame(0)
     for sheet, first in zip(setup.sheets, frame.sheets, strict=True):
         check_cell_at_rest(sheet.fabric.unit_cell, first)
     guards = Guards()
@@ -118,6 +125,59 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
         run_id=run_id or new_run_id(),
     )
     return Prepared(model, state, stepper, ledger, info, frame, guards)
+
+
+class PreparedOnce:
+    """What a run has as soon as something of it is used, for ``Simulation``.
+
+    Args:
+        setup: of the run.
+        run_id: of a run that is resumed; a new one by default.
+
+    Attributes:
+        setup: as given.
+    """
+
+    def __init__(self, setup: Setup, run_id: str | None = None) -> None:
+        self.setup = setup
+        self._run_id = run_id
+        self._prepared: Prepared | None = None
+
+    def prepare(self) -> Prepared:
+        """Make the run ready, once: constants and state on the device, kernels loaded, the start checked.
+
+        Raises:
+            InputError: bad input that can only be detected on the device, such as an unstable step.
+        """
+        if self._prepared is None:
+            with exclusive():
+                self._prepared = prepare(self.setup, self._run_id)
+        return self._prepared
+
+    @property
+    def model(self) -> Model:
+        """Constants, of the present stage."""
+        return self.prepare().model
+
+    @property
+    def state(self) -> State:
+        """Everything that changes in the run."""
+        return self.prepare().state
+
+    @property
+    def stepper(self) -> Stepper:
+        """Advances the state."""
+        return self.prepare().stepper
+
+    @property
+    def ledger(self) -> Ledger:
+        """Takes frames."""
+        return self.prepare().ledger
+
+    @property
+    def info(self) -> RunInfo:
+        """What observers receive."""
+        return self.prepare().info
 
 
 def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:

@@ -45,6 +45,8 @@ class Parts:
         sheet: faces (m, 3) of all open patches, neighbours oriented alike.
         patch: number of the connected patch of each face of the sheet.
         border: open edges (k, 2) of the sheet in the direction of its faces.
+        given: the faces of the sheet as they were given, (m, 3).
+        turned: faces (k, 3) of closed bodies that were given the other way round than the rest of theirs.
         notes: what was found and changed.
     """
 
@@ -52,6 +54,8 @@ class Parts:
     sheet: np.ndarray
     patch: np.ndarray
     border: np.ndarray
+    given: np.ndarray
+    turned: np.ndarray
     notes: list[str] = field(default_factory=list)
 
 
@@ -61,6 +65,7 @@ def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: floa
     Raises:
         InputError: a surface is one-sided, three walls meet, or a closed body encloses nothing.
     """
+    given = faces
     pairs = neighbours(faces)
     edges = directed_edges(faces)
     agree = edges[pairs[:, 0], 0] != edges[pairs[:, 1], 0]
@@ -87,7 +92,9 @@ def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: floa
     edges = directed_edges(faces)
     _check_walls(name, vertices, edges[rows], group[rows // 3], is_open)
     check_fins(name, vertices, border, edges[np.repeat(closed_face, 3)])
-    bodies = [faces[rows] for rows in _rows_of(group, closed_face)]
+    rows_of_bodies = _rows_of(group, closed_face)
+    bodies = [faces[rows] for rows in rows_of_bodies]
+    odd = [_odd_ones(given[rows], body) for rows, body in zip(rows_of_bodies, bodies, strict=True)]
     notes: list[str] = []
     outwards = [_outwards(name, vertices, body) for body in bodies]
     if len(bodies) > 1:
@@ -96,7 +103,14 @@ def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: floa
             f"{name}: {len(bodies)} closed bodies" + (f", {turned} of them faced inwards: turned" if turned else "")
         )
     bodies = _nested(name, vertices, outwards, notes)
-    return Parts(bodies, faces[~closed_face], component[~closed_face], border, notes)
+    turned = np.concatenate([np.empty((0, 3), dtype=faces.dtype), *odd])
+    return Parts(bodies, faces[~closed_face], component[~closed_face], border, given[~closed_face], turned, notes)
+
+
+def _odd_ones(given: np.ndarray, body: np.ndarray) -> np.ndarray:
+    """Faces that were ``given`` (m, 3) the other way round than most of a body that is oriented alike, (k, 3)."""
+    other = given[:, 0] != body[:, 0]
+    return body[other if 2 * np.count_nonzero(other) <= len(other) else ~other]
 
 
 def _boxes(vertices: np.ndarray, parts: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

@@ -42,7 +42,7 @@ from .mesh_repair import (
     welded,
     without_unused,
 )
-from .mesh_topology import border_in_words
+from .mesh_topology import border_in_words, place
 from .shapes import Shape, Triangles
 
 logger = logging.getLogger(__name__)
@@ -65,7 +65,8 @@ class MeshSurface:
         side: unit direction from the sheet to the fabric, None for a closed mesh.
         centre: origin of the samples, (3,) [m]; zero unless the mesh lies far from its origin.
         solid_vertices, solid_faces: the closed bodies whose distance is sampled.
-        open_edge_count: border edges of a sheet.
+        open_edge_count: border edges of a sheet; border: they, (k, 2).
+        turned: corners of the triangles that were given the other way round, and are turned, (k, 3, 3) [m].
         cut_planes: "x", "y": planes at which the mesh ends, like a half model.
         parts: faces (k, 3) of each closed body with its cavities, and of the sheet; together ``faces``.
         warnings: what is probably wrong, in sentences.
@@ -120,12 +121,17 @@ class MeshSurface:
         self.closed = len(parts.sheet) == 0
         self.open_edge_count = len(parts.border)
         self.side: Vector | None = None
+        turned = parts.turned
         vertices, shown = self._united(vertices, parts.bodies)
         border = parts.border
         if not self.closed:
             self.side, sheet = self._facing_side(vertices, parts, side)
             shown, border = [*shown, sheet], directed_border(border, sheet)
+            turned = np.concatenate([turned, sheet[sheet[:, 0] != parts.given[:, 0]]])
+        self.turned = vertices[turned]
+        self._tell_turned(sum(map(len, parts.bodies)) + len(parts.sheet))
         self.vertices, (*self.parts, border) = without_unused(vertices, [*shown, border])
+        self.border = border
         self.faces = np.concatenate(self.parts)
         self.warnings = far_flecks(self.name, self.vertices, self.parts)
         self.solid_vertices, self.solid_faces = self.vertices, self.faces
@@ -135,6 +141,17 @@ class MeshSurface:
             solid_vertices, column = extruded(self.vertices, self.parts[-1], border, -depth * np.array(self.side))
             solid_vertices, solids = self._united(solid_vertices, [*self.parts[:-1], column])
             self.solid_vertices, (self.solid_faces,) = without_unused(solid_vertices, [np.concatenate(solids)])
+
+    def _tell_turned(self, count: int) -> None:
+        """Note the triangles that were turned, of ``count`` in all."""
+        number = len(self.turned)
+        if number == count:
+            self._repairs.append(f"{self.name}: all triangles faced away from the side of the sheet: turned")
+        elif number:
+            self._repairs.append(
+                f"{self.name}: {number} of {count} triangles faced the other way, one about "
+                f"{place(self.turned[0].mean(axis=0))}: turned"
+            )
 
     def _united(self, vertices: np.ndarray, solids: list[np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
         if len(solids) < 2:

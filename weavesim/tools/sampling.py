@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from .tool import Tool
 
 ERROR_SAMPLE_COUNT = 20_000
+# Points with the largest errors that are kept.
+WORST_COUNT = 2_000
 # Where samples err by more than this share of their spacing, or of the thinnest sheet, triangles are searched; and by
 # more than the other share of their spacing without a sheet, when time does not matter.
 ALLOWED_ERROR = 0.08
@@ -58,6 +60,8 @@ class SampledDistance:
             within three voxels, or the thickness of the sheet.
         usual_error: 99th percentile at these points [m].
         mean_error: root mean square at these points [m].
+        worst_points: those of them with the largest errors, in the frame of the mesh, (k, 3) [m].
+        worst_errors: there, from the largest to the smallest, (k,) [m].
     """
 
     record: wp.array
@@ -74,6 +78,8 @@ class SampledDistance:
     largest_error: float
     usual_error: float
     mean_error: float
+    worst_points: np.ndarray
+    worst_errors: np.ndarray
 
     def dimensions(self) -> dict[str, Any]:
         """Values that the kernels read; see ``ShapeKind`` in ``kernels/contact/tool_shapes.py``."""
@@ -200,7 +206,8 @@ def _sample(
     sampled.nearest, sampled.searched = candidates.record, searched
     record: wp.array = wp.array([sampled], dtype=SampledMesh, device=device)
     offset = min(3.0 * grid.spacing, 0.5 * grid.reach, thickness or math.inf)
-    error = np.abs(_errors(triangles, record, offset))
+    points, error = _errors(triangles, record, offset)
+    worst = np.argsort(-error, kind="stable")[:WORST_COUNT]
     return SampledDistance(
         record=record,
         values=values,
@@ -216,6 +223,8 @@ def _sample(
         largest_error=float(error.max()),
         usual_error=float(np.quantile(error, 0.99)),
         mean_error=float(np.sqrt(np.mean(error**2))),
+        worst_points=points[worst],
+        worst_errors=error[worst],
     )
 
 
@@ -228,11 +237,11 @@ def _searched(grid: Grid, needed: float) -> float:
     return min(needed + 1.05 * HALF_CELL * grid.spacing, max(grid.reach - 2.0 * grid.spacing, 0.0))
 
 
-def _errors(triangles: SolidTriangles, record: wp.array, offset: float) -> np.ndarray:
-    """Differences between what the kernels read and the mesh at random points up to ``offset`` off its surface [m]."""
+def _errors(triangles: SolidTriangles, record: wp.array, offset: float) -> tuple[np.ndarray, np.ndarray]:
+    """Random points (n, 3) up to ``offset`` [m] off the surface, and how wrong the kernels read there, (n,) [m]."""
     surface, device = triangles.surface, triangles.device
     points = points_near(surface.vertices, surface.faces, ERROR_SAMPLE_COUNT, offset)
     value = wp.zeros(len(points), dtype=float, device=device)
     inputs = [record, wp.array(points - surface.centre, dtype=wp.vec3, device=device)]
     wp.launch(sampled_distance_kernel, dim=len(points), inputs=inputs, outputs=[value], device=device)
-    return value.numpy() - triangles.distance(points, triangles.mesh, triangles.crossed)
+    return points, np.abs(value.numpy() - triangles.distance(points, triangles.mesh, triangles.crossed))

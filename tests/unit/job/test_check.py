@@ -1,8 +1,9 @@
 """The table of what is known before a run: facts, and what to look at."""
 
+import numpy as np
 import pytest
 
-from tests.support.jobs import TRAY, write_tray
+from tests.support.jobs import TRAY, tray_surface, write_stl, write_tray
 from weavesim.job.build import setup_of
 from weavesim.job.check import Row, check_setup, table_of
 from weavesim.job.read import read_job
@@ -55,6 +56,38 @@ def test_a_holder_that_is_not_in_touch_is_told(tmp_path):
     changes = ('force = "600 N"', 'force = "600 N"\nclearance = "3 mm"')
     row = rows_of(tmp_path, changes)[1]["forces", "ring"]
     assert row.judgement == "look" and row.value.startswith("3 mm above the sheet")
+
+
+def test_faults_of_a_mesh_are_rows_with_their_places(tmp_path):
+    alone = TRAY[: TRAY.index('[[tool]]\nname = "punch"')] + '[process]\nduration = "1 ms"\n'
+    path = write_tray(tmp_path, alone)
+    vertices, faces = tray_surface()
+    middle = vertices[faces].mean(axis=1)[:, :2]
+    hole = np.arange(len(faces)) == 20  # a triangle of the bottom, which is flat
+    turned = np.linalg.norm(middle - (-69.0, -49.0), axis=1) < 12.0
+    faces[turned] = faces[turned][:, ::-1]
+    write_stl(tmp_path / "die.stl", vertices, faces[~hole])
+    checked = check_setup(setup_of(read_job(path)))
+    rows = [row for row in checked.rows if row.topic == "tools"]
+    (holes,) = [row for row in rows if row.what == "holes"]
+    assert holes.judgement == "look" and holes.value.startswith("1 in the surface, ")
+    x, y = (float(part) for part in holes.value.split("(")[1].split(",")[:2])
+    gone = vertices[faces[hole][0]][:, :2]
+    assert (gone.min(axis=0) < (x, y)).all() and ((x, y) < gone.max(axis=0)).all()
+    (told,) = [row for row in rows if row.what == "repaired" and "the other way" in row.value]
+    assert told.judgement == "note" and f"{turned.sum()} of {np.count_nonzero(~hole)} triangles" in told.value
+
+
+def test_radii_errors_and_openings_are_told(tray):
+    checked, rows = tray
+    sharp = [row for row in checked.rows if row.what == "smallest radius"][0]
+    assert "% of its surface has fewer than three, as about (" in sharp.value
+    assert "with samples every" in rows["tools", "error of distance"].value
+    # the ring has the opening of the die, which is no fault
+    (opening,) = [row for row in checked.rows if row.what == "opening"]
+    assert opening.judgement == "" and "mm across" in opening.value and not any(
+        row.what == "holes" for row in checked.rows
+    )  # fmt: skip
 
 
 def test_the_table_is_folded_to_the_width():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from weavesim.measures.crossings import Crossings, CrossingsBetween
+from weavesim.measures.crossings import Crossings, CrossingsBetween, _crosses
 from weavesim.sheet.blank import Blank
 
 
@@ -164,6 +164,26 @@ def test_a_landscape_needs_no_search_and_is_one_only_if_its_border_is_simple():
     for seed in range(3):
         position = crumpled(seed)
         assert not crossings._has_a_plan(position)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_edges_of_a_border_cross_where_a_linear_programme_says_so(seed):
+    """Random edges in the plan, some with a common node, in several rows at once."""
+    rng = np.random.default_rng(seed)
+    place, nodes = rng.uniform(0.0, 1.0, (12, 2)), rng.permutation(12).reshape(6, 2)
+    if seed % 2:
+        nodes[1, 0], place[nodes[2, 0]] = nodes[0, 0], 0.5 * place[nodes[3]].sum(axis=0)  # a common node, and a touch
+    start, end = place[nodes[:, 0]], place[nodes[:, 1]]
+
+    def cross(a: int, b: int) -> bool:
+        if set(nodes[a]) & set(nodes[b]):
+            return False
+        equations = np.column_stack([end[a] - start[a], start[b] - end[b]])
+        return linprog(np.zeros(2), A_eq=equations, b_eq=start[b] - start[a], bounds=(-1e-12, 1 + 1e-12)).status == 0
+
+    for rows in (slice(0, 3), slice(3, 6)):
+        wanted = any(cross(a, b) for a in range(6)[rows] for b in range(6))
+        assert _crosses(start, end, nodes, rows) == wanted
 
 
 def between(*sheets: tuple[np.ndarray, np.ndarray]) -> set[tuple[int, int, int, int]]:

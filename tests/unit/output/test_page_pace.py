@@ -20,7 +20,7 @@ def written(clock, duration, cost, frame_count=80, preparation=0.0):
     pace, start, found = PagePace(), clock.now, []
     for _ in range(frame_count):
         clock.now += duration / frame_count
-        if pace.due():
+        if pace.due(left=duration + start - clock.now):
             clock.now += preparation if not found else 0.0
             found.append(clock.now - start)
             pace.begin()
@@ -36,8 +36,17 @@ def test_a_run_of_some_seconds_to_minutes_has_about_ten_pages(clock, duration, c
     assert len(times) * cost <= 0.05 * duration
 
 
-def test_a_run_of_a_few_seconds_has_none_before_its_end(clock):
-    assert written(clock, 1.9, 0.1) == []
+@pytest.mark.parametrize("duration", [1.9, 4.0, 6.9])
+def test_a_run_of_a_few_seconds_has_none_before_its_end(clock, duration):
+    """Its only page would take a twentieth of it, and be replaced at once."""
+    assert written(clock, duration, 0.1) == []
+
+
+def test_a_run_that_does_not_know_its_end_has_pages(clock):
+    pace = PagePace()
+    assert not pace.due(None)
+    clock.now += 3.0
+    assert pace.due(None)
 
 
 def test_a_page_that_takes_long_is_rare(clock):

@@ -263,3 +263,35 @@ def test_a_run_is_drawn_before_it_starts(tmp_path):
     drawn = figure.axes[2].collections[0]
     # the entry radius of the die is too small for elements of 10 mm, its rim is not
     assert len({tuple(colour) for colour in drawn.get_facecolors()}) > 1
+
+
+def test_faults_of_a_tool_are_drawn_before_a_run(tmp_path, monkeypatch):
+    from tests.support.jobs import tray_surface, write_stl, write_tray
+    from weavesim.job.build import setup_of
+    from weavesim.job.read import read_job
+    from weavesim.output.pictures import before
+
+    path = write_tray(tmp_path)
+    vertices, faces = tray_surface()
+    middle = vertices[faces].mean(axis=1)[:, :2]
+    turned = np.linalg.norm(middle - (-69.0, -49.0), axis=1) < 12.0
+    faces[turned] = faces[turned][:, ::-1]
+    write_stl(tmp_path / "die.stl", vertices, faces[np.linalg.norm(middle - (70.0, 50.0), axis=1) > 2.5])
+    setup = setup_of(read_job(path))
+    wrong = np.array([[0.01, 0.02, -0.025]])
+
+    class Sampled:
+        worst_points, worst_errors = np.concatenate([wrong, wrong + 0.01]), np.array([2e-4, 1e-5])
+
+    monkeypatch.setattr(before, "sampled_distance", lambda *_: Sampled)
+    for with_errors in (False, True):
+        figure = before.before_run(setup, with_errors=with_errors)
+        labels = {text.get_text() for legend in figure.legends for text in legend.get_texts()}
+        assert {"faced the other way, turned", "hole in the surface"} <= labels
+        assert ("distance is wrong" in labels) == with_errors
+    die = figure.axes[2]
+    rings = [line.get_xydata()[0] for line in die.lines if line.get_marker() == "o"]
+    assert len(rings) == 1 and np.hypot(*(rings[0] - (70.0, 50.0))) < 3.0
+    (crosses,) = [line.get_xydata() for line in die.lines if line.get_marker() == "x"]
+    # only where the error is more than is trusted
+    assert crosses == pytest.approx(np.array([[10.0, 20.0]]))

@@ -12,8 +12,9 @@ import pytest
 from tests.support.made_run import made_info, made_run
 from weavesim.measures.defects.judgement import Region
 from weavesim.output import ResultFolder
+from weavesim.output.run_page import recorder as recorder_module
 from weavesim.output.run_page.judged_part import region_of_page, verdict_of
-from weavesim.output.run_page.packing import packed_series, rounded
+from weavesim.output.run_page.packing import COARSE_CODE, packed_series, rounded
 from weavesim.output.run_page.provenance import provenance_rows
 from weavesim.output.run_page.recorder import FrameRecorder
 from weavesim.output.run_page.scene import scene_of
@@ -31,6 +32,7 @@ def unpacked(series, frame_count):
     low, step = np.array(series["low"]), np.array(series["step"])
     planes = np.frombuffer(zlib.decompress(base64.b64decode(series["data"])), np.uint8).reshape(2, -1)
     change = (planes[0].astype(np.uint16) + (planes[1].astype(np.uint16) << 8)).reshape(frame_count, -1)
+    change = (change >> 1) ^ (0 - (change & 1))
     code = np.cumsum(change, axis=0, dtype=np.uint16).reshape(frame_count, -1, len(low))
     values = np.where(code == 65535, np.nan, low + step * code)
     values = 10.0**values if series["logarithmic"] else values
@@ -47,6 +49,19 @@ def test_a_series_comes_back_within_half_a_step():
     back = unpacked(series, 5).reshape(values.shape)
     assert np.abs(back - values).max(axis=(0, 1)) == pytest.approx(0.5 * np.array(series["step"]), rel=0.3)
     assert np.array(series["step"]) == pytest.approx(np.ptp(values, axis=(0, 1)) / 65534)
+
+
+def test_fewer_steps_are_still_half_a_step_off():
+    values = np.random.default_rng(2).normal(size=(4, 60))
+    series = packed_series(values, largest_code=COARSE_CODE)
+    assert series["step"] == pytest.approx([np.ptp(values) / COARSE_CODE])
+    assert np.abs(unpacked(series, 4) - values).max() == pytest.approx(0.5 * series["step"][0], rel=0.1)
+
+
+def test_any_change_of_a_code_comes_back():
+    """Also the largest both ways, which wrap around."""
+    values = np.array([[0.0, 1.0, 0.3], [1.0, 0.0, np.nan], [0.0, 0.5, 0.3], [np.nan, 0.50001, 0.29999]])
+    assert unpacked(packed_series(values), 4) == pytest.approx(values, abs=1e-5, nan_ok=True)
 
 
 def test_what_is_not_finite_stays_so_and_widens_no_range():
@@ -113,6 +128,20 @@ def test_only_other_fields_are_thinned_as_long_as_positions_fit():
     shown = {field["name"]: field for field in scene_of(info, recorder, history)["sheets"][0]["fields"]}
     assert shown["warp_stretch"]["at"] == [0, 4, 8, 11] and shown["shear_angle"]["at"] is None
     assert unpacked(shown["warp_stretch"]["values"], 4) == pytest.approx(np.array(stretch), abs=1e-6)
+
+
+def test_very_many_values_are_rounded_more_before_frames_are_left_out(monkeypatch):
+    info, frames = made_run(0.03, frame_count=12)
+    _, other = sizes_of(info, frames)
+    monkeypatch.setattr(recorder_module, "COARSE_BYTES", 8 * other)
+    recorder, (_, history) = recorded(info, frames), _recorded(info, frames)
+    fields = recorder.fields(0)
+    assert fields["warp_stretch"].coarse and not fields["shear_angle"].coarse and not fields["thickness"].coarse
+    shown = {field["name"]: field for field in scene_of(info, recorder, history)["sheets"][0]["fields"]}
+    assert shown["warp_stretch"]["at"] is None and shown["warp_stretch"]["steps"] == COARSE_CODE
+    assert shown["shear_angle"]["steps"] is None
+    back, given = unpacked(shown["warp_stretch"]["values"], 12), fields["warp_stretch"].values
+    assert np.abs(back - given).max() <= 0.51 * np.ptp(given) / COARSE_CODE
 
 
 def test_a_page_of_a_run_in_progress_has_few_frames_with_all_fields():

@@ -11,7 +11,7 @@ from weavesim.errors import InputError
 from weavesim.fabric import glass_polypropylene
 from weavesim.output.film.reading import StoredFilm
 from weavesim.output.stored.file import read_results
-from weavesim.output.stored.judged import tool_distance
+from weavesim.output.stored.judged import ToolsOfRun, tool_distance
 from weavesim.process.motions.paths import PathMotion, Pose, Rotation, turn_matrix
 from weavesim.process.strokes import Fixed, Stroke
 from weavesim.run.checkpoint import checkpoints as module
@@ -97,7 +97,7 @@ def test_the_gap_is_that_to_the_true_pose(whole):
     simulation, frames, folder = whole
     stored = read_results(folder)
     assert close(stored.place(1), expected()[1])
-    distance = tool_distance(stored, stored.sheets[0])
+    distance = tool_distance(stored, stored.sheets[0], ToolsOfRun(stored.tools))
     found = distance(stored.sheets[0].position)
     normal = stored.place(1).turned(np.array([[0.0, 0.0, 1.0]]))[0]
     of_plane = (stored.sheets[0].position - stored.place(1).moved(np.array([HINGE]))[0]) @ normal

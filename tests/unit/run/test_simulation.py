@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from tests.support.frames import Frames
 from tests.support.registered_cells import TautNet
 from tests.support.runs import small_run
 from weavesim import Setup, Sheet, Solver
@@ -116,6 +117,27 @@ def test_a_run_happens_once():
     simulation.run()
     with pytest.raises(RunError, match="has been run: make a new one"):
         simulation.run()
+
+
+def test_what_is_computed_for_frames_alone_is_in_the_last_one_at_least():
+    """The same bits, of every frame or of the last one: also where nobody observes, and before the run."""
+    frames = []
+    for every_field in (True, False):
+        observer = Frames()
+        simulation = small_run(tools=(plane_at(-0.5 * THICKNESS),), frame_count=3)
+        assert "tool_gap" in simulation.frame.sheet.fields
+        simulation.run([observer], every_field=every_field)
+        assert observer.all[-1] is simulation.frame
+        frames.append(observer.all)
+    for whole, short in zip(*frames, strict=True):
+        last = whole is frames[0][-1]
+        assert set(short.sheet.fields) < set(whole.sheet.fields) or last
+        assert ("tool_gap" in short.sheet.fields, "wrinkle_height" in short.sheet.fields) == (last, last)
+        for name, values in short.sheet.fields.items():
+            assert np.array_equal(values, whole.sheet.fields[name]), name
+    alone = small_run(tools=(plane_at(-0.5 * THICKNESS),), frame_count=3)
+    alone.run()
+    assert np.array_equal(alone.frame.sheet.fields["tool_gap"], frames[0][-1].sheet.fields["tool_gap"])
 
 
 def test_notes_say_how_meshes_were_read(tmp_path):

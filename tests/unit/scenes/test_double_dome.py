@@ -119,12 +119,13 @@ def test_a_free_sheet_without_a_middle_node_is_refused():
     [
         ({}, "surface"),
         ({"mesh_size": 0.0025}, "nodes"),
+        ({"mesh_size": 0.01}, "nodes"),
         ({"mesh_size": 0.0025, "contact_samples": "surface"}, "surface"),
         ({"contact_samples": "nodes"}, "nodes"),
         ({"punch": Path("punch.stl")}, "nodes"),
     ],
 )
-def test_large_elements_meet_the_default_tools_between_nodes_too(given, samples):
+def test_elements_that_would_sink_meet_the_default_tools_between_nodes_too(given, samples):
     """Samples near meshes are looked at in every step, which is slow."""
     assert DoubleDomeParameters(**given).meets_between_nodes == (samples == "surface")
     if "punch" not in given:

@@ -14,7 +14,7 @@ SCENES = {name: found.load() for name, found in known_scenes().items()}
 # Where and what a run writes, and what it accepts, change no number; another device has to be there.
 LEFT_OUT = {
     "out", "write", "without", "overwrite", "checkpoint_interval", "accept_unusual", "device", "strict", "limits",
-    "solver_fields",
+    "solver_fields", "stop_on",
 }  # fmt: skip
 # Changes only what a run records; tests/validation/ have its effect.
 RECORDED = {("picture-frame", "load_factor")}

@@ -167,7 +167,9 @@ def test_the_error_follows_the_thickness_of_the_sheet(mesh, thickness):
 
 def coarse_errors(monkeypatch, share):
     """Samples that are believed although they err by ``share`` of the thickness of 1 mm."""
-    monkeypatch.setattr("weavesim.tools.sampling._errors", lambda *_: np.full(1000, share * 1e-3))
+    monkeypatch.setattr(
+        "weavesim.tools.sampling._errors", lambda *_: (np.zeros((1000, 3)), np.full(1000, share * 1e-3))
+    )
 
 
 def test_an_error_of_half_the_thickness_is_refused(monkeypatch):

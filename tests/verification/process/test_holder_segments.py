@@ -6,9 +6,7 @@ import pytest
 from weavesim import Simulation
 from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 
-# Contact at nodes: elements of this size bend so sharply over the edges of the tools that samples between nodes make
-# runs part at the least difference.
-COARSE = {"mesh_size": 0.015, "frame_count": 1, "threads": 1, "contact_samples": "nodes"}
+COARSE = {"mesh_size": 0.015, "frame_count": 1, "threads": 1}
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,7 @@ def check_command(
     files_from: FilesFrom = None,
 ) -> None:
     """Say what can be known of a job before it runs: radii, gaps, speeds, time and memory; and draw it."""
-    from ...job.check import check_setup, table_of
+    from ...job.check import LOOK, check_setup, table_of
     from ...job.read import read_job
     from ...output.pictures.before import before_run
     from ...output.pictures.style import write_picture
@@ -48,6 +48,8 @@ def check_command(
             write_picture(before_run(setup), path)
             say(f"Picture: {path}")
             checked = check_setup(setup)
+            if any(row.what == "error of distance" and row.judgement == LOOK for row in checked.rows):
+                write_picture(before_run(setup, with_errors=True), path)
             say(f"{file.job.name}{f', {case}' if case else ''}")
             say(table_of(checked.rows, shutil.get_terminal_size((WIDTH, 24)).columns))
             count = sum(row.judgement == "look" for row in checked.rows)

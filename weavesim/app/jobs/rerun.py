@@ -103,7 +103,7 @@ def _run(setup: Setup, into: Path | None, overwrite: bool, record: dict[str, Any
     simulation, bar = Simulation(setup), ProgressBar(stays=True)
     bar.listen()
     try:
-        simulation.run([bar])
+        simulation.run([bar], every_field=False)
     finally:
         bar.close()
     return frame_hash(simulation.frame, fields)

@@ -21,6 +21,7 @@ from ..loads import Loads
 from ..placing import FORCE_RAMP, RAMP_SHARE
 from ..read import JobFile
 from ..units import length_unit
+from .places import Places
 from .tables import EndTable, MoveTable, StagePressureTable, TrimTable
 
 # What the engine says of motions, in the words of a job.
@@ -34,7 +35,11 @@ IN_A_JOB = (
 
 
 def stages_of(
-    file: JobFile, sheets: Sequence[Sheet], made: Mapping[str, tuple[Tool, ...]], share: float
+    file: JobFile,
+    sheets: Sequence[Sheet],
+    made: Mapping[str, tuple[Tool, ...]],
+    share: float,
+    drawn: Mapping[str, float],
 ) -> tuple[Stage, ...]:
     """The stages of a job; none if it has none.
 
@@ -43,13 +48,14 @@ def stages_of(
         sheets: its plies.
         made: its tools by the names of their tables; one that is cut has several.
         share: of the whole that is computed, by symmetry; forces and masses of a job are those of the whole.
+        drawn: displacements at which the tools of the tables are where they are drawn [m].
 
     Raises:
         InputError: a name that is not there, a motion that does not fit, or an end that can never come.
     """
     if not file.job.stage:
         return ()
-    builder = _Builder(file, sheets, made, share)
+    builder = _Builder(file, sheets, made, share, drawn)
     stages = tuple(builder.stage(index) for index in range(len(file.job.stage)))
     grippers = tuple(gripper for sheet in sheets for gripper in sheet.grippers)
     touching = frozenset(sheet.name for sheet in sheets if len(sheets) > 1)
@@ -70,13 +76,19 @@ class _Builder:
     """Makes one stage after the other; remembers which tools have acted."""
 
     def __init__(
-        self, file: JobFile, sheets: Sequence[Sheet], made: Mapping[str, tuple[Tool, ...]], share: float
+        self,
+        file: JobFile,
+        sheets: Sequence[Sheet],
+        made: Mapping[str, tuple[Tool, ...]],
+        share: float,
+        drawn: Mapping[str, float],
     ) -> None:
-        self.file, self.sheets, self.share = file, sheets, share
+        self.file, self.sheets, self.share, self.drawn = file, sheets, share, drawn
         self.tools = {tool.name: tool for own in made.values() for tool in own}
         self.segments = {name: tuple(tool.name for tool in own) for name, own in made.items() if len(own) > 1}
         self.loads = Loads(file, [sheet.name for sheet in sheets])
         self.groups = self._groups()
+        self.places = Places(self.tools)
         self.acting = frozenset(self.tools)
         self.acted: frozenset[str] = frozenset()
 
@@ -115,7 +127,7 @@ class _Builder:
         if table.pressure is not None:
             pressures = tuple(self._pressure([*keys, "pressure", k], each) for k, each in enumerate(table.pressure))
         try:
-            return Stage(
+            made = Stage(
                 table.name,
                 duration,
                 None if table.end is None else self._end([*keys, "end"], table.end),
@@ -137,6 +149,8 @@ class _Builder:
             )
         except InputError as error:
             self.file.refuse(keys, str(error).removeprefix("Stage: "))
+        self.places.go_through(made, self.acting)
+        return made
 
     def _trim(self, keys: Sequence[object], table: TrimTable) -> Trim:
         if table.file is not None:
@@ -203,12 +217,39 @@ class _Builder:
                 f"{table.name} is cut into segments: move each by its name, as {first}, or write fixed = true",
             )
 
+    def _travel(self, table: MoveTable) -> float:
+        """Of a stroke [m].
+
+        Raises:
+            InputError: "close" of something else than a whole tool, or from where only the run knows.
+        """
+        if not isinstance(table.stroke, str):
+            assert table.stroke is not None
+            return table.stroke
+        name = table.name
+        if name not in self.drawn or name not in self.tools:
+            raise InputError(f'stroke = "close": {name} is no whole [[tool]] that is drawn closed; give the travel')
+        at = self.places.at(name)
+        if at is None or table.is_carried:
+            raise InputError(
+                f'stroke = "close": where {name} stands when the stage begins is decided by the run, since a force, a '
+                "path or the early end of a stage has moved it; give the travel"
+            )
+        travel = self.drawn[name] - at
+        if not travel > 0.0:
+            raise InputError(
+                f'stroke = "close": {name} stands {abs(1e3 * travel):.4g} mm beyond where it is drawn when the stage '
+                "begins; give the travel, or fixed = true to stay"
+            )
+        return travel
+
     def _motion(self, table: MoveTable) -> Motion:
         if table.stroke is not None:
             assert table.speed is not None
-            ramp = RAMP_SHARE * abs(table.stroke) / table.speed if table.ramp is None else table.ramp
+            travel = self._travel(table)
+            ramp = RAMP_SHARE * abs(travel) / table.speed if table.ramp is None else table.ramp
             limit = None if table.largest_force is None else table.largest_force * self.share
-            return Stroke.smooth(table.stroke, table.speed, ramp, start_time=table.delay, largest_force=limit)
+            return Stroke.smooth(travel, table.speed, ramp, start_time=table.delay, largest_force=limit)
         if table.fixed or (table.force is None and table.forces is None):
             return Fixed()
         cut = next((whole for whole, names in self.segments.items() if table.name in names), table.name)

@@ -42,8 +42,9 @@ class MoveTable(CarriedTable):
     """A motion that begins with a stage, from where things then are. `[[stage.move]]`, below its stage."""
 
     name: str = Field(description="of a tool, a gripper or a spring; the name of a group moves all of it")
-    stroke: Annotated[Finite, Quantity("displacement")] | None = Field(
-        default=None, description="motion: travel along its axis; a negative one goes back"
+    stroke: Literal["close"] | Annotated[Finite, Quantity("displacement")] | None = Field(
+        default=None,
+        description='motion: travel along its axis; a negative one goes back, "close" goes to where a tool is drawn',
     )
     fixed: bool = Field(default=False, description="motion: true keeps it where it is")
     force: Annotated[NotNegative, Quantity("force")] | None = Field(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sys
 import zlib
-from collections.abc import Iterable, Mapping
-from functools import cache
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from struct import Struct
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -17,8 +18,9 @@ _VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uin
 _VTK_CELLS = {3: 5, 4: 9}
 _BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
 
-# Arrays of one file by section; ``Packed`` ones are the same in many files.
-Arrays = Mapping[str, "np.ndarray | Packed"]
+# Arrays of one file, by section; ``Packed`` ones are the same in many files.
+Sections = tuple[tuple[str, Mapping[str, "np.ndarray | Packed"]], ...]
+_HEADER = Struct("=4Q")
 
 
 class Packed:
@@ -56,6 +58,7 @@ class Grid:
         }
         self._cell_data = {name: Packed(values) for name, values in (cell_data or {}).items()}
         self._point_data = {name: Packed(values) for name, values in (point_data or {}).items()}
+        self._said: tuple[tuple[Any, ...], bytes] = (), b""
 
     def write(
         self,
@@ -75,26 +78,39 @@ class Grid:
             point_data, cell_data: by name, (count,) or (count, component_count); float32, float64, int32 or uint8.
             run_id: goes into a comment, which every reader of XML skips.
         """
-        sections: tuple[tuple[str, Arrays], ...] = (
+        sections: Sections = (
             ("Points", {"Points": points}),
             ("Cells", self._cells),
             ("PointData", {**(point_data or {}), **self._point_data}),
             ("CellData", {**(cell_data or {}), **self._cell_data}),
         )
-        declarations, blocks = _appended(sections)
+        blocks = [_block_of(values) for _, arrays in sections for values in arrays.values()]
+        key = (
+            run_id,
+            *(
+                (name, values.dtype, values.shape, len(block))
+                for (name, values), block in zip(_every(sections), blocks, strict=True)
+            ),
+        )
+        if key != self._said[0]:  # else as in the frame before
+            self._said = key, self._head(sections, blocks, len(points), run_id)
+        with replacing(path) as temporary, open(temporary, "wb") as file:
+            file.writelines([self._said[1], *blocks, b"\n</AppendedData>\n</VTKFile>\n"])
+
+    def _head(self, sections: Sections, blocks: Sequence[bytes], point_count: int, run_id: str) -> bytes:
+        """The XML before all blocks."""
         lines = [
             '<?xml version="1.0"?>',
             *([run_comment(run_id)] if run_id else []),
             f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{_BYTE_ORDER}" header_type="UInt64" '
             'compressor="vtkZLibDataCompressor">',
-            f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{self._count}">',
-            *declarations,
+            f'<UnstructuredGrid><Piece NumberOfPoints="{point_count}" NumberOfCells="{self._count}">',
+            *_declarations(sections, blocks),
+            "</Piece></UnstructuredGrid>",
+            '<AppendedData encoding="raw">',
+            "_",
         ]
-        lines += ["</Piece></UnstructuredGrid>", '<AppendedData encoding="raw">', "_"]
-        with replacing(path) as temporary, open(temporary, "wb") as file:
-            file.write("\n".join(lines).encode())
-            file.writelines(blocks)
-            file.write(b"\n</AppendedData>\n</VTKFile>\n")
+        return "\n".join(lines).encode()
 
 
 def run_comment(run_id: str) -> str:
@@ -137,30 +153,32 @@ def times_text(files: Iterable[tuple[float, str]], run_id: str) -> str:
     )
 
 
-def _appended(sections: Iterable[tuple[str, Arrays]]) -> tuple[list[str], list[bytes]]:
-    """Lines of XML that declare all arrays, and the blocks of bytes after the XML that they refer to."""
-    lines: list[str] = []
-    blocks: list[bytes] = []
-    offset = 0
+def _every(sections: Sections) -> Iterator[tuple[str, np.ndarray | Packed]]:
+    """Name and values of every array, in the order of their blocks."""
+    for _, arrays in sections:
+        yield from arrays.items()
+
+
+def _declarations(sections: Sections, blocks: Sequence[bytes]) -> Iterator[str]:
+    """Lines of XML that declare all arrays, whose ``blocks`` of bytes follow the XML."""
+    offset, following = 0, iter(blocks)
     for section, arrays in sections:
-        lines.append(f"<{section}>")
+        yield f"<{section}>"
         for name, values in arrays.items():
             shape = "" if values.ndim == 1 or section == "Cells" else f' NumberOfComponents="{values.shape[1]}"'
-            lines.append(
-                f'<DataArray type="{_VTK_TYPES[values.dtype.name]}" Name={_quoted(name)}{shape} '
+            yield (
+                f'<DataArray type="{_VTK_TYPES[values.dtype.name]}" Name={quoteattr(name)}{shape} '
                 f'format="appended" offset="{offset}"/>'
             )
-            block = values.block if isinstance(values, Packed) else _block(values, 0)
-            blocks.append(block)
-            offset += len(block)
-        lines.append(f"</{section}>")
-    return lines, blocks
+            offset += len(next(following))
+        yield f"</{section}>"
 
 
-_quoted = cache(quoteattr)
+def _block_of(values: np.ndarray | Packed) -> bytes:
+    return values.block if isinstance(values, Packed) else _block(values, 0)
 
 
 def _block(values: np.ndarray, level: int) -> bytes:
     """One block of zlib with VTK's header: how many blocks, their size, that of a last partial one, and compressed."""
-    compressed = zlib.compress(np.ascontiguousarray(values).tobytes(), level)
-    return np.array([1, values.nbytes, 0, len(compressed)], dtype=np.uint64).tobytes() + compressed
+    compressed = zlib.compress(np.ascontiguousarray(values), level)
+    return _HEADER.pack(1, values.nbytes, 0, len(compressed)) + compressed

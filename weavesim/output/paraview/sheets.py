@@ -46,6 +46,7 @@ class SheetFiles:
         self.name, self._place, self._shift, self._several = info.name, place, shift, several
         self._diagnostics = diagnostics
         self._copies = len(self._symmetry.mirror_factors)
+        self._factors = np.array([(*factors, 1.0) for factors in self._symmetry.mirror_factors], dtype=np.float32)
         self._info = info
         self._see(Part(info, np.zeros(0, dtype=bool)))
 
@@ -82,18 +83,22 @@ class SheetFiles:
 
     def write(self, frame: SheetFrame, stem: str) -> str:
         """Write the whole part in single precision; returns the name of the file."""
-        mirrored, frame = self._symmetry.mirrored, self._there(frame)
-        position = mirrored(frame.position)
-        points = {"displacement_m": mirrored(frame.position - self._blank.node_position).astype(np.float32)}
+        frame = self._there(frame)
+        points = {"displacement_m": self._mirrored(frame.position - self._blank.node_position)}
         cells = {
             name: np.tile(values.astype(np.float32), self._copies)
             for name, values in self._fields(frame, diagnostics=self._diagnostics).items()
         }
         for name, vectors in self._directions(frame).items():
-            cells[name] = mirrored(vectors).astype(np.float32)
+            cells[name] = self._mirrored(vectors)
         file = f"{stem}_{self._file_name}.vtu"
-        self._whole.write(self._folder / file, position.astype(np.float32), points, cells, self._run_id)
+        self._whole.write(self._folder / file, self._mirrored(frame.position), points, cells, self._run_id)
         return file
+
+    def _mirrored(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (n, 3) of all copies in single precision; signs change no digit, so rounding comes first."""
+        single = vectors.astype(np.float32)
+        return np.concatenate([single * factors for factors in self._factors])
 
     def write_final(self, frame: SheetFrame, file: str) -> None:
         """Write the computed part in double precision, with everything that is known of it."""

@@ -8,6 +8,8 @@ import numpy as np
 
 from ...tools.mesh_features import convex_radii
 from ...tools.mesh_topology import directed_edges, edge_keys
+from ...tools.sampling import DOUBTFUL_ERROR, sampled_distance
+from ...tools.surfaces.flaws import holes_of
 from .sections import plane_cut
 from .style import ACCENT, INK, LINE_COLOURS, MEASURED, new_axes, new_figure, words
 
@@ -24,15 +26,20 @@ if TYPE_CHECKING:
 LARGEST_FACE_COUNT = 60_000
 ENOUGH, FEW = 5.0, 3.0
 TOO_SHARP = "#d1495b"
+TURNED = "#7fb069"
+HOLE = "#e4572e"
+WRONG = "#1d3557"
 COARSE = "#e9b44c"
 FINE = "#c9d3dc"
 
 
-def before_run(setup: Setup) -> Figure:
+def before_run(setup: Setup, with_errors: bool = False) -> Figure:
     """Sections along x and y at the start, with the closed tools dashed; and each mesh tool from its side, in plan.
 
     Args:
         setup: of the run; its first world is drawn.
+        with_errors: mark where the sampled distance to a mesh is wrong by more than is trusted; samples the meshes
+            if that has not been done.
     """
     world = setup.worlds[0]
     meshes = [tool for tool in world.tools if any(part.surface is not None for part in tool.shape.parts())]
@@ -45,11 +52,14 @@ def before_run(setup: Setup) -> Figure:
         if row == 0:
             figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=6, frameon=False)
     size = max(float(np.sqrt(np.median(_areas(sheet.blank)))) for sheet in world.sheets)
-    wide = 6 // columns
+    wide, found = 6 // columns, set[str]()
     for place, tool in enumerate(meshes[:columns]):
-        _plan(new_axes(figure, grid[1, wide * place : wide * (place + 1)], aspect="equal"), setup, tool, size)
+        axes = new_axes(figure, grid[1, wide * place : wide * (place + 1)], aspect="equal")
+        found |= _plan(axes, setup, tool, size)
+        if with_errors:
+            found |= _errors(axes, setup, tool)
     if meshes:
-        figure.legend(handles=_marks(), loc="outside lower center", ncols=6, fontsize=9, frameon=False)
+        figure.legend(handles=_marks(found), loc="outside lower center", ncols=6, fontsize=9, frameon=False)
     return figure
 
 
@@ -109,16 +119,22 @@ def _section(axes: Axes, setup: Setup, along: str) -> None:
     axes.set(xlim=(reach[0] - margin, reach[1] + margin), ylim=(low - 4.0, high + 4.0))
 
 
-def _plan(axes: Axes, setup: Setup, tool: Tool, size: float) -> None:
-    """A mesh tool in plan: radii by how many elements follow them, borders, sharp edges, outlines of the plies."""
+def _plan(axes: Axes, setup: Setup, tool: Tool, size: float) -> set[str]:
+    """A mesh tool in plan: radii by how many elements follow them, borders, holes, sharp edges, outlines of the plies.
+
+    Returns:
+        the labels of what is wrong with it.
+    """
     from matplotlib.collections import LineCollection, PolyCollection
 
+    found = set[str]()
     axes.set(title=f"{words(tool.name)}: what elements of {1e3 * size:.3g} mm follow", xlabel="x [mm]", ylabel="y [mm]")
     for part in tool.shape.parts():
         surface = part.surface
         if surface is None:
             continue
-        vertices = surface.vertices @ np.array(part.rotation).T + np.array(part.origin)
+        turn, origin = np.array(part.rotation).T, np.array(part.origin)
+        vertices = surface.vertices @ turn + origin
         faces = surface.faces
         count = 0.5 * np.pi * convex_radii(surface.vertices, faces) / size
         shown = np.arange(len(faces))[:: max(1, -(-len(faces) // LARGEST_FACE_COUNT))]
@@ -126,6 +142,10 @@ def _plan(axes: Axes, setup: Setup, tool: Tool, size: float) -> None:
         colours = np.where(count < FEW, TOO_SHARP, np.where(count < ENOUGH, COARSE, FINE))[order]
         corners = 1.0e3 * vertices[faces[order]][:, :, :2]
         axes.add_collection(PolyCollection(list(corners), facecolors=list(colours), edgecolors="face", linewidths=0.3))
+        if len(surface.turned):
+            corners = 1.0e3 * (surface.turned @ turn + origin)[:, :, :2]
+            axes.add_collection(PolyCollection(list(corners), facecolors=TURNED, edgecolors=TURNED, linewidths=0.6))
+            found.add("turned")
         border = _border(faces)
         if len(border):
             lines = 1.0e3 * vertices[border][:, :, :2]
@@ -133,23 +153,57 @@ def _plan(axes: Axes, setup: Setup, tool: Tool, size: float) -> None:
         if len(surface.sharp_edges):
             lines = 1.0e3 * vertices[surface.sharp_edges][:, :, :2]
             axes.add_collection(LineCollection(list(lines), colors=MEASURED, linewidths=1.6))
+        for hole in holes_of(surface):
+            if not hole.is_opening:
+                lines = 1.0e3 * (hole.edges @ turn + origin)[:, :, :2]
+                axes.add_collection(LineCollection(list(lines), colors=HOLE, linewidths=2.4, zorder=4))
+                # a small one would not be seen
+                middle = 1.0e3 * (hole.place @ turn + origin)
+                axes.plot(*middle[:2], marker="o", markersize=14.0, fillstyle="none", color=HOLE, zorder=4)
+                found.add("hole")
     for sheet in setup.worlds[0].sheets:
         loop = sheet.blank.boundary_loop()
         outline = 1.0e3 * sheet.blank.node_position[np.append(loop, loop[0])][:, :2]
         axes.plot(*outline.T, color=INK, linewidth=1.0, linestyle="dashed")
     axes.autoscale_view()
     axes.grid(False)
+    return found
 
 
-def _marks() -> list[Line2D]:
+def _errors(axes: Axes, setup: Setup, tool: Tool) -> set[str]:
+    """Marks where the sampled distance to a tool is wrong by more than is trusted; returns their label."""
+    world, found = setup.worlds[0], set[str]()
+    thickest = max(sheet.fabric.thickness for sheet in world.sheets)
+    thinnest = min(sheet.fabric.thickness for sheet in setup.sheets)
+    for part in tool.shape.parts():
+        if part.surface is None:
+            continue
+        sampled = sampled_distance(part.surface, setup.solver.device, thinnest, thickest)
+        wrong = sampled.worst_points[sampled.worst_errors > DOUBTFUL_ERROR * thinnest]
+        if len(wrong):
+            points = 1.0e3 * (wrong @ np.array(part.rotation).T + np.array(part.origin))
+            axes.plot(*points[:, :2].T, marker="x", markersize=4.0, linestyle="", color=WRONG, zorder=5)
+            found.add("wrong")
+    return found
+
+
+def _marks(found: set[str]) -> list[Line2D]:
+    """What the signs mean; those of faults only where some are ``found``."""
     from matplotlib.lines import Line2D
+
+    faults = {
+        "turned": Line2D([], [], marker="s", linestyle="", color=TURNED, label="faced the other way, turned"),
+        "hole": Line2D([], [], marker="o", fillstyle="none", linestyle="", color=HOLE, label="hole in the surface"),
+        "wrong": Line2D([], [], marker="x", linestyle="", color=WRONG, label="distance is wrong"),
+    }
 
     squares = ((FINE, "five elements on 90°, or flat"), (COARSE, "three to five"), (TOO_SHARP, "fewer"))
     return [
         *(Line2D([], [], marker="s", linestyle="", color=colour, label=label) for colour, label in squares),
-        Line2D([], [], color=ACCENT, label="border, holes"),
+        Line2D([], [], color=ACCENT, label="border"),
         Line2D([], [], color=MEASURED, label="sharp edge"),
         Line2D([], [], color=INK, linestyle="dashed", label="ply"),
+        *(mark for name, mark in faults.items() if name in found),
     ]
 
 

@@ -62,6 +62,11 @@ class ProgressRecord:
         if now >= self._written + INTERVAL:
             self._write("running")
 
+    @property
+    def left(self) -> float | None:
+        """Wall time left [s], as the last frame has it; None while it is unknown."""
+        return self._last.get("left_s")
+
     def finish(self, outcome: Outcome) -> None:
         """Say how the run ended."""
         self._last["left_s"] = 0.0
@@ -92,22 +97,29 @@ class ProgressRecord:
 FIRST_PAGE = 2.0
 EARLY_PAGES, EARLY_INTERVAL, EARLY_SHARE = 10, 2.0, 0.05
 PAGE_INTERVAL, LARGEST_SHARE = 10.0, 0.02
+# A run that ends sooner [s] has its last page by then.
+LEAST_LEFT = 5.0
 
 
 class PagePace:
     """Says when to write: two seconds after the first frame, then every two seconds but for a twentieth of the time at
-    most, and after ten pages every ten seconds but for a fiftieth of it at most."""
+    most, and after ten pages every ten seconds but for a fiftieth of it at most; in the last five seconds of a run not
+    at all."""
 
     def __init__(self) -> None:
         self._next: float | None = None
         self._started, self._count = 0.0, 0
 
-    def due(self) -> bool:
-        """Called for every frame: whether to write now. ``begin`` and ``done`` have to follow."""
+    def due(self, left: float | None = None) -> bool:
+        """Called for every frame: whether to write now. ``begin`` and ``done`` have to follow.
+
+        Args:
+            left: wall time left [s]; None if it is unknown.
+        """
         now = time.monotonic()
         if self._next is None:
             self._next = now + FIRST_PAGE
-        return now >= self._next
+        return now >= self._next and (left is None or left >= LEAST_LEFT)
 
     def begin(self) -> None:
         """The page is about to be written; what was prepared for all pages does not count."""

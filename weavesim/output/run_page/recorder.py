@@ -11,7 +11,9 @@ from ...run.frame import Frame, RunInfo
 # Of all frames in memory, in single precision; the page then has about a quarter of it. Of positions and main fields,
 # and of all others.
 LARGEST_BYTES = 64_000_000
-LARGEST_OTHER_BYTES = 40_000_000
+LARGEST_OTHER_BYTES = 128_000_000
+# From so many on, the page rounds other fields more, to a third of their bytes.
+COARSE_BYTES = 40_000_000
 # Fields that are there wherever the positions are.
 MAIN_FIELDS = ("shear_angle", "thickness")
 # Fields that tell a reader of a page nothing.
@@ -25,10 +27,12 @@ class KeptField:
     Attributes:
         at: in which of the kept frames it is, ascending.
         values: (len(at), element_count), in SI units.
+        coarse: there are so many values that the page has to round them more.
     """
 
     at: list[int]
     values: np.ndarray
+    coarse: bool = False
 
 
 class FrameRecorder:
@@ -130,12 +134,13 @@ class FrameRecorder:
     def fields(self, sheet: int) -> dict[str, KeptField]:
         """Fields of a sheet by name; those that every frame has had."""
         shown, whole = self._shown, [k for k, kept in enumerate(self._shown) if kept.has_others]
-        found = {}
+        found, coarse = {}, sum(kept.other_byte_count for kept in shown) > COARSE_BYTES
         for name in shown[-1].fields[sheet] if shown else ():
             at = list(range(len(shown))) if name in MAIN_FIELDS else whole
             values = [shown[k].fields[sheet].get(name) for k in at]
             if all(value is not None for value in values):
-                found[name] = KeptField(at, np.stack([value for value in values if value is not None]))
+                stacked = np.stack([value for value in values if value is not None])
+                found[name] = KeptField(at, stacked, coarse and name not in MAIN_FIELDS)
         return found
 
     @property

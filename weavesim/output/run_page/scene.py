@@ -10,7 +10,7 @@ import numpy as np
 from ...measures.angles import yarn_components
 from ...tools.drawing import coarser
 from ..colours import DISTINCT_COLOURS
-from .packing import packed, packed_series
+from .packing import COARSE_CODE, LARGEST_CODE, packed, packed_series
 from .recorder import FrameRecorder, KeptField
 from .shown_fields import JUDGED_FIELDS, ShownField, in_order, shown_field
 
@@ -85,9 +85,11 @@ def _sheet(info: RunInfo, place: int, recorder: FrameRecorder, judged: Mapping[s
 
 
 def _field(field: ShownField, kept: KeptField, last: int) -> dict[str, Any]:
-    """With the frames that have it, ``at``; null if all have."""
-    packed_values = packed_series(field.factor * kept.values, logarithmic=field.logarithmic)
-    return field.as_dict() | {"at": None if len(kept.at) == last + 1 else kept.at, "values": packed_values}
+    """With the frames that have it, ``at``, null if all have; and the steps of its range, if they are few."""
+    code = COARSE_CODE if kept.coarse else LARGEST_CODE
+    packed_values = packed_series(field.factor * kept.values, logarithmic=field.logarithmic, largest_code=code)
+    at = None if len(kept.at) == last + 1 else kept.at
+    return field.as_dict() | {"at": at, "steps": code if kept.coarse else None, "values": packed_values}
 
 
 def _tools(info: RunInfo, recorder: FrameRecorder) -> list[dict[str, Any]]:

@@ -42,7 +42,8 @@ def _run_rows(info: RunInfo, setup: Setup | None) -> Iterator[Row]:
     yield Row("duration", number(info.duration, "s"))
     yield Row("frames after the first", str(info.frame_count))
     yield Row("elements, nodes", f"{info.element_count}, {info.node_count}")
-    yield Row("computed by", f"{info.device}, {info.precision}, {' or '.join(map(str, info.thread_counts))} threads")
+    counts = " or ".join(map(str, info.thread_counts))
+    yield Row("computed by", f"{info.device}, {info.precision}, {counts} thread{'s' * (counts != '1')}")
     if setup is not None:
         yield from rows_of(setup.solver, without=("device", "precision", "threads"))
         if setup.rest is not None:

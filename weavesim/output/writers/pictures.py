@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 
 from ...measures.findings import FormedSheet
 from .. import pictures
-from ..files import world_endings
+from ..files import note, noting, world_endings
 from ..results import Results, SheetResult
+from ..sharing import share
 from ..writer import Writer
 
 
@@ -40,9 +41,23 @@ class PicturesWriter(Writer):
         folder = self.folder / "pictures"
         if not self.attempt("pictures", lambda: folder.mkdir(exist_ok=True)):
             return
-        for picture in wanted_pictures(results):
-            if self.attempt(picture.file, partial(_draw, picture, folder / picture.file, results.info.run_id)):
-                results.pictures.append((folder / picture.file, picture.caption))
+        wanted = [(picture, folder / picture.file) for picture in wanted_pictures(results)]
+        drawn: set[int] = set()
+
+        def here(number: int) -> None:
+            picture, path = wanted[number]
+            if self.attempt(picture.file, partial(_draw, picture, path, results.info.run_id)):
+                drawn.add(number)
+
+        def there(number: int) -> None:
+            picture, path = wanted[number]
+            with noting(lambda file: None):  # the record of the run is not the copy's
+                _draw(picture, path, results.info.run_id)
+
+        for _, path in wanted:
+            note(path)
+        drawn |= share(len(wanted), here, there)
+        results.pictures += [(path, picture.caption) for k, (picture, path) in enumerate(wanted) if k in drawn]
 
 
 def _draw(picture: Picture, path: Path, run_id: str) -> None:

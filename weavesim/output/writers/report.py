@@ -38,7 +38,7 @@ class ReportWriter(Writer):
         """Keep a frame; from time to time write the page so far, which ``weavesim view --live`` shows."""
         self._recorder.frame(frame)
         self.save(PROGRESS_NAME, lambda: self._progress.frame(frame))
-        if self._pace.due():
+        if self._pace.due(self._progress.left):
             self._constant.prepare()
             self._pace.begin()
             self.save(self.title, self._write_so_far)

@@ -78,10 +78,13 @@ class SurfaceFields:
         if self._sheet.blank.node_count <= LARGEST_NODE_COUNT:
             (part, nodes), kept, height = self._part, self._sheet.kept, np.full(len(quads), np.nan)
             stretches = (fields[f"{yarn}_stretch"][kept] for yarn in ("warp", "weft"))
-            # a crease is an element or two wide: the yarns beside it count too
-            shortened = [with_neighbours(part.quads, 1.0 - each > WRINKLE_COMPRESSION) for each in stretches]
-            deviation = self._deviation(position[nodes], node_distance[:, nodes])
-            height[kept] = 2.0 * self._filter.along_yarns(deviation, np.array(shortened))
+            short = [1.0 - each > WRINKLE_COMPRESSION for each in stretches]
+            height[kept] = 0.0
+            if np.any(short):
+                # a crease is an element or two wide: the yarns beside it count too
+                counted = np.array([with_neighbours(part.quads, each) for each in short])
+                deviation = self._deviation(position[nodes], node_distance[:, nodes])
+                height[kept] = 2.0 * self._filter.along_yarns(deviation, counted)
             found["wrinkle_height"] = height
         return found
 

@@ -228,7 +228,8 @@ weavesim.Controls = class {
     this.said.textContent =
       `frame ${index[k]}${stage[k] ? `, ${stage[k]}` : ""}, time ${time[k] >= 1 ? withUnit(time[k], "s") : withUnit(1000 * time[k], "ms")}, stroke ${text(Number((1000 * stroke[k]).toFixed(2)))}\u202fmm${kept}`;
     const some = page.field.at ? `; in ${page.field.at.length} of the ${page.frameCount} frames of this page, at which the slider stops` : "";
-    this.about.textContent = page.field.description + (page.field.lastOnly ? "; at the last frame only" : some);
+    const coarse = page.field.steps ? `; rounded to ${text(page.field.steps, 5)} steps of its range` : "";
+    this.about.textContent = page.field.description + (page.field.lastOnly ? "; at the last frame only" : some) + coarse;
     if (!page.manual) [this.low.value, this.high.value] = [page.colours.low, page.colours.high].map((x) => Number(x.toPrecision(4)));
     const note = page.manual ? "own range"
       : `${{ 98: "1st–99th percentile", 90: "5th–95th percentile", 100: "smallest–largest" }[page.bound]}, ${{ last: "last frame", one: "this frame", all: "all frames" }[page.rangeScope]}`;

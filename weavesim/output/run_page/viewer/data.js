@@ -24,9 +24,12 @@ weavesim.Series = class {
       const bytes = await weavesim.bytes(packed.data);
       const count = bytes.length / 2;
       codes = new Uint16Array(count);
-      for (let i = 0; i < count; i += 1) codes[i] = bytes[i] | (bytes[count + i] << 8);
-      // differences from the frame before, modulo 2^16
-      for (let i = width; i < count; i += 1) codes[i] += codes[i - width];
+      for (let i = 0; i < count; i += 1) {
+        // 0, 1, 2, 3, ... are 0, -1, 1, -2, ...: differences from the frame before, modulo 2^16
+        const change = bytes[i] | (bytes[count + i] << 8);
+        codes[i] = (change >> 1) ^ -(change & 1);
+        if (i >= width) codes[i] += codes[i - width];
+      }
     }
     return new weavesim.Series(packed.low, packed.step, packed.logarithmic, codes, frameCount, width);
   }

@@ -36,7 +36,7 @@ weavesim.Page = class {
 
   derived(sheet) {
     return weavesim.DERIVED.filter((field) => field.of.every((name) => sheet.field(name)))
-      .map((field) => ({ ...field, at: sheet.field(field.of[0]).at }));
+      .map((field) => ({ ...field, at: sheet.field(field.of[0]).at, steps: sheet.field(field.of[0]).steps }));
   }
 
   fieldsOf(sheet) {

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 class ToolFriction(Guard):
     """Friction laws between sheets and tools."""
 
+    lasting = True
     name = "tool_friction"
     watches = "friction laws of tools: their tables and films"
 

@@ -1,0 +1,98 @@
+"""Work that a copy of this process shares: each piece once, and nothing lost with the copy."""
+
+import fcntl
+import os
+import time
+
+import pytest
+
+from weavesim.output import sharing
+from weavesim.output.sharing import can_share, share
+
+THIS = os.getpid()
+
+pytestmark = pytest.mark.skipif(not can_share(), reason="this system has one core, or does not copy processes")
+
+
+def written(folder, number, wait=0.02):
+    """Write the number of the process to a file of the piece."""
+    time.sleep(wait)
+    (folder / f"{number}").write_text(str(os.getpid()))
+
+
+def pieces(folder, count, here=None, there=None):
+    """What ``share`` returns, and the process that did each piece."""
+    found = share(
+        count, here or (lambda number: written(folder, number)), there or (lambda number: written(folder, number))
+    )
+    return found, [int((folder / f"{number}").read_text()) for number in range(count)]
+
+
+def test_every_piece_is_done_once_by_both(tmp_path):
+    found, workers = pieces(tmp_path, 12)
+    assert len(set(workers)) == 2 and THIS in workers
+    assert found == {number for number, worker in enumerate(workers) if worker != THIS}
+    (copy,) = set(workers) - {THIS}
+    with pytest.raises(ProcessLookupError):
+        os.kill(copy, 0)
+
+
+def test_what_fails_in_the_copy_is_done_here(tmp_path):
+    def fails(number):
+        raise ValueError("in the copy")
+
+    found, workers = pieces(tmp_path, 6, there=fails)
+    assert found == set() and set(workers) == {THIS}
+
+
+def test_what_is_lost_with_the_copy_is_done_here(tmp_path):
+    found, workers = pieces(tmp_path, 6, there=lambda number: os._exit(1))
+    assert found == set() and set(workers) == {THIS}
+
+
+def test_a_copy_that_hangs_is_ended(tmp_path, monkeypatch):
+    monkeypatch.setattr(sharing, "LEAST_PATIENCE", 0.2)
+    found, workers = pieces(tmp_path, 4, there=lambda number: time.sleep(60.0))
+    assert found == set() and set(workers) == {THIS}
+
+
+def test_an_error_here_leaves_no_copy(tmp_path):
+    def fails(number):
+        while not (tmp_path / "copy").exists():
+            time.sleep(0.01)
+        raise OSError("here")
+
+    def there(number):
+        (tmp_path / "partial").write_text(str(os.getpid()))
+        (tmp_path / "partial").rename(tmp_path / "copy")
+        time.sleep(60.0)
+
+    with pytest.raises(OSError, match="here"):
+        share(4, fails, there)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int((tmp_path / "copy").read_text()), 0)
+
+
+def test_the_copy_holds_no_file_and_no_lock(tmp_path):
+    with open(tmp_path / "lock", "w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        names = [f"/proc/{{}}/fd/{file.fileno()}"]
+
+        def there(number):
+            time.sleep(0.02)
+            (tmp_path / f"{number}").write_text(str(os.path.exists(names[0].format(os.getpid()))))
+
+        found = share(8, lambda number: time.sleep(0.05), there)
+    assert found and {(tmp_path / f"{number}").read_text() for number in found} == {"False"}
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_few_pieces_need_no_copy(tmp_path, count):
+    found, workers = pieces(tmp_path, count)
+    assert found == set() and set(workers) <= {THIS}
+
+
+def test_one_core_does_all(tmp_path, monkeypatch):
+    monkeypatch.setattr(sharing, "can_share", lambda: False)
+    found, workers = pieces(tmp_path, 3)
+    assert found == set() and set(workers) == {THIS}

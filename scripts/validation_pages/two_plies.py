@@ -41,7 +41,7 @@ class Formed:
 
 def formed(size: float, friction: float, lay_up: str = "0/45") -> Formed:
     """The deck of one mesh size [m], with friction between the plies."""
-    parameters = StackParameters(lay_up=lay_up, mesh_size=size, ply_friction=friction, punch_speed=SPEED, threads=2)
+    parameters = StackParameters(lay_up=lay_up, mesh_size=size, ply_friction=friction, punch_speed=SPEED, threads=1)
     simulation, record = Simulation(stack(parameters)), CrossingRecord()
     simulation.run([record])
     plies = tuple(

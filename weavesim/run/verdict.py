@@ -319,6 +319,12 @@ RUN_FINDINGS: tuple[Finding, ...] = (
         "added_mass_ratio", PURE, "mass that scaling added, over the blank's",
         lambda judged: max(sheet.added_mass_ratio for sheet in judged.run.model.sheets),
     ),
+    Finding(
+        "mass_scaling", PURE,
+        "how the scaling of the mass was found for a stated error: tolerances, what was tried on a coarser mesh, the "
+        "factor and the target step that were chosen",
+        lambda judged: scaling.as_told() if (scaling := judged.run.setup.solver.mass_scaling) else None,
+    ),
     Finding("support_force", NEWTONS, "force of each support on its sheet, by name", _support_forces),
     Finding("peak_tool_force", NEWTONS, "largest force of the sheets on each tool in any step, by name", _peak_forces),
     Finding(

@@ -80,6 +80,9 @@ def test_a_released_sheet_comes_to_rest_and_tells_its_springback(released):
     assert [told["ended_by"] for told in simulation.stages.ended] == ["duration", "rest"]
     last = frames[-1]
     assert last.stage == "release" and not last.tool_acts.any() and not last.tool_reaction.any()
+    most = max(frame.energies["supplied"] for frame in frames)
+    assert max(abs(frame.energies["balance_error"]) for frame in frames) < 0.01 * most
+    assert simulation.summary()["energy_balance_error"] < 0.01
     assert frames[-1].energies["internal"] < 0.1 * simulation.stages.frames["forming"].energies["internal"]
     found = springback(simulation)
     formed = next(frame for frame in reversed(frames) if frame.stage == "forming")

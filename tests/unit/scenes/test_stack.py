@@ -62,6 +62,12 @@ def test_a_quarter_is_computed_where_all_plies_are_symmetric():
     assert quarter.material_coordinates.min() == 0.0 and quarter.material_coordinates.max() == 0.15
 
 
+def test_plies_meet_themselves_if_asked():
+    setup = made(lay_up="0/90", self_contact=True, ply_friction=0.3)
+    assert {sheet.self_contact.friction.coefficient for sheet in setup.sheets} == {0.3}
+    assert made(lay_up="0/90").sheets[0].self_contact is None
+
+
 def test_one_ply_has_no_interface():
     assert made(lay_up="45").worlds[0].interfaces == ()
 

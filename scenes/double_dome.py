@@ -97,7 +97,7 @@ class DoubleDomeParameters(HolderOptions):
     self_contact: bool = Field(
         default=False, description="the sheet meets itself in folds, with its friction on the tools"
     )
-    contact_samples: Literal["auto", "nodes", "surface"] = Field(
+    contact_samples: Literal["auto", "surface", "nodes"] = Field(
         default="auto",
         description="where the sheet meets tools: at its nodes, or between them too, on its surface; auto: there too "
         "if elements are larger than 3.5 mm, up to 7.5 mm, and no tool is a mesh",

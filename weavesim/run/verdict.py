@@ -149,8 +149,10 @@ def _balance_error(judged: Judged) -> float | None:
     scale = judged.scale
     if scale is None:
         return None
+    # what contact stores at the start, as under a ring in touch, was neither supplied nor made by the run
+    start = judged.history[0]["balance_error"]
     return max(
-        abs(entry["balance_error"])
+        abs(entry["balance_error"] - start)
         / max(abs(entry["supplied"]), entry["used"], judged.least_energy, LEAST_WORK * scale)
         for entry in judged.history
     )

@@ -24,6 +24,8 @@ from weavesim.fabric.shear import MomentCurve
 from weavesim.measures.folds import rim_folds
 from weavesim.measures.proximity import close_pairs
 from weavesim.process.dynamics import Dynamics
+from weavesim.process.friction import Coulomb
+from weavesim.process.self_contact import SelfContact
 from weavesim.ranges import Quantity
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
@@ -64,6 +66,9 @@ class HemisphereParameters(RunOptions):
     radius: Annotated[Positive, Quantity("length")] = Field(default=0.1, description="radius of the ball [m]")
     friction: Annotated[NotNegative, Quantity("friction")] = Field(
         default=0.3, description="Coulomb coefficient between cloth and ball"
+    )
+    self_contact: bool = Field(
+        default=False, description="the cloth meets itself in folds, with the friction of cloth and ball"
     )
     damping: Annotated[NotNegative, Quantity("damping rate")] = Field(
         default=15.0, description="mass-proportional damping rate, from air drag [1/s]"
@@ -141,9 +146,11 @@ def hemisphere(parameters: HemisphereParameters, case: str, fabric: Fabric | Non
     blank = Blank.rectangle(
         (-half, -half), (half, half), parameters.mesh_size, height=parameters.radius + 0.5 * fabric.thickness
     )
+    self_contact = SelfContact(Coulomb(parameters.friction)) if parameters.self_contact else None
+    start = unevenness(blank, parameters.seed)
     return Setup(
         "hemisphere",
-        sheets=(Sheet(blank, fabric, initial_velocity=unevenness(blank, parameters.seed)),),
+        sheets=(Sheet(blank, fabric, initial_velocity=start, self_contact=self_contact),),
         tools=(Tool("hemisphere", Sphere(parameters.radius), friction=parameters.friction),),
         dynamics=Dynamics(gravity=(0.0, 0.0, -GRAVITY), damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
         duration=parameters.duration,

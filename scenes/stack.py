@@ -27,6 +27,7 @@ from weavesim.output.results import Wanted
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.friction import Coulomb
 from weavesim.process.interfaces import Interface
+from weavesim.process.self_contact import SelfContact
 from weavesim.process.strokes import Stroke
 from weavesim.ranges import Quantity, unusual_values
 from weavesim.sheet.stack import LayUp, MeshAlong
@@ -88,6 +89,15 @@ class StackParameters(RunOptions):
         default=None,
         description="Coulomb coefficient between plies and tools; by default 0 in the hemisphere, 0.2 on the dome",
     )
+    contact_samples: Literal["nodes", "surface"] = Field(
+        default="nodes", description="where plies meet tools: at their nodes, or between them too, on their surface"
+    )
+    contact_allowance: Annotated[NotNegative, Quantity("contact allowance")] = Field(
+        default=0.04, description="depth of the surface over the thickness from which it is pushed out between nodes"
+    )
+    self_contact: bool = Field(
+        default=False, description="every ply meets itself in folds too, with the friction between plies"
+    )
     passes: Literal["both", "one"] = Field(
         default="both", description="nodes of both plies meet the other, or those of the finer one only"
     )
@@ -107,6 +117,7 @@ class StackParameters(RunOptions):
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
 
     needs: ClassVar[Mapping[str, Need]] = {
+        "contact_allowance": Need("contact_samples = surface", lambda options: options.contact_samples == "surface"),
         "blank_holder_force": Need("tools = double-dome", lambda options: options.tools == "double-dome"),
     }
 
@@ -200,11 +211,12 @@ def stack(parameters: StackParameters, fabric: Fabric | None = None) -> Setup:
         fabric = fabric.model_copy(update={"thickness": parameters.ply_thickness})
     plies = lay_up(parameters, fabric)
     tools = (hemisphere_tools if parameters.tools == "hemisphere" else dome_tools)(parameters, plies.thickness)
+    friction = Coulomb(parameters.chosen("ply_friction"))
     sheets = plies.sheets(
         parameters.mesh_size, bottom=-0.5 * plies.thickness, mesh_along=parameters.mesh_along,
+        self_contact=SelfContact(friction) if parameters.self_contact else None,
         accept_unusual=parameters.accept_unusual,
     )  # fmt: skip
-    friction = Coulomb(parameters.chosen("ply_friction"))
     interfaces = tuple(
         Interface(lower, upper, friction, passes=parameters.passes)
         for lower, upper in zip(plies.names, plies.names[1:], strict=False)
@@ -214,6 +226,8 @@ def stack(parameters: StackParameters, fabric: Fabric | None = None) -> Setup:
         "stack", sheets=sheets, tools=tools, symmetry=parameters.planes, interfaces=interfaces,
         dynamics=Dynamics(
             damping=parameters.chosen("damping"), director_damping=double_dome.DIRECTOR_DAMPING,
+            contact_samples=parameters.contact_samples,
+            contact_allowance=parameters.contact_allowance if parameters.contact_samples == "surface" else 0.0,
             gravity=(0.0, 0.0, -gravity),
         ),
         duration=tools[0].motion.duration + double_dome.REST, frame_count=parameters.frame_count,

@@ -1,9 +1,10 @@
 """Run the scenes with variations of their defaults, and write the validation pages.
 
     python scripts/validation.py               all pages, about twenty minutes on two cores
-    python scripts/validation.py hemisphere    one of them: double-dome, hemisphere or measured
+    python scripts/validation.py hemisphere    one of them: double-dome, hemisphere, measured or two-plies
 
-Every number in docs/validation.md, docs/validation_hemisphere.md and docs/validation_measured.md is from this script.
+Every number in docs/validation.md, docs/validation_hemisphere.md, docs/validation_measured.md and
+docs/validation_two_plies.md is from this script.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ sys.path.insert(0, str(ROOT))
 from scripts.validation_pages.double_dome import double_dome_page  # noqa: E402
 from scripts.validation_pages.hemisphere import hemisphere_page  # noqa: E402
 from scripts.validation_pages.measured import measured_page  # noqa: E402
+from scripts.validation_pages.two_plies import two_plies_page  # noqa: E402
 from weavesim.output.files import replacing  # noqa: E402
 
 DOCUMENTS = ROOT / "docs"
@@ -25,6 +27,7 @@ PAGES = {
     "double-dome": ("validation.md", double_dome_page),
     "hemisphere": ("validation_hemisphere.md", hemisphere_page),
     "measured": ("validation_measured.md", measured_page),
+    "two-plies": ("validation_two_plies.md", two_plies_page),
 }
 
 

@@ -1,7 +1,9 @@
 """Unit normals of a sheet at its nodes, from the positions of the nodes around (docs/plies.md).
 
 The contact of plies uses them, and not the directors: directors tilt by transverse shear, and a gap that follows them
-without pushing back on them is unstable under pressure (docs/decisions/0035).
+without pushing back on them is unstable under pressure (docs/decisions/0035). Every corner has the weight of N. Max,
+"Weights for computing vertex normals from facet normals", Journal of Graphics Tools 4 (1999) 1-6: the cross product of
+both edges over their squared lengths, exact for any mesh on a sphere.
 """
 
 from functools import cache
@@ -34,7 +36,7 @@ def normal_table_struct(real: type, lane_count: int):
 
 @cache
 def surface_normals_kernel(real: type, lane_count: int):
-    """Kernel over blocks of nodes: weighted by areas, the mean normal of the elements around each."""
+    """Kernel over blocks of nodes: the weighted mean normal of the elements around each."""
     types = lane_types(real, lane_count)
     lanes, lanes3, indices = types.lanes, types.lanes3, types.indices
     NormalTable = normal_table_struct(real, lane_count)
@@ -62,7 +64,10 @@ def surface_normals_kernel(real: type, lane_count: int):
         for slot in range(table.following.shape[0]):
             ahead = away(motion, table.following[slot, block], table.stride, position)
             behind = away(motion, table.preceding[slot, block], table.stride, position)
-            total = total + cross(ahead, behind)
+            squared = wp.cw_mul(dot(ahead, ahead), dot(behind, behind))
+            # where there is no element, both are zero
+            weight = fill(squared, 1.0) / larger(squared, lanes(real(1.0e-30)))
+            total = total + scale(weight, cross(ahead, behind))
         for c in range(3):
             total[c] = wp.cw_mul(table.kept[c, block], total[c])
         # padding has none

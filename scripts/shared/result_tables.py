@@ -20,9 +20,10 @@ def tables() -> str:
     for heading, findings in (("Numbers of a sheet", SHEET_FINDINGS), ("Numbers of a run", RUN_FINDINGS)):
         lines += ["", f"## {heading}", "", "| entry | unit | what it is |", "|---|---|---|"]
         lines += [f"| `{item.key}` | {item.unit.symbol} | {item.description} |" for item in findings]
-    lines += ["", "## Guards", "", "| name | watches |", "|---|---|"]
+    lines += ["", "## Guards", "", "| name | watches | ends a run |", "|---|---|---|"]
     own = {name: guard for name, guard in known_guards().items() if guard.__module__.startswith("weavesim.")}
-    lines += [f"| `{name}` | {guard.watches} |" for name, guard in own.items()]
+    ends = {name: "always" if name == "not_finite" else "if wanted" for name, guard in own.items() if guard.lasting}
+    lines += [f"| `{name}` | {guard.watches} | {ends.get(name, '')} |" for name, guard in own.items()]
     lines += ["", "## Fields per element", "", "| name in files | unit | what it is |", "|---|---|---|"]
     lines += [f"| `{field.file_name}` | {field.file_unit} | {field.description} |" for field in FIELDS]
     lines += ["", "## Stresses per element", ""]

@@ -9,6 +9,7 @@ from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.rows import ExtremeRow, ToolWatchRow
 from weavesim.run.frame import Outcome
 from weavesim.run.guards import Doubt, known_guards
+from weavesim.run.sheet_ledger import NO_PENETRATION
 from weavesim.run.watch.condition import Tally
 from weavesim.run.watch.extremes import Extreme
 
@@ -34,7 +35,7 @@ def judged(
     """A sound run of a sheet 1 mm thick without tools, but for these numbers, extremes, tallies, stacks."""
     own = {
         "min_stretch": Extreme(0.99), "max_stretch": Extreme(1.01), "angle": Extreme(0.5), "depth": Extreme(1e-5),
-        "rows": np.zeros((ExtremeRow.row_count(), 1)),
+        "rows": np.zeros((ExtremeRow.row_count(), 1)), "times": np.zeros(ExtremeRow.row_count()),
     }  # fmt: skip
     fabric = fabric or glass_polypropylene().model_copy(update={"thickness": THICKNESS})
     sheet = SimpleNamespace(name="sheet", fabric=fabric, tools=())
@@ -42,6 +43,11 @@ def judged(
         number=(SOUND | numbers).__getitem__,
         values=lambda name: [np.zeros(1)],
         thickness=THICKNESS,
+        stored=[],
+        last_quarter=[],
+        balance_errors=[],
+        damping_rates=[],
+        shares=lambda name, entries: [],
         extremes=SimpleNamespace(
             sheets=[SimpleNamespace(**(own | (extremes or {})))],
             tools={name: np.zeros(0) for name in ToolWatchRow.names()},
@@ -52,10 +58,13 @@ def judged(
         run=SimpleNamespace(
             outcome=Outcome.FINISHED,
             failed=None,
-            setup=SimpleNamespace(stages=()),
+            setup=SimpleNamespace(stages=(), solver=SimpleNamespace(mass_scaling=None)),
             stages=SimpleNamespace(ended=[], trimmed=[]),
             frame=SimpleNamespace(sheets=[SimpleNamespace(fields={"shear_angle": np.zeros(1)})]),
-            model=SimpleNamespace(setup=SimpleNamespace(tools=())),
+            penetration=NO_PENETRATION,
+            model=SimpleNamespace(
+                setup=SimpleNamespace(tools=()), sheets=[SimpleNamespace(name="sheet", added_mass_ratio=0.0)]
+            ),
             info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=(), setup=setup),
         ),
     )

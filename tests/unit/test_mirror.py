@@ -16,6 +16,7 @@ PLIES = "verification/contact/test_plies.py"
 WORLDS = "unit/engine/worlds/test_world_stepper.py"
 CARRIED = "verification/process/test_carried_tools.py"
 SELF_CONTACT = "verification/contact/test_self_contact.py"
+MIRROR_IMAGE = "verification/contact/test_mirror_image.py"
 # Modules whose test has another name, with the file that tests them.
 TESTED_ELSEWHERE = {
     # A part of a kernel has no result of its own: forces against energies, patches and modes find its mistakes.
@@ -64,6 +65,7 @@ TESTED_ELSEWHERE = {
     "kernels/cell/law.py": "verification/cell/test_unit_cells.py",
     "kernels/cell/yarn.py": "unit/kernels/cell/test_plain_weave.py",
     "kernels/cell/response.py": "verification/cell/test_unit_cells.py",
+    "kernels/plies/mirror.py": MIRROR_IMAGE,
     "kernels/plies/facet.py": PLIES,
     "kernels/contact/friction.py": PLIES,
     "kernels/plies/argument.py": PLIES,

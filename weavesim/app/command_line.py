@@ -11,6 +11,7 @@ Exit codes:
 - 3: finished, but the verdict is "do not use";
 - 4: finished, but some results could not be written or computed;
 - 5: finished, but beyond a limit (``weavesim verdict``, ``--strict``);
+- 6: stopped by a guard of ``--stop-on``, results so far are written;
 - 128 plus the number of the signal: interrupted, results so far are written: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP.
 """
 

@@ -25,6 +25,7 @@ class ExitCode(IntEnum):
     DO_NOT_USE = 3
     MISSING = 4
     BEYOND_LIMITS = 5
+    STOPPED = 6
 
 
 def interrupted_code(number: int) -> int:
@@ -58,6 +59,8 @@ def exit_code(result: Mapping[str, Any], number: int | None) -> int:
         return interrupted_code(number)
     if Outcome.INTERRUPTED.value in outcomes:
         return interrupted_code(signal.SIGINT)
+    if Outcome.STOPPED.value in outcomes:
+        return ExitCode.STOPPED
     if outcomes != {Outcome.FINISHED.value}:
         return ExitCode.RUN_ERROR
     if any(one.get("verdict") == VERDICTS[Level.DO_NOT_USE] for one in every):
@@ -77,6 +80,8 @@ def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> I
     outcomes = {one.get("outcome", Outcome.FINISHED.value) for one in every}
     if Outcome.INTERRUPTED.value in outcomes:
         start = f"Interrupted{_by(number)}; results so far are kept. "
+    elif guards := list(dict.fromkeys(one["stopped_by"] for one in every if "stopped_by" in one)):
+        start = f"Stopped by the guard {', '.join(guards)}, as wanted (stop_on); results so far are kept. "
     elif number is not None:
         start = f"Finished, although interrupted{_by(number)} at the end. "
     else:
@@ -97,7 +102,7 @@ def closing_lines(result: Mapping[str, Any], out: Path, number: int | None) -> I
     if any(one.get("verdict") == VERDICTS[Level.DO_NOT_USE] for one in every):
         yield "Do not use the result: see its warnings."
     if _can_go_on(result, out):
-        yield f"Go on with it: weavesim resume {out}"
+        yield f"Go on with it{' all the same' if Outcome.STOPPED.value in outcomes else ''}: weavesim resume {out}"
     for report in _reports(result, out):
         yield f"Open {report} in a browser."
 

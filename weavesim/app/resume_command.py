@@ -49,9 +49,13 @@ def resume_folder(out: Path, *, threads: int | None = None, device: str | None =
 
 def _resumed(out: Path, job: Job, content: Content, threads: int | None, device: str | None) -> dict[str, Any]:
     from ..output import ResultFolder
-    from ..run.checkpoint.job import unpacked_options
+    from ..output.run_page.provenance import record_of
+    from ..run.checkpoint.checkpoints import job_path
+    from ..run.checkpoint.job import going_on, unpacked_options
     from .run_into_folder import run_into_folder
 
+    if (guard := record_of(out).get("stopped_by")) is not None:
+        job = going_on(job, content, job_path(out), str(guard))
     job = replace(job, setup=_elsewhere(job.setup, threads, device))
     if name := job.origin.get("scene"):
         scenes = import_module("weavesim.scenes.scene").known_scenes()

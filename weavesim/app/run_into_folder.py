@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +35,7 @@ def run_into_folder(
     job: Job | None = None,
     checkpoint_interval: float = INTERVAL,
     resumes: bool = False,
+    stop_on: Sequence[str] = (),
     shown: Mapping[str, str] | None = None,
     reads_frames: bool = True,
 ) -> dict[str, Any]:
@@ -52,6 +53,7 @@ def run_into_folder(
         job: tells whoever resumes the run where it came from; by default a set-up with its options.
         checkpoint_interval: wall time between two checkpoints [s]; 0 writes none.
         resumes: go on from the last checkpoint of ``job`` in the folder, or from the start where there is none yet.
+        stop_on: guards that end the run (``run.watch.stops``); those of ``job`` where it is given.
         shown: the options in words and with their units, for the report; by default as they are.
         reads_frames: whether anything beside the writers of the folder, such as its curves, may read any field of any
             frame.
@@ -80,7 +82,9 @@ def run_into_folder(
         folder.check(tuple(sheet_infos(setup)))
         folder.claim()
         # a run that is resumed shares its id
-        simulation = Simulation(setup, run_id=job.run_id if job is not None else None)
+        run_id, stop_on = (None, stop_on) if job is None else (job.run_id, job.stop_on)
+        simulation = Simulation(setup, run_id=run_id, stop_on=stop_on)
+        simulation.stops.pass_over(job.passed if job is not None else ())
         info = simulation.prepare().info
         if info.expected is not None:
             check_room(info.expected, setup, folder.path)
@@ -95,8 +99,9 @@ def run_into_folder(
             before()
         if job is None:
             job = Job(
-                setup, info.run_id, plain(options), writers=folder.writer_names, solver_fields=folder.solver_fields
-            )
+                setup, info.run_id, plain(options), writers=folder.writer_names, solver_fields=folder.solver_fields,
+                stop_on=tuple(stop_on),
+            )  # fmt: skip
         checkpoints.job = job
         with interruption() as interrupted, interrupted.held():
             try:
@@ -127,6 +132,8 @@ def _numbers(simulation: Simulation, folder: ResultFolder, log: RunLog, measure:
     numbers = dict(folder.measure("the assessment of the run", simulation.summary))
     if simulation.interrupted_by:
         numbers["interrupted_by"] = simulation.interrupted_by
+    if simulation.stops.by is not None:
+        numbers["stopped_by"] = simulation.stops.by.guard
     if measure is not None:
         numbers |= folder.measure("the findings of the scene", partial(measure, simulation))
     if log.failed:

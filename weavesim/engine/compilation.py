@@ -55,9 +55,11 @@ from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tool_contact import tool_push_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
+from ..process.friction import AmongLaws
 from ..sheet.geometry import ElementGeometry
-from .plies.ply_kernels import own_contact_kernels, ply_kernels
-from .setup import Setup
+from .plies.ply_kernels import mirror_kernels, own_contact_kernels, ply_kernels
+from .setup import Setup, World
+from .staging.derive import among_laws
 from .traits import node_traits, sheet_traits
 
 logger = logging.getLogger(__name__)
@@ -90,6 +92,7 @@ class KernelSet:
         meshes: whether the distance to a triangle mesh is sampled.
         plies: whether sheets touch each other, or themselves.
         own_contact: whether they touch themselves.
+        mirrored: whether they touch their mirror images.
         others: of sheets whose unit cells are of other kinds.
     """
 
@@ -107,6 +110,7 @@ class KernelSet:
     meshes: bool = False
     plies: bool = False
     own_contact: bool = False
+    mirrored: bool = False
     others: tuple[KernelSet, ...] = ()
 
     @classmethod
@@ -142,6 +146,7 @@ class KernelSet:
             meshes=True,
             plies=any(one.plies for one in sets),
             own_contact=any(one.own_contact for one in sets),
+            mirrored=any(one.mirrored for one in sets),
         )
 
     @classmethod
@@ -167,6 +172,11 @@ class KernelSet:
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
             plies=nodes.touched,
             own_contact=any(sheet.self_contact is not None for sheet in setup.sheets),
+            mirrored=any(
+                sheet.self_contact is not None and world.symmetry.planes
+                for world in setup.worlds
+                for sheet in world.sheets
+            ),
         )
 
     def kernels(self) -> list[wp.Kernel]:
@@ -199,6 +209,7 @@ class KernelSet:
             *(mesh_kernels() if self.meshes else []),
             *(ply_kernels(real, lane_count) if self.plies else []),
             *(own_contact_kernels(real, lane_count) if self.own_contact else []),
+            *(mirror_kernels(real, lane_count) if self.mirrored else []),
             *(motion(real if is_cpu or not self.tools else wp.float64) for motion in motions),
             *([] if is_cpu or not self.tools else map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))),
             *([support_motion_kernel(real)] if self.driven else []),
@@ -222,10 +233,22 @@ def kernel_sets(setup: Setup) -> list[KernelSet]:
     sets = []
     for world in setup.worlds:
         for sheet in world.sheets:
-            geometry = ElementGeometry.of(sheet.oriented_blank)
-            traits = sheet_traits(sheet.fabric, geometry, world.dynamics), node_traits(sheet, world)
+            geometry = ElementGeometry.of(world.symmetry.upright(sheet.oriented_blank))
+            traits = (
+                sheet_traits(sheet.fabric, geometry, world.dynamics),
+                node_traits(sheet, _as_in_stages(setup, world)),
+            )
             sets.append(KernelSet.of_sheet(setup, sheet.fabric.unit_cell, *traits))
     return sets
+
+
+def _as_in_stages(setup: Setup, world: World) -> World:
+    """A world with laws of friction where its stages have them."""
+    lawful = among_laws(setup, world)
+    if not lawful:
+        return world
+    tools = tuple(tool.model_copy(update={"friction": AmongLaws.of(0.0)}) for tool in world.tools)
+    return world.model_copy(update={"tools": tools})
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import warp as wp
 
 from ..device import initialise, load_kernel, resolve_device
 from ..errors import InputError
+from ..kernels.plies.own_search import SLOT_COUNT
 from ..process.device import build_device_drives
 from ..process.friction_device import carried_rate
 from ..process.interfaces import Interface
@@ -22,7 +23,8 @@ from ..tools.sampling import SampledDistance, mesh_parts, sample_meshes
 from .compilation import MeshKernelSet, compile_missing, mesh_kernels
 from .layout import Span, padded
 from .plies.facet_tables import FacetTables
-from .plies.pass_model import PassModel, mean_density, own_pass_places, pass_places
+from .plies.mirror_model import MirrorModel, mirror_places
+from .plies.pass_model import PassModel, PassPlace, mean_density, own_pass_places, pass_places
 from .setup import Setup, World, hash_of_run
 from .sheet_model import SPARE_NODE_COUNT, Numerics, Places, SheetModel
 from .traits import node_traits
@@ -120,18 +122,17 @@ class Model:
         begun = {place.slave for place in places}
         for number, index in enumerate(own, len(self.setup.interfaces)):
             places += own_pass_places(number, index, index not in begun)
+            places += mirror_places(number, index, self.sheets[index], int(SLOT_COUNT))
         tables = [FacetTables(sheet) for sheet in self.sheets]
-        return tuple(
-            PassModel(
-                place,
-                self.contacts[place.interface],
-                tables[place.slave],
-                tables[place.master],
-                _damping_ratio(self.contacts[place.interface], self.sheets[place.slave]),
-                self.reference_step,
-            )
-            for place in places
-        )
+        return tuple(self._pass(place, tables) for place in places)
+
+    def _pass(self, place: PassPlace, tables: Sequence[FacetTables]) -> PassModel:
+        contact = self.contacts[place.interface]
+        ratio = _damping_ratio(contact, self.sheets[place.slave])
+        slave, master = tables[place.slave], tables[place.master]
+        if place.plane and isinstance(contact, SelfContact):
+            return MirrorModel(place, contact, slave, ratio, self.reference_step)
+        return PassModel(place, contact, slave, master, ratio, self.reference_step)
 
     def contact_stiffness(self) -> list[float]:
         """Of every tool with all nodes of all sheets that it may touch [N/m]."""

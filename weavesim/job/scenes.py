@@ -26,10 +26,13 @@ ELSEWHERE = {
     "threads": "write it in [solver]",
     "time_step": "write it in [solver]",
     "target_step": "write it in [solver]",
+    "mass_scaling_angle": "write it in [solver]",
+    "mass_scaling_draw_in": "write it in [solver]",
     "write": "write it in [output]",
     "without": "write it in [output]",
     "frame_count": "write it in [output]",
     "checkpoint_interval": "write it in [output]",
+    "stop_on": "write it in [output]",
 }
 
 
@@ -101,5 +104,5 @@ def _of_tables(file: JobFile, fields: dict[str, FieldInfo]) -> dict[str, Any]:
             value = getattr(keys, key)
             if key not in fields:
                 file.refuse([table, key], f"{key}: this scene has no such option")
-            found[key] = ",".join(value) if key in ("write", "without") and value is not None else value
+            found[key] = ",".join(value) if isinstance(value, tuple) else value
     return found

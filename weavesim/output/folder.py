@@ -230,9 +230,11 @@ class ResultFolder:
             for writer in self._writers:
                 writer.attempt(writer.title, partial(writer.conclude, results))
         if self._outcome is not None:
+            stopped_by = {key: numbers[key] for key in ("stopped_by",) if key in numbers}
             ending = partial(
                 self._record.finish,
                 outcome=self._outcome.value,
+                **stopped_by,
                 missing=results.whole_summary["missing"],
                 final_state=frame_hash(frame),
                 final_fields=hashed_fields(frame),

@@ -274,6 +274,7 @@ class Outcome(Enum):
 
     FINISHED = "finished"
     INTERRUPTED = "interrupted"
+    STOPPED = "stopped"
     NOT_FINITE = "not finite"
 
 

@@ -232,7 +232,7 @@ class Ledger:
     def penetration(self, frame: Frame) -> Penetration:
         """Deepest penetration of a frame just taken."""
         found = (ledger.penetration(sheet) for ledger, sheet in zip(self.sheets, frame.sheets, strict=True))
-        return reduce(Penetration.deeper, found, NO_PENETRATION)
+        return replace(reduce(Penetration.deeper, found, NO_PENETRATION), time=frame.time)
 
 
 def _inserted(entries: dict[str, float], of_tools: dict[str, float]) -> dict[str, float]:

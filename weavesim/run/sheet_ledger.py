@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import warp as wp
@@ -49,15 +49,24 @@ class Penetration:
         at_nodes: at the nodes.
         at_surface: anywhere on the surface that the directors describe, at nodes and between them.
         at_element_centres: at the middles of flat elements, most of which is the chord over a curved tool.
+        sheet, place, time: of the deepest point of the surface: its sheet, place on the flat blank [m], and when [s].
     """
 
     at_nodes: float
     at_surface: float
     at_element_centres: float
+    sheet: str = ""
+    place: tuple[float, float] = (0.0, 0.0)
+    time: float = 0.0
 
     def deeper(self, other: Penetration) -> Penetration:
         """The deeper of the two, each for itself."""
-        return Penetration(*np.maximum(astuple(self), astuple(other)).tolist())
+        worst = other if other.at_surface > self.at_surface else self
+        return replace(
+            worst,
+            at_nodes=max(self.at_nodes, other.at_nodes),
+            at_element_centres=max(self.at_element_centres, other.at_element_centres),
+        )
 
 
 NO_PENETRATION = Penetration(-np.inf, -np.inf, -np.inf)
@@ -138,6 +147,22 @@ class SheetLedger:
         """Not a number where an element is waste: nobody can take it for a value of the sheet."""
         return {name: np.where(self._model.kept, each, np.nan) for name, each in values.items()}
 
+    def largest_energy(self, name: str) -> tuple[float, np.ndarray]:
+        """The most that an element has of an energy at the frame just taken [J], and its flat place [m]."""
+        row = self._by_element[self._energy_names.index(name)]
+        element = int(np.argmax(row))
+        return float(row[element]), self.place_of(element)
+
+    def place_of(self, element: int) -> np.ndarray:
+        """Middle of an element on the flat blank, (2,) [m]."""
+        return self._model.blank.material_coordinates[self._model.blank.quads[element]].mean(axis=0)
+
+    def fastest_node(self) -> tuple[float, np.ndarray]:
+        """Kinetic energy of the node with most of it at the frame just taken [J], and its flat place [m]."""
+        energy = 0.5 * self._model.node_mass * np.square(self._velocity).sum(axis=1)
+        node = int(np.argmax(energy))
+        return float(energy[node]), self._model.blank.material_coordinates[node]
+
     def tool_forces(self) -> PointForces:
         """Forces of the tools at its nodes and samples at the frame just taken; waits for the device."""
         return self._tool_forces(self._half_thickness, self._velocity)
@@ -195,8 +220,8 @@ class SheetLedger:
         to the instant of the positions.
         """
         sheet, started = self._model, self._state.step_count > 0
-        element = self._energies.numpy()[:, : sheet.blank.element_count].astype(np.float64).sum(axis=1)
-        entries = dict(zip(self._energy_names, element.tolist(), strict=True))
+        self._by_element = self._energies.numpy()[:, : sheet.blank.element_count].astype(np.float64)
+        entries = dict(zip(self._energy_names, self._by_element.sum(axis=1).tolist(), strict=True))
         entries["internal"] = sum(entries[name] for name in self.internal)
         velocity, spin = _rates(motion)
         self._velocity = velocity
@@ -295,10 +320,15 @@ class SheetLedger:
         half = np.concatenate([at_nodes, np.tile(at_elements, count + 1)])
         half[np.concatenate([sheet.waste, np.tile(gone, count + 1)])] = -np.inf
         depth = (half - distance).max(axis=0)
+        worst = int(depth[: -len(quads)].argmax())
+        flat, element = sheet.blank.material_coordinates, (worst - len(position)) % len(quads)
+        x, y = flat[worst] if worst < len(position) else self.place_of(element)
         return Penetration(
             at_nodes=float(depth[: len(position)].max()),
-            at_surface=float(depth[: -len(quads)].max()),
+            at_surface=float(depth[worst]),
             at_element_centres=float(depth[-len(quads) :].max()),
+            sheet=sheet.name,
+            place=(float(x), float(y)),
         )
 
 

@@ -11,31 +11,28 @@ from importlib import import_module
 from typing import Any
 
 from ..device import exclusive
-from ..engine.model import Model
 from ..engine.setup import Setup
-from ..engine.state import State
-from ..engine.stepper import Stepper
 from ..errors import RunError
 from ..measures.findings import found
 from ..notebook import shown, table
 from .checkpoint.checkpoints import Checkpoints
 from .checkpoint.job import Job
 from .diagnosis import Failure, find_failure
-from .frame import Frame, Observer, Outcome, RunInfo
+from .frame import Frame, Observer, Outcome
 from .guards import Doubt, Level, report_new, verdict_of
 from .interruption import Interruption, interruption
-from .ledger import Ledger
 from .sheet_ledger import Penetration
 from .staging.advance import begin_stage
 from .staging.course import Course
-from .start import Prepared, prepare
+from .start import Prepared, PreparedOnce
 from .verdict import RUN_FINDINGS, Judged, summary
+from .watch.stops import Stops
 from .watch.watch import WATCH_COUNT, Watch
 
 logger = logging.getLogger(__name__)
 
 
-class Simulation:
+class Simulation(PreparedOnce):
     """One run: ``prepare()`` makes it ready, ``run()`` executes it, ``frame`` is the last frame taken.
 
     Simulations in several threads step side by side on a CPU; whatever else they do, such as taking frames, waits for
@@ -47,6 +44,7 @@ class Simulation:
         setup: of the run.
         run_id: of a run that is resumed; a new one by default.
         watch_count: states that the guards look at, evenly spaced in time.
+        stop_on: guards that end the run, from a level on: see ``run.watch.stops``.
 
     Attributes:
         setup: as given.
@@ -56,18 +54,20 @@ class Simulation:
         failed: what became non-finite, and where; None if nothing did.
         stepping_time, wall_time: of the run, all its parts together [s].
         stages: where it is in them.
+        stops: the guards that end it, and the doubt that did.
     """
 
-    def __init__(self, setup: Setup, *, run_id: str | None = None, watch_count: int = WATCH_COUNT) -> None:
-        self.setup = setup
-        self._run_id, self._watch_count = run_id, watch_count
+    def __init__(
+        self, setup: Setup, *, run_id: str | None = None, watch_count: int = WATCH_COUNT, stop_on: Sequence[str] = ()
+    ) -> None:
+        super().__init__(setup, run_id)
+        self._watch_count = watch_count
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
         self.interrupted_by: str | None = None
         self.failed: Failure | None = None
         self.stepping_time = self.wall_time = 0.0
-        self.stages = Course(setup)
-        self._prepared: Prepared | None = None
+        self.stages, self.stops = Course(setup), Stops(stop_on)
         self._frame: Frame | None = None
         self._watch: Watch | None = None
         self._checkpoints: Checkpoints | None = None
@@ -78,44 +78,6 @@ class Simulation:
     def name(self) -> str:
         """Of the set-up; result files are named after it."""
         return self.setup.name
-
-    # --- device data -------------------------------------------------------------------------------------------------
-
-    def prepare(self) -> Prepared:
-        """Make the run ready, once: constants and state on the device, kernels loaded, the start checked.
-
-        Raises:
-            InputError: bad input that can only be detected on the device, such as an unstable step.
-        """
-        if self._prepared is None:
-            with exclusive():
-                self._prepared = prepare(self.setup, self._run_id)
-        return self._prepared
-
-    @property
-    def model(self) -> Model:
-        """Constants, of the present stage."""
-        return self.prepare().model
-
-    @property
-    def state(self) -> State:
-        """Everything that changes in the run."""
-        return self.prepare().state
-
-    @property
-    def stepper(self) -> Stepper:
-        """Advances the state."""
-        return self.prepare().stepper
-
-    @property
-    def ledger(self) -> Ledger:
-        """Takes frames."""
-        return self.prepare().ledger
-
-    @property
-    def info(self) -> RunInfo:
-        """What observers receive."""
-        return self.prepare().info
 
     @property
     def failure(self) -> str | None:
@@ -195,7 +157,7 @@ class Simulation:
     def run(
         self, observers: Sequence[Observer] = (), *, checkpoints: Checkpoints | None = None, every_field: bool = True
     ) -> Outcome:
-        """Run until the end, until rest, until a signal, or until the state is no longer finite.
+        """Run until the end, rest, a signal, or a guard of ``stop_on``, or until the state is no longer finite.
 
         Ctrl-C, SIGTERM and SIGHUP stop a run within about a tenth of a second on a CPU (or a block of steps, if that
         takes longer), and at the next frame on a GPU.
@@ -249,11 +211,7 @@ class Simulation:
                     self._checkpoints.begin(self._checkpoints.job or Job(self.setup, self.info.run_id))
                 self._publish(self.prepare().frame, observers, self._every_field, kept=True)
             self.outcome = yield from self._run_frames(observers, interrupted)
-            try:
-                report_new(self.doubts(), self.prepare().guards.first, self.warnings)
-            except Exception as error:  # the results are still worth having
-                self.warnings.append(f"the result could not be judged: {type(error).__name__}: {error}")
-                logger.warning("%s", self.warnings[-1], exc_info=error)
+            report_new(self.doubts, self.prepare().guards.first, self.warnings)
             if self.failure:
                 logger.info("%s", self.failure)
         self.wall_time = self._time_before + time.perf_counter() - self._started
@@ -278,25 +236,39 @@ class Simulation:
             frame = self.frame
             if running or self.state.step_count > frame.step_count:
                 frame = self.ledger.frame(index)
+            stops = False
             if frame.time >= watch.next_time or not running:
                 if running:
                     stages.look(frame.energies, self.model)
                 watch.look(frame, last=not running)
+                stops = running and not stages.is_reached and self._stops_at(frame)
             ends_here = stages.is_reached and running
-            if frame.time < target and running and not ends_here:
+            if frame.time < target and running and not ends_here and not stops:
                 continue
             if frame is not self.frame:
-                complete = self._every_field or not running or stages.is_over(frame)
+                complete = self._every_field or stops or not running or stages.is_over(frame)
                 self._publish(frame, observers, complete, kept=frame.time >= target or ends_here)
             self.wall_time = self._time_before + time.perf_counter() - self._started
             if not running and not (stages.is_last and stages.is_over(self.frame)):
                 self.interrupted_by = interrupted.signal.name if interrupted.signal else None
                 return Outcome.INTERRUPTED
+            if stops:
+                watch.look(self.frame, last=True)
+                return Outcome.STOPPED
         # before the last look, which a run that goes on from here takes again
         self.checkpoint()
         stages.finish(self.frame, self.model.setup)
         watch.look(self.frame, last=True)
         return Outcome.FINISHED
+
+    def _stops_at(self, frame: Frame) -> bool:
+        """Whether a guard ends the run at a state that has been looked at, and is not its last."""
+        last = self.stages.is_last and self.stages.is_over(frame)
+        if last or frame.step_count == 0 or not self.stops.look(self.prepare().guards, Judged(self)):
+            return False
+        # before its frame, which a run that goes on from here takes again, or does not have
+        self.checkpoint()
+        return True
 
     def _ends(self) -> bool:
         """Whether the last frame is the last of the run; where it is the last of a stage, the next one begins."""

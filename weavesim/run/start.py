@@ -121,10 +121,72 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
         thread_counts=thread_counts,
         internal_energies=ledger.internal,
         warnings=[doubt.message for doubt in doubts if doubt.level > Level.NOTE],
-        notes=(*mesh_notes(model), *(doubt.message for doubt in doubts if doubt.level == Level.NOTE)),
+        notes=(
+            *mesh_notes(model),
+            *_scaling_notes(setup),
+            *(doubt.message for doubt in doubts if doubt.level == Level.NOTE),
+        ),
         run_id=run_id or new_run_id(),
     )
     return Prepared(model, state, stepper, ledger, info, frame, guards)
+
+
+def _scaling_notes(setup: Setup) -> Iterator[str]:
+    if setup.solver.mass_scaling is not None:
+        yield "; ".join(line.strip() for line in setup.solver.mass_scaling.report().split("\n"))
+
+
+class PreparedOnce:
+    """What a run has as soon as something of it is used, for ``Simulation``.
+
+    Args:
+        setup: of the run.
+        run_id: of a run that is resumed; a new one by default.
+
+    Attributes:
+        setup: as given.
+    """
+
+    def __init__(self, setup: Setup, run_id: str | None = None) -> None:
+        self.setup = setup
+        self._run_id = run_id
+        self._prepared: Prepared | None = None
+
+    def prepare(self) -> Prepared:
+        """Make the run ready, once: constants and state on the device, kernels loaded, the start checked.
+
+        Raises:
+            InputError: bad input that can only be detected on the device, such as an unstable step.
+        """
+        if self._prepared is None:
+            with exclusive():
+                self._prepared = prepare(self.setup, self._run_id)
+        return self._prepared
+
+    @property
+    def model(self) -> Model:
+        """Constants, of the present stage."""
+        return self.prepare().model
+
+    @property
+    def state(self) -> State:
+        """Everything that changes in the run."""
+        return self.prepare().state
+
+    @property
+    def stepper(self) -> Stepper:
+        """Advances the state."""
+        return self.prepare().stepper
+
+    @property
+    def ledger(self) -> Ledger:
+        """Takes frames."""
+        return self.prepare().ledger
+
+    @property
+    def info(self) -> RunInfo:
+        """What observers receive."""
+        return self.prepare().info
 
 
 def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
@@ -136,8 +198,9 @@ def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
         for sheet in world.sheets:
             supports = tuple(range(support_count, support_count + len(sheet.supports)))
             support_count += len(sheet.supports)
+            blank = world.symmetry.upright(sheet.oriented_blank)
             yield SheetInfo(
-                sheet.name, sheet.oriented_blank, sheet.fabric, world.symmetry, tools, supports, world.name,
+                sheet.name, blank, sheet.fabric, world.symmetry, tools, supports, world.name,
                 world.dynamics.contact_thickness == "current",
             )  # fmt: skip
 

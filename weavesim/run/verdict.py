@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,7 +70,7 @@ class Judged:
     def scale(self) -> float | None:
         """Largest supplied, kinetic or internal energy of any state [J]; None where nothing has happened."""
         names = ("supplied", "kinetic", "internal")
-        largest = max(abs(entry[name]) for entry in self.history for name in names)
+        largest = float(np.max([abs(entry[name]) for entry in self.history for name in names]))
         return None if largest < self.least_energy else largest  # not finite: a number that is then doubted
 
     @cached_property
@@ -89,6 +90,37 @@ class Judged:
             for entry in self.stored
             if (released is None or entry["time"] <= time)
             and (abs(entry["stroke"]) >= 0.75 * stroke if stroke > 0.0 else entry["time"] >= 0.75 * time)
+        ]
+
+    @cached_property
+    def balance_errors(self) -> list[tuple[float, float]]:
+        """Error of the energy balance over the work, and time [s], of all states; none where nothing has happened."""
+        scale = self.scale
+        if scale is None:
+            return []
+        # what contact stores at the start, as under a ring in touch, was neither supplied nor made by the run
+        start = self.history[0]["balance_error"]
+        return [
+            (
+                abs(entry["balance_error"] - start)
+                / max(abs(entry["supplied"]), entry["used"], self.least_energy, LEAST_WORK * scale),
+                entry["time"],
+            )
+            for entry in self.history
+        ]
+
+    def shares(self, name: str, entries: list[dict[str, float]]) -> list[tuple[float, float]]:
+        """An energy over the internal energy, and time [s], of some states."""
+        return [(entry[name] / entry["internal"], entry["time"]) for entry in entries]
+
+    @property
+    def damping_rates(self) -> list[tuple[float, float]]:
+        """Mean power of the damping [W] between two states, up to a release, and time of the second one [s]."""
+        end = (self.run.stages.released or self.run.frame).time
+        entries = [entry for entry in self.history if entry["time"] <= end]
+        return [
+            ((now["damping_loss"] - last["damping_loss"]) / (now["time"] - last["time"]), now["time"])
+            for last, now in pairwise(entries)
         ]
 
     @property
@@ -145,17 +177,9 @@ def _of_sheets(name: str, which: Callable[[Any], float]) -> Finding:
     )  # fmt: skip
 
 
-def _balance_error(judged: Judged) -> float | None:
-    scale = judged.scale
-    if scale is None:
-        return None
-    # what contact stores at the start, as under a ring in touch, was neither supplied nor made by the run
-    start = judged.history[0]["balance_error"]
-    return max(
-        abs(entry["balance_error"] - start)
-        / max(abs(entry["supplied"]), entry["used"], judged.least_energy, LEAST_WORK * scale)
-        for entry in judged.history
-    )
+def _largest(values: list[tuple[float, float]]) -> float | None:
+    """The largest of values with their times; one that is not a number is above all others."""
+    return float(np.max([value for value, _ in values])) if values else None
 
 
 def _gravity_ratio(judged: Judged) -> float | None:
@@ -275,11 +299,11 @@ RUN_FINDINGS: tuple[Finding, ...] = (
     ),
     Finding(
         "hourglass_energy_ratio", PURE, "hourglass over internal energy, the largest",
-        lambda judged: max((entry["hourglass"] / entry["internal"] for entry in judged.stored), default=0.0),
+        lambda judged: _largest(judged.shares("hourglass", judged.stored)) or 0.0,
     ),
     Finding(
         "kinetic_energy_ratio", PURE, "kinetic over internal energy, the largest of the last quarter",
-        lambda judged: max((entry["kinetic"] / entry["internal"] for entry in judged.last_quarter), default=0.0),
+        lambda judged: _largest(judged.shares("kinetic", judged.last_quarter)) or 0.0,
     ),
     Finding(
         "damping_loss_ratio", PURE, "damping loss over the largest supplied, kinetic or internal energy",
@@ -289,10 +313,19 @@ RUN_FINDINGS: tuple[Finding, ...] = (
         "gravity_work_ratio", PURE, "work of gravity over the same",
         _gravity_ratio,
     ),
-    Finding("energy_balance_error", PURE, "error of the energy balance over the work, the largest", _balance_error),
+    Finding(
+        "energy_balance_error", PURE, "error of the energy balance over the work, the largest",
+        lambda judged: _largest(judged.balance_errors),
+    ),
     Finding(
         "added_mass_ratio", PURE, "mass that scaling added, over the blank's",
         lambda judged: max(sheet.added_mass_ratio for sheet in judged.run.model.sheets),
+    ),
+    Finding(
+        "mass_scaling", PURE,
+        "how the scaling of the mass was found for a stated error: tolerances, what was tried on a coarser mesh, the "
+        "factor and the target step that were chosen",
+        lambda judged: scaling.as_told() if (scaling := judged.run.setup.solver.mass_scaling) else None,
     ),
     Finding("support_force", NEWTONS, "force of each support on its sheet, by name", _support_forces),
     Finding("peak_tool_force", NEWTONS, "largest force of the sheets on each tool in any step, by name", _peak_forces),

@@ -13,6 +13,7 @@ from ..checks import Finite, Parameters, Positive
 from ..errors import InputError
 from ..fabric.fabric import Fabric
 from ..names import Label
+from ..process.self_contact import SelfContact
 from ..quantities import finite
 from ..ranges import Quantity, argument, check_usual
 from .blank import Blank
@@ -150,6 +151,7 @@ class LayUp(Parameters):
         *,
         bottom: float = 0.0,
         mesh_along: MeshAlong = "yarns",
+        self_contact: SelfContact | None = None,
         accept_unusual: bool = False,
     ) -> tuple[Sheet, ...]:
         """The sheets of a world, flat and horizontal, from the bottom to the top.
@@ -163,6 +165,7 @@ class LayUp(Parameters):
             mesh_size: edge length of an element [m].
             bottom: z of the lowest face [m].
             mesh_along: what the elements follow.
+            self_contact: of every ply with itself; without it, each passes through itself.
             accept_unusual: take unusual angles, sizes and counts as meant.
 
         Raises:
@@ -178,7 +181,7 @@ class LayUp(Parameters):
                 raise InputError(str(error)) from None
         parts = zip(self.names, self.plies, self.fabrics, self.heights(bottom), strict=True)
         return tuple(
-            Sheet(self._blank(name, ply, mesh_size, height, mesh_along), fabric, name)
+            Sheet(self._blank(name, ply, mesh_size, height, mesh_along), fabric, name, self_contact=self_contact)
             for name, ply, fabric, height in parts
         )
 

@@ -207,6 +207,7 @@ def test_a_sheet_at_rest_ends_a_stage_after_three_looks():
     simulation = ran(staged(Stage("still", DURATION, AtRest(1e3, 1e3), moves={"rising 0": Fixed()})))
     told = simulation.stages.ended[0]
     assert told["ended_by"] == "rest" and told["end_s"] == simulation.frame.time
+    assert "stage_ends" not in {doubt.guard for doubt in simulation.doubts()}
     # looks are a hundredth apart, or a block of 20 steps
     assert 0.03 * DURATION <= told["end_s"] <= 3.0 * (0.01 * DURATION + 21.0 * simulation.state.step)
 

@@ -135,3 +135,23 @@ def test_a_strip_is_pulled_back_over_a_free_edge(size, manual):
         ["crossing triangles", "largest entry / thickness", "height of the tip / thickness", "balance error / work"],
         [[record.total, entry, height, f"{error:+.1e}"]],
     )
+
+
+def test_plies_that_start_inside_each_other_are_not_pushed_apart(manual):
+    """Known answer D: started 0.2 t overlapped, no force, and the kinetic energy stays 0, on three meshes."""
+    rows = []
+    for size in (0.01, 0.005, 0.0025):
+        plies = [ply("lower", square(0.01, size)), ply("upper", square(0.01, size, 0.8 * THICKNESS, 20.0))]
+        run = Simulation(stack_setup(plies, Coulomb(0.2), duration=1e-4))
+        run.run()
+        found = [pass_rows(run, k) for k in range(len(run.model.passes))]
+        entry = max(each["largest_entry"].max() for each in found) / THICKNESS
+        push, kinetic = max(each["push"].max() for each in found), run.history[-1]["kinetic"]
+        assert push == 0.0 and kinetic < 1e-25 and entry == pytest.approx(0.2, rel=1e-6)
+        rows.append([1e3 * size, entry, push, kinetic])
+    case = manual(
+        "Contact", "Plies that start inside each other",
+        known="Two free squares overlap by a fifth of their thickness at the start, which is refused unless it is "
+        "accepted: contact begins without a force, and nothing moves.",
+    )  # fmt: skip
+    case.table(["element size [mm]", "entry / thickness", "largest force of a node [N]", "kinetic energy [J]"], rows)

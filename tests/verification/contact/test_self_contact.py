@@ -29,7 +29,7 @@ def pressed(run: Simulation) -> list[int]:
 
 
 @pytest.mark.parametrize("size", [1.0, 2.0, 4.0])
-def test_a_folded_strip_is_pressed_flat(size):
+def test_a_folded_strip_is_pressed_flat(size, manual):
     """Legs a thickness apart, no crossing, the ledger closes, and the contact carries what the plate presses."""
     run, record = run_with_record(pressed_fold(size * THICKNESS))
     assert record.total == 0
@@ -47,9 +47,21 @@ def test_a_folded_strip_is_pressed_flat(size):
     upper = position[:, 2] > 0.5 * THICKNESS
     carried = 2.0 * total[2, upper].sum()  # the other half acts through the facets
     assert carried == pytest.approx(force[1], rel=0.3)
+    case = manual(
+        "Contact", f"A strip folded over and pressed flat, elements of {size:g} thicknesses",
+        known="Legs of 20 thicknesses are pressed onto each other: they end up a thickness apart, 2 t high with their "
+        "faces, no triangles cross in any frame, and the ledger closes within 1 % of the work.",
+    )  # fmt: skip
+    case.table(
+        ["height of the middles / thickness", "crossing triangles", "deepest / thickness", "largest entry / thickness",
+         "balance error / work"],
+        [[np.ptp(position[:, 2]) / THICKNESS, record.total, found[:, PassEntry.deepest].max() / THICKNESS,
+          max(pass_rows(run, k)["largest_entry"].max() for k in range(4)) / THICKNESS,
+          f"{last['balance_error'] / last['supplied']:+.1e}"]],
+    )  # fmt: skip
 
 
-def test_the_middle_leg_of_three_touches_on_both_sides():
+def test_the_middle_leg_of_three_touches_on_both_sides(manual):
     run, record = run_with_record(pressed_fold(2.0 * THICKNESS, legs=3))
     assert record.total == 0
     assert np.ptp(run.frame.sheets[0].position[:, 2]) == pytest.approx(2.0 * THICKNESS, rel=0.02)
@@ -57,9 +69,29 @@ def test_the_middle_leg_of_three_touches_on_both_sides():
     assert not entries(run)[:, PassEntry.late].any()
     above, below = (pass_rows(run, k)["depth"] > 0.0 for k in (0, 1))
     assert (above & below).sum() > 20
+    last = run.history[-1]
+    case = manual(
+        "Contact", "A strip in three legs, pressed flat",
+        known="Both faces of the middle leg touch, and no triangles cross; the legs end up a thickness apart. The "
+        "ledger closes less well than elsewhere: creases become as sharp as the elements.",
+    )  # fmt: skip
+    case.table(
+        ["height of the middles / thickness", "nodes that touch on both faces", "crossing triangles",
+         "balance error / work"],
+        [[np.ptp(run.frame.sheets[0].position[:, 2]) / THICKNESS, int((above & below).sum()), record.total,
+          f"{last['balance_error'] / last['supplied']:+.1e}"]],
+    )  # fmt: skip
 
 
-def test_turns_of_a_roll_meet_back_to_face():
+@pytest.mark.slow
+def test_the_ledger_of_three_legs_closes():
+    """At 0.3 m/s; at 0.9 m/s, where the legs ring between each other, 2.6 % are missing, at a half of the step too."""
+    run, record = run_with_record(pressed_fold(2.0 * THICKNESS, legs=3, duration=0.03))
+    last = run.history[-1]
+    assert record.total == 0 and abs(last["balance_error"]) < 0.01 * last["supplied"]
+
+
+def test_turns_of_a_roll_meet_back_to_face(manual):
     """The outer turn of a spiral is thrown inwards: it stops on the inner one, and momentum is kept."""
     gap, radius = 1.5 * THICKNESS, 10.0 * THICKNESS
     length = 2.0 * np.pi * (radius + gap) * 1.7
@@ -86,10 +118,20 @@ def test_turns_of_a_roll_meet_back_to_face():
     most = np.max(active, axis=0)
     assert most[2] >= 4 and most[3] >= 4 and most[0] == most[1] == 0
     mass = run.model.sheet.node_mass.sum()
-    np.testing.assert_allclose(momentum(run)[0], before, atol=1e-11 * mass)
+    change = np.abs(momentum(run)[0] - before).max() / mass
+    assert change < 1e-11
     last = run.history[-1]
     assert last["ply_friction_loss"] > 0.0 and abs(last["balance_error"]) < 0.01 * last["supplied"]
     assert not entries(run)[:, PassEntry.late].any()
+    case = manual(
+        "Contact", "Turns of a roll meet",
+        known="The outer turn of a spiral is thrown inwards at 3 m/s: it stops on the inner one, back to face, without "
+        "crossing it; linear momentum is kept to round-off, and the ledger closes within 1 % of the energy.",
+    )  # fmt: skip
+    case.table(
+        ["crossing triangles", "most nodes in contact", "change of momentum over the mass [m/s]", "balance error"],
+        [[record.total, int(most.sum()), change, f"{last['balance_error'] / last['supplied']:+.1e}"]],
+    )
 
 
 def sheared(self_contact: SelfContact | None) -> Simulation:
@@ -115,7 +157,7 @@ def sheared(self_contact: SelfContact | None) -> Simulation:
     return run
 
 
-def test_neighbours_that_shear_brings_together_do_not_touch():
+def test_neighbours_that_shear_brings_together_do_not_touch(manual):
     """Known answer E: nodes across a diagonal come nearer than the thickness: no force, the same bits."""
     with_contact, without = sheared(SelfContact()), sheared(None)
     position = with_contact.frame.sheets[0].position
@@ -125,6 +167,12 @@ def test_neighbours_that_shear_brings_together_do_not_touch():
     for own in with_contact.state.passes:
         assert own.entry.numpy()[PassEntry.deepest] == 0.0 and (own.standing.numpy() < 0).all()
     np.testing.assert_array_equal(position, without.frame.sheets[0].position)
+    case = manual(
+        "Contact", "Neighbours that shear brings together",
+        known="A flat square of elements of 1.7 thicknesses is sheared in a frame to 60 degrees: its short diagonals "
+        "become less than the thickness, but neighbours do not touch: no force, the same bits as without self-contact.",
+    )  # fmt: skip
+    case.table(["shortest diagonal / thickness", "largest difference of a node [m]"], [[diagonal.min() / THICKNESS, 0]])
 
 
 def test_the_same_bits_for_any_number_of_threads():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -29,6 +30,9 @@ def form_command(
         bool, typer.Option("--strict", help="judge the part by limits at the end: exit code 5 beyond one")
     ] = False,
     limits: Annotated[Path | None, typer.Option(help="TOML file of these limits [default: built in]")] = None,
+    stop_on: Annotated[
+        list[str] | None, typer.Option(help="a guard that ends the run, as stop_on of [output]; may be repeated")
+    ] = None,
 ) -> None:
     """Run a job: form its plies, and write the results to a folder."""
     from ...engine.compilation import side_by_side
@@ -37,7 +41,8 @@ def form_command(
     from ...output.writer import chosen_writers
     from ..results.verdict import strict_code
 
-    file = read_job(job, set_ or (), files_from or ())
+    settings = [*(set_ or ()), *([f"output.stop_on={json.dumps(stop_on)}"] if stop_on else [])]
+    file = read_job(job, settings, files_from or ())
     folder = out or job.parent / "out"
     if limits is not None and not strict:
         raise InputError("--limits: has no effect without --strict; leave it out")
@@ -80,7 +85,7 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
         InputError: bad input, before anything runs.
         RunError: the run had to stop; results up to its last good frame are written first.
     """
-    from ...job.build import setup_of
+    from ...job.scaling import scaled_setup_of
     from ...job.scenes import scene_of
     from ...output import ResultFolder
     from ...output.writer import chosen_writers
@@ -89,7 +94,7 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
     if file.job.scene is not None:
         scene, parameters = scene_of(file, out=out, overwrite=overwrite, limits=limits)
         return scene.run(parameters)
-    setup, output = setup_of(file), file.job.output
+    output = file.job.output
     writers = tuple(kind.name for kind in chosen_writers(output.write, output.without or ()))
     if output.solver_fields and "paraview" not in writers:
         file.refuse(
@@ -100,8 +105,10 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
         options["limits"] = str(limits.absolute())
     how: dict[str, Any] = {"overwrite": overwrite, "options": options, "solver_fields": output.solver_fields}
     folder = ResultFolder(out, writers=writers, **how)
-    interval = output.checkpoint_interval
-    return run_into_folder(setup, folder, options=options, checkpoint_interval=interval, reads_frames=False)
+    setup, interval = scaled_setup_of(file), output.checkpoint_interval
+    return run_into_folder(
+        setup, folder, options=options, checkpoint_interval=interval, stop_on=output.stop_on, reads_frames=False
+    )
 
 
 def options_of(file: JobFile) -> dict[str, Any]:

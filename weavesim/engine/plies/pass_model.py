@@ -14,6 +14,7 @@ from ...kernels.plies.data import contact_law_struct, slaves_struct
 from ...kernels.plies.own_search import SLOT_COUNT
 from ...kernels.plies.search import search_struct
 from ...kernels.rows import PLY_RECORD_LENGTH, PlyRow
+from ...process.friction import Friction
 from ...process.friction_device import argument_kind, carried_rate, viscous_rates, viscous_share
 from ...process.interfaces import Interface
 from ...process.self_contact import EXCLUDED_THICKNESSES, SelfContact
@@ -28,7 +29,7 @@ from .normals import normal_layout
 SKIN_SHARE = 0.3
 # Coordinates up to which feet may lie beyond a free edge: rounding between plies, and at most within a sheet.
 FARTHEST_OF_PLIES = 1.001
-LARGEST_FARTHEST = 1.5
+LARGEST_FARTHEST = 1.85
 # Way of a node that never seeks a foot by itself [m].
 NEVER = 1.0e30
 # Slots of a list of candidates, over the mean number of nodes within its box.
@@ -47,6 +48,7 @@ class PassPlace:
         share: of the interface's stiffness.
         slot: within a sheet, which pair of faces meets there: see kernels/plies/own_search.py; -1 between sheets.
         facing: within a sheet, 1 if the nodes' normals point along those of the facets, else -1; 0 between sheets.
+        plane: of symmetry, "x" or "y", at which a sheet meets its mirror image (``MirrorModel``); "" without.
     """
 
     interface: int
@@ -57,6 +59,7 @@ class PassPlace:
     share: float
     slot: int = -1
     facing: int = 0
+    plane: str = ""
 
 
 class PassModel:
@@ -106,7 +109,7 @@ class PassModel:
         self.squared_exclusion = (EXCLUDED_THICKNESSES * self.thickness) ** 2
         self.squared_edge_distance = (EXCLUDED_THICKNESSES * self.thickness + 2.0 * math.sqrt(area)) ** 2
         box = (math.sqrt(area) + 2.0 * self.skin) ** 2
-        self.slot_count = math.ceil(SPARE_SLOTS * (box / own_area + 1.0))
+        self.slot_count = min(math.ceil(SPARE_SLOTS * (box / own_area + 1.0)), slave.node_count)
 
     @property
     def is_own(self) -> bool:
@@ -200,7 +203,11 @@ class PassModel:
     @property
     def viscous_share(self) -> float:
         """Share of the viscosity that the time step can carry: 1, or less where it is reduced."""
-        return viscous_share(self.interface.friction, self._carried_rate)
+        return self.carried_share(self.interface.friction)
+
+    def carried_share(self, friction: Friction) -> float:
+        """The same of another law, which a stage gives the contact."""
+        return viscous_share(friction, self._carried_rate)
 
     def search(self):
         """Constants of the search, as a new struct."""

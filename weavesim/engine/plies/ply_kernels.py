@@ -11,6 +11,7 @@ from ...kernels.plies.collect import (
     sum_up_kernel,
     survey_groups_kernel,
 )
+from ...kernels.plies.mirror import meet_mirror_kernel, watch_mirror_kernel
 from ...kernels.plies.node_pass import meet_plies_kernel
 from ...kernels.plies.normals import surface_normals_kernel
 from ...kernels.plies.own_search import bound_groups_kernel, follow_own_facets_kernel, seek_own_facets_kernel
@@ -52,3 +53,8 @@ def own_contact_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
         follow_own_facets_kernel(real, lane_count),
         bound_groups_kernel(real),
     ]
+
+
+def mirror_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
+    """Kernels of the contact of a sheet with its mirror image, beside those."""
+    return [meet_mirror_kernel(real, lane_count), watch_mirror_kernel(real, lane_count)]

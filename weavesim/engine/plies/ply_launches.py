@@ -11,10 +11,12 @@ from ...kernels.plies.search import watch_speed_kernel
 from ..model import Model
 from ..state import State
 from ..tiles import chunks
+from .mirror_launches import MirrorLaunches
+from .mirror_model import MirrorModel
 from .normals import NormalLaunch
 from .own_search import OwnSearch
 from .pass_launches import PassLaunches, group_count
-from .ply_kernels import own_contact_kernels, ply_kernels
+from .ply_kernels import mirror_kernels, own_contact_kernels, ply_kernels
 
 
 class PlyLaunches:
@@ -43,7 +45,10 @@ class PlyLaunches:
         }
         normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
         self._passes = [
-            PassLaunches(each, state, index, self._group_speeds, normals) for index, each in enumerate(model.passes)
+            (MirrorLaunches if isinstance(each, MirrorModel) else PassLaunches)(
+                each, state, index, self._group_speeds, normals
+            )
+            for index, each in enumerate(model.passes)
         ]
         self._own = {
             each.place.slave: OwnSearch(
@@ -141,4 +146,8 @@ class PlyLaunches:
         if not self._passes:
             return []
         kernels = ply_kernels(self._model.real, self._model.lane_count)
-        return kernels + (own_contact_kernels(self._model.real, self._model.lane_count) if self._own else [])
+        if self._own:
+            kernels += own_contact_kernels(self._model.real, self._model.lane_count)
+        if any(each.place.plane for each in self._model.passes):
+            kernels += mirror_kernels(self._model.real, self._model.lane_count)
+        return kernels

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
+from typing import Any
 
 from ...device import exclusive, resolve_device, resolve_thread_counts
 from ...engine.setup import Setup
@@ -17,6 +18,7 @@ from ...errors import InputError, RunError
 from ..frame import Observer
 from ..interruption import Interruption, interrupted_by, interruption
 from ..simulation import Simulation
+from ..watch.stops import stop_levels
 from ..watch.watch import WATCH_COUNT
 from .batch_run import BatchRun
 from .worlds import Worlds, alike, host_setup
@@ -40,6 +42,7 @@ def run_batch(
     observers: ObserversOf | None = None,
     finished: Finished | None = None,
     watch_count: int = WATCH_COUNT,
+    stop_on: Sequence[str] = (),
 ) -> list[BatchRun]:
     """Run many variants, several at a time; each gets the result that it gets alone.
 
@@ -57,20 +60,23 @@ def run_batch(
         finished: (index, simulation), called after each run, one at a time, from any thread.
         watch_count: states of each that the guards look at. On coarse meshes they take longer than the steps; extremes
             are those of all steps, however few.
+        stop_on: guards that end a variant, see ``run.watch.stops``.
 
     Returns:
         In the order of ``setups``. After a signal (Ctrl-C) those that had not started have no outcome.
 
     Raises:
-        InputError: no such device, or a bad number of threads or states.
+        InputError: no such device or guard, or a bad number of threads or states.
     """
+    stop_levels(stop_on)
     if not 1 <= watch_count <= LARGEST_WATCH_COUNT:
         raise InputError(f"watch_count = {watch_count}: 1 to {LARGEST_WATCH_COUNT} are allowed")
     setups = tuple(setups if device is None else (_with_solver(setup, device=device) for setup in setups))
     on_cpu = {name: resolve_device(name).is_cpu for name in {setup.solver.device for setup in setups}}
     thread_count = resolve_thread_counts(threads)[-1]
     of_cpu = [index for index, setup in enumerate(setups) if on_cpu[setup.solver.device]]
-    runner = Runner(setups, max(1, thread_count // max(len(of_cpu), 1)), observers, finished, watch_count)
+    own_threads = max(1, thread_count // max(len(of_cpu), 1))
+    runner = Runner(setups, own_threads, observers, finished, watch_count, stop_on)
     with interruption() as interrupted, interrupted.held():
         results: dict[int, BatchRun] = {}
         for name in (name for name, is_cpu in on_cpu.items() if not is_cpu):
@@ -88,7 +94,7 @@ class Runner:
     Args:
         setups: of the variants.
         thread_count: CPU threads of each.
-        observers, finished, watch_count: see ``run_batch``.
+        observers, finished, watch_count, stop_on: see ``run_batch``.
     """
 
     def __init__(
@@ -98,8 +104,10 @@ class Runner:
         observers: ObserversOf | None = None,
         finished: Finished | None = None,
         watch_count: int = WATCH_COUNT,
+        stop_on: Sequence[str] = (),
     ) -> None:
-        self._setups, self._thread_count, self._watch_count = setups, thread_count, watch_count
+        self._setups, self._thread_count = setups, thread_count
+        self._given: dict[str, Any] = {"watch_count": watch_count, "stop_on": stop_on}
         self._observers, self._finished = observers, finished
 
     def run(self, index: int, interrupted: Interruption) -> BatchRun:
@@ -109,7 +117,7 @@ class Runner:
             if interrupted.is_set():
                 return BatchRun(setup)
             own = _with_solver(setup, threads=self._thread_count)
-            simulation = Simulation(own, watch_count=self._watch_count)
+            simulation = Simulation(own, **self._given)
             try:
                 simulation.run(self._observers_of(index))
             except InputError as error:
@@ -129,7 +137,7 @@ class Runner:
                 if interrupted.is_set():
                     results[index] = BatchRun(self._setups[index])
                     continue
-                simulation = Simulation(host_setup(self._setups[index]), watch_count=self._watch_count)
+                simulation = Simulation(host_setup(self._setups[index]), **self._given)
                 try:
                     simulation.prepare()
                     simulations[index] = simulation

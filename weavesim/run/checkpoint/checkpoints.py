@@ -257,7 +257,7 @@ def read_job(folder: str | Path) -> tuple[Job, Content]:
     Raises:
         InputError: there is none, or it is damaged.
     """
-    path = Path(folder).absolute() / FOLDER_NAME / JOB_NAME
+    path = job_path(folder)
     try:
         return Job.read(path)
     except FileNotFoundError:
@@ -267,9 +267,14 @@ def read_job(folder: str | Path) -> tuple[Job, Content]:
         raise InputError(f"{path}: {error}; run it again (--overwrite)") from None
 
 
+def job_path(folder: str | Path) -> Path:
+    """File of the job in a folder of results whose run can be resumed."""
+    return Path(folder).absolute() / FOLDER_NAME / JOB_NAME
+
+
 def has_job(folder: Path) -> bool:
     """Whether a folder of results has a run that can be resumed."""
-    return (folder / FOLDER_NAME / JOB_NAME).is_file()
+    return job_path(folder).is_file()
 
 
 def remove_checkpoints(folder: Path) -> None:

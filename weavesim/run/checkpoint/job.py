@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...engine.setup import Setup
+from ...errors import InputError
 from .container import Content, DamageError, read_container, write_container
 
 # Larger files that options name are not kept: a mesh is in the set-up already.
@@ -29,6 +30,8 @@ class Job:
         writers: names of the writers of its results.
         order: among the runs of one command, which are resumed in this order.
         solver_fields: whether frames for ParaView have the fields of the solver too.
+        stop_on: guards that end the run.
+        passed: guards that have ended it, and after which its user has it go on.
     """
 
     setup: Setup
@@ -38,6 +41,8 @@ class Job:
     writers: tuple[str, ...] = ()
     order: int = 0
     solver_fields: bool = False
+    stop_on: tuple[str, ...] = ()
+    passed: tuple[str, ...] = ()
 
     def write(self, path: Path) -> None:
         """Write it to one file, with the content of all files that options name.
@@ -48,7 +53,7 @@ class Job:
         values = {
             "setup": self.setup.to_json(), "run_id": self.run_id, "options": dict(self.options),
             "origin": dict(self.origin), "writers": list(self.writers), "order": self.order,
-            "solver_fields": self.solver_fields,
+            "solver_fields": self.solver_fields, "stop_on": list(self.stop_on), "passed": list(self.passed),
         }  # fmt: skip
         write_container(path, values, dict(_named_files(self.options)))
 
@@ -65,10 +70,30 @@ class Job:
         values = dict(content.values)
         try:
             setup = values.pop("setup")
-            job = cls(Setup.from_json(setup), **{**values, "writers": tuple(values["writers"])})
+            lists = {name: tuple(values.get(name, ())) for name in ("writers", "stop_on", "passed")}
+            job = cls(Setup.from_json(setup), **{**values, **lists})
         except (KeyError, TypeError) as error:
             raise DamageError(f"it is not as weavesim writes it ({error})") from None
         return job, content
+
+
+def going_on(job: Job, content: Content, path: Path, guard: str) -> Job:
+    """A job whose user has it go on after ``guard`` has ended it; its file tells that from now on.
+
+    Args:
+        job, content: as read.
+        path: of the file.
+        guard: by its name.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    job = replace(job, passed=tuple(dict.fromkeys((*job.passed, guard))))
+    try:
+        write_container(path, {**content.values, "passed": list(job.passed)}, content.arrays)
+    except OSError as error:
+        raise InputError(f"{path}: it cannot be written ({error.strerror or error})") from None
+    return job
 
 
 def unpacked_options(job: Job, content: Content, folder: Path) -> dict[str, Any]:

@@ -113,6 +113,7 @@ class BetweenNodes(Guard):
     Tools with radii and widths well above the elements are left out: there, nodes and centres of elements tell.
     """
 
+    lasting = True
     name = "between_nodes"
     watches = "tools with sharp edges or small radii that come through between nodes"
 

@@ -7,7 +7,7 @@ while they run, and at their end.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 from importlib import import_module
@@ -123,10 +123,13 @@ class Guard:
     Attributes:
         name: in results; a class without a name is not a guard itself.
         watches: what it watches, in a few words.
+        lasting: whether what ``so_far`` says of a run in progress is said at its end too: a user may then have it end
+            the run (``run.watch.stops``).
     """
 
     name: ClassVar[str] = ""
     watches: ClassVar[str] = ""
+    lasting: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
         if not cls.__dict__.get("name"):
@@ -150,6 +153,10 @@ class Guard:
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Doubts about the run so far; may be called more than once."""
         return ()
+
+    def so_far(self, run: Judged) -> Iterable[Doubt]:
+        """Of a ``lasting`` guard: doubts about a run in progress that nothing can take back; by default all."""
+        return self.after(run)
 
     def memory(self) -> Mapping[str, Any]:
         """What ``watch`` remembers, for a checkpoint: plain values, lists, dictionaries with text for keys, arrays."""
@@ -212,6 +219,11 @@ class Guards:
         found = [*self.first, *self._ask(lambda guard: guard.after(run)), *self._failed.values()]
         return sorted(dict.fromkeys(found), key=lambda doubt: -doubt.level)
 
+    def so_far(self, run: Judged, names: Container[str]) -> list[Doubt]:
+        """What the ``lasting`` guards of these names say of a run in progress, the worst first."""
+        found = self._ask(lambda guard: guard.so_far(run) if guard.lasting and guard.name in names else ())
+        return sorted(found, key=lambda doubt: -doubt.level)
+
     def memory(self) -> dict[str, Any]:
         """What all guards remember, for a checkpoint."""
         failed = {name: {**asdict(doubt), "level": int(doubt.level)} for name, doubt in self._failed.items()}
@@ -251,9 +263,18 @@ def verdict_of(doubts: Iterable[Doubt]) -> str:
     return VERDICTS[max((doubt.level for doubt in doubts), default=Level.NOTE)]
 
 
-def report_new(doubts: Iterable[Doubt], known: Iterable[Doubt], warnings: list[str]) -> None:
-    """Add doubts that were not ``known`` before the run to its ``warnings`` and the log; notes to the log alone."""
+def report_new(find: Callable[[], Iterable[Doubt]], known: Iterable[Doubt], warnings: list[str]) -> None:
+    """Add doubts that were not ``known`` before the run to its ``warnings`` and the log; notes to the log alone.
+
+    Where they cannot be found, that is a warning: the results are still worth having.
+    """
     before = set(known)
+    try:
+        doubts = list(find())
+    except Exception as error:
+        warnings.append(f"the result could not be judged: {type(error).__name__}: {error}")
+        logger.warning("%s", warnings[-1], exc_info=error)
+        return
     for doubt in doubts:
         if doubt in before:
             continue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..frame import Outcome
 from .guard import Doubt, Guard, Level
@@ -38,15 +38,29 @@ NOT_THERE = "it has not met the sheet yet: put it nearer (in_touch), or let the 
 LATE = "the sheet was not held before: put it nearer, or let it start in_touch"
 
 
+class Worst(NamedTuple):
+    """What a tool lacked most between two looks at a run [s], and the largest force that it met [N], and when [s]."""
+
+    idle: float = 0.0
+    idle_time: float | None = None
+    peak: float = 0.0
+    peak_time: float | None = None
+
+
+NOTHING = Worst()
+
+
 class BouncingHolder(Guard):
     """Holders and punches driven by a force that bounce off the sheet, land late, or fly."""
 
     name = "bouncing_holder"
     watches = "the force that force-driven tools carry, in every step"
+    lasting = True
 
     def __init__(self) -> None:
         self._last: dict[str, np.ndarray] | None = None
         self._told: set[int] = set()
+        self._worst: dict[int, Worst] = {}
 
     def watch(self, frame: Frame, ledger: Ledger) -> None:
         """Tell a running command the first time that a tool which has landed does not carry its force."""
@@ -54,6 +68,13 @@ class BouncingHolder(Guard):
         if last is None:
             return
         gained = {name: values - last[name] for name, values in self._last.items()}
+        for k, idle in enumerate(gained["idle"]):
+            worst = self._worst.get(k, NOTHING)
+            if idle > worst.idle:
+                worst = worst._replace(idle=float(idle), idle_time=frame.time)
+            if self._last["peak"][k] > worst.peak:
+                worst = worst._replace(peak=float(self._last["peak"][k]), peak_time=frame.time)
+            self._worst[k] = worst
         for k, wanted in enumerate(gained["wanted_impulse"]):
             share = gained["carried_impulse"][k] / wanted if wanted > 0.0 else 1.0
             # the landing itself is in the first look
@@ -64,14 +85,24 @@ class BouncingHolder(Guard):
 
     def memory(self) -> Mapping[str, Any]:
         """The last look at the tools, and those that were told."""
-        return {"last": self._last, "told": sorted(self._told)}
+        worst = [[k, *found] for k, found in self._worst.items()]
+        return {"last": self._last, "told": sorted(self._told), "worst": worst}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Take them back."""
         self._last, self._told = memory["last"], set(memory["told"])
+        self._worst = {k: Worst(*found) for k, *found in memory["worst"]}
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Tools that carried less than half of their force for long, or far more, or that landed late."""
+        return self._judged(run, 0.0)
+
+    def so_far(self, run: Judged) -> Iterable[Doubt]:
+        """The same, of shares of the whole run: what is beyond a limit now stays so."""
+        return self._judged(run, run.run.info.duration)
+
+    def _judged(self, run: Judged, least_time: float) -> Iterable[Doubt]:
+        """Times without the force are over the time that a tool was driven, but at least over ``least_time`` [s]."""
         watched, finished = run.extremes.tools, run.run.outcome is Outcome.FINISHED
         for k, (name, met) in enumerate(zip(run.run.info.tool_names, run.extremes.touched, strict=True)):
             if finished and not met:
@@ -81,7 +112,9 @@ class BouncingHolder(Guard):
                 continue
             if not met:
                 time, waited = waited, 0.0
-            idle = watched["idle"][k] / time if met and time > 0.0 else 1.0
+            if not met and least_time > 0.0:
+                continue  # it may meet the sheet yet
+            idle = watched["idle"][k] / max(time, least_time) if met and time > 0.0 else 1.0
             peak = watched["peak"][k] / wanted
             if idle > LARGEST_IDLE or peak > LARGEST_PEAK:
                 impulse = watched["wanted_impulse"][k]
@@ -91,10 +124,11 @@ class BouncingHolder(Guard):
                     f"{name} carried less than half of its force for {idle:.0%} of the time, {share:.0%} of it on "
                     f"average, and {watched['peak'][k]:.4g} N at its peak, where {wanted:.4g} N were wanted",
                     NOT_THERE if not met else BOUNCES if idle > LARGEST_IDLE else LANDS_HARD,
+                    time=self._time(k, idle > LARGEST_IDLE) if met else None,
                     value=float(idle),
                     limit=LARGEST_IDLE,
                 )
-            late = waited / (time + waited)
+            late = waited / max(time + waited, least_time)
             if met and late > LONGEST_WAIT:
                 yield self.doubt(
                     Level.DO_NOT_USE if late > USELESS_IDLE else Level.WARNING,
@@ -103,6 +137,11 @@ class BouncingHolder(Guard):
                     value=float(late),
                     limit=LONGEST_WAIT,
                 )
+
+    def _time(self, tool: int, idle: bool) -> float | None:
+        """When a tool lacked its force for longest, or had its peak [s]."""
+        worst = self._worst.get(tool, NOTHING)
+        return worst.idle_time if idle else worst.peak_time
 
 
 class WaitingStroke(Guard):

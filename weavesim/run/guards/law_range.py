@@ -14,6 +14,7 @@ from .guard import Doubt, Guard, Level
 
 if TYPE_CHECKING:
     from ...fabric.fabric import Fabric
+    from ...sheet.blank import Blank
     from ..verdict import Judged
 
 # A few elements slightly beyond the data are worth a note only.
@@ -38,6 +39,7 @@ class Beyond(NamedTuple):
         largest: that was reached.
         share: of the elements.
         element: that went furthest.
+        row: of ``ExtremeRow``.
     """
 
     what: str
@@ -46,6 +48,7 @@ class Beyond(NamedTuple):
     largest: float
     share: float
     element: int
+    row: int
 
     @property
     def excess(self) -> float:
@@ -68,12 +71,13 @@ def beyond_data(fabric: Fabric, rows: np.ndarray) -> Iterator[Beyond]:
         beyond = rows[row] > limit * (1.0 + 1.0e-6)
         if beyond.any():
             element = int(np.argmax(rows[row]))
-            yield Beyond(what, unit, limit, float(rows[row][element]), float(beyond.mean()), element)
+            yield Beyond(what, unit, limit, float(rows[row][element]), float(beyond.mean()), element, int(row))
 
 
 class LawRange(Guard):
     """Measured laws that were used beyond their last point, at any time."""
 
+    lasting = True
     name = "law_range"
     watches = "whether laws were used beyond their data"
 
@@ -87,14 +91,14 @@ class LawRange(Guard):
                     level = Level.NOTE
                 elif found.share > USELESS_SHARE and found.excess > USELESS_EXCESS:
                     level = Level.DO_NOT_USE
-                centre = info.blank.material_coordinates[info.blank.quads[found.element]].mean(axis=0)
                 yield self.doubt(
                     level,
                     f"{found.what} was measured up to {factor * found.limit:.4g}{symbol} and used up to "
                     f"{factor * found.largest:.4g}{symbol}, beyond its data in {found.share:.2%} of the elements",
                     "there it is extrapolated (extrapolation); measure further, or form less",
                     sheet=info.name,
-                    place=(float(centre[0]), float(centre[1])),
+                    place=_centre(info.blank, found.element),
+                    time=float(sheet.times[found.row]),
                     value=found.largest,
                     limit=found.limit,
                 )
@@ -111,17 +115,24 @@ class Unloading(Guard):
         frames = run.run.frame.sheets
         for info, frame, sheet in zip(run.run.info.sheets, frames, run.extremes.sheets, strict=True):
             back = sheet.rows[ExtremeRow.angle] - np.abs(frame.fields["shear_angle"])
-            back = back[np.isfinite(back)]  # without what was trimmed
-            share = float((back > UNLOADED_ANGLE).mean())
+            there = np.isfinite(back)  # without what was trimmed
+            share = float((back[there] > UNLOADED_ANGLE).mean())
             if share > UNLOADED_SHARE and (assumption := unloading_doubt(info.fabric)):
                 yield self.doubt(
                     Level.NOTE,
                     f"{share:.0%} of the elements went back in shear by more than {math.degrees(UNLOADED_ANGLE):.2g}°, "
-                    f"by up to {math.degrees(back.max()):.3g}°, but what the fabric does then is not measured "
+                    f"by up to {math.degrees(back[there].max()):.3g}°, but what the fabric does then is not measured "
                     f"({assumption})",
                     "how far it springs back, and how much work is lost, depends on that; a test with unloading tells "
                     "(docs/fabrics.md)",
                     sheet=info.name,
+                    place=_centre(info.blank, int(np.argmax(np.where(there, back, -np.inf)))),
                     value=share,
                     limit=UNLOADED_SHARE,
                 )
+
+
+def _centre(blank: Blank, element: int) -> tuple[float, float]:
+    """Middle of an element on the flat blank [m]."""
+    x, y = blank.material_coordinates[blank.quads[element]].mean(axis=0)
+    return float(x), float(y)

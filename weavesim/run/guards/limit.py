@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from .guard import Doubt, Guard, Level
 
@@ -37,9 +37,17 @@ class LimitGuard(Guard):
         """From where on the result must not be used; None if it may be."""
         return None
 
+    def where(self, run: Judged) -> Mapping[str, Any]:
+        """Sheet, place and time of the number, as attributes of ``Doubt``, as far as it has them."""
+        return {}
+
     def after(self, run: Judged) -> Iterable[Doubt]:
         """The number, if it is above its limit."""
-        value, limit, worst = run.number(self.key), self.limit(run), self.useless_beyond(run)
+        return self.of(run, run.number(self.key))
+
+    def of(self, run: Judged, value: float | None) -> Iterable[Doubt]:
+        """What a value of the number says."""
+        limit, worst = self.limit(run), self.useless_beyond(run)
         if value is not None and not value <= limit:
             useless = worst is not None and not value <= worst
             yield self.doubt(
@@ -48,4 +56,5 @@ class LimitGuard(Guard):
                 self.advice,
                 value=float(value),
                 limit=float(limit),
+                **self.where(run),
             )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from .guard import Doubt, Guard, Level
 from .limit import LimitGuard
@@ -19,6 +19,7 @@ USELESS_DEPTH = 0.5
 class PenetrationAtNodes(Guard):
     """Nodes deep in a tool, in any step."""
 
+    lasting = True
     name = "penetration_at_nodes"
     watches = "the depth of the nodes in the tools, in every step"
 
@@ -43,6 +44,7 @@ class PenetrationAtNodes(Guard):
 class PenetrationOfSurface(LimitGuard):
     """Sheets whose surface lies deep in a tool, at nodes or between; the chord of flat elements does not count."""
 
+    lasting = True
     name = "penetration_of_surface"
     watches = "the depth of the sheet's surface, as its directors describe it, in the tools"
     key = "penetration_of_surface_mm"
@@ -51,6 +53,11 @@ class PenetrationOfSurface(LimitGuard):
         "the elements are too large for the tools' edges: refine the mesh, or meet tools between nodes too "
         '(contact_samples = "surface")'
     )
+
+    def where(self, run: Judged) -> Mapping[str, Any]:
+        """Of that point."""
+        deepest = run.run.penetration
+        return {"sheet": deepest.sheet, "place": deepest.place, "time": deepest.time} if deepest.sheet else {}
 
     def limit(self, run: Judged) -> float:
         """Half the thinnest sheet [mm]: the tool's surface is at the middle of the sheet."""

@@ -34,6 +34,7 @@ LARGEST_SIZE = 2.0
 class NotFinite(Guard):
     """A state that is no longer finite: the run stops, and what it wrote ends at its last good frame."""
 
+    lasting = True
     name = "not_finite"
     watches = "whether the state is finite, after every turn of steps"
 
@@ -53,6 +54,7 @@ class NotFinite(Guard):
 class _Counted(Guard):
     """What ``Condition`` counts."""
 
+    lasting = True
     what: ClassVar[str] = ""
     text: ClassVar[str] = ""
     advice: ClassVar[str] = ""
@@ -86,6 +88,7 @@ class SelfIntersection(_Counted):
 class SheetIntersection(Guard):
     """Sheets of one world that pass through each other."""
 
+    lasting = True
     name = "sheet_intersection"
     watches = "sheets that pass through each other"
 
@@ -249,6 +252,7 @@ class InvertedElements(_Counted):
 class BeyondSymmetry(Guard):
     """Nodes on the side of the mirror image."""
 
+    lasting = True
     name = "beyond_symmetry"
     watches = "nodes beyond a symmetry plane"
 
@@ -276,13 +280,13 @@ def _tallies(run: Judged, what: str) -> Iterator[tuple[SheetInfo, Tally]]:
 
 
 class SelfContactMesh(Guard):
-    """Elements so large that the crests of two folds may cross between their nodes, and symmetry planes."""
+    """Elements so large that the crests of two folds may cross between their nodes."""
 
     name = "self_contact_mesh"
     watches = "elements that are large for self-contact"
 
     def before(self, start: Start) -> Iterable[Doubt]:
-        """Sheets with self-contact whose elements are larger than twice the thickness, or that are cut at a plane."""
+        """Sheets with self-contact whose elements are larger than twice the thickness."""
         for sheet, info in zip(start.model.sheets, start.model.setup.sheets, strict=True):
             if info.self_contact is None:
                 continue
@@ -296,12 +300,4 @@ class SelfContactMesh(Guard):
                     sheet=sheet.name,
                     value=size,
                     limit=LARGEST_SIZE * thickness,
-                )
-            if sheet.symmetry.planes:
-                yield self.doubt(
-                    Level.NOTE,
-                    f"self-contact beside the symmetry plane {' and '.join(sheet.symmetry.planes)} = 0",
-                    "a sheet does not meet its own mirror image: a fold that closes on the plane passes through it, "
-                    "which the guard beyond_symmetry tells; run the whole part if it does",
-                    sheet=sheet.name,
                 )

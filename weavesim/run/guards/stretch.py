@@ -22,6 +22,7 @@ LARGEST_STRAIN_OF_RUBBER, USELESS_STRAIN_OF_RUBBER = 0.5, 1.0
 class YarnStretch(Guard):
     """Yarns that were stretched or compressed far beyond a woven fabric's, at any time."""
 
+    lasting = True
     name = "yarn_stretch"
     watches = "the stretch of the yarns, at any time"
 

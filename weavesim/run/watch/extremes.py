@@ -40,6 +40,7 @@ class SheetExtremes:
         angle: absolute shear angle [rad].
         depth: of a node in a tool, half the thickness included, in any step [m]; 0 if none was ever touched.
         rows: of every element, by ``ExtremeRow``, (row, element_count).
+        times: when the largest of each row was first seen, (row,) [s].
         touched: whether each tool of the world has touched a node, or a sample between nodes, (tool_count,) bool.
     """
 
@@ -55,6 +56,7 @@ class SheetExtremes:
             Extreme(0.0),
         )
         self.rows = np.zeros((ExtremeRow.row_count(), model.blank.element_count))
+        self.times = np.zeros(len(self.rows))
         self.touched = np.zeros(model.tool_count, dtype=bool)
 
     def begin_stage(self, model: SheetModel) -> None:
@@ -64,6 +66,7 @@ class SheetExtremes:
     def read(self, state: SheetState, time: float) -> None:
         """Read what the device has found by ``time`` [s]; waits for it."""
         rows = state.extremes.numpy()[:, : self._model.blank.element_count].astype(np.float64)
+        self.times = np.where(rows.max(axis=1) > self.rows.max(axis=1), time, self.times)
         self.rows = rows
         smallest = -np.minimum(rows[ExtremeRow.min_warp], rows[ExtremeRow.min_weft])
         largest = np.maximum(rows[ExtremeRow.max_warp], rows[ExtremeRow.max_weft])
@@ -87,14 +90,14 @@ class SheetExtremes:
     def memory(self) -> dict[str, Any]:
         """All that was read so far, for a checkpoint."""
         own = {name: list(getattr(self, name)) for name in EXTREMES}
-        return own | {"rows": self.rows, "touched": self.touched}
+        return own | {"rows": self.rows, "times": self.times, "touched": self.touched}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Have read what ``memory`` tells."""
         for name in EXTREMES:
             value, time, place, tool = memory[name]
             setattr(self, name, Extreme(value, time, None if place is None else tuple(place), tool))
-        self.rows, self.touched = memory["rows"], memory["touched"]
+        self.rows, self.times, self.touched = memory["rows"], memory["times"], memory["touched"]
 
     def _further(self, last: Extreme, rest: float, sign: float, beyond: np.ndarray, time: float) -> Extreme:
         """The extreme, rest + sign * beyond, of the element that went furthest, if it went further than the last."""

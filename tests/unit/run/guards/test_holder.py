@@ -56,6 +56,11 @@ def test_a_stroke_stops_at_its_largest_force_and_says_so():
     assert abs(energies["balance_error"]) < 0.01 * energies["supplied"]
 
 
+def test_a_stroke_that_needs_less_than_its_largest_force_is_silent():
+    run = pressed(0.0, 200.0)
+    assert "waiting_stroke" not in {doubt.guard for doubt in run.doubts()}
+
+
 def doubt_of(run):
     found = [doubt for doubt in run.doubts() if doubt.guard == "bouncing_holder"]
     return found[0] if found else None

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ....kernels.rows import PassEntry
+from ....process.friction import Friction
 from ...diagnosis import LARGEST_PLY_PENETRATION
 from ..friction.tables import LEAST_VISCOUS_SHARE, BeyondTables
 from ..guard import Doubt, Guard, Level, Start
@@ -19,21 +20,31 @@ if TYPE_CHECKING:
     from ...verdict import Judged
 
 
+class Deepest(NamedTuple):
+    """The deepest that a node was in the other ply [m]: its number, and when [s]."""
+
+    depth: float
+    node: int
+    time: float
+
+
 class Interfaces(Guard):
     """Contact between plies."""
 
+    lasting = True
     name = "interfaces"
     watches = "plies that touch: their penetration, search and friction tables"
 
     def __init__(self) -> None:
         self._beyond = BeyondTables()
         self._passes: tuple[PassModel, ...] = ()
+        self._deepest: dict[int, Deepest] = {}
 
     def before(self, start: Start) -> Iterable[Doubt]:
         """Viscosities that the time step cannot carry."""
         self._passes = start.model.passes
         for model in self._passes:
-            share = model.viscous_share
+            share = min(map(model.carried_share, self._laws(start, model)), default=1.0)
             if share < LEAST_VISCOUS_SHARE:
                 yield self.doubt(
                     Level.WARNING,
@@ -42,22 +53,38 @@ class Interfaces(Guard):
                     value=share,
                 )
 
+    @staticmethod
+    def _laws(start: Start, model: PassModel) -> Iterator[Friction]:
+        """Of a contact in all stages."""
+        yield model.interface.friction
+        for phase in start.phases:
+            yield from (each.friction for each in phase.setup.interfaces if f"interface {each.name}" == model.name)
+
     def watch(self, frame: Frame, ledger: Ledger) -> None:
-        """Note the first use of a friction table beyond its ends."""
+        """Note the deepest that plies are in each other, and the first use of a friction table beyond its ends."""
         for k, model in enumerate(ledger.interfaces.passes):
             friction = model.interface.friction
+            rows, places = ledger.interfaces.rows(k), model.slave.blank.material_coordinates
+            self._see(k, model, rows["push"], frame.time)
             if friction.argument_name is None:
                 continue
-            rows, places = ledger.interfaces.rows(k), model.slave.blank.material_coordinates
             self._beyond.note(str(k), friction, rows["low"], rows["high"], places, frame.time)
 
+    def _see(self, k: int, model: PassModel, push: np.ndarray, time: float) -> None:
+        """Keep the deepest node of a pass, if it is deeper than those before; ``push`` is its force per node."""
+        depth = push / model.stiffness
+        node = int(np.argmax(depth))
+        if depth[node] > (self._deepest[k].depth if k in self._deepest else 0.0):
+            self._deepest[k] = Deepest(float(depth[node]), node, time)
+
     def memory(self) -> Mapping[str, Any]:
-        """Uses beyond tables so far."""
-        return self._beyond.memory()
+        """Deepest nodes and uses beyond tables so far."""
+        return {**self._beyond.memory(), "deepest": [[k, *found] for k, found in self._deepest.items()]}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Take them back."""
         self._beyond.recall(memory)
+        self._deepest = {k: Deepest(*found) for k, *found in memory["deepest"]}
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Late searches, deep penetration, use beyond tables."""
@@ -74,23 +101,26 @@ class Interfaces(Guard):
                 "been missed",
                 "plies slide faster than the search allows: move the tools more slowly",
             )
-        deepest = float((rows["push"] / model.stiffness).max())
-        if deepest > LARGEST_PLY_PENETRATION * model.thickness:
-            node = int(np.argmax(rows["push"] / model.stiffness))
+        self._see(k, model, rows["push"], run.run.state.time)
+        found = self._deepest.get(k)
+        if found is not None and found.depth > LARGEST_PLY_PENETRATION * model.thickness:
             yield self.doubt(
                 Level.DO_NOT_USE,
-                f"{name}: the plies are pressed {1e3 * deepest:.3g} mm into each other, more than "
+                f"{name}: the plies are pressed {1e3 * found.depth:.3g} mm into each other, more than "
                 f"{LARGEST_PLY_PENETRATION:.0%} of the distance at which they touch",
                 "lower the pressure, or raise stiffness_share",
                 sheet=model.slave.name,
-                place=tuple(model.slave.blank.material_coordinates[node].tolist()),
-                value=deepest,
+                place=tuple(model.slave.blank.material_coordinates[found.node].tolist()),
+                time=found.time,
+                value=found.depth,
                 limit=LARGEST_PLY_PENETRATION * model.thickness,
             )
-        if beyond := self._beyond.found.get(str(k)):
+        for text, beyond in self._beyond.told():
+            if beyond["name"] != str(k):
+                continue
             yield self.doubt(
                 Level.WARNING,
-                f"{name}: {self._beyond.text(str(k), model.interface.friction)}",
+                f"{name}: {text}",
                 "measure farther, or accept the coefficient at the end of the table",
                 sheet=model.slave.name,
                 place=tuple(beyond["place"]),

@@ -10,6 +10,9 @@ from ..guard import Doubt, Guard, Level
 if TYPE_CHECKING:
     from ...verdict import Judged
 
+# From here on a border is off its curves [mm].
+LEAST_OFF_CURVE = 1.0e-3
+
 
 class Trims(Guard):
     """Trims that cut nothing away, and how far the border of what stays is off the curves."""
@@ -29,6 +32,8 @@ class Trims(Guard):
                     sheet=told["sheet"],
                     time=told["time_s"],
                 )
+                continue
+            if told["off_curve_mm"] < LEAST_OFF_CURVE:
                 continue
             yield self.doubt(
                 Level.NOTE,

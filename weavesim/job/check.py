@@ -212,7 +212,7 @@ def _gaps(setup: Setup, start: Start) -> Iterator[Row]:
         for a, b in combinations(range(len(world.tools)), 2):
             if not on_both_sides(start, world, first, a, b):
                 continue
-            gap, time = smallest_gap(start, number, first, (a, b))
+            gap, time, _ = smallest_gap(start, number, first, (a, b))
             if not math.isfinite(gap):
                 continue
             share = gap / stack

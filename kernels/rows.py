@@ -249,8 +249,8 @@ class GripRow(Rows):
 
     slip = "m", "slip through the gripper so far"
     force = "N", "force of the spring"
-    along = "N", "its component along the motion of the anchor"
-    travel = "m", "displacement of the anchor"
+    pull = "N", "the same as a vector, on the node", 3
+    travel = "m", "displacement of the anchor", 3
     tight = "m", "shortening by the pretension"
     work = "J", "work of the anchor and of the pretension so far"
     loss = "J", "energy lost in slip and at the release so far"

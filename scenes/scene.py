@@ -89,6 +89,8 @@ class Scene:
             for folder in folders.values():
                 stack.callback(folder.release)
                 folder.claim()
+            if parameters.tolerances is not None:
+                setups = {case: self.scaled(parameters, case, setup) for case, setup in setups.items()}
             jobs = {
                 case: self._job(parameters, case, setup, order) for order, (case, setup) in enumerate(setups.items())
             }
@@ -103,6 +105,30 @@ class Scene:
                 if summaries["outcome"] != "finished" or interrupted.is_set():
                     break
         return summaries[""] if self.cases is None else summaries
+
+    def scaled(self, parameters: RunOptions, case: str, setup: Setup) -> Setup:
+        """A set-up with the largest mass scaling that keeps the tolerances of the parameters, found by coarser runs.
+
+        Raises:
+            InputError: the scene cannot be coarser.
+            RunError: the coarse run without scaling had to stop.
+        """
+        from weavesim.errors import InputError
+        from weavesim.run.scaling.mass import choose_mass_scaling, with_mass_scaling
+
+        def make(mesh_size: float, target_step: float | None) -> Setup:
+            own = {"mass_scaling_angle": None, "mass_scaling_draw_in": None, "strict": False, "limits": None}
+            changed = {"mesh_size": mesh_size, "target_step": target_step, **own}
+            try:
+                coarse = parameters.model_copy(update=changed)
+                return self.make(coarse) if self.cases is None else self.make(coarse, case)
+            except InputError as error:
+                raise InputError(
+                    f"a mass scaling is sought on elements of {1e3 * mesh_size:.4g} mm, which is refused: {error}"
+                ) from None
+
+        found = choose_mass_scaling(make, parameters.mesh_size, **(parameters.tolerances or {}))
+        return with_mass_scaling(setup, found)
 
     def _job(self, parameters: RunOptions, case: str, setup: Setup, order: int) -> Job:
         from weavesim.run.checkpoint.job import Job

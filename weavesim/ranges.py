@@ -136,6 +136,8 @@ QUANTITIES: dict[str, Row] = {
     "time step": Row("time step", "s", (1.0e-15, 10.0), (1.0e-9, 0.01)),
     "energy share": Row("ratio of energies", "1", (0.0, 1.0e9), (0.0, 0.5)),
     "angle": Row("angle of yarns or of a test", "degrees", (0.0, 3600.0), (0.0, 180.0)),
+    "angle error": Row("change of shear angles that is allowed", "degrees", (0.0, 90.0), (1.0e-3, 10.0)),
+    "position error": Row("change of positions that is allowed", "m", (0.0, 1.0), (1.0e-6, 0.02)),
     "turn of a tool": Row("angle of a tool that turns", "degrees", (0.0, 1.0e7), (0.0, 36000.0)),
     "turning speed": Row("speed of a tool that turns", "rad/s", (0.0, 1.0e6), (1.0e-4, 1.0e3)),
     "turn": Row("angle of a rotation", "rad", (0.0, 2.0 * math.pi), (0.0, 2.0 * math.pi)),

@@ -14,7 +14,6 @@ class Grip:
     position: wp.int32  # first entry of the node's record in the flat motion array
     corner: wp.int32  # entry of the force along x at one corner of the node, in the flat array of corner forces
     anchor: wp.vec3d  # at time zero [m]
-    direction: wp.vec3d  # unit vector along which the anchor moves
     length: wp.float64  # of the spring without a force [m]
     stiffness: wp.float64  # [N/m]
     pretension: wp.float64  # [N]
@@ -31,7 +30,7 @@ class Grips:
 
     grip: wp.array(dtype=Grip)
     curve_time: wp.array(dtype=wp.float64)  # knots of all curves [s]
-    curve_value: wp.array(dtype=wp.float64)  # displacement of the anchor [m]
+    curve_value: wp.array(dtype=wp.vec3d)  # displacement of the anchor [m]
     node_stride: wp.int32  # entries between two rows of the motion array
     corner_stride: wp.int32  # entries between two rows of the corner forces
 
@@ -109,7 +108,7 @@ def grip_function(real: type):
         grip = grips.grip[k]
         time = clock[ClockEntry.time]
         travel = moved(grips, grip, time)
-        spring = grip.anchor + travel * grip.direction - place(motion, grip.position, grips.node_stride)
+        spring = grip.anchor + travel - place(motion, grip.position, grips.node_stride)
         length = wp.max(wp.length(spring), wp.float64(1.0e-12))
         tight = tightened(grip, time)
         old_slip = kept[GripRow.slip, k]
@@ -120,9 +119,12 @@ def grip_function(real: type):
             entry = grip.corner + c * grips.corner_stride
             corner_force[entry] = corner_force[entry] + real(pulled[c])
         last = change(kept, GripRow.force, k, force)
-        along = wp.dot(pulled, grip.direction)
-        last_along = change(kept, GripRow.along, k, along)
-        gained = half * (last_along + along) * (travel - change(kept, GripRow.travel, k, travel))
+        gained = wp.float64(0.0)
+        for c in range(3):
+            last_pull = change(kept, GripRow.pull + c, k, pulled[c])
+            gained = gained + half * (last_pull + pulled[c]) * (
+                travel[c] - change(kept, GripRow.travel + c, k, travel[c])
+            )
         gained = gained + half * (last + force) * (tight - change(kept, GripRow.tight, k, tight))
         lost = half * (last + force) * slipped
         if time >= grip.release_time:

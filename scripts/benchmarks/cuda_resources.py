@@ -6,7 +6,7 @@ import re
 import subprocess
 import sysconfig
 from collections.abc import Iterator
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -93,25 +93,56 @@ def kernels_on_gpu(setup: Setup, precision: str) -> Iterator[wp.Kernel]:
             yield kernel
 
 
+def kernels_of_tools(precision: str) -> Iterator[tuple[str, wp.Kernel]]:
+    """What tools ask for that no scene has: tools that are meshes, that are carried, that are met between nodes.
+
+    Made from their traits, which takes neither a mesh nor a run. Each with the name of what asks for it.
+    """
+    import warp as wp
+
+    from weavesim.device import resolve_precision
+    from weavesim.engine.compilation import mesh_kernels
+    from weavesim.kernels.carried.motion import carried_motion_kernel
+    from weavesim.kernels.stepping.node import node_motion_kernel
+    from weavesim.kernels.stepping.node_data import NodeTraits
+    from weavesim.kernels.stepping.surface_contact import surface_contact_kernel
+
+    real = resolve_precision(precision).real
+    for name, traits in {
+        "mesh": NodeTraits(shape_kinds=("volume",)),
+        "carried": NodeTraits(shape_kinds=("capsule", "plane"), rotated=True, carried=True),
+        "carried mesh": NodeTraits(shape_kinds=("volume",), rotated=True, carried=True, friction_laws=True),
+    }.items():
+        yield name, node_motion_kernel(real, 1, traits)
+        yield name, surface_contact_kernel(real, 1, replace(traits, sampled=True))
+    yield "carried", carried_motion_kernel(wp.float64)
+    for kernel in mesh_kernels():
+        yield "sampling of a mesh", kernel
+
+
 def short_name(kernel: wp.Kernel) -> str:
     """The name of the function that became a kernel."""
     return kernel.key.rpartition("__")[2]
 
 
 def cuda(
-    scene: Annotated[list[str] | None, typer.Option(help="may be repeated [default: all]")] = None,
+    scene: Annotated[list[str] | None, typer.Option(help="may be repeated [default: all, and further tools]")] = None,
     precision: Annotated[str, typer.Option(help="float32, float64, or both, comma-separated")] = "float32,float64",
     arch: Annotated[str, typer.Option(help="compute capabilities, comma-separated")] = "80,90",
 ) -> None:
     """Registers and stack of every kernel of the scenes on CUDA devices, without one."""
     from weavesim.app.command_line import SCENES, default_setups
 
-    rows = []
-    for name in scene or SCENES:
-        for one in precision.split(","):
+    found = []
+    for one in precision.split(","):
+        for name in scene or SCENES:
             for setup in default_setups([name], precision=one):
-                for kernel in kernels_on_gpu(setup, one):
-                    for architecture in arch.split(","):
-                        needs = resources(kernel, int(architecture))
-                        rows.append([setup.name, short_name(kernel), one, architecture, *astuple(needs)])
+                found += [(setup.name, one, kernel) for kernel in kernels_on_gpu(setup, one)]
+        if not scene:
+            found += [(f"tools: {name}", one, kernel) for name, kernel in kernels_of_tools(one)]
+    rows = [
+        [name, short_name(kernel), one, architecture, *astuple(resources(kernel, int(architecture)))]
+        for name, one, kernel in found
+        for architecture in arch.split(",")
+    ]
     typer.echo(table(["set-up", "kernel", "precision", "sm", "registers", "stack [bytes]", "instructions"], rows))

@@ -80,11 +80,16 @@ def schedule(
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
     threads: Annotated[str, typer.Option(help="comma-separated")] = "1,2,4,8,16,32,64",
     seconds: Annotated[float, typer.Option(help="length of a measurement")] = 0.3,
+    between_nodes: Annotated[
+        bool, typer.Option("--between-nodes", help="keep the windows together that contact between nodes has")
+    ] = False,
 ) -> None:
     """A step on 1 to 64 threads, predicted from its plan: balance, nodes that wait, barriers and what is serial.
 
-    Cores are taken to be alike, with a cache of their own and memory enough for all.
+    Cores are taken to be alike, with a cache of their own and memory enough for all. Of contact between nodes only what
+    it keeps together counts: its work is where the sheet touches, which the plan does not know.
     """
+    from weavesim.engine.surface.order import window
     from weavesim.engine.tiles import TILE_SIZE, divide_step
 
     rows = []
@@ -97,9 +102,10 @@ def schedule(
             found["nodes and contact"] / model.block_count,
             found["tools"],
         )
+        together = window(model.blank.element_count, model.lane_count) if between_nodes else 1
         first = None
         for count in (int(one) for one in threads.split(",")):
-            parts = divide_step(model.element_nodes, model.lane_count, count, TILE_SIZE)
+            parts = divide_step(model.element_nodes, model.lane_count, count, TILE_SIZE, together)
             step = step_on(parts, times)
             first = first or step.seconds
             gain = first / step.seconds

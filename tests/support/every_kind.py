@@ -217,7 +217,8 @@ def in_stages(solver: Solver) -> Setup:
         Stage(
             "release", 5.0e-4, AtRest(10.0, 100.0),
             tools=(), supports=("held", "pulled"), grippers=(), target_step=2.0e-6, frame_count=2,
-            friction={"far": 0.1}, loads=(SheetLoads(NodalLoads(np.full((45, 3), 1e-3), times=(1e-4,)), "sheet"),),
+            friction={"far": PressureFriction((0.0, 1.0e4), (0.3, 0.1))},
+            loads=(SheetLoads(NodalLoads(np.full((45, 3), 1e-3), times=(1e-4,)), "sheet"),),
             trims=(
                 Trim([(-1.0, -1.0), (0.008, -1.0), (0.008, 1.0), (-1.0, 1.0)], "above"),
                 Trim([(0.031, -1.0), (1.0, -1.0), (1.0, 1.0), (0.031, 1.0)], "sheet", "blank", "outside"),

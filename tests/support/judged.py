@@ -58,7 +58,7 @@ def judged(
         run=SimpleNamespace(
             outcome=Outcome.FINISHED,
             failed=None,
-            setup=SimpleNamespace(stages=()),
+            setup=SimpleNamespace(stages=(), solver=SimpleNamespace(mass_scaling=None)),
             stages=SimpleNamespace(ended=[], trimmed=[]),
             frame=SimpleNamespace(sheets=[SimpleNamespace(fields={"shear_angle": np.zeros(1)})]),
             penetration=NO_PENETRATION,

@@ -51,7 +51,9 @@ WITHOUT_QUANTITY = {
     "CalibrationOptions.noise", "GrippersParameters.gripped_share",
     "GrippersParameters.gripper_count", "CalibrationOptions.seed", "CalibrationOptions.starts", "SpringTable.direction",
     "SolverTable.threads", "ToolTable.axis", "MeasureTable.at_least", "MeasureTable.at_most", "NoiseTable.points",
-    "NoiseTable.repeats", "StudyTable.batch", "StudyTable.budget", "StudyTable.field_points", "StudyTable.retries",
+    "NoiseTable.repeats", "MassScaling.factor", "MassScaling.kept_share", "ScalingTry.factor",
+    "ScalingTry.angle_error", "ScalingTry.draw_in_error", "ScalingTry.kinetic_ratio", "ScalingTry.speed_up",
+    "StudyTable.batch", "StudyTable.budget", "StudyTable.field_points", "StudyTable.retries",
     "StudyTable.risk", "StudyTable.samples", "StudyTable.scenarios", "StudyTable.seed", "VaryTable.count",
 }  # fmt: skip
 

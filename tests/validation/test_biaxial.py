@@ -18,6 +18,7 @@ def test_biaxial_pulls_as_its_unit_cell_beside_a_measured_curve(tmp_path):
     """Glass, weft strained half as much; the table has 0.9 times the forces of a run, with a decimal comma."""
     parameters = BiaxialParameters(out=tmp_path / "first", ratio=0.5, write="summary,tables", **COARSE)
     summary = biaxial.SCENE.run(parameters)
+    assert summary["energy_balance_error"] < 0.01
     assert summary["largest_force_error_ratio"] < 2e-3
     assert summary["warp_strain_percent"] == pytest.approx(1.0) and summary["weft_strain_percent"] == pytest.approx(0.5)
     table = columns(tmp_path / "first" / "biaxial.csv")

@@ -26,6 +26,7 @@ def test_cotton_hangs_in_folds(tmp_path):
     assert 60.0 < summary["drape_coefficient_percent"] < 68.0
     assert 9 <= summary["fold_count"] <= 12
     assert summary["verdict"] == "trusted"
+    assert summary["energy_balance_error"] < 0.01
     outline = columns(tmp_path / "out" / "shadow.csv")
     radius = outline["shadow_radius_mm"]
     assert 90.0 < radius.min() < radius.max() < 150.0

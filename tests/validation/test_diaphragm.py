@@ -55,6 +55,18 @@ def test_the_vacuum_clamps_and_the_pressure_draws(formed):
     assert min(angles) > 5.0
 
 
+def test_the_same_bits_for_any_number_of_threads():
+    """Four sheets that touch, in all stages, each a few milliseconds long."""
+    short = {"evacuation": 2e-3, "rise": 4e-3, "rise_speed": 1.0, "drawing": 2e-3, "frame_count": 3}
+    ends = []
+    for threads in (1, 3):
+        simulation = Simulation(diaphragm(DiaphragmParameters(**(COARSE | short | {"threads": threads}))))
+        simulation.run()
+        assert len(simulation.stages.ended) == 3 and simulation.stepper.thread_count == threads
+        ends.append({name: array.numpy().tobytes() for name, array in simulation.state.arrays()})
+    assert ends[0] == ends[1]
+
+
 def test_rubber_is_isotropic_at_small_strains():
     """Stretched along its yarns or across them, Young's modulus; sheared, its shear modulus."""
     parameters = DiaphragmParameters()

@@ -32,6 +32,7 @@ def test_a_linear_strip_has_its_stiffness_and_no_loop(tmp_path):
     assert summary["largest_moment_error_ratio"] < 0.01
     assert abs(summary["bending_hysteresis_n"]) < 0.005 * summary["largest_moment_n"]
     assert summary["verdict"] == "trusted"
+    assert summary["energy_balance_error"] < 0.01
     (share,) = summary["measured_largest_difference_ratio"].values()
     assert share < 0.01
     assert (tmp_path / "out" / "pictures" / "moment.png").exists()

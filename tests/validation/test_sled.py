@@ -15,6 +15,7 @@ def test_the_sled_needs_its_coefficient_times_its_weight(tmp_path):
         write="summary,pictures",
     )  # fmt: skip
     summary = sled.SCENE.run(parameters)
+    assert summary["energy_balance_error"] < 0.01
     weight = 9.81 * (0.2 + 0.743 * 0.0635**2)
     assert sled.normal_force(parameters, glass_polypropylene()) == pytest.approx(weight)
     assert summary["normal_force_n"] == pytest.approx(weight, rel=2e-3)

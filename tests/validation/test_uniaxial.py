@@ -15,6 +15,7 @@ def test_a_slender_strip_pulls_as_its_unit_cell(tmp_path, yarn):
         write="summary,pictures",
     )  # fmt: skip
     summary = uniaxial.SCENE.run(parameters)
+    assert summary["energy_balance_error"] < 0.01
     assert summary["force_ratio"] == pytest.approx(1.0, abs=0.02)
     assert summary["across_strain_percent"] < -1.0
     assert summary["middle_strain_percent"] == pytest.approx(1.0, abs=0.01)

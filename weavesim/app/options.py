@@ -60,6 +60,15 @@ class RunOptions(Parameters):
     target_step: Annotated[Positive, Quantity("time step")] | None = Field(
         default=None, description="scale the mass until this time step is stable [s]; the added mass is reported"
     )
+    mass_scaling_angle: Annotated[Positive, Quantity("angle error")] | None = Field(
+        default=None,
+        description="find the largest mass scaling, by runs on elements 1.5 times as large, that changes the shear "
+        "angles by at most this [degrees]; with mass_scaling_draw_in",
+    )
+    mass_scaling_draw_in: Annotated[Positive, Quantity("position error")] | None = Field(
+        default=None,
+        description="the same for the border of the sheets [m]; by default 0.5 degrees and 0.0005 m, if one is given",
+    )
     out: Path = Field(default=Path("out"), description="folder for the results")
     write: str | None = Field(
         default=None,
@@ -120,6 +129,16 @@ class RunOptions(Parameters):
         return self
 
     @model_validator(mode="after")
+    def _scales_in_one_way(self) -> Self:
+        if self.tolerances is not None and (self.target_step is not None or self.time_step is not None):
+            name = "target_step" if self.target_step is not None else "time_step"
+            raise ValueError(
+                f"{as_typed(name)}: it is what a search by {as_typed('mass_scaling_angle')} or "
+                f"{as_typed('mass_scaling_draw_in')} is to find; give one of them"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _writes_solver_fields(self) -> Self:
         if self.solver_fields and "paraview" not in self.writers:
             raise ValueError(f"{as_typed('solver_fields')}: has no effect without the results paraview; leave it out")
@@ -163,6 +182,11 @@ class RunOptions(Parameters):
         return tuple(kind.name for kind in chosen_writers(_names(self.write), _names(self.without) or ()))
 
     @property
+    def tolerances(self) -> dict[str, float] | None:
+        """What a mass scaling has to keep, for ``choose_mass_scaling``; None if none is sought."""
+        return tolerances_of(self.mass_scaling_angle, self.mass_scaling_draw_in)
+
+    @property
     def stops(self) -> tuple[str, ...]:
         """What ends the run, for a ``Simulation``."""
         return tuple(_names(self.stop_on) or ())
@@ -173,6 +197,13 @@ class RunOptions(Parameters):
             device=self.device, precision=self.precision, threads=self.threads, time_step=self.time_step,
             target_step=self.target_step, **given,
         )  # fmt: skip
+
+
+def tolerances_of(angle: float | None, draw_in: float | None) -> dict[str, float] | None:
+    """Tolerances of a mass scaling [degrees], [m], of which one may be left out; None without any."""
+    given = {"angle_tolerance": angle, "draw_in_tolerance": draw_in}
+    found = {name: value for name, value in given.items() if value is not None}
+    return found or None
 
 
 def _names(value: str | None) -> list[str] | None:

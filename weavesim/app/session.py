@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import signal
 from collections.abc import Iterator
@@ -47,8 +48,20 @@ def announce_compilation(name: str, kernel_count: int) -> None:
     say(text, error=True)
 
 
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Leave out the search for garbage in cycles: what is imported and prepared stays, and is searched in vain."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
 class _Announcements(logging.Handler):
-    """Shows what takes seconds before a run: log records with ``announced``."""
+    """Shows what takes seconds or minutes before a run: log records with ``announced``."""
 
     def emit(self, record: logging.LogRecord) -> None:
         if getattr(record, "announced", False):
@@ -57,13 +70,16 @@ class _Announcements(logging.Handler):
 
 @contextmanager
 def announced() -> Iterator[None]:
-    """Show which large meshes are being prepared."""
-    logger, handler = logging.getLogger("weavesim.tools"), _Announcements(logging.INFO)
-    level = logger.level
-    logger.setLevel(logging.INFO)
-    logger.addHandler(handler)
+    """Show which large meshes are being prepared, and what a search for a mass scaling tries."""
+    handler = _Announcements(logging.INFO)
+    loggers = [logging.getLogger(f"weavesim.{name}") for name in ("tools", "run.scaling")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.INFO)
+        logger.addHandler(handler)
     try:
         yield
     finally:
-        logger.removeHandler(handler)
-        logger.setLevel(level)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.removeHandler(handler)
+            logger.setLevel(level)

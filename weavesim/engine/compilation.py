@@ -55,9 +55,11 @@ from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tool_contact import tool_push_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
+from ..process.friction import AmongLaws
 from ..sheet.geometry import ElementGeometry
 from .plies.ply_kernels import mirror_kernels, own_contact_kernels, ply_kernels
-from .setup import Setup
+from .setup import Setup, World
+from .staging.derive import among_laws
 from .traits import node_traits, sheet_traits
 
 logger = logging.getLogger(__name__)
@@ -231,10 +233,22 @@ def kernel_sets(setup: Setup) -> list[KernelSet]:
     sets = []
     for world in setup.worlds:
         for sheet in world.sheets:
-            geometry = ElementGeometry.of(sheet.oriented_blank)
-            traits = sheet_traits(sheet.fabric, geometry, world.dynamics), node_traits(sheet, world)
+            geometry = ElementGeometry.of(world.symmetry.upright(sheet.oriented_blank))
+            traits = (
+                sheet_traits(sheet.fabric, geometry, world.dynamics),
+                node_traits(sheet, _as_in_stages(setup, world)),
+            )
             sets.append(KernelSet.of_sheet(setup, sheet.fabric.unit_cell, *traits))
     return sets
+
+
+def _as_in_stages(setup: Setup, world: World) -> World:
+    """A world with laws of friction where its stages have them."""
+    lawful = among_laws(setup, world)
+    if not lawful:
+        return world
+    tools = tuple(tool.model_copy(update={"friction": AmongLaws.of(0.0)}) for tool in world.tools)
+    return world.model_copy(update={"tools": tools})
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from ..names import FileName, Label
 from ..process.dynamics import Dynamics
 from ..process.grippers import Gripper
 from ..process.interfaces import Interface
+from ..process.scaling.mass import MassScaling
 from ..process.stages import Stage
 from ..process.supports import Support
 from ..ranges import Quantity, check_usual
@@ -46,6 +47,7 @@ class Solver(Parameters):
         lane_count: elements per kernel thread, 1 or 16; chosen by the device if None.
         time_step: largest step allowed [s]; must be stable. None uses the stable step.
         target_step: step for which the mass is scaled up [s]; None adds no mass.
+        mass_scaling: how ``target_step`` was found, by ``choose_mass_scaling``, for the summary; None if it was given.
         step_safety: share of the stable step 2/omega that is used; a smaller one reduces the error of the time
             integration.
     """
@@ -56,6 +58,7 @@ class Solver(Parameters):
     lane_count: int | None = None
     time_step: Annotated[Positive, Quantity("time step")] | None = None
     target_step: Annotated[Positive, Quantity("time step")] | None = None
+    mass_scaling: MassScaling | None = None
     step_safety: float = STEP_SAFETY
 
     @field_validator("precision", mode="before")
@@ -83,6 +86,16 @@ class Solver(Parameters):
         if not 0.0 < value <= STEP_SAFETY:
             raise ValueError(f"must be above 0 and at most {STEP_SAFETY} to be stable")
         return value
+
+    @model_validator(mode="after")
+    def _is_what_was_found(self) -> Self:
+        found = self.mass_scaling
+        if found is not None and found.target_step != self.target_step:
+            raise ValueError(
+                f"mass_scaling found target_step = {found.target_step} s, and it is {self.target_step} s; give that, "
+                "or leave mass_scaling out"
+            )
+        return self
 
     def lanes(self, *, is_cpu: bool) -> int:
         """Elements per kernel thread on a CPU or a GPU."""

@@ -130,7 +130,7 @@ class SheetModel:
         kept: np.ndarray | None = None,
         contact_step: float | None = None,
     ) -> None:
-        blank, fabric = sheet.oriented_blank, sheet.fabric
+        blank, fabric = world.symmetry.upright(sheet.oriented_blank), sheet.fabric
         self.kept = np.ones(blank.element_count, dtype=bool) if kept is None else kept
         self.waste = waste_nodes(blank, self.kept)
         self.name, self.blank, self.fabric = sheet.name, blank, fabric

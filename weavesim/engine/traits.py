@@ -9,7 +9,7 @@ from ..fabric.fabric import Fabric
 from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.node_data import NodeTraits
 from ..process.dynamics import Dynamics
-from ..process.friction import Coulomb, law_of
+from ..process.friction import AmongLaws, has_law
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
 from ..tools.shapes import IDENTITY, shape_kinds
@@ -39,5 +39,5 @@ def node_traits(sheet: Sheet, world: World) -> NodeTraits:
         or any(sheet.name in (interface.lower, interface.upper) for interface in world.interfaces),
         sampled=bool(world.tools) and world.dynamics.contact_samples == "surface",
         carried=any(tool.motion.is_carried for tool in world.tools),
-        friction_laws=any(not isinstance(law_of(tool.friction), Coulomb) for tool in world.tools),
+        friction_laws=any(has_law(tool.friction) or isinstance(tool.friction, AmongLaws) for tool in world.tools),
     )

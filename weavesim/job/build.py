@@ -223,8 +223,10 @@ class Builder:
         try:
             axis = np.array(axis_of(tool, self.facing[k]), dtype=np.float64)
             shape = self.shapes[k]
-            if self.shifts[k] != 0.0:
-                shape = shape.placed(self.shifts[k] * axis / np.linalg.norm(axis))
+            # a gap counts from where the tool starts; segments have theirs each
+            back = tool.gaps[0] if tool.gaps is not None and tool.segments is None else 0.0
+            if self.shifts[k] != back:
+                shape = shape.placed((self.shifts[k] - back) * axis / np.linalg.norm(axis))
             motion = motion_of(tool, self.shifts[k], share)
             return Tool(
                 tool.name,

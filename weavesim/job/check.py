@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,8 +23,9 @@ from ..tools.mesh_tool import MeshSurface
 from ..tools.mesh_topology import place
 from ..tools.sampling import DOUBTFUL_ERROR
 from ..tools.shapes import Shape
-from ..tools.surfaces.flaws import holes_of, sharper_than
-from .speed import suggested_speed
+from ..tools.surfaces.flaws import forgotten_holes, holes_of, sharper_than
+from .advice.speed import suggested_speed
+from .advice.told import LOOK, NOTE, OK, Row, damping_rows
 from .stages.told import stage_lines
 
 if TYPE_CHECKING:
@@ -38,25 +39,6 @@ IN_TOUCH = 0.1
 TOO_FAST = 2.0
 # A force-driven tool should close a gap of a tenth of the stack within this share of the run.
 SLOW_HOLDER = 0.02
-OK, NOTE, LOOK = "ok", "note", "look"
-
-
-class Row(NamedTuple):
-    """A line of the table.
-
-    Attributes:
-        topic: of the group of lines.
-        what: that is known.
-        value: with its unit.
-        judgement: "ok", "note" or "look"; "" for a mere fact.
-        advice: what to do, or how it is judged.
-    """
-
-    topic: str
-    what: str
-    value: str
-    judgement: str = ""
-    advice: str = ""
 
 
 @dataclass(frozen=True)
@@ -101,6 +83,7 @@ def check_setup(setup: Setup) -> Checked:
         *_holders(setup, start),
         *(Row("stages", name, text) for name, text in stage_lines(setup)),
         *_speeds(setup),
+        *damping_rows(setup),
         *_cost(prepared.info.expected),
         *(
             Row("doubts", doubt.guard.replace("_", " "), doubt.text, _judgement(doubt), doubt.advice)
@@ -194,12 +177,10 @@ def _in_world(part: Shape, point: np.ndarray) -> np.ndarray:
 
 def _holes(part: Shape, surface: MeshSurface) -> Iterator[Row]:
     """Holes in an open sheet: large ones are openings, and small ones were probably forgotten."""
-    holes = holes_of(surface)
-    small = [hole for hole in holes if not hole.is_opening]
-    if len(holes) > len(small):
-        widths = ", ".join(f"{1e3 * hole.width:.3g}" for hole in holes if hole not in small)
+    if openings := [hole for hole in holes_of(surface) if hole.is_opening]:
+        widths = ", ".join(f"{1e3 * hole.width:.3g}" for hole in openings)
         yield Row("tools", "opening", f"{widths} mm across, with nothing of the tool in it")
-    if small:
+    if small := forgotten_holes(part):
         yield Row(
             "tools",
             "holes",
@@ -229,7 +210,7 @@ def _gaps(setup: Setup, start: Start) -> Iterator[Row]:
         for a, b in combinations(range(len(world.tools)), 2):
             if not on_both_sides(start, world, first, a, b):
                 continue
-            gap, time = smallest_gap(start, number, first, (a, b))
+            gap, time, _ = smallest_gap(start, number, first, (a, b))
             if not math.isfinite(gap):
                 continue
             share = gap / stack

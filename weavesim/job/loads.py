@@ -116,13 +116,13 @@ def _grippers(table: SpringTable, blank: Blank, outline: np.ndarray) -> Iterator
             pretension=table.pretension,
             ramp_time=table.ramp if table.pretension else 0.0,
             largest_force=table.largest_force,
-            motion=_motion(table),
+            motion=table.on_path(_motion(table)) if isinstance(table, GripperTable) else Fixed(),
             release_time=table.release,
         )
 
 
-def _motion(table: SpringTable) -> Motion:
-    if not isinstance(table, GripperTable) or table.stroke == 0.0 or table.speed is None:
+def _motion(table: GripperTable) -> Motion:
+    if table.stroke == 0.0 or table.speed is None:
         return Fixed()
     return Stroke.smooth(table.stroke, table.speed, RAMP_SHARE * abs(table.stroke) / table.speed)
 

@@ -10,6 +10,7 @@ from ..errors import InputError
 from ..process.strokes import Fixed, ForceDriven, Motion, Stroke
 from ..tools.shapes import Shape
 from .schema import ToolTable
+from .segments.tables import gap_motion
 
 # A ramp is this share of the time of its stroke, and that of a force takes this long [s].
 RAMP_SHARE = 0.05
@@ -75,7 +76,13 @@ def axis_of(tool: ToolTable, facing: str | None) -> tuple[float, float, float]:
     if tool.axis is not None:
         return tool.axis
     if facing is None:
-        if tool.stroke is None and tool.force is None and tool.forces is None and tool.segments is None:
+        if (
+            tool.stroke is None
+            and tool.force is None
+            and tool.forces is None
+            and tool.gaps is None
+            and tool.segments is None
+        ):
             return UP
         raise InputError('faces: is required, or an axis: "up" for a tool below the sheet, "down" for one above it')
     return UP if facing == "up" else DOWN
@@ -124,6 +131,8 @@ def _along_axis(tool: ToolTable, shift: float, share: float) -> Motion:
     if tool.forces is not None and tool.times is not None:
         forces = tuple(force * share for force in tool.forces)
         return ForceDriven(tool.times, forces, tool.mass * share, stop=tool.stop)
+    if tool.gaps is not None and tool.times is not None:
+        return gap_motion(tool.times, tool.gaps)[0]
     if tool.stroke is None:
         return Fixed()
     travel = -shift if isinstance(tool.stroke, str) else tool.stroke

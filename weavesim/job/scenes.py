@@ -26,6 +26,8 @@ ELSEWHERE = {
     "threads": "write it in [solver]",
     "time_step": "write it in [solver]",
     "target_step": "write it in [solver]",
+    "mass_scaling_angle": "write it in [solver]",
+    "mass_scaling_draw_in": "write it in [solver]",
     "write": "write it in [output]",
     "without": "write it in [output]",
     "frame_count": "write it in [output]",

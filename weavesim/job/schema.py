@@ -13,6 +13,7 @@ from ..ranges import Quantity
 from ..sheet.lay_up_code import angles_of
 from .friction import LAWS, FrictionValue
 from .segments.tables import PushedTable
+from .stages.paths import WayTable
 from .stages.tables import PressureTable, StageTable
 from .tables import Coordinate, FileUnit, JobTable, Point, one_of, without
 
@@ -159,10 +160,10 @@ class ToolTable(PushedTable):
 
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> Self:
-        if sum(given is not None for given in (self.stroke, self.force, self.forces)) > 1:
-            raise ValueError("stroke, force and forces: a tool moves by one of them, several are given")
+        if sum(given is not None for given in (self.stroke, self.force, self.forces, self.gaps)) > 1:
+            raise ValueError("stroke, force, forces and gaps: a tool moves by one of them, several are given")
         pushed = self.force is not None or self.forces is not None
-        loaded = pushed or any(each.gap is None for each in self.segment)
+        loaded = pushed or any(each.gap is None and each.gaps is None for each in self.segment)
         if self.stroke is None:
             without(self, ("speed", "delay", "largest_force"), "a stroke")
         elif self.speed is None:
@@ -218,8 +219,8 @@ class SpringTable(JobTable):
         return self
 
 
-class GripperTable(SpringTable):
-    """A gripper that moves: springs whose anchors have a stroke. `[[gripper]]`, one table per group."""
+class GripperTable(SpringTable, WayTable):
+    """A gripper that moves: springs whose anchors have a stroke or a path. `[[gripper]]`, one table per group."""
 
     stroke: Annotated[Finite, Quantity("displacement")] = Field(
         default=0.0, description="of the anchors, away from the ply; negative follows it"
@@ -299,6 +300,25 @@ class SolverTable(JobTable):
     target_step: Annotated[Positive, Quantity("time step")] | None = Field(
         default=None, description="scale the mass until this time step is stable; the added mass is reported"
     )
+    mass_scaling_angle: Annotated[Positive, Quantity("angle error")] | None = Field(
+        default=None,
+        description="instead of `target_step`: the largest change of shear angles by a mass scaling, which is sought "
+        "by runs on elements 1.5 times as large; 0.5 degrees if only the other is given",
+    )
+    mass_scaling_draw_in: Annotated[Positive, Quantity("position error")] | None = Field(
+        default=None, description="the same for the border of the plies; 0.5 mm if only the other is given"
+    )
+
+    @model_validator(mode="after")
+    def _scales_in_one_way(self) -> Self:
+        if self.mass_scaling_angle is not None or self.mass_scaling_draw_in is not None:
+            for name in ("target_step", "time_step"):
+                if getattr(self, name) is not None:
+                    raise ValueError(
+                        f"{name}: it is what a search by mass_scaling_angle or mass_scaling_draw_in is to find; give "
+                        "one of them"
+                    )
+        return self
 
 
 class OutputTable(JobTable):

@@ -4,34 +4,34 @@ from __future__ import annotations
 
 import time
 
-# Time between two saves [s], unless saving would then take more than this share of the run.
-INTERVAL = 5.0
+# Time between two saves [s]: at the beginning that since the first one, and always so much that saving takes no more
+# than this share of the run.
+FIRST_INTERVAL, INTERVAL = 0.5, 5.0
 LARGEST_SHARE = 0.02
 
 
 class Pace:
-    """Says when to save: at frames 0, 1, 2, 4, 8, ..., and whenever the last save is five seconds old.
+    """Says when to save: at the first frame, about 0.5, 1, 2 and 4 seconds after it, then every five seconds.
 
     Saves that take long become rarer, so that they take less than a fiftieth of the run.
     """
 
     def __init__(self) -> None:
-        self._frame_count = 0
-        self._following = 0
+        self._first: float | None = None
         self._next_time = 0.0
         self._started = 0.0
 
     def due(self) -> bool:
         """Called for every frame: whether to save now. ``done`` has to follow."""
-        index, now = self._frame_count, time.monotonic()
-        self._frame_count += 1
-        if index < self._following and now < self._next_time:
-            return False
-        self._following = max(1, 2 * index)
+        now = time.monotonic()
+        if self._first is None:
+            self._first = self._next_time = now
         self._started = now
-        return True
+        return now >= self._next_time
 
     def done(self) -> None:
         """The save has been made."""
         now = time.monotonic()
-        self._next_time = now + max(INTERVAL, (now - self._started) / LARGEST_SHARE)
+        age = now - (now if self._first is None else self._first)
+        interval = min(max(age, FIRST_INTERVAL), INTERVAL)
+        self._next_time = now + max(interval, (now - self._started) / LARGEST_SHARE)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Discriminator, SerializeAsAny, Tag, model_validator
 
 from ..checks import Kinded, NotNegative, Positive
 from ..quantities import Numbers
@@ -43,6 +44,17 @@ class Coulomb(Friction):
         return np.zeros(1), np.array([self.coefficient])
 
 
+class AmongLaws(Coulomb):
+    """The coefficient of a tool in a stage, where other stages have laws for tools: the kernels are theirs."""
+
+    is_kind: ClassVar[bool] = False
+
+    @classmethod
+    def of(cls, friction: Friction | float) -> Self:
+        """That of a coefficient, which has been checked."""
+        return cls.model_construct(coefficient=float(law_of(friction).table()[1][0]))
+
+
 class Tabulated(Friction):
     """Base class of coefficients from a table: linear between its points, constant beyond them.
 
@@ -78,6 +90,24 @@ class Tabulated(Friction):
     def table(self) -> tuple[np.ndarray, np.ndarray]:
         """Arguments and coefficients."""
         return np.array(getattr(self, self.arguments_name)), np.array(self.coefficients)
+
+
+def _kind_of_friction(value: object) -> str:
+    return "law" if isinstance(value, Friction | Mapping) else "number"
+
+
+# A coefficient, or a law.
+FrictionValue = Annotated[
+    Annotated[NotNegative, Quantity("friction"), Tag("number")] | Annotated[SerializeAsAny[Friction], Tag("law")],
+    Discriminator(_kind_of_friction),
+]
+
+
+# Of a tool.
+NO_YARNS = (
+    "YarnAngleFriction depends on the angle between the warps of two plies, and a tool has no yarns: give a "
+    "coefficient, or one of Coulomb, PressureFriction, StribeckFriction, ViscousFilm"
+)
 
 
 def law_of(friction: Friction | float) -> Friction:
@@ -141,6 +171,11 @@ class StribeckFriction(Tabulated):
 
     hersey_numbers: Annotated[Numbers, Quantity("Hersey number")]
     viscosity: Annotated[Positive, Quantity("viscosity")]
+
+
+def has_law(friction: Friction | float) -> bool:
+    """Whether a friction is more than a coefficient."""
+    return not isinstance(friction, Coulomb | float | int)
 
 
 class ViscousFilm(Friction):

@@ -13,7 +13,23 @@ from ..checks import NotNegative, Parameters, Positive
 from ..names import Label
 from ..quantities import UnitVector
 from ..ranges import Quantity
+from .motions.paths import PathMotion, Pose
 from .strokes import Fixed, Motion
+
+# Straight pieces between two knots of a path of anchors.
+PATH_DIVISION = 32
+MOVES_ANCHORS = (
+    "a Stroke without a largest_force, Fixed, or a PathMotion of these without a rotation, at rest at its ends, is "
+    "needed"
+)
+
+
+def moves_anchors(motion: Motion) -> bool:
+    """Whether a motion can move the anchors of springs."""
+    if isinstance(motion, PathMotion):
+        is_own = motion.rotation is not None or motion.placed != Pose().numbers or not motion.at_rest
+        return not is_own and moves_anchors(motion.along)
+    return motion.moves_tools and not motion.by_force and not motion.limiting_force
 
 
 class Gripper(Parameters):
@@ -34,7 +50,8 @@ class Gripper(Parameters):
         ramp_time: in which the pretension is applied [s].
         largest_force: of all together [N]: beyond its share the sheet slips through the gripper at a node; None for a
             gripper that holds.
-        motion: of the anchors along ``direction``, positive away from the sheet: a ``Stroke``, or ``Fixed``.
+        motion: of the anchors along ``direction``, positive away from the sheet: a ``Stroke``, or ``Fixed``; or a
+            ``PathMotion`` without a rotation, whose path in space is added to that.
         release_time: at which the gripper opens [s]; None for one that stays.
     """
 
@@ -63,8 +80,8 @@ class Gripper(Parameters):
     @field_validator("motion")
     @classmethod
     def _moves_anchors(cls, value: Motion) -> Motion:
-        if not value.moves_tools or value.by_force or value.limiting_force or value.is_carried:
-            raise ValueError("a Stroke without a largest_force, or Fixed, is needed")
+        if not moves_anchors(value):
+            raise ValueError(MOVES_ANCHORS)
         return value
 
     @model_validator(mode="after")
@@ -74,13 +91,31 @@ class Gripper(Parameters):
                 f"gripper {self.name}: a pretension of {self.pretension:g} N slips at a largest_force of "
                 f"{self.largest_force:g} N; lower the one, or raise the other"
             )
-        start = self.motion.displacement_at(0.0)
+        start = float(np.linalg.norm(self.way_at(0.0)))
         if start != 0.0:
             raise ValueError(
-                f"gripper {self.name}: its motion is at {start:.4g} m at time zero; it must start from 0, where "
+                f"gripper {self.name}: its motion is {start:.4g} m away at time zero; it must start from 0, where "
                 "length puts the anchors"
             )
         return self
+
+    def way_at(self, time: float) -> np.ndarray:
+        """Displacement of the anchors at ``time`` [s], (3,) [m]."""
+        way: np.ndarray = self.motion.displacement_at(time) * np.array(self.direction)
+        return way + self.motion.state_at(time)[0] if isinstance(self.motion, PathMotion) else way
+
+    def anchor_curve(self) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement of the anchors: times (n,) [s], and values (n, 3) [m], straight between them.
+
+        The smooth curve of a path is divided, so that a quarter of a circle in one piece is met within 1e-4 of it.
+        """
+        times, travel = self.motion.curve()
+        if not isinstance(self.motion, PathMotion):
+            return times, travel[:, None] * np.array(self.direction)
+        knots = np.array(self.motion.times)
+        fine = [np.linspace(begin, end, PATH_DIVISION + 1) for begin, end in zip(knots[:-1], knots[1:], strict=True)]
+        times = np.unique(np.concatenate([times, knots, *fine]))
+        return times, np.array([self.way_at(float(time)) for time in times])
 
     @property
     def limit(self) -> float:

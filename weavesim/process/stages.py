@@ -11,6 +11,7 @@ from ..checks import Finite, Kinded, NotNegative, Parameters, Positive
 from ..names import Label
 from ..quantities import FiniteVector
 from ..ranges import Quantity
+from .friction import FrictionValue
 from .loads import NodalLoads
 from .pressure import Pressure
 from .strokes import Motion
@@ -146,17 +147,17 @@ class SheetLoads(Parameters):
 
 
 class FrictionOf(Parameters):
-    """Another coefficient of friction, as a lubricant or a heated tool has.
+    """Another friction, as a lubricant or a heated tool has.
 
     Attributes:
         name: of a tool, or of an interface between plies, "LOWER / UPPER".
-        coefficient: from the stage on; the friction must be one coefficient from the start.
+        friction: from the stage on: a Coulomb coefficient, or a law.
     """
 
-    positional = ("name", "coefficient")
+    positional = ("name", "friction")
 
     name: Label
-    coefficient: Annotated[NotNegative, Quantity("friction")]
+    friction: FrictionValue
 
 
 class Stage(Parameters):
@@ -177,7 +178,7 @@ class Stage(Parameters):
         moves: motions that begin with the stage; a mapping from names to motions will do.
         pressures: all pressures on sheets from the stage on.
         loads: all loads on the nodes of sheets from the stage on.
-        friction: other coefficients of tools and interfaces; a mapping from names to coefficients will do.
+        friction: other coefficients or laws of tools and interfaces; a mapping from names to them will do.
         trims: cuts through sheets as it begins; what they take away does not come back.
         gravity: (3,) [m/s^2].
         damping: mass-proportional damping rate of the nodes [1/s].
@@ -214,9 +215,9 @@ class Stage(Parameters):
 
     @field_validator("friction", mode="before")
     @classmethod
-    def _coefficients_will_do(cls, value: Any) -> Any:
+    def _a_mapping_of_frictions_will_do(cls, value: Any) -> Any:
         if isinstance(value, Mapping):
-            return tuple(FrictionOf(name, coefficient) for name, coefficient in value.items())
+            return tuple(FrictionOf(name, friction) for name, friction in value.items())
         return value
 
     @field_validator("moves")

@@ -120,7 +120,9 @@ FIELDS: list[Field] = [
     ),
     Field(
         "wrinkle_height", "m",
-        f"of waves up to {WAVELENGTH_OF_FRAMES:g} m long across shortened yarns, from trough to crest", _of_contact,
+        f"of out-of-plane waves up to {WAVELENGTH_OF_FRAMES:g} m long, from trough to crest, across yarns that are "
+        "shortened; bends of a free sheet as short as that are in it",
+        _of_contact,
     ),
     Field("ply_pressure_below", "Pa", "pressure of the ply below, if there is an interface", _of_contact),
     Field("ply_pressure_above", "Pa", "pressure of the ply above", _of_contact),

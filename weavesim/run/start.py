@@ -121,10 +121,19 @@ def prepare(setup: Setup, run_id: str | None = None) -> Prepared:
         thread_counts=thread_counts,
         internal_energies=ledger.internal,
         warnings=[doubt.message for doubt in doubts if doubt.level > Level.NOTE],
-        notes=(*mesh_notes(model), *(doubt.message for doubt in doubts if doubt.level == Level.NOTE)),
+        notes=(
+            *mesh_notes(model),
+            *_scaling_notes(setup),
+            *(doubt.message for doubt in doubts if doubt.level == Level.NOTE),
+        ),
         run_id=run_id or new_run_id(),
     )
     return Prepared(model, state, stepper, ledger, info, frame, guards)
+
+
+def _scaling_notes(setup: Setup) -> Iterator[str]:
+    if setup.solver.mass_scaling is not None:
+        yield "; ".join(line.strip() for line in setup.solver.mass_scaling.report().split("\n"))
 
 
 class PreparedOnce:
@@ -189,8 +198,9 @@ def sheet_infos(setup: Setup) -> Iterator[SheetInfo]:
         for sheet in world.sheets:
             supports = tuple(range(support_count, support_count + len(sheet.supports)))
             support_count += len(sheet.supports)
+            blank = world.symmetry.upright(sheet.oriented_blank)
             yield SheetInfo(
-                sheet.name, sheet.oriented_blank, sheet.fabric, world.symmetry, tools, supports, world.name,
+                sheet.name, blank, sheet.fabric, world.symmetry, tools, supports, world.name,
                 world.dynamics.contact_thickness == "current",
             )  # fmt: skip
 

@@ -98,9 +98,11 @@ class Judged:
         scale = self.scale
         if scale is None:
             return []
+        # what contact stores at the start, as under a ring in touch, was neither supplied nor made by the run
+        start = self.history[0]["balance_error"]
         return [
             (
-                abs(entry["balance_error"])
+                abs(entry["balance_error"] - start)
                 / max(abs(entry["supplied"]), entry["used"], self.least_energy, LEAST_WORK * scale),
                 entry["time"],
             )
@@ -318,6 +320,12 @@ RUN_FINDINGS: tuple[Finding, ...] = (
     Finding(
         "added_mass_ratio", PURE, "mass that scaling added, over the blank's",
         lambda judged: max(sheet.added_mass_ratio for sheet in judged.run.model.sheets),
+    ),
+    Finding(
+        "mass_scaling", PURE,
+        "how the scaling of the mass was found for a stated error: tolerances, what was tried on a coarser mesh, the "
+        "factor and the target step that were chosen",
+        lambda judged: scaling.as_told() if (scaling := judged.run.setup.solver.mass_scaling) else None,
     ),
     Finding("support_force", NEWTONS, "force of each support on its sheet, by name", _support_forces),
     Finding("peak_tool_force", NEWTONS, "largest force of the sheets on each tool in any step, by name", _peak_forces),

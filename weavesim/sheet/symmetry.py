@@ -85,6 +85,24 @@ class Symmetry(Parameters):
             raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
         return held
 
+    def upright(self, blank: Blank) -> Blank:
+        """``blank`` with the directors of held nodes in their planes, as on the whole sheet; itself where they are.
+
+        A curved blank that is cut at a plane has there the normals of the elements on one side, which lean.
+        """
+        director = blank.initial_director.copy()
+        for plane in self.planes:
+            director[self.held_nodes(blank, plane), AXES[plane]] = 0.0
+        leaning = (director != blank.initial_director).any(axis=1)
+        if not leaning.any():
+            return blank
+        length = np.linalg.norm(director[leaning], axis=1, keepdims=True)
+        # a sheet that lies in the plane has no other normal
+        director[leaning] = np.where(
+            length > 1.0e-3, director[leaning] / np.maximum(length, 1.0e-3), blank.initial_director[leaning]
+        )
+        return blank.model_copy(update={"initial_director": director})
+
 
 # For a blank without symmetry.
 WHOLE = Symmetry()

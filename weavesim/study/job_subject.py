@@ -187,6 +187,14 @@ class JobSubject:
         return replace(self, threads=threads)
 
     def _setups(self, file: JobFile) -> tuple[dict[str, Setup], str, Any]:
+        solver = file.job.solver
+        for name in ("mass_scaling_angle", "mass_scaling_draw_in"):
+            if getattr(solver, name) is not None:
+                file.refuse(
+                    ["solver", name],
+                    f"{name}: every run of a study would look for a scaling of its own; find one by weavesim form, and "
+                    "give its target_step",
+                )
         if file.job.scene is None:
             return {"": setup_of(file)}, "", None
         scene, parameters = scene_of(file, out=Path("out"))

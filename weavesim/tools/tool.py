@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Discriminator, SerializeAsAny, Tag, field_validator
+from pydantic import SerializeAsAny, field_validator
 
-from ..checks import NotNegative, Parameters, Share
+from ..checks import Parameters, Share
 from ..names import Label
-from ..process.friction import Friction, YarnAngleFriction
+from ..process.friction import NO_YARNS, Friction, FrictionValue, YarnAngleFriction
 from ..process.motions.paths import Place, moved_points, place_of
 from ..process.strokes import Fixed, Motion
 from ..quantities import UnitVector
-from ..ranges import Quantity
 from .shapes import Shape, Triangles
 
 if TYPE_CHECKING:
@@ -24,10 +22,6 @@ if TYPE_CHECKING:
 
 # A face whose normal has less than this along a direction neither faces it nor turns away from it.
 LEAST_FACING = 0.05
-
-
-def _kind_of_friction(value: object) -> str:
-    return "law" if isinstance(value, Friction | Mapping) else "number"
 
 
 class Tool(Parameters):
@@ -47,10 +41,7 @@ class Tool(Parameters):
     name: Label
     shape: SerializeAsAny[Shape]
     motion: SerializeAsAny[Motion] = Fixed()
-    friction: Annotated[
-        Annotated[NotNegative, Quantity("friction"), Tag("number")] | Annotated[SerializeAsAny[Friction], Tag("law")],
-        Discriminator(_kind_of_friction),
-    ] = 0.2
+    friction: FrictionValue = 0.2
     axis: UnitVector = (0.0, 0.0, 1.0)
     colour: tuple[Share, Share, Share] = (0.62, 0.65, 0.70)
 
@@ -58,10 +49,7 @@ class Tool(Parameters):
     @classmethod
     def _knows_its_argument(cls, value: Friction | float) -> Friction | float:
         if isinstance(value, YarnAngleFriction):
-            raise ValueError(
-                "YarnAngleFriction depends on the angle between the warps of two plies, and a tool has no yarns: give "
-                "a coefficient, or one of Coulomb, PressureFriction, StribeckFriction, ViscousFilm"
-            )
+            raise ValueError(NO_YARNS)
         return value
 
     @field_validator("motion")

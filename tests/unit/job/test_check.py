@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tests.support.jobs import TRAY, tray_surface, write_stl, write_tray
+from weavesim.job.advice.told import Row
 from weavesim.job.build import setup_of
-from weavesim.job.check import Row, check_setup, table_of
+from weavesim.job.check import check_setup, table_of
 from weavesim.job.read import read_job
 
 
@@ -111,5 +112,8 @@ def test_the_stages_are_told_with_what_acts_and_ends_them(tmp_path):
         "punch stays, ring pushed with 100 N, 80 kPa on ply; takes 5 ms"
     )
     assert told["open"].startswith("die, punch act, punch moves by -20 mm; ends at rest")
+    damping = {row.what: row for row in checked.rows if row.topic == "damping"}
+    assert list(damping) == ["while tools move", "until open is at rest"]
+    assert "critical for the slowest bending of the flat sheet" in damping["until open is at rest"].advice
     speeds = {row.what: row.value for row in checked.rows if row.topic == "speeds"}
     assert speeds["punch in open"] == "20 mm at 0.4 m/s"

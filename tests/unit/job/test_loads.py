@@ -6,6 +6,7 @@ import pytest
 
 from tests.support.jobs import TRAY, write_tray
 from weavesim import InputError
+from weavesim.engine.staging.derive import acting_of, planned_begins, stage_setup
 from weavesim.job.build import setup_of
 from weavesim.job.read import read_job
 
@@ -46,6 +47,32 @@ def test_a_gripper_at_an_edge_moves(tmp_path):
     assert np.allclose(sheet.blank.node_position[gripper.nodes, 1], -0.08) and len(gripper.nodes) == 21
     assert gripper.direction == (0.0, -1.0, 0.0)
     assert gripper.motion.displacements[-1] == pytest.approx(-0.03)
+
+
+def test_a_gripper_follows_a_path_and_another_in_a_stage(tmp_path):
+    text = (
+        '\n[[gripper]]\nname = "clamp"\nedge = "-y"\nstiffness = "20 N/mm"\nstroke = "-30 mm"\nspeed = "0.5 m/s"\n'
+        'path = [[0, 0, 0], ["5 mm", 0, "20 mm"]]\npath_times = ["0 ms", "30 ms"]\n'
+        '\n[[stage]]\nname = "a"\nduration = "80 ms"\n\n[[stage]]\nname = "b"\nduration = "50 ms"\n'
+        '[[stage.move]]\nname = "clamp"\npath = [[0, 0, 0], [0, 0, "-4 mm"]]\npath_times = ["0 ms", "10 ms"]\n'
+    )
+    setup = setup_with(tmp_path, text)
+    (gripper,) = setup.sheet.grippers
+    assert gripper.way_at(0.1) == pytest.approx([0.005, 0.03, 0.02])
+    course = acting_of(setup)
+    second = stage_setup(setup, course[1], planned_begins(setup, course))
+    (gripper,) = second.sheet.grippers
+    assert gripper.way_at(0.08) == pytest.approx([0.005, 0.03, 0.02])
+    assert gripper.way_at(0.085) == pytest.approx([0.005, 0.03, 0.018])
+    assert gripper.way_at(0.13) == pytest.approx([0.005, 0.03, 0.016])
+    turned = text.replace(
+        'path_times = ["0 ms", "10 ms"]',
+        'path_times = ["0 ms", "10 ms"]\nrotation = {angle = 5, speed = 1, axis = [0, 0, 1]}',
+    )
+    with pytest.raises(
+        InputError, match=r"clamp is no \[\[tool\]\]: only tools turn; give springs and grippers a stroke or a path"
+    ):
+        setup_with(tmp_path, turned)
 
 
 def test_a_patch_around_a_point(tmp_path):

@@ -68,7 +68,7 @@ BROKEN = [
     ('start = "touching"\nclearance = "1 mm"', "", 'stroke = "close": the tool starts 0 mm beyond where it is drawn'),
     ('stroke = "close"', 'stroke = "cloze"', "stroke = 'cloze': a number with its unit is needed, such as '5 mm'; or 'close'"),
     ('stroke = "close"', "stroke = 0", "stroke = 0: for a tool at rest leave it out"),
-    ('stroke = "close"', 'stroke = "close"\nforce = "1 N"', "stroke, force and forces: a tool moves by one of them, several are given"),
+    ('stroke = "close"', 'stroke = "close"\nforce = "1 N"', "stroke, force, forces and gaps: a tool moves by one of them, several are given"),
     ('stroke = "close"', "", "speed: has no effect without a stroke; leave it out"),
     ('speed = "1 m/s"', "", "speed: is required with a stroke"),
     ('speed = "1 m/s"', 'speed = "1 m"', "speed = '1 m': 'm' is no unit of it, write '500 mm/s'"),

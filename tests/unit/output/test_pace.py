@@ -26,8 +26,16 @@ def saved(clock, frame_count, interval, cost=0.0):
     return result
 
 
-def test_fast_frames_are_saved_at_powers_of_two(clock):
-    assert saved(clock, 20, 1e-3) == [0, 1, 2, 4, 8, 16]
+def test_a_run_of_seconds_is_saved_a_few_times(clock):
+    assert saved(clock, 20, 1e-3) == [0]
+    assert saved(clock, 81, 0.0625) == [0, 8, 16, 32, 64]
+
+
+def test_the_beginning_too_takes_a_small_share(clock):
+    """A film of many elements, in a run whose frames come fast."""
+    start, cost = clock.now, 0.05
+    count = len(saved(clock, 81, 0.05, cost=cost))
+    assert count == 2 and count * cost < 0.03 * (clock.now - start)
 
 
 def test_slow_frames_are_saved_every_five_seconds(clock):

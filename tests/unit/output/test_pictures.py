@@ -228,6 +228,26 @@ def test_a_stack_is_drawn_apart_and_as_it_lies(coarse_run):
     assert len(shades) > 10  # two colours, each lit
 
 
+def test_the_force_that_a_tool_should_carry_is_drawn_beside_what_it_carries(coarse_run):
+    info, frames = coarse_run
+    wanted = [160.0 * min(1.0, frame.index / 3.0) for frame in frames]
+    history = History()
+    history.start(info)
+    for frame, force in zip(frames, wanted, strict=True):
+        # strokes are wanted no force
+        history.frame(dataclasses.replace(frame, tool_wanted=np.array([np.nan, np.nan, force])))
+    (chart,) = pictures.tool_forces(history, info).axes
+    lines = {line.get_label(): line for line in chart.lines}
+    assert set(lines) == {"punch", "die", "blank holder", "blank holder, wanted"}
+    carried, dashed = lines["blank holder"], lines["blank holder, wanted"]
+    assert dashed.get_ydata() == pytest.approx(4.0 * np.array(wanted))  # of the whole part
+    assert carried.get_ydata() == pytest.approx(np.full(len(frames), 4.0 * 160.0))
+    assert dashed.get_linestyle() == "--" and carried.get_linestyle() == "-"
+    assert dashed.get_color() == carried.get_color()
+    legend = {text.get_text() for text in chart.get_legend().get_texts()}
+    assert {"blank holder", "blank holder, wanted"} <= legend
+
+
 def test_a_run_at_rest_can_be_drawn(tmp_path, coarse_run):
     """One flat frame without any energy, as an interrupted run may leave."""
     info, frames = coarse_run

@@ -345,6 +345,18 @@ def test_forces_and_energies_are_those_of_the_whole_part_and_it_is_said_once(tmp
     assert shear["y"][-1] == pytest.approx(4.0 * frames[-1].energies["shear"], rel=1e-4)
 
 
+def test_the_page_draws_the_force_that_a_tool_should_carry(tmp_path, coarse_run):
+    info, frames = coarse_run
+    forces = [np.array([np.nan, np.nan, 160.0 * min(1.0, frame.index / 3.0)]) for frame in frames]
+    page = written(tmp_path, info, [replace(f, tool_wanted=each) for f, each in zip(frames, forces, strict=True)])
+    charts = json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL)[1])["charts"]
+    lines = {line["label"]: line for chart in charts if chart["name"] == "forces" for line in chart["lines"]}
+    assert set(lines) == {"punch", "die", "blank holder", "blank holder, wanted"}
+    assert lines["blank holder, wanted"]["y"] == pytest.approx([4.0 * each[2] for each in forces], rel=1e-4)
+    assert lines["blank holder"]["y"] == pytest.approx([640.0] * len(frames))
+    assert lines["blank holder, wanted"]["dashed"] and not lines["blank holder"]["dashed"]
+
+
 @pytest.mark.parametrize("kind", ["wrinkle", "bridging", "locking", "gap", "self-contact"])
 def test_a_region_of_any_kind_leads_to_a_field_of_the_menu(kind):
     region = Region(kind, np.array([3, 5]), 5, 1e-4, (0.0, 0.1, 0.2), (0.0, 0.1), 1e-3, 2.0, 0.02, 2)

@@ -7,7 +7,7 @@ from tests.support.folded_strips import fold_blank
 from tests.support.sheet import plain_fabric
 from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
 from tests.support.summary_keys import keys_without_unit
-from weavesim import Blank, InputError, Plane, SelfContact, Setup, Sheet, Simulation, Tool
+from weavesim import Blank, Dynamics, InputError, Plane, SelfContact, Setup, Sheet, Simulation, Tool
 from weavesim.process import (
     Coulomb,
     Friction,
@@ -17,6 +17,7 @@ from weavesim.process import (
     ViscousFilm,
     YarnAngleFriction,
 )
+from weavesim.sheet.symmetry import Symmetry
 
 PLIES = [ply("lower", square(0.01, 0.01)), ply("upper", square(0.01, 0.01, THICKNESS))]
 
@@ -123,6 +124,31 @@ def test_use_beyond_a_friction_table_is_told_with_place_and_time():
     fields = run.frame.sheets[1].fields
     assert fields["ply_pressure_below"].mean() == pytest.approx(2e3, rel=0.2) and fields["ply_slip_below"].min() > 0.0
     assert "ply_pressure_above" not in fields
+
+
+def test_self_contact_at_the_current_thickness_is_refused():
+    sheet = Sheet(square(0.01, 0.01), plain_fabric(), name="cloth", self_contact=SelfContact())
+    with pytest.raises(
+        InputError, match="contact_thickness = 'current': self-contact of sheet cloth is at the initial"
+    ):
+        Setup("fold", sheets=(sheet,), duration=1e-3, dynamics=Dynamics(contact_thickness="current"))
+
+
+def test_a_sheet_at_a_symmetry_plane_meets_its_image_with_both_faces():
+    """Passes of both faces at each plane; neighbours of the plane, within a thickness, never touch their images."""
+    blank = Blank.rectangle((0.0, 0.0), (0.01, 0.01), 0.0005)
+    fabric = plain_fabric(thickness=0.001)
+    sheet = Sheet(blank, fabric, self_contact=SelfContact())
+    setup = Setup("corner", sheets=(sheet,), symmetry=("x", "y"), duration=1e-3, accept_unusual=True)
+    mirrors = [each for each in Simulation(setup).model.passes if each.place.plane]
+    assert [(each.place.plane, each.place.facing) for each in mirrors] == [("x", 1), ("x", -1), ("y", 1), ("y", -1)]
+    for each in mirrors:
+        assert each.thickness == pytest.approx(0.5 * fabric.thickness)
+        away = blank.node_position[:, "xy".index(each.place.plane)]
+        assert ((each.least_cosine > 1.0) == (away < fabric.thickness + 1e-9)).all()
+    assert all(not each.place.plane for each in Simulation(setup.model_copy(
+        update={"worlds": (setup.worlds[0].model_copy(update={"symmetry": Symmetry()}),)}
+    )).model.passes)  # fmt: skip
 
 
 def test_self_contact_needs_flat_coordinates_of_its_own():

@@ -11,10 +11,11 @@ from weavesim.errors import InputError
 from weavesim.scenes.scene import known_scenes
 
 SCENES = {name: found.load() for name, found in known_scenes().items()}
-# Where and what a run writes, and what it accepts, change no number; another device has to be there.
+# Where and what a run writes, and what it accepts, change no number; another device has to be there; a mass scaling is
+# sought before the run, test_scene.py.
 LEFT_OUT = {
     "out", "write", "without", "overwrite", "checkpoint_interval", "accept_unusual", "device", "strict", "limits",
-    "solver_fields", "stop_on",
+    "solver_fields", "stop_on", "mass_scaling_angle", "mass_scaling_draw_in",
 }  # fmt: skip
 # Changes only what a run records; tests/validation/ have its effect.
 RECORDED = {("picture-frame", "load_factor")}

@@ -9,6 +9,8 @@ import weavesim.scenes
 from tests.support.paths import ROOT
 from tests.support.recipes import written_recipe
 from weavesim.engine.setup import Setup
+from weavesim.errors import InputError
+from weavesim.process.scaling.mass import MassScaling
 from weavesim.scenes.scene import Scene, known_scenes
 
 
@@ -69,3 +71,39 @@ def test_the_recipe_of_a_scene(tmp_path, monkeypatch):
     assert summary["outcome"] == "finished" and summary["sag_mm"] > 0.0
     assert (tmp_path / "out" / "summary.json").exists()
     monkeypatch.delitem(sys.modules, "weavesim.scenes.trampoline")
+
+
+def test_a_scene_looks_for_a_mass_scaling_in_every_case(tmp_path, monkeypatch):
+    """The set-ups that are tried are those of the scene with another mesh and step; what is found is what is run."""
+    scene, asked, run = known_scenes()["picture-frame"].load(), [], []
+
+    def chosen(make, mesh_size, **tolerances):
+        coarse = make(1.5 * mesh_size, 3e-6)
+        asked.append((coarse.name, coarse.sheet.blank.element_count, coarse.solver.target_step, tolerances))
+        return MassScaling(factor=2.0, target_step=4e-6, mesh_size=mesh_size, coarse_size=1.5 * mesh_size,
+                           angle_tolerance=0.5, draw_in_tolerance=5e-4)  # fmt: skip
+
+    monkeypatch.setattr("weavesim.run.scaling.mass.choose_mass_scaling", chosen)
+    monkeypatch.setattr(
+        Scene, "_run_case", lambda self, parameters, case, setup, *rest, **more: run.append(setup) or {}
+    )
+    parameters = scene.parameters(out=tmp_path, mesh_size=0.02, mass_scaling_draw_in=1e-3)
+    setups = scene.setups(parameters)
+    scene.run(parameters)
+    assert len(asked) == 1 and asked[0][2:] == (3e-6, {"draw_in_tolerance": 1e-3})
+    assert asked[0][1] < next(iter(setups.values())).sheet.blank.element_count
+    assert run[0].solver.target_step == 4e-6 and run[0].solver.mass_scaling.factor == 2.0
+    assert run[0].sheet == next(iter(setups.values())).sheet
+
+
+def test_a_scene_that_cannot_be_coarser_says_so(tmp_path):
+    scene = known_scenes()["grippers"].load()
+    parameters = scene.parameters(out=tmp_path, mesh_size=0.015, mass_scaling_angle=0.5)
+    with pytest.raises(InputError, match=r"sought on elements of 22.5 mm, which is refused: .*at least 5 elements"):
+        scene.run(parameters)
+
+
+@pytest.mark.parametrize("name", ["target_step", "time_step"])
+def test_a_step_and_a_search_for_one_are_refused(name):
+    with pytest.raises(InputError, match=f"{name}: it is what a search by mass_scaling_angle"):
+        known_scenes()["grippers"].load().parameters(**{name: 1e-6, "mass_scaling_angle": 0.5})

@@ -2,7 +2,7 @@
 
 import pytest
 
-from scripts.benchmarks.cuda_resources import dump_program, kernels_on_gpu, resources, short_name
+from scripts.benchmarks.cuda_resources import dump_program, kernels_of_tools, kernels_on_gpu, resources, short_name
 from weavesim.app.command_line import SCENES, default_setups
 
 # Registers and bytes of stack, the most that any scene needs on sm_80 and sm_90 (python scripts/benchmark.py cuda).
@@ -15,6 +15,25 @@ LIMITS = {
     ("element_frequencies", "float64"): (255, 0),
 }
 SMALL = (80, 0)
+# The same of kernels that tools ask for beyond the scenes. Each of the four searches of a mesh's triangles has 128
+# bytes of stack for what is left to be visited: nodes spill nothing in single precision.
+TOOL_LIMITS = {
+    ("mesh", "node_motion", "float32"): (218, 512),
+    ("mesh", "surface_contact", "float32"): (255, 560),
+    ("carried", "node_motion", "float32"): (167, 0),
+    ("carried", "surface_contact", "float32"): (235, 0),
+    ("carried mesh", "node_motion", "float32"): (246, 512),
+    ("carried mesh", "surface_contact", "float32"): (255, 672),
+    ("mesh", "node_motion", "float64"): (255, 640),
+    ("mesh", "surface_contact", "float64"): (255, 1056),
+    ("carried", "node_motion", "float64"): (255, 24),
+    ("carried", "surface_contact", "float64"): (255, 456),
+    ("carried mesh", "node_motion", "float64"): (255, 832),
+    ("carried mesh", "surface_contact", "float64"): (255, 1248),
+    ("carried", "carried_motion", "float32"): (206, 40),
+    ("carried", "carried_motion", "float64"): (206, 40),
+}
+SAMPLING = (64, 128)
 # In the kernels of the default double dome in single precision, for sm_90. A change that needs more than three per cent
 # more says so here, with its reason in the commit: what a GPU executes more, a CPU executes in all lanes.
 INSTRUCTIONS = {"element_forces": 2786, "node_motion": 1898}
@@ -47,3 +66,21 @@ def test_every_kernel_of_every_scene(scene, precision, architecture):
             needs, name = resources(kernel, architecture), short_name(kernel)
             registers, stack = LIMITS.get((name, precision), SMALL)
             assert needs.registers <= registers and needs.stack <= stack, name
+
+
+def test_nodes_that_meet_carried_tools_need_no_more_than_they_did():
+    wanted_by = "carried"
+    kernel = next(kernel for name, kernel in kernels_of_tools("float32") if name == wanted_by)
+    needs, (registers, stack) = resources(kernel, 90), TOOL_LIMITS[wanted_by, "node_motion", "float32"]
+    assert needs.registers <= registers and needs.stack <= stack == 0
+    assert needs.instructions == pytest.approx(2053, rel=0.03)
+
+
+@pytest.mark.verification
+@pytest.mark.parametrize("architecture", [80, 90])
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_every_kernel_of_further_tools(precision, architecture):
+    for wanted_by, kernel in kernels_of_tools(precision):
+        needs, name = resources(kernel, architecture), short_name(kernel)
+        registers, stack = TOOL_LIMITS.get((wanted_by, name, precision), SAMPLING)
+        assert needs.registers <= registers and needs.stack <= stack, (wanted_by, name)

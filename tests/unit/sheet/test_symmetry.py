@@ -106,3 +106,21 @@ def test_a_plane_holds_nodes_that_are_on_it_to_the_rounding_of_a_mesh_file():
     blank = Blank.rectangle((2e-8, 0.0), (0.1, 0.1), 0.01)
     np.testing.assert_array_equal(Symmetry(("x",)).held_nodes(blank, "x"), on_plane(blank, "x"))
     assert on_plane(blank, "x").sum() == 11
+
+
+def test_directors_of_a_curved_part_stand_in_the_planes_that_cut_it():
+    """Those of the whole do; from the elements on one side of a plane alone they would lean."""
+
+    def bent(low: float) -> Blank:
+        flat = Blank.rectangle((low, 0.0), (0.03, 0.02), 0.005)
+        position = flat.node_position - np.outer(8.0 * flat.node_position[:, 0] ** 2, (0.0, 0.0, 1.0))
+        return Blank.from_mesh(position, flat.quads)
+
+    half, whole = bent(0.0), bent(-0.03)
+    upright = HALF_IN_X.upright(half)
+    kept = whole.node_position[:, 0] > -1e-9
+    np.testing.assert_allclose(upright.initial_director, whole.initial_director[kept], atol=1e-12)
+    assert half.initial_director[0, 0] != 0.0
+    assert HALF_IN_X.upright(upright) is upright and FULL.upright(half) is half
+    flat = blank_of(HALF_IN_X)
+    assert HALF_IN_X.upright(flat) is flat

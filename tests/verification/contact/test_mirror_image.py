@@ -25,15 +25,7 @@ def hairpin(size: float, whole: bool) -> Blank:
         x[np.abs(x) < 1e-12] = 0.0
         return np.column_stack([x, -along])
 
-    blank = bent_strip(curve, length - start, length / count, width=round(WIDTH / size))
-    if whole:
-        return blank
-    # from the elements on one side of the plane alone they would be tilted
-    director = blank.initial_director.copy()
-    on_plane = blank.node_position[:, 0] == 0.0
-    director[on_plane, 0] = 0.0
-    director[on_plane] /= np.linalg.norm(director[on_plane], axis=1)[:, None]
-    return blank.model_copy(update={"initial_director": director})
+    return bent_strip(curve, length - start, length / count, width=round(WIDTH / size))
 
 
 def squeezed(size: float, whole: bool, **solver) -> Simulation:

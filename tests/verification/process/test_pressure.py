@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from tests.support.runs import one_sheet_run, small_run
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell import LinearMembrane
+from weavesim.fabric.shear import LinearShear
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.pressure import Pressure
 from weavesim.run.relaxation import relax
@@ -112,6 +114,85 @@ def test_a_hoop_under_pressure_carries_p_times_its_radius(film, manual):
         [["radius [mm]", f"{1e3 * radius:.5g}", f"{1e3 * found.mean():.5g}"],
          ["tension [N/m]", f"{tension:.5g}", f"{force.mean():.5g}"]],
     )  # fmt: skip
+
+
+def hencky(ratio):
+    """w0 over a (p a / (E t))^(1/3) of a clamped membrane of Poisson's ratio ``ratio``.
+
+    With r = a rho and N_r = (E t p^2 a^2)^(1/3) n: the slope is -rho / (2 n) times the unit of w0 over a, and
+    compatibility is rho d/drho [(1/rho) d/drho (rho^2 n)] = -rho^2 / (8 n^2); at the edge N_theta = nu N_r (H. Hencky,
+    Zeitschrift fuer Mathematik und Physik 63, 311, 1915, who solved it by a series).
+    """
+
+    def solved(middle):
+        def rates(rho, values):
+            n, g, _ = values
+            return [(g - 2.0 * n) / rho, -rho / (8.0 * n**2), rho / (2.0 * n)]
+
+        start = 1e-4
+        values = [middle - start**2 / (64.0 * middle**2), 2.0 * middle - start**2 / (16.0 * middle**2), 0.0]
+        return solve_ivp(rates, (start, 1.0), values, rtol=1e-10, atol=1e-12).y[:, -1]
+
+    middle = brentq(lambda n: (end := solved(n))[1] - end[0] - ratio * end[0], 0.3, 0.8)
+    return float(solved(middle)[2])
+
+
+def quarter_disc(radius, count):
+    """A quarter of a disc in three blocks of ``count`` x ``count`` elements: nodes (n, 2) and quads."""
+    u = np.linspace(0.0, 1.0, count + 1)
+    corner, side = 0.45 * radius, 0.52 * radius
+    across, up = np.meshgrid(u, u, indexing="ij")
+    # a square with its far corner drawn in, and between its sides and the arc
+    square = np.stack([across * (side + (corner - side) * up), up * (side + (corner - side) * across)], axis=-1)
+    angle = 0.25 * np.pi * u
+    rim = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    right = square[-1][None] + u[:, None, None] * (rim - square[-1])[None]
+    blocks = [square, right, right[:, ::-1, ::-1]]
+    nodes, quads = [], []
+    for block in blocks:
+        index = len(nodes) * (count + 1) ** 2 + np.arange((count + 1) ** 2).reshape(count + 1, count + 1)
+        nodes.append(block.reshape(-1, 2))
+        quads.append(np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4))
+    points, place = np.concatenate(nodes), np.concatenate(quads)
+    _, first, inverse = np.unique(np.rint(points / (1e-9 * radius)), axis=0, return_index=True, return_inverse=True)
+    return points[first], inverse.ravel()[place]
+
+
+def test_a_disc_under_pressure_bulges_as_hencky_found(film, manual):
+    radius, pressure, ratio = 0.1, 100.0, 0.3
+    tension = STIFFNESS * (1.0 - ratio**2)  # E t
+    assert hencky(ratio) == pytest.approx(0.653, abs=5e-4)
+    height = hencky(ratio) * radius * (pressure * radius / tension) ** (1.0 / 3.0)
+    isotropic = film.model_copy(
+        update={
+            "unit_cell": LinearMembrane(
+                warp_stiffness=STIFFNESS, weft_stiffness=STIFFNESS, coupling_stiffness=ratio * STIFFNESS
+            ),
+            "shear": LinearShear(modulus=tension / (1.0 + ratio) / film.thickness),
+        }
+    )
+    tops, rows = [], []
+    for count in (2, 4):
+        points, quads = quarter_disc(radius, count)
+        blank = Blank.from_mesh(np.column_stack([points, np.zeros(len(points))]), quads)
+        free = np.ones((blank.node_count, 6), dtype=bool)
+        free[np.hypot(*points.T) > radius * (1.0 - 1e-9), :3] = False
+        simulation, error = inflated(isotropic, blank, free, pressure, symmetry=("x", "y"))
+        assert error < 0.01
+        tops.append(float(np.abs(simulation.frame.position[:, 2]).max()))
+        rows.append(
+            [f"{3 * count**2}", f"{1e3 * tops[-1]:.5g}", f"{100 * (tops[-1] / height - 1.0):+.2g} %", f"{error:.1e}"]
+        )
+    # beside the mesh, the pressure follows the face, and Hencky's does not: a share of (w0 / a)^2
+    assert tops[-1] == pytest.approx(height, rel=5e-3)
+    assert abs(tops[1] - height) < abs(tops[0] - height) < 0.03 * height
+    case = manual(
+        "Process", "A clamped disc bulges under pressure",
+        known="A clamped isotropic disc without bending stiffness: $w_0=c\\,a\\,(pa/(Et))^{1/3}$ with c = 0.653 at a "
+        "Poisson's ratio of 0.3, from Hencky's equations, integrated in the test. E t = 9.1 kN/m, a = 100 mm, p = 100 "
+        f"Pa: {1e3 * height:.5g} mm. A quarter between two symmetry planes.",
+    )  # fmt: skip
+    case.table(["elements", "height [mm]", "deviation", "balance error / work"], rows)
 
 
 @pytest.mark.parametrize(("precision", "lane_count"), [("float64", 1), ("float32", 16)])

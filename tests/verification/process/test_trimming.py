@@ -177,3 +177,18 @@ def test_each_of_several_trims_has_its_own_energy_and_depths_stay_numbers(strip,
     assert energies[0] > 0.0 == energies[1] and energies[2] > 0.0 and told[1]["element_count"] == 0
     assert sum(energies) == pytest.approx(simulation.frame.energies["trimmed_energy"])
     assert np.isfinite(astuple(simulation.penetration)).all()
+
+
+def test_the_same_bits_for_any_number_of_threads(strip):
+    """Through a cut, and with elements that are gone."""
+    blank = Blank.rectangle((0.0, 0.0), (LENGTH, WIDTH), SIZE)
+    stages = (Stage("pull", PULL), Stage("trim", REST, trims=[Trim(BEFORE, view="blank")], supports=("left",)))
+    ends = []
+    for threads in (1, 3):
+        setup = pulled(blank, strip, stages, True)
+        solver = setup.solver.model_copy(update={"threads": threads})
+        simulation = Simulation(setup.model_copy(update={"solver": solver}))
+        simulation.run()
+        assert simulation.stages.trimmed and simulation.stepper.thread_count == threads
+        ends.append({name: array.numpy().tobytes() for name, array in simulation.state.arrays()})
+    assert ends[0] == ends[1]

@@ -85,7 +85,7 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
         InputError: bad input, before anything runs.
         RunError: the run had to stop; results up to its last good frame are written first.
     """
-    from ...job.build import setup_of
+    from ...job.scaling import scaled_setup_of
     from ...job.scenes import scene_of
     from ...output import ResultFolder
     from ...output.writer import chosen_writers
@@ -94,7 +94,7 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
     if file.job.scene is not None:
         scene, parameters = scene_of(file, out=out, overwrite=overwrite, limits=limits)
         return scene.run(parameters)
-    setup, output = setup_of(file), file.job.output
+    output = file.job.output
     writers = tuple(kind.name for kind in chosen_writers(output.write, output.without or ()))
     if output.solver_fields and "paraview" not in writers:
         file.refuse(
@@ -105,7 +105,7 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
         options["limits"] = str(limits.absolute())
     how: dict[str, Any] = {"overwrite": overwrite, "options": options, "solver_fields": output.solver_fields}
     folder = ResultFolder(out, writers=writers, **how)
-    interval = output.checkpoint_interval
+    setup, interval = scaled_setup_of(file), output.checkpoint_interval
     return run_into_folder(
         setup, folder, options=options, checkpoint_interval=interval, stop_on=output.stop_on, reads_frames=False
     )

@@ -51,7 +51,7 @@ def gripped_corners(sheet: SheetModel) -> tuple[np.ndarray, np.ndarray, np.ndarr
 def device_grips(sheet: SheetModel) -> DeviceGrips:
     """The springs of a sheet that has some."""
     gripper, shares, node, element, corner = gripped_corners(sheet)
-    curves = [each.motion.curve() for each in sheet.grippers]
+    curves = [each.anchor_curve() for each in sheet.grippers]
     first_knot = np.cumsum([0, *(len(times) for times, _ in curves)])
     records = []
     for k, own in enumerate(gripper):
@@ -61,7 +61,7 @@ def device_grips(sheet: SheetModel) -> DeviceGrips:
         record.corner = int(sheet.corners.entry(CornerRow.force + ROWS_PER_CORNER * int(corner[k]), int(element[k])))
         direction = np.array(given.direction)
         record.anchor = sheet.blank.node_position[node[k]] + given.length * direction
-        record.direction, record.length = direction, given.length
+        record.length = given.length
         record.stiffness, record.pretension = share * given.stiffness, share * given.pretension
         record.ramp_time, record.largest_force = given.ramp_time, share * given.limit
         record.release_time = np.inf if given.release_time is None else given.release_time
@@ -71,7 +71,7 @@ def device_grips(sheet: SheetModel) -> DeviceGrips:
     grips.grip = wp.array(records, dtype=Grip, device=sheet.device)
     times, values = (np.concatenate(part) for part in zip(*curves, strict=True))
     grips.curve_time = wp.array(times, dtype=wp.float64, device=sheet.device)
-    grips.curve_value = wp.array(values, dtype=wp.float64, device=sheet.device)
+    grips.curve_value = wp.array(values, dtype=wp.vec3d, device=sheet.device)
     grips.node_stride, grips.corner_stride = sheet.motion_layout.stride, sheet.corners.stride
     return DeviceGrips(grips, element)
 

@@ -14,6 +14,7 @@ from ...kernels.plies.data import contact_law_struct, slaves_struct
 from ...kernels.plies.own_search import SLOT_COUNT
 from ...kernels.plies.search import search_struct
 from ...kernels.rows import PLY_RECORD_LENGTH, PlyRow
+from ...process.friction import Friction
 from ...process.friction_device import argument_kind, carried_rate, viscous_rates, viscous_share
 from ...process.interfaces import Interface
 from ...process.self_contact import EXCLUDED_THICKNESSES, SelfContact
@@ -202,7 +203,11 @@ class PassModel:
     @property
     def viscous_share(self) -> float:
         """Share of the viscosity that the time step can carry: 1, or less where it is reduced."""
-        return viscous_share(self.interface.friction, self._carried_rate)
+        return self.carried_share(self.interface.friction)
+
+    def carried_share(self, friction: Friction) -> float:
+        """The same of another law, which a stage gives the contact."""
+        return viscous_share(friction, self._carried_rate)
 
     def search(self):
         """Constants of the search, as a new struct."""

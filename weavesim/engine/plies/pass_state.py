@@ -77,6 +77,13 @@ class PassState:
         )
 
 
+def forget_arguments(state: PassState, model: PassModel) -> None:
+    """Extremes of the argument of a law of friction begin anew."""
+    rows = model.rows.read(state.rows)
+    rows[PlyRow.low], rows[PlyRow.high] = NEVER, 0.0
+    state.rows.assign(model.rows.flat(rows))
+
+
 def _listed(feet: Feet, model: PassModel) -> tuple[np.ndarray, np.ndarray]:
     """Nodes on each facet and their numbers, as the first search expects them."""
     tracked = np.flatnonzero(feet.way <= 0.0)

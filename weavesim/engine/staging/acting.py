@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
+from ...process.friction import Friction
 from ...process.grippers import Gripper
 from ...process.stages import SheetLoads, SheetPressure, Stage
 from ...process.strokes import Fixed, Motion, Stroke
@@ -56,7 +57,7 @@ class Acting:
         released: stage in which a gripper was released, by name.
         pressures: on the sheets and the stage that began them; None for those of the sheets themselves.
         loads: the same of loads on nodes.
-        friction: coefficients that are others now, by names of tools and interfaces.
+        friction: coefficients and laws that are others now, by names of tools and interfaces.
         dynamics: attributes of ``Dynamics`` that are others now.
         target_step: of the solver [s]; 0 for none, None for that of the set-up.
     """
@@ -72,7 +73,7 @@ class Acting:
     released: dict[str, int] = field(default_factory=dict)
     pressures: tuple[tuple[SheetPressure, ...], int] | None = None
     loads: tuple[tuple[SheetLoads, ...], int] | None = None
-    friction: dict[str, float] = field(default_factory=dict)
+    friction: dict[str, Friction | float] = field(default_factory=dict)
     dynamics: dict[str, object] = field(default_factory=dict)
     target_step: float | None = None
 
@@ -100,7 +101,7 @@ def acting_in(stages: Sequence[Stage], parts: Parts) -> list[Acting]:
             dynamics=last.dynamics | {name: stage.changes[name] for name in _DYNAMICS if name in stage.changes},
             pressures=last.pressures if stage.pressures is None else (stage.pressures, index),
             loads=last.loads if stage.loads is None else (stage.loads, index),
-            friction=last.friction | {each.name: each.coefficient for each in stage.friction},
+            friction=last.friction | {each.name: each.friction for each in stage.friction},
             target_step=last.target_step if stage.target_step is None else stage.target_step,
         )
         moved = {move.name: Given(move.motion, index, True) for move in stage.moves}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...errors import InputError, did_you_mean
-from ...process.friction import Coulomb, law_of
+from ...process.friction import NO_YARNS, YarnAngleFriction
 from ...process.interfaces import Interface
 from ...process.stages import Stage
 from ...sheet.sheet import Sheet
@@ -18,10 +18,11 @@ def check_changes(
     """Check loads and friction of all stages against what the run has.
 
     Raises:
-        ValueError: a name that is not there or is given twice, a law that is not one coefficient, or loads that do not
-            fit their sheet.
+        ValueError: a name that is not there or is given twice, a law that a tool cannot have, or loads that do not fit
+            their sheet.
     """
-    laws = {tool.name: law_of(tool.friction) for tool in tools} | {each.name: each.friction for each in interfaces}
+    of_tools, of_interfaces = ([each.name for each in kind] for kind in (tools, interfaces))
+    laws = [*of_tools, *of_interfaces]
     names = [sheet.name for sheet in sheets]
     for stage in stages:
         given = [each.name for each in stage.friction]
@@ -33,12 +34,10 @@ def check_changes(
                     f"{did_you_mean(name, laws)}"
                 )
             if given.count(name) > 1:
-                raise ValueError(f"stage {stage.name}: friction of {name} is given twice; give one coefficient")
-            if not isinstance(laws[name], Coulomb):
-                raise ValueError(
-                    f"stage {stage.name}: friction of {name} is a {type(laws[name]).__name__}: only a coefficient can "
-                    "become another one in a stage"
-                )
+                raise ValueError(f"stage {stage.name}: friction of {name} is given twice; give one")
+        for each in stage.friction:
+            if isinstance(each.friction, YarnAngleFriction) and each.name in of_tools:
+                raise ValueError(f"stage {stage.name}: friction of {each.name}: {NO_YARNS}")
         _check_loads(stage, sheets, names)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import did_you_mean
+from ...process.grippers import MOVES_ANCHORS, moves_anchors
 from ...process.motions.paths import PathMotion, Pose
 from ...process.stages import AtForce, AtRest, AtStroke, Move, Stage
 from ...process.strokes import ForceDriven
@@ -111,10 +112,8 @@ def _check_motions(now: Acting, before: Acting | None, parts: Parts) -> None:
                 _refuse(stage, f"move {move.name}: of the motions by a force only ForceDriven can begin in a stage")
         elif move.name in supports:
             _check_drive(stage, move, supports[move.name])
-        elif (
-            not move.motion.moves_tools or move.motion.by_force or move.motion.limiting_force or move.motion.is_carried
-        ):
-            _refuse(stage, f"move {move.name}: a Stroke without a largest_force, or Fixed, moves the anchors")
+        elif not moves_anchors(move.motion):
+            _refuse(stage, f"move {move.name}: {MOVES_ANCHORS} for anchors")
         if isinstance(move.motion, PathMotion):
             _check_path(stage, move.name, move.motion)
         if not move.motion.by_force:

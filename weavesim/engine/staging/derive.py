@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...process.friction import Coulomb
+from ...process.friction import AmongLaws, has_law, law_of
 from ...process.grippers import Gripper
 from ...process.interfaces import Interface
 from ...process.loads import NodalLoads
@@ -26,14 +26,21 @@ from ..setup import Setup, World
 from .acting import Acting, Given, Parts, acting_in
 
 
+class AnchorPlace(NamedTuple):
+    """Displacement of the anchors of a gripper along its direction [m], and along a path in addition, (x, y, z) [m]."""
+
+    along: float
+    path: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
 class Begin(NamedTuple):
     """Where a run is when a stage begins.
 
     Attributes:
         time: [s].
         planned: end of the stage before it by its duration, from which this one counts its own [s].
-        tools, drives, grippers: displacements of all tools, of all drives of all supports, and of the anchors of all
-            grippers, in order [m].
+        tools, drives: displacements of all tools, and of all drives of all supports, in order [m].
+        grippers: those of the anchors of all grippers along their direction [m], and along a path, (x, y, z) [m].
         poses: of all tools if one is carried in any stage, twelve numbers each; else none.
     """
 
@@ -41,7 +48,7 @@ class Begin(NamedTuple):
     planned: float
     tools: tuple[float, ...]
     drives: tuple[float, ...]
-    grippers: tuple[float, ...]
+    grippers: tuple[AnchorPlace, ...]
     poses: tuple[tuple[float, ...], ...] = ()
 
 
@@ -67,12 +74,15 @@ def stage_setup(setup: Setup, acting: Acting, begins: Sequence[Begin]) -> Setup:
     """
     worlds, tool_count, first = [], 0, _First(0, 0)
     for world in setup.worlds:
-        tools = []
+        tools, lawful = [], among_laws(setup, world)
         for tool in world.tools:
             motion = _tool_motion(setup, tool, acting, begins, tool_count)
             changed: dict[str, Any] = {} if motion is tool.motion else {"motion": motion}
-            if tool.name in acting.friction:
-                changed["friction"] = acting.friction[tool.name]
+            friction = acting.friction.get(tool.name, tool.friction)
+            if tool.name in lawful and not has_law(friction):
+                friction = AmongLaws.of(friction)
+            if friction is not tool.friction:
+                changed["friction"] = friction
             tools.append(tool.model_copy(update=changed) if changed else tool)
             tool_count += 1
         sheets = []
@@ -86,9 +96,19 @@ def stage_setup(setup: Setup, acting: Acting, begins: Sequence[Begin]) -> Setup:
     return _copied(setup, acting, tuple(worlds))
 
 
+def among_laws(setup: Setup, world: World) -> frozenset[str]:
+    """Names of the tools of a world whose friction stages change, if it is a law in any: all stages then have the
+    kernels and the state of laws.
+    """
+    names = frozenset(tool.name for tool in world.tools)
+    given = [each.friction for stage in setup.stages for each in stage.friction if each.name in names]
+    laws = any(has_law(friction) for friction in (*given, *(tool.friction for tool in world.tools)))
+    return names if given and laws else frozenset()
+
+
 def _interfaces(world: World, acting: Acting) -> tuple[Interface, ...]:
     return tuple(
-        each.model_copy(update={"friction": Coulomb(acting.friction[each.name])})
+        each.model_copy(update={"friction": law_of(acting.friction[each.name])})
         if each.name in acting.friction
         else each
         for each in world.interfaces
@@ -98,7 +118,7 @@ def _interfaces(world: World, acting: Acting) -> tuple[Interface, ...]:
 def _copied(setup: Setup, acting: Acting, worlds: tuple[World, ...]) -> Setup:
     solver = setup.solver
     if acting.target_step is not None:
-        solver = solver.model_copy(update={"target_step": acting.target_step or None})
+        solver = solver.model_copy(update={"target_step": acting.target_step or None, "mass_scaling": None})
     # what the run may take has been judged as a whole
     changed = {"worlds": worlds, "solver": solver, "stages": (), "accept_unusual": True}
     return setup.model_copy(update=changed)
@@ -140,7 +160,8 @@ def first_begin(setup: Setup) -> Begin:
 
 def carried_tools(setup: Setup) -> frozenset[str]:
     """Names of the tools that are carried along a path or turned in any stage."""
-    moved = [(move.name, move.motion) for stage in setup.stages for move in stage.moves]
+    names = {tool.name for tool in setup.tools}
+    moved = [(move.name, move.motion) for stage in setup.stages for move in stage.moves if move.name in names]
     every = [*((tool.name, tool.motion) for tool in setup.tools), *moved]
     return frozenset(name for name, motion in every if motion.is_carried)
 
@@ -187,9 +208,14 @@ def carried_on(motion: PathMotion, time: float, displacement: float, axis: Vecto
     )
 
 
-def gripper_places(setup: Setup, time: float) -> tuple[float, ...]:
-    """Displacements of the anchors of all grippers at ``time`` [s], in m."""
-    return tuple(gripper.motion.displacement_at(time) for gripper in setup.grippers)
+def gripper_places(setup: Setup, time: float) -> tuple[AnchorPlace, ...]:
+    """Where the anchors of all grippers are at ``time`` [s]."""
+    return tuple(_anchor_place(gripper.motion, time) for gripper in setup.grippers)
+
+
+def _anchor_place(motion: Motion, time: float) -> AnchorPlace:
+    x, y, z = motion.state_at(time)[0].tolist() if isinstance(motion, PathMotion) else (0.0, 0.0, 0.0)
+    return AnchorPlace(motion.displacement_at(time), (x, y, z))
 
 
 def _shifted(given: Given, begins: Sequence[Begin], tool: int) -> Motion:
@@ -264,11 +290,26 @@ def _gripper(gripper: Gripper, acting: Acting, begins: Sequence[Begin], index: i
     if given is not None:
         begin = begins[given.since]
         times, values = given.motion.curve()
-        changed["motion"] = Stroke(*_from_zero(times + begin.time, values + begin.grippers[index]))
+        at = begin.grippers[index]
+        along = Stroke(*_from_zero(times + begin.time, values + at.along))
+        changed["motion"] = _along_path(along, given.motion, begin.time, np.array(at.path))
     if released is not None:
         opened = begins[released].time
         changed["release_time"] = opened if gripper.release_time is None else min(opened, gripper.release_time)
     return gripper.model_copy(update=changed) if changed else gripper
+
+
+def _along_path(along: Stroke, motion: Motion, time: float, place: np.ndarray) -> Motion:
+    """A motion of anchors that began at ``time`` [s] in a ``place`` on an earlier path, (3,) [m]."""
+    given = motion if isinstance(motion, PathMotion) else PathMotion()
+    if not given.points and not place.any():
+        return along
+    times = np.array(given.times or (0.0,)) + time
+    points = place + np.array(given.points or ((0.0, 0.0, 0.0),))
+    if times[0] > 0.0:  # a run begins at zero, and so does every motion of anchors; this one begins at rest
+        times = np.concatenate([[0.0, 0.5 * times[0]], times])
+        points = np.concatenate([np.zeros((1, 3)), points[:1], points])
+    return PathMotion(tuple(times.tolist()), tuple(map(tuple, points.tolist())), along=along)
 
 
 def _loads(sheet: Sheet, acting: Acting, begins: Sequence[Begin]) -> NodalLoads:

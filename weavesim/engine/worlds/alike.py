@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...process.friction import Coulomb, law_of
+from ...process.friction import has_law
 from ..model import Model, arrays_in
 from ..setup import Setup
 
@@ -25,7 +25,7 @@ def _obstacles(setup: Setup) -> Iterator[str]:
         yield "it has stages"
     if any(tool.motion.is_carried for tool in setup.tools):
         yield "a tool follows a path or turns"
-    if any(not isinstance(law_of(tool.friction), Coulomb) for tool in setup.tools):
+    if any(has_law(tool.friction) for tool in setup.tools):
         yield "the friction of a tool is more than one coefficient"
 
 

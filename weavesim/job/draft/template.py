@@ -10,7 +10,8 @@ from textwrap import wrap
 import numpy as np
 
 from ...fabric.fabric import Fabric
-from ..speed import rounded_down, suggested_speed
+from ..advice.damping import release_damping, suggested_damping
+from ..advice.speed import rounded_down, suggested_speed
 from .survey import Survey
 
 # Margin of a blank on the rim, over its longer side, and between which lengths [m].
@@ -90,7 +91,8 @@ def new_job(found: Survey, choices: Choices, fabric: Fabric) -> str:
         _die(found, choices),
         _punch(found, choices, gap, speed),
         _ring(found, choices, min(covered, found.rim_area or covered)) if has_ring else _no_ring(found, choices),
-        _stages(has_ring),
+        _process(found, speed),
+        _stages(has_ring, release_damping(fabric, float(sides.max())) if fabric.bending_stiffness_scale else 100.0),
         "[output]\nframe_count = 40\n",
     ]
     return "\n".join(parts)
@@ -184,7 +186,18 @@ def _no_ring(found: Survey, choices: Choices) -> str:
     return ""
 
 
-def _stages(has_ring: bool) -> str:
+def _process(found: Survey, speed: float) -> str:
+    time = float(found.size[2]) / speed
+    return (
+        _comment(
+            f"Suggested: vibrations of the sheet fall by e six times in the {1e3 * time:.2g} ms of the stroke, and "
+            "what moves slowly hardly feels it."
+        )
+        + f'[process]\ndamping = "{suggested_damping(time):g} 1/s"\n'
+    )
+
+
+def _stages(has_ring: bool, damping: float) -> str:
     """Stages as an example in comments."""
     head = _comment(
         "More than closing? Stages follow each other (docs/stages.md); take the signs off to close, hold for 10 ms, "
@@ -207,7 +220,7 @@ fixed = true
 name = "release"
 duration = "0.3 s"  # the most that it takes
 tools = ["die"]  # {free} no longer act
-damping = "100 1/s"
+damping = "{damping:g} 1/s"  # suggested: critical for the slowest bending of the flat sheet
 end = {{ rest = 1e-3, speed = "10 mm/s" }}
 """
     return head + "".join(f"#{line}\n" if line else "#\n" for line in example.strip().split("\n"))

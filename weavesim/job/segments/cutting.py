@@ -16,6 +16,7 @@ from ...tools.shapes import Shape
 from ...tools.surfaces.rim import facing_up
 from ..placing import FORCE_RAMP
 from ..schema import ToolTable
+from .tables import gap_motion
 
 # Sectors of a smaller share of the area are slivers that carry nothing.
 LEAST_SHARE = 1.0e-4
@@ -88,9 +89,15 @@ def load_of(table: ToolTable, segment: Segment, whole: Motion) -> tuple[Motion, 
     mass = table.mass * segment.share
     if own is not None and own.gap is not None:
         return Fixed(), own.gap
+    if own is not None and own.gaps is not None:
+        assert own.times is not None
+        return gap_motion(own.times, own.gaps)
     if own is not None and own.forces is not None:
         assert own.times is not None
         return ForceDriven(own.times, own.forces, mass, stop=table.stop), 0.0
+    if table.gaps is not None and own is None:
+        assert table.times is not None
+        return gap_motion(table.times, table.gaps)
     largest = max(whole.forces) if isinstance(whole, ForceDriven) else 0.0
     if own is not None and own.force is not None and largest <= 0.0:
         ramp = FORCE_RAMP if table.ramp is None else table.ramp

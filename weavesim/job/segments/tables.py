@@ -7,12 +7,13 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from ...checks import Finite, NotNegative
+from ...process.strokes import Stroke
 from ...ranges import Quantity
 from ..stages.paths import CarriedTable
 from ..tables import JobTable, check_knots, one_of, without
 
 MOST_SEGMENTS = 72
-LOADS = ("force", "forces", "gap")
+LOADS = ("force", "forces", "gap", "gaps")
 
 
 class SegmentTable(JobTable):
@@ -25,17 +26,23 @@ class SegmentTable(JobTable):
     forces: Annotated[tuple[Finite, ...], Quantity("force")] | None = Field(
         default=None, description="load: forces at `times`, straight between them"
     )
-    times: Annotated[tuple[Finite, ...], Quantity("time")] | None = Field(default=None, description="of `forces`")
+    times: Annotated[tuple[Finite, ...], Quantity("time")] | None = Field(
+        default=None, description="of `forces` or `gaps`"
+    )
     gap: Annotated[NotNegative, Quantity("gap")] | None = Field(
         default=None, description="load: fixed, so far back from where it starts"
+    )
+    gaps: Annotated[tuple[Finite, ...], Quantity("gap")] | None = Field(
+        default=None, description="load: prescribed, so far back from there at `times`, straight between them"
     )
 
     @model_validator(mode="after")
     def _has_one_load(self) -> Self:
-        if one_of(self, LOADS) == "forces":
-            check_curve(self.times, self.forces)
+        given = one_of(self, LOADS)
+        if given in ("forces", "gaps"):
+            check_curve(self.times, getattr(self, given), given)
         else:
-            without(self, ("times",), "forces")
+            without(self, ("times",), "forces or gaps")
         return self
 
 
@@ -45,7 +52,14 @@ class PushedTable(CarriedTable):
     forces: Annotated[tuple[Finite, ...], Quantity("force")] | None = Field(
         default=None, description="instead of `force`: forces at `times`, straight between them, of the whole tool"
     )
-    times: Annotated[tuple[Finite, ...], Quantity("time")] | None = Field(default=None, description="of `forces`")
+    gaps: Annotated[tuple[Finite, ...], Quantity("gap")] | None = Field(
+        default=None,
+        description="instead of a force or a stroke: how far back it stands from where it starts, at `times`, straight "
+        "between them",
+    )
+    times: Annotated[tuple[Finite, ...], Quantity("time")] | None = Field(
+        default=None, description="of `forces` or `gaps`"
+    )
     stop: Annotated[NotNegative, Quantity("gap")] | None = Field(
         default=None,
         description="shut height: spacers stop a tool under a force when it is so far from its start",
@@ -63,9 +77,11 @@ class PushedTable(CarriedTable):
     @model_validator(mode="after")
     def _shares_a_force(self) -> Self:
         if self.forces is not None:
-            check_curve(self.times, self.forces)
+            check_curve(self.times, self.forces, "forces")
+        elif self.gaps is not None:
+            check_curve(self.times, self.gaps, "gaps")
         else:
-            without(self, ("times",), "forces")
+            without(self, ("times",), "forces or gaps")
         if self.segments is None:
             without(self, ("segments_from",), "segments")
             if self.segment:
@@ -80,8 +96,14 @@ class PushedTable(CarriedTable):
         return self
 
 
-def check_curve(times: tuple[float, ...] | None, forces: tuple[float, ...] | None) -> None:
-    """Raise ValueError unless there are as many increasing times as forces, none of which is negative."""
-    check_knots(times, forces, "times", "forces")
-    if min(forces or ()) < 0.0:
-        raise ValueError("forces: forces of zero or more are needed; they act along the tool's axis")
+def check_curve(times: tuple[float, ...] | None, values: tuple[float, ...] | None, name: str) -> None:
+    """Raise ValueError unless there are as many increasing times as forces or gaps, none of which is negative."""
+    check_knots(times, values, "times", name)
+    if min(values or ()) < 0.0:
+        why = "they act along the tool's axis" if name == "forces" else "they are back from where the tool starts"
+        raise ValueError(f"{name}: {name} of zero or more are needed; {why}")
+
+
+def gap_motion(times: tuple[float, ...], gaps: tuple[float, ...]) -> tuple[Stroke, float]:
+    """Motion of a tool that starts at the first of some gaps, and how far back that is [m]."""
+    return Stroke(times, tuple(gaps[0] - gap for gap in gaps)), gaps[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -11,12 +12,14 @@ from ...engine.staging.acting import Parts
 from ...engine.staging.checks import check_stages
 from ...errors import InputError, did_you_mean
 from ...output.flat.part_edge import read_part_edge
+from ...process.grippers import MOVES_ANCHORS
 from ...process.stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetPressure, Stage, StageEnd
 from ...process.strokes import Fixed, ForceDriven, Motion, Stroke
 from ...process.trims import Trim
 from ...sheet.sheet import Sheet
 from ...tools.tool import Tool
 from ..blanks.plies import DISC_CORNERS
+from ..friction import friction_of
 from ..loads import Loads
 from ..placing import FORCE_RAMP, RAMP_SHARE
 from ..read import JobFile
@@ -27,10 +30,7 @@ from .tables import EndTable, MoveTable, StagePressureTable, TrimTable
 # What the engine says of motions, in the words of a job.
 IN_A_JOB = (
     ("a motion, or Fixed() to stay where it is", "a [[stage.move]] with a motion, or with fixed = true to stay"),
-    (
-        "a Stroke without a largest_force, or Fixed, moves the anchors",
-        "a stroke without a largest_force, or fixed = true, moves the anchors",
-    ),
+    (MOVES_ANCHORS, "a stroke without a largest_force, a path, or fixed = true is needed"),
 )
 
 
@@ -135,11 +135,7 @@ class _Builder:
                 grippers=None if table.grippers is None else self._grippers(keys, table.grippers),
                 moves=tuple(Move(name, motion) for name, motion in moves.items()),
                 pressures=pressures,
-                friction=tuple(
-                    FrictionOf(own, value)
-                    for name, value in table.friction.items()
-                    for own in self.segments.get(name, (name,))
-                ),
+                friction=self._frictions([*keys, "friction"], table.friction),
                 trims=tuple(self._trim([*keys, "trim", k], each) for k, each in enumerate(table.trim)),
                 gravity=None if table.gravity is None else (0.0, 0.0, -table.gravity if table.gravity else 0.0),
                 damping=table.damping,
@@ -151,6 +147,15 @@ class _Builder:
             self.file.refuse(keys, str(error).removeprefix("Stage: "))
         self.places.go_through(made, self.acting)
         return made
+
+    def _frictions(self, keys: Sequence[object], values: Mapping[str, Any]) -> tuple[FrictionOf, ...]:
+        """Of tools, all segments of one that is cut, and neighbours."""
+        found: list[FrictionOf] = []
+        for name, value in values.items():
+            names = self.segments.get(name, (name,))
+            friction = friction_of(self.file, [*keys, name], value, of_tool=names[0] in self.tools)
+            found += [FrictionOf(own, friction) for own in names]
+        return tuple(found)
 
     def _trim(self, keys: Sequence[object], table: TrimTable) -> Trim:
         if table.file is not None:
@@ -196,10 +201,10 @@ class _Builder:
             return dict.fromkeys(self.segments[table.name], Fixed())
         known = [*self.tools, *(name for name in self.groups if name not in self.tools)]
         self._known([*keys, "name"], table.name, "[[tool]], [[spring]] or [[gripper]]", known)
-        if table.is_carried and table.name not in self.tools:
+        if table.rotation is not None and table.name not in self.tools:
             self.file.refuse(
-                [*keys, "path" if table.path is not None else "rotation"],
-                f"{table.name} is no [[tool]]: only tools follow paths and turn; give springs and grippers a stroke",
+                [*keys, "rotation"],
+                f"{table.name} is no [[tool]]: only tools turn; give springs and grippers a stroke or a path",
             )
         try:
             motion = table.carried(self._motion(table))

@@ -70,8 +70,8 @@ class RotationTable(JobTable):
         return Rotation.smooth(self.axis, self.point, self.angle, self.speed, ramp, start_time=self.delay)
 
 
-class CarriedTable(JobTable):
-    """Keys of what may follow a path and turn, beside its stroke or force."""
+class WayTable(JobTable):
+    """Keys of what may follow a path, beside its stroke or force."""
 
     path: tuple[tuple[Coordinate, Coordinate, Coordinate], ...] | None = Field(
         default=None,
@@ -81,7 +81,6 @@ class CarriedTable(JobTable):
     path_times: Annotated[tuple[Finite, ...], Quantity("time")] | None = Field(
         default=None, description="one for each point of `path`"
     )
-    rotation: RotationTable | None = Field(default=None, description="turns it about an axis; see below")
 
     @model_validator(mode="after")
     def _is_a_path(self) -> Self:
@@ -90,6 +89,16 @@ class CarriedTable(JobTable):
         else:
             check_knots(self.path_times, self.path, "path_times", "points of the path")
         return self
+
+    def on_path(self, along: Motion) -> Motion:
+        """A motion along the axis, carried along the path if there is one."""
+        return along if self.path is None else PathMotion(self.path_times or (), self.path, along=along)
+
+
+class CarriedTable(WayTable):
+    """Keys of what may also turn."""
+
+    rotation: RotationTable | None = Field(default=None, description="turns it about an axis; see below")
 
     @property
     def is_carried(self) -> bool:

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from ...checks import Finite, NotNegative, Positive
 from ...names import Label
 from ...ranges import Quantity
+from ..friction import FrictionValue
 from ..tables import FileUnit, JobTable, Point, one_of, without
 from .paths import CarriedTable
 
@@ -180,8 +181,9 @@ class StageTable(JobTable):
     pressure: tuple[StagePressureTable, ...] | None = Field(
         default=None, description="[[stage.pressure]]: all pressures from here on; [] for none"
     )
-    friction: dict[str, Annotated[NotNegative, Quantity("friction")]] = Field(
-        default={}, description='other coefficients from here on, by names of tools, or "LOWER / UPPER" of plies'
+    friction: dict[str, FrictionValue] = Field(
+        default={},
+        description='other coefficients or laws from here on, by names of tools, or "LOWER / UPPER" of plies',
     )
     trim: tuple[TrimTable, ...] = Field(default=(), description="[[stage.trim]]: cuts through plies as it begins")
     gravity: Annotated[NotNegative, Quantity("acceleration")] | None = Field(default=None, description="downwards")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...engine.setup import Setup
 from ...engine.staging.acting import Acting
 from ...engine.staging.derive import acting_of
+from ...process.friction import in_words
 from ...process.motions.paths import PathMotion
 from ...process.stages import AtForce, AtRest, AtStroke, Stage
 from ...process.strokes import Motion
@@ -30,7 +31,7 @@ def _acts(now: Acting, share: float) -> str:
     for pressed in now.stage.pressures or ():
         on = f" on {pressed.sheet}" if pressed.sheet else ""
         parts.append(f"{1e-3 * pressed.pressure.pressures[-1]:.4g} kPa{on}")
-    parts += [f"friction of {each.name} {each.coefficient:g}" for each in now.stage.friction]
+    parts += [f"{in_words(each.friction)} of {each.name}" for each in now.stage.friction]
     parts += [f"{trim.sheet or 'the sheet'} is trimmed" for trim in now.stage.trims]
     return ", ".join(parts)
 

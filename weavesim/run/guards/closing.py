@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -31,6 +32,26 @@ LARGEST_POINT_COUNT = 20_000
 LARGEST_DIVISION = 60
 
 
+class Closest(NamedTuple):
+    """Where two tools are nearest to each other.
+
+    Attributes:
+        gap: between them, negative inside [m]; infinite where they act together in no stage.
+        time: when [s].
+        point: where, in space (3,) [m].
+    """
+
+    gap: float
+    time: float
+    point: tuple[float, float, float] = (math.nan, math.nan, math.nan)
+
+    @property
+    def text(self) -> str:
+        """Place and time for messages."""
+        x, y, z = (round(1e3 * value, 3) + 0.0 for value in self.point)
+        return f"at ({x:.4g}, {y:.4g}, {z:.4g}) mm at {self.time:.4g} s"
+
+
 class ClosingGap(Guard):
     """Two tools on either side of the sheets that leave less room for them than their thickness.
 
@@ -55,7 +76,7 @@ class ClosingGap(Guard):
                 # each stage by its own strokes and their largest forces
                 for phase, tools in _closing(start, number, pair):
                     if found := _gap_around(start, phase, number, first, pair):
-                        yield from self._judged(start, tools, *found, thickness)
+                        yield from self._judged(start, tools, found, thickness)
                         yield from self._not_judged(tools)
             first += len(world.tools)
 
@@ -69,17 +90,15 @@ class ClosingGap(Guard):
                 "look at the film for places where they squeeze the sheet",
             )
 
-    def _judged(
-        self, start: Start, tools: tuple[Tool, Tool], gap: float, time: float, thickness: float
-    ) -> Iterator[Doubt]:
-        error = _error(start, tools)
+    def _judged(self, start: Start, tools: tuple[Tool, Tool], found: Closest, thickness: float) -> Iterator[Doubt]:
+        error, gap, time = tool_error(start, tools), found.gap, found.time
         if not gap < (1.0 - LARGEST_LACK) * thickness - error:
             return
         names = f"{tools[0].name} and {tools[1].name}"
         if limited := [tool for tool in tools if tool.motion.limiting_force]:
             yield self.doubt(
                 Level.NOTE,
-                f"{names} would leave {1e3 * gap:.3g} mm between them at {time:.4g} s, for {1e3 * thickness:.3g} mm of "
+                f"{names} would leave {1e3 * gap:.3g} mm between them {found.text}, for {1e3 * thickness:.3g} mm of "
                 f"fabric: {limited[0].name} stops before, where its largest force of "
                 f"{limited[0].motion.limiting_force:.4g} N is reached",
                 "for a closed gap make the stroke shorter, or the gap at least the thickness",
@@ -91,10 +110,10 @@ class ClosingGap(Guard):
         advice = "make the stroke shorter, the gap at least the thickness, or give the stroke a largest_force"
         if gap + error <= 0.0:
             raise InputError(
-                f"{names} run into each other by {-1e3 * gap:.3g} mm at {time:.4g} s; the sheet between them is "
+                f"{names} run into each other by {-1e3 * gap:.3g} mm {found.text}; the sheet between them is "
                 f"{1e3 * thickness:.3g} mm thick: {advice}"
             )
-        text = f"{names} leave {1e3 * gap:.3g} mm between them at {time:.4g} s, for a sheet of {1e3 * thickness:.3g} mm"
+        text = f"{names} leave {1e3 * gap:.3g} mm between them {found.text}, for a sheet of {1e3 * thickness:.3g} mm"
         if not start.accepts_unusual:
             raise InputError(f"{text}: they close too far, and forces there would mean nothing: {advice}. {ACCEPTING}")
         yield self.doubt(
@@ -134,9 +153,7 @@ def _closes(a: Tool, b: Tool) -> bool:
     return any(len(set(tool.motion.curve()[1])) > 1 or tool.motion.is_carried for tool in (a, b))
 
 
-def _gap_around(
-    start: Start, phase: Phase, number: int, first: int, pair: tuple[int, int]
-) -> tuple[float, float] | None:
+def _gap_around(start: Start, phase: Phase, number: int, first: int, pair: tuple[int, int]) -> Closest | None:
     """``smallest_gap`` of two tools of a world in one stage, if the sheets are between them."""
     world = start.model.setup.worlds[number]
     tools = world.tools[pair[0]], world.tools[pair[1]]
@@ -146,7 +163,7 @@ def _gap_around(
         places = (start.frame.place(first + k) for k in pair)
         key = ("gap", world.name, *places, *key)
 
-    def find() -> tuple[float, float] | None:
+    def find() -> Closest | None:
         between = on_both_sides(start, world, first, *pair)
         return smallest_gap(start, number, first, pair, [phase]) if between else None
 
@@ -177,7 +194,7 @@ def smallest_gap(
     first: int,
     pair: tuple[int, int],
     phases: Sequence[Phase] | None = None,
-) -> tuple[float, float]:
+) -> Closest:
     """Smallest distance between two tools over the flat blank, on all of their way, and when.
 
     A tool that a force moves is taken where it starts. Where they act together in no stage, the distance is infinite.
@@ -189,14 +206,12 @@ def smallest_gap(
         pair: indices of the tools among those of the world.
         phases: stages to look at; None for all.
 
-    Returns:
-        Distance [m] and time [s].
     """
     distances, own = ToolDistances(start.model), start.model.setup.worlds[world]
     size = min(float(np.sqrt(sheet.geometry.area.min())) for sheet in start.model.sheets)
     nodes = np.concatenate([sheet.blank.node_position for sheet in own.sheets])
-    points = [_surface(distances, first + k, own.tools[k], nodes, size) for k in pair]
-    best = (np.inf, 0.0)
+    points = [surface_of(distances, first + k, own.tools[k], nodes, size) for k in pair]
+    best = Closest(np.inf, 0.0)
     for phase in start.phases if phases is None else phases:
         tools = [phase.setup.worlds[world].tools[k] for k in pair]
         if not phase.tools >= {tool.name for tool in tools}:
@@ -208,8 +223,9 @@ def smallest_gap(
                 moved = tools[one].moved(points[one], at[one])
                 within = _over(moved, nodes)
                 if within.any():
-                    gap = float(distances(first + pair[other], at[other], moved[within])[0].min())
-                    best = min(best, (gap, float(time)))
+                    found = distances(first + pair[other], at[other], moved[within])[0]
+                    x, y, z = moved[within][int(np.argmin(found))].tolist()
+                    best = min(best, Closest(float(found.min()), float(time), (x, y, z)), key=lambda each: each[:2])
     return best
 
 
@@ -230,7 +246,7 @@ def _over(points: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     return np.all((points[:, :2] >= lower) & (points[:, :2] <= upper), axis=1)
 
 
-def _surface(distances: ToolDistances, index: int, tool: Tool, nodes: np.ndarray, size: float) -> np.ndarray:
+def surface_of(distances: ToolDistances, index: int, tool: Tool, nodes: np.ndarray, size: float) -> np.ndarray:
     """Points on the surface of a tool over the blank, about ``size`` apart, at zero displacement, (n, 3) [m]."""
     points = _spread(tool.display_triangles(), nodes, size)
     if len(points):
@@ -261,7 +277,7 @@ def _spread(triangles: Triangles, nodes: np.ndarray, size: float) -> np.ndarray:
     return points[:: max(1, -(-len(points) // LARGEST_POINT_COUNT))]
 
 
-def _error(start: Start, tools: tuple[Tool, Tool]) -> float:
+def tool_error(start: Start, tools: tuple[Tool, Tool]) -> float:
     """Error of the distances from two tools at 99 % of all points, together [m]; 0 for formulas."""
     surfaces = [part.surface for tool in tools for part in tool.shape.parts()]
     return sum(start.model.samples[surface].usual_error for surface in set(surfaces) if surface is not None)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from .guard import Level
+from .guard import Doubt, Level
 from .limit import LimitGuard
 
 if TYPE_CHECKING:
@@ -15,6 +16,12 @@ if TYPE_CHECKING:
     from ..ledger import Ledger
     from ..sheet_ledger import SheetLedger
     from ..verdict import Judged
+
+
+SCALED = (
+    "the scaling of the mass was found for a stated error of shear angles and draw-in, which it keeps on a coarser "
+    "mesh (mass_scaling in the summary); forces, stresses and energies have the inertia of the added mass"
+)
 
 
 class EnergyBalance(LimitGuard):
@@ -88,6 +95,12 @@ class KineticEnergy(_Placed):
     largest = 0.05
     advice = "the run is not quasi-static, slow the tools down"
 
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """With a scaling of the mass that was found for a stated error, what that error says, and what it does not."""
+        chosen = run.run.setup.solver.mass_scaling
+        for doubt in super().after(run):
+            yield doubt if chosen is None else replace(doubt, advice=SCALED)
+
     def most(self, ledger: SheetLedger) -> tuple[float, np.ndarray]:
         """Of a node."""
         return ledger.fastest_node()
@@ -141,6 +154,12 @@ class AddedMass(LimitGuard):
     text = "the added mass over the blank's"
     largest = 0.05
     advice = "it changes the dynamics: give a smaller target_step"
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """A note where the scaling was found for a stated error."""
+        chosen = run.run.setup.solver.mass_scaling
+        for doubt in super().after(run):
+            yield doubt if chosen is None else replace(doubt, level=Level.NOTE, advice=SCALED)
 
     def where(self, run: Judged) -> Mapping[str, Any]:
         """The sheet with most of it; it is there from the start."""

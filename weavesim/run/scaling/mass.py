@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import logging
+import signal
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...engine.model import Model
 from ...engine.setup import Setup
-from ...errors import InputError
+from ...errors import InputError, RunError
 from ...measures.border import outline
+from ...process.scaling.mass import KEPT_SHARE, MassScaling, ScalingTry
 from ...quantities import positive
-from ..frame import Frame
+from ..frame import Frame, Outcome
+from ..interruption import Interrupted
 from ..simulation import Simulation
 from ..staging.part import Part
 
@@ -23,77 +25,19 @@ logger = logging.getLogger(__name__)
 COARSENING = 1.5
 # Factors of the time step that are tried, until one changes too much.
 FACTORS = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
-# Share of the elements whose angles keep the tolerance.
-KEPT_SHARE = 0.95
+# Tolerances of the shear angles [degrees], and of the border [m].
+ANGLE_TOLERANCE, DRAW_IN_TOLERANCE = 0.5, 0.5e-3
 
 # (mesh size [m], target step [s] or None for no scaling) -> the set-up.
 Make = Callable[[float, float | None], Setup]
-
-
-@dataclass(frozen=True)
-class ScalingTry:
-    """One factor on the coarse mesh, compared with the run without scaling.
-
-    Attributes:
-        factor: of the time step; that of the mass is its square.
-        angle_error: change of the shear angle that ``KEPT_SHARE`` of the elements stay below [degrees].
-        draw_in_error: largest change of the border's positions [m].
-        kinetic_ratio: kinetic over internal energy, of the summary.
-        speed_up: steps of the unscaled run over those of this one.
-        accepted: whether both errors are within their tolerances.
-    """
-
-    factor: float
-    angle_error: float
-    draw_in_error: float
-    kinetic_ratio: float
-    speed_up: float
-    accepted: bool
-
-
-@dataclass(frozen=True)
-class MassScaling:
-    """What was chosen, and why.
-
-    Attributes:
-        factor: of the time step, 1 where nothing was accepted.
-        target_step: that gives it on the mesh of the run [s], for ``Solver``; None without scaling.
-        mesh_size, coarse_size: of the run and of the tries [m].
-        angle_tolerance, draw_in_tolerance: as given [degrees], [m].
-        tries: in order; the last may not have been accepted.
-    """
-
-    factor: float
-    target_step: float | None
-    mesh_size: float
-    coarse_size: float
-    angle_tolerance: float
-    draw_in_tolerance: float
-    tries: tuple[ScalingTry, ...]
-
-    def report(self) -> str:
-        """What was tried and chosen, for readers."""
-        lines = [
-            f"mass scaling for {self.angle_tolerance:g} degrees at {KEPT_SHARE:.0%} of the elements and "
-            f"{1e3 * self.draw_in_tolerance:g} mm of draw-in, tried on elements of {1e3 * self.coarse_size:.3g} mm:"
-        ]
-        lines += [
-            f"  step x {each.factor:g} (mass x {each.factor**2:g}): {each.angle_error:.2g} degrees, "
-            f"{1e3 * each.draw_in_error:.2g} mm, {each.speed_up:.1f} times fewer steps, kinetic over internal energy "
-            f"{each.kinetic_ratio:.2g}: {'kept' if each.accepted else 'too much'}"
-            for each in self.tries
-        ]
-        if self.target_step is None:
-            return "\n".join([*lines, "no scaling keeps these tolerances: run without"])
-        return "\n".join([*lines, f"chosen: step x {self.factor:g}, target_step = {self.target_step:.4g} s"])
 
 
 def choose_mass_scaling(
     make: Make,
     mesh_size: float,
     *,
-    angle_tolerance: float = 0.5,
-    draw_in_tolerance: float = 0.5e-3,
+    angle_tolerance: float = ANGLE_TOLERANCE,
+    draw_in_tolerance: float = DRAW_IN_TOLERANCE,
     factors: Sequence[float] = FACTORS,
 ) -> MassScaling:
     """The largest of ``factors`` whose run on a coarser mesh keeps both tolerances; larger ones are not tried.
@@ -110,36 +54,86 @@ def choose_mass_scaling(
 
     Raises:
         InputError: a bad number, or a set-up that cannot be coarsened.
+        RunError: the coarse run without scaling had to stop.
+        KeyboardInterrupt: a signal ended one of the runs.
     """
     mesh_size, angle_tolerance = positive("mesh_size", mesh_size), positive("angle_tolerance", angle_tolerance)
     draw_in_tolerance = positive("draw_in_tolerance", draw_in_tolerance)
     if not len(factors) or min(factors) <= 1.0 or any(np.diff(factors) <= 0.0):
         raise InputError(f"factors = {tuple(factors)}: increasing numbers above 1 are needed")
     coarse_size = COARSENING * mesh_size
-    unscaled = Simulation(make(coarse_size, None))
-    unscaled.run()
-    step, tries = unscaled.model.reference_step, []
+    own, coarse = make(mesh_size, None), make(coarse_size, None)
+    _check_coarsened(own, coarse)
+    _tell("%s: looking for the largest mass scaling, by runs on elements of %.3g mm", own.name, 1e3 * coarse_size)
+    unscaled = _run(coarse)
+    step, tries = unscaled.model.reference_step, list[ScalingTry]()
     for factor in factors:
-        scaled = Simulation(make(coarse_size, factor * step))
-        scaled.run()
-        angle, draw_in = _changes(unscaled, scaled.frame)
+        try:
+            scaled = _run(make(coarse_size, factor * step))
+        except RunError as error:
+            logger.info("step x %g: %s", factor, error)
+            angle = draw_in = ratio = None
+            speed_up, accepted = factor, False
+        else:
+            angle, draw_in = _changes(unscaled, scaled.frame)
+            ratio = scaled.summary()["kinetic_energy_ratio"]
+            speed_up = unscaled.state.step_count / scaled.state.step_count
+            accepted = angle <= angle_tolerance and draw_in <= draw_in_tolerance
         tries.append(
             ScalingTry(
-                factor=float(factor), angle_error=angle, draw_in_error=draw_in,
-                kinetic_ratio=float(scaled.summary()["kinetic_energy_ratio"]),
-                speed_up=unscaled.state.step_count / scaled.state.step_count,
-                accepted=angle <= angle_tolerance and draw_in <= draw_in_tolerance,
+                factor=float(factor), angle_error=angle, draw_in_error=draw_in, kinetic_ratio=_finite(ratio),
+                speed_up=speed_up, accepted=accepted,
             )
         )  # fmt: skip
-        if not tries[-1].accepted:
+        _tell("%s: %s", own.name, tries[-1].line)
+        if not accepted:
             break
     chosen = max((each.factor for each in tries if each.accepted), default=1.0)
-    target = chosen * Model(make(mesh_size, None)).reference_step if chosen > 1.0 else None
     result = MassScaling(
-        chosen, target, mesh_size, coarse_size, angle_tolerance, draw_in_tolerance, tuple(tries)
+        factor=chosen, target_step=chosen * Model(own).reference_step if chosen > 1.0 else None, mesh_size=mesh_size,
+        coarse_size=coarse_size, angle_tolerance=angle_tolerance, draw_in_tolerance=draw_in_tolerance,
+        kept_share=KEPT_SHARE, tries=tuple(tries),
     )  # fmt: skip
     logger.info("%s", result.report())
     return result
+
+
+def with_mass_scaling(setup: Setup, found: MassScaling) -> Setup:
+    """A set-up that runs at the step that was found, and tells so in its summary."""
+    changed = {"target_step": found.target_step, "mass_scaling": found}
+    return setup.model_copy(update={"solver": setup.solver.model_copy(update=changed)})
+
+
+def _tell(text: str, *values: object) -> None:
+    """Log what takes minutes before a run, for commands to show."""
+    logger.info(text, *values, extra={"announced": True})
+
+
+def _check_coarsened(own: Setup, coarse: Setup) -> None:
+    """Refuse sheets that have the same mesh at both sizes: nothing could be learned from them."""
+    if own.solver.time_step is not None:
+        raise InputError(
+            f"time_step = {own.solver.time_step:.4g} s: no step above it is taken, so that scaled mass makes no run "
+            "faster; leave it out, or the search for a mass scaling"
+        )
+    for sheet, other in zip(own.sheets, coarse.sheets, strict=True):
+        if sheet.blank.element_count <= other.blank.element_count:
+            raise InputError(
+                f"sheet {sheet.name}: its mesh does not depend on the mesh size, and a mass scaling is sought on "
+                f"elements {COARSENING:g} times as large; give a target_step, or an outline that is meshed"
+            )
+
+
+def _run(setup: Setup) -> Simulation:
+    """A finished run, for its numbers alone."""
+    simulation = Simulation(setup)
+    if simulation.run() is Outcome.INTERRUPTED:
+        raise Interrupted(signal.Signals[simulation.interrupted_by]) if simulation.interrupted_by else KeyboardInterrupt
+    return simulation
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or not np.isfinite(value) else float(value)
 
 
 def _changes(unscaled: Simulation, frame: Frame) -> tuple[float, float]:

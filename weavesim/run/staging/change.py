@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ...engine.model import Model
+from ...engine.plies.pass_state import forget_arguments
 from ...engine.staging.acting import Acting
 from ...engine.state import SheetState, State
+from ...engine.surface.friction import argument_rows
 from ...errors import RunError
 from ...kernels.rows import MotionRow, ToolDriveRow
+from ...process.interfaces import Interface
 from ...process.strokes import ForceDriven
 from ..touching import place_carried, touch_sheets
 from ..watch.tool_distance import ToolDistances
@@ -40,6 +43,7 @@ def change_state(state: State, model: Model, last: Acting, now: Acting) -> None:
             _let_go(state, model, k)
         if name in now.tools and name not in last.tools:
             _meet(state, model, k)
+    _forget_arguments(state, model, last, now)
     _restart_tools(state, names, last, now)
     # a tool that no longer acts rests from now on, whatever it did
     place_carried(model, state, [k for k, name in enumerate(names) if _begins(now, name)])
@@ -60,6 +64,23 @@ def change_state(state: State, model: Model, last: Acting, now: Acting) -> None:
                 held[support.nodes] |= support.held
         if held.any():
             _stop(state, model, index, held)
+
+
+def _forget_arguments(state: State, model: Model, last: Acting, now: Acting) -> None:
+    """Extremes of the arguments of frictions that are others from now on begin anew."""
+    changed = {name for name, friction in now.friction.items() if last.friction.get(name) != friction}
+    for k, tool in enumerate(model.setup.tools):
+        for own, place, index in _of_sheets(state, model, k) if tool.name in changed else ():
+            sheet = model.sheets[index]
+            for array in (own.friction_argument, own.sample_friction_argument):
+                count = array.shape[-1]
+                if sheet.node_traits.friction_laws and count:
+                    rows, start = array.numpy(), argument_rows(sheet, count)
+                    rows[2 * place : 2 * place + 2] = start[2 * place : 2 * place + 2]
+                    array.assign(rows)
+    for each, own_pass in zip(model.passes, state.passes, strict=True):
+        if isinstance(each.interface, Interface) and each.interface.name in changed:
+            forget_arguments(own_pass, each)
 
 
 def refuse_overlap(model: Model, state: State, last: Acting, now: Acting) -> None:

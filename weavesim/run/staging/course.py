@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...engine.staging.acting import Acting
-from ...engine.staging.derive import Begin, acting_of, first_begin, gripper_places
+from ...engine.staging.derive import AnchorPlace, Begin, acting_of, first_begin, gripper_places
 from ...process.stages import AtForce, AtRest, AtStroke, Stage
 
 if TYPE_CHECKING:
@@ -212,7 +212,14 @@ class Course:
         """All that it knows, for a checkpoint."""
         return {
             "begins": [
-                [*begin[:2], *map(list, begin[2:5]), [list(pose) for pose in begin.poses]] for begin in self.begins
+                [
+                    *begin[:2],
+                    list(begin.tools),
+                    list(begin.drives),
+                    [[place.along, *place.path] for place in begin.grippers],
+                    [list(pose) for pose in begin.poses],
+                ]
+                for begin in self.begins
             ],
             "ended": [dict(each) for each in self.ended],
             "kept": list(self.kept),
@@ -229,7 +236,14 @@ class Course:
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Be where ``memory`` was."""
         self.begins = [
-            Begin(each[0], each[1], tuple(each[2]), tuple(each[3]), tuple(each[4]), tuple(map(tuple, each[5])))
+            Begin(
+                each[0],
+                each[1],
+                tuple(each[2]),
+                tuple(each[3]),
+                tuple(AnchorPlace(along, (x, y, z)) for along, x, y, z in each[4]),
+                tuple(map(tuple, each[5])),
+            )
             for each in memory["begins"]
         ]
         self.ended = [dict(each) for each in memory["ended"]]

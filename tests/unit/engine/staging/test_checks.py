@@ -78,7 +78,7 @@ def test_the_durations_add_up():
         ((Stage("a", 0.1, moves={"punch": SmoothStroke.ramped(0.1, 1.0, 0.01)}),), "SmoothStroke does not move tools"),
         ((Stage("a", 0.1, moves={"edge": DOWN}),), "move edge: the support has 0 drives"),
         ((Stage("a", 0.1, moves={"frame": Fixed()}),), "a support moves by a Stroke or a SmoothStroke"),
-        ((Stage("a", 0.1, moves={"spring": FORCE}),), "a Stroke without a largest_force, or Fixed"),
+        ((Stage("a", 0.1, moves={"spring": FORCE}),), "a Stroke without a largest_force, Fixed, or a PathMotion"),
         # ends that cannot come
         ((Stage("a", 0.1, AtStroke("punch", 0.03)),), "at a stroke of 0.03 m: punch moves by at most 0.02"),
         ((Stage("a", 0.1, AtStroke("punch", -0.01)),), "at a stroke of -0.01 m: punch moves by at most 0 m"),

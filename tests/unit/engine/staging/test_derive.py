@@ -5,7 +5,7 @@ import pytest
 
 from tests.unit.engine.staging.test_checks import DOWN, FORCE, staged
 from weavesim import AtStroke, Fixed, NodalLoads, Pressure, SheetPressure, SmoothStroke, Stage, Stroke
-from weavesim.engine.staging.derive import acting_of, first_begin, planned_begins, stage_setup
+from weavesim.engine.staging.derive import AnchorPlace, acting_of, first_begin, planned_begins, stage_setup
 from weavesim.process.stages import SheetLoads
 
 
@@ -56,7 +56,7 @@ def test_supports_let_go_but_keep_their_place_in_the_state():
 def test_drives_and_anchors_go_on_from_where_they_are():
     smooth = SmoothStroke((0.0, 0.1), (0.0, 0.01), (0.0, 0.0))
     setup = staged(Stage("a", 0.1), Stage("b", 0.1, moves={"frame": smooth, "spring": DOWN}))
-    alone = in_stage(setup, 1, drives=(0.004,), grippers=(0.001,))
+    alone = in_stage(setup, 1, drives=(0.004,), grippers=(AnchorPlace(0.001),))
     assert alone.supports[1].drives[0].at(0.101) == pytest.approx(0.004)
     assert alone.supports[1].drives[0].at(0.201) == pytest.approx(0.014)
     assert alone.grippers[0].motion.displacement_at(0.151) == pytest.approx(0.011)

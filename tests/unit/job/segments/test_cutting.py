@@ -101,7 +101,7 @@ force = "5 N"
     setup = setup_with(tmp_path, RING + 'segments = 4\nstop = "0.1 mm"\n', stages)
     ease = setup.stages[1]
     assert ease.moves[0].motion.stop == 1e-4
-    assert [(each.name, each.coefficient) for each in ease.friction] == [(f"ring_{k}", 0.05) for k in range(1, 5)]
+    assert [(each.name, each.friction) for each in ease.friction] == [(f"ring_{k}", 0.05) for k in range(1, 5)]
 
 
 def test_a_force_may_be_a_curve(tmp_path):
@@ -142,6 +142,24 @@ tools = ["die", "ring"]
     assert opened.tools == ("die", "ring_1", "ring_2", "ring_3", "ring_4")
 
 
+def test_a_gap_may_be_a_curve_of_the_whole_and_of_each(tmp_path, whole):
+    """Where it starts and how it moves add up to the gap at every time."""
+    curve = 'ring_of = "die"\ntimes = [0, "10 ms", "30 ms"]\ngaps = ["0.5 mm", 0, "0.2 mm"]\n'
+
+    def gap(tool, time):
+        lowest = tool.display_triangles()[0][:, 2].min() - tool.motion.displacement_at(time)  # its axis points down
+        return lowest - whole.display_triangles()[0][:, 2].min()
+
+    alone = setup_with(tmp_path, curve).tools[-1]
+    assert [gap(alone, time) for time in (0.0, 0.01, 0.02, 0.03)] == pytest.approx([5e-4, 0.0, 1e-4, 2e-4])
+    own = '\n[[tool.segment]]\nnumber = 2\ntimes = ["5 ms", "10 ms"]\ngaps = ["0.1 mm", "0.3 mm"]\n'
+    own += '\n[[tool.segment]]\nnumber = 3\nforce = "30 N"\n\n[[tool.segment]]\nnumber = 4\ngap = "0.4 mm"\n'
+    ring = {tool.name: tool for tool in setup_with(tmp_path, curve + "segments = 4\n" + own).tools}
+    assert [gap(ring["ring_1"], time) for time in (0.0, 0.01, 0.03)] == pytest.approx([5e-4, 0.0, 2e-4])
+    assert [gap(ring["ring_2"], time) for time in (0.0, 0.0075, 0.03)] == pytest.approx([1e-4, 2e-4, 3e-4])
+    assert ring["ring_3"].motion.forces[-1] == 30.0 and gap(ring["ring_4"], 0.0) == pytest.approx(4e-4)
+
+
 @pytest.mark.parametrize(
     ("ring", "more", "message"),
     [
@@ -151,8 +169,8 @@ tools = ["die", "ring"]
         (RING + OWN, "", "segment: has no effect without segments"),
         (RING + "segments = 4\n" + OWN, "", "number = 5: the tool has 4 segments"),
         (RING + "segments = 4\n" + "\n[[tool.segment]]\nnumber = 1\ngap = 0\n" * 2, "", "number = 1 is given twice"),
-        (RING + "segments = 4\n\n[[tool.segment]]\nnumber = 1\n", "", "force, forces or gap: one of them is needed"),
-        (RING + 'times = ["0 ms"]\n', "", "has no effect without forces"),
+        (RING + "segments = 4\n\n[[tool.segment]]\nnumber = 1\n", "", "force, forces, gap or gaps: one of them"),
+        (RING + 'times = ["0 ms"]\n', "", "has no effect without forces or gaps"),
         ('ring_of = "die"\nforces = ["5 N"]\nmass = "0.6 kg"\n', "", "times: is required with forces"),
         ('ring_of = "die"\nforces = ["-5 N"]\ntimes = [0]\nmass = "0.6 kg"\n', "", "forces of zero or more"),
         (RING + 'forces = ["5 N"]\ntimes = [0]\n', "", "a tool moves by one of them"),
@@ -162,6 +180,11 @@ tools = ["die", "ring"]
         (RING + "segments = 4\nrotation = { axis = [0, 0, 1], angle = 5, speed = 1 }\n", "", "move whole tools"),
         (RING + "segments = 4\n", '\n[[stage]]\nname = "a"\nduration = 1\n[[stage.move]]\nname = "ring"\nforce = 5\n',
          "cut into segments: move each by its name, as ring_1"),
+        (RING + "segments = 4\n\n[[tool.segment]]\nnumber = 1\ngaps = [0.0001]\n", "", "times: is required with gaps"),
+        (RING + "segments = 4\n\n[[tool.segment]]\nnumber = 1\ntimes = [0, 1]\ngaps = [0, -0.0001]\n", "",
+         "gaps of zero or more are needed; they are back from where the tool starts"),
+        (RING + "gaps = [0.0001]\ntimes = [0]\n", "", "stroke, force, forces and gaps: a tool moves by one of them"),
+        ('ring_of = "die"\ngaps = [0.0001]\ntimes = [0]\nmass = 1\n', "", "mass: has no effect without a force"),
     ],
 )  # fmt: skip
 def test_bad_segments_are_refused(tmp_path, ring, more, message):

@@ -120,8 +120,8 @@ def test_bad_tables_are_refused(tmp_path, old, new, message):
         read(tmp_path, text.replace(old, new, 1))
 
 
-def test_springs_have_no_paths(tmp_path):
+def test_springs_do_not_turn(tmp_path):
     text = JOB + '\n[[spring]]\nname = "edge"\nedge = "+x"\nstiffness = "1 N/mm"\n' + STAGES
     text += '\n[[stage.move]]\nname = "edge"\nrotation = { axis = [0, 1, 0], angle = 5, speed = 1 }\n'
-    with pytest.raises(InputError, match="only tools follow paths and turn"):
+    with pytest.raises(InputError, match="only tools turn; give springs and grippers a stroke or a path"):
         read(tmp_path, text)

@@ -64,7 +64,7 @@ def test_friction_and_trims_are_told(tmp_path):
     setup = setup_with(tmp_path, 'disc = "80 mm"')
     assert setup.stages[1].friction == (FrictionOf("die", 0.05),)
     (_, (_, line)) = stage_lines(setup)
-    assert "friction of die 0.05" in line and "ply is trimmed" in line
+    assert "friction 0.05 of die" in line and "ply is trimmed" in line
 
 
 @pytest.mark.parametrize(

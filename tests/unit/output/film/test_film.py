@@ -100,9 +100,11 @@ def test_a_save_without_room_costs_no_film(tmp_path, coarse_run, monkeypatch):
     assert Usd.Stage.Open(str(path)).GetEndTimeCode() == len(coarse_run[1]) - 1
 
 
-def test_a_killed_run_leaves_a_film(tmp_path, coarse_run):
+def test_a_killed_run_leaves_a_film(tmp_path, coarse_run, monkeypatch):
     """Every save is a whole film under its own name, with camera and light, in the middle of the run."""
     info, frames = coarse_run
+    due = iter([True, True, True, False, True, False])
+    monkeypatch.setattr("weavesim.output.film.film.Pace.due", lambda pace: next(due))
     film = Film(tmp_path / "film.usdc")
     film.start(info)
     for index, frame in enumerate(frames[:6]):

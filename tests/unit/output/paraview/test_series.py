@@ -135,16 +135,14 @@ def test_every_nth_frame_and_the_last(tmp_path, coarse_run):
         ParaViewSeries(tmp_path, 0)
 
 
-def test_a_run_cut_short_leaves_what_can_be_opened(tmp_path, coarse_run):
+def test_a_run_cut_short_leaves_what_can_be_opened(tmp_path, coarse_run, monkeypatch):
     info, frames = coarse_run
     series = ParaViewSeries(tmp_path)
     series.start(info)
-    expected = Pace()
+    monkeypatch.setattr(Pace, "due", lambda pace: len(series._written) in (1, 2, 5))
     for count, frame in enumerate(frames, start=1):
         series.frame(frame)
-        if expected.due():
-            expected.done()
-            assert len(listed(tmp_path)) == count
+        assert len(listed(tmp_path)) == (5 if count >= 5 else min(count, 2))
         for _, name in listed(tmp_path):
             for entry in xml.parse(tmp_path / name).iter("DataSet"):
                 assert (tmp_path / entry.get("file")).exists()

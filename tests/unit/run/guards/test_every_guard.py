@@ -93,6 +93,7 @@ PAIRS: dict[str, tuple[str, str]] = {
         f"{GUARDS}/test_tool_mesh.py::test_nothing_is_said_of_a_large_radius",
     ),
     "tool_reach": (f"{GUARDS}/test_touch.py::test_a_punch_above_a_held_sheet_is_told_by_its_stroke",) * 2,
+    "tools_cross": (f"{GUARDS}/staging/test_crossing.py::test_a_ball_that_is_pressed_through_the_sheet",) * 2,
     "trims": (
         f"{UNIT}/output/test_trimmed_run.py::test_frames_have_no_values_of_waste",
         f"{HERE}::test_a_trim_along_edges_of_elements",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,8 @@ class BeyondTables:
     """What was asked of several tables beyond their ends.
 
     Attributes:
-        found: by a name of the contact: time [s], place (x, y) on the flat blank [m], and the farthest excess.
+        found: by a name of the contact and its law: time [s], place (x, y) on the flat blank [m], the farthest excess,
+            and what the law covers.
     """
 
     def __init__(self) -> None:
@@ -48,17 +49,25 @@ class BeyondTables:
         excess = np.maximum(np.where(high > -NEVER, high - arguments[-1], 0.0), short)
         worst = int(np.argmax(excess))
         if excess[worst] > ROUNDING * arguments[-1]:
-            known = self.found.setdefault(name, {"time": time, "place": places[worst].tolist()})
-            known["excess"] = float(excess[worst])
+            law = {
+                "unit": friction.argument_unit,
+                "argument": friction.argument_name,
+                "ends": arguments[[0, -1]].tolist(),
+            }
+            # stages may give a contact another law
+            key = f"{name}\n{friction.argument_name}\n{arguments[0]:g}\n{arguments[-1]:g}"
+            known = self.found.setdefault(key, {"name": name, "time": time, "place": places[worst].tolist(), **law})
+            known["excess"] = max(float(excess[worst]), known.get("excess", 0.0))
 
-    def text(self, name: str, friction: Friction) -> str:
-        """What is told of one contact."""
-        arguments, _ = friction.table()
-        return (
-            f"the friction table is used beyond its ends, by {self.found[name]['excess']:.4g} "
-            f"{friction.argument_unit} of {friction.argument_name} (it covers {arguments[0]:.4g} to "
-            f"{arguments[-1]:.4g} {friction.argument_unit})"
-        )
+    def told(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """What is told of every contact and law, and what was found."""
+        for found in self.found.values():
+            unit, (first, last) = found["unit"], found["ends"]
+            text = (
+                f"the friction table is used beyond its ends, by {found['excess']:.4g} {unit} of {found['argument']} "
+                f"(it covers {first:.4g} to {last:.4g} {unit})"
+            )
+            yield text, found
 
     def memory(self) -> Mapping[str, Any]:
         """For a checkpoint."""

@@ -28,15 +28,18 @@ class ToolFriction(Guard):
 
     def before(self, start: Start) -> Iterable[Doubt]:
         """Viscosities that the time step cannot carry."""
-        for tool, rate in zip(start.model.setup.tools, start.model.carried_rates(), strict=True):
-            share = viscous_share(law_of(tool.friction), rate)
-            if share < LEAST_VISCOUS_SHARE:
-                yield self.doubt(
-                    Level.WARNING,
-                    f"tool {tool.name}: the time step can carry {share:.0%} of the viscosity at high speed",
-                    "take a smaller time step, or a lower viscosity",
-                    value=share,
-                )
+        rates, told = start.model.carried_rates(), set[tuple[str, float]]()
+        for phase in start.phases:
+            for tool, rate in zip(phase.setup.tools, rates, strict=True):
+                share = viscous_share(law_of(tool.friction), rate)
+                if share < LEAST_VISCOUS_SHARE and (tool.name, share) not in told:
+                    told.add((tool.name, share))
+                    yield self.doubt(
+                        Level.WARNING,
+                        f"tool {tool.name}: the time step can carry {share:.0%} of the viscosity at high speed",
+                        "take a smaller time step, or a lower viscosity",
+                        value=share,
+                    )
 
     def watch(self, frame: Frame, ledger: Ledger) -> None:
         """Note the first use of a friction table beyond its ends."""
@@ -57,12 +60,11 @@ class ToolFriction(Guard):
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Uses beyond tables."""
-        for key, found in self._beyond.found.items():
-            sheet, index = key.split("\n")
-            tool = run.run.setup.tools[int(index)]
+        for text, found in self._beyond.told():
+            sheet, index = found["name"].split("\n")
             yield self.doubt(
                 Level.WARNING,
-                f"tool {tool.name}: {self._beyond.text(key, law_of(tool.friction))}",
+                f"tool {run.run.setup.tools[int(index)].name}: {text}",
                 "measure farther, or accept the coefficient at the end of the table",
                 sheet=sheet,
                 place=tuple(found["place"]),

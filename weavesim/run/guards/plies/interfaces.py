@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ....kernels.rows import PassEntry
+from ....process.friction import Friction
 from ...diagnosis import LARGEST_PLY_PENETRATION
 from ..friction.tables import LEAST_VISCOUS_SHARE, BeyondTables
 from ..guard import Doubt, Guard, Level, Start
@@ -43,7 +44,7 @@ class Interfaces(Guard):
         """Viscosities that the time step cannot carry."""
         self._passes = start.model.passes
         for model in self._passes:
-            share = model.viscous_share
+            share = min(map(model.carried_share, self._laws(start, model)), default=1.0)
             if share < LEAST_VISCOUS_SHARE:
                 yield self.doubt(
                     Level.WARNING,
@@ -51,6 +52,13 @@ class Interfaces(Guard):
                     "take a smaller time step, or a lower viscosity",
                     value=share,
                 )
+
+    @staticmethod
+    def _laws(start: Start, model: PassModel) -> Iterator[Friction]:
+        """Of a contact in all stages."""
+        yield model.interface.friction
+        for phase in start.phases:
+            yield from (each.friction for each in phase.setup.interfaces if f"interface {each.name}" == model.name)
 
     def watch(self, frame: Frame, ledger: Ledger) -> None:
         """Note the deepest that plies are in each other, and the first use of a friction table beyond its ends."""
@@ -107,10 +115,12 @@ class Interfaces(Guard):
                 value=found.depth,
                 limit=LARGEST_PLY_PENETRATION * model.thickness,
             )
-        if beyond := self._beyond.found.get(str(k)):
+        for text, beyond in self._beyond.told():
+            if beyond["name"] != str(k):
+                continue
             yield self.doubt(
                 Level.WARNING,
-                f"{name}: {self._beyond.text(str(k), model.interface.friction)}",
+                f"{name}: {text}",
                 "measure farther, or accept the coefficient at the end of the table",
                 sheet=model.slave.name,
                 place=tuple(beyond["place"]),

@@ -1,6 +1,7 @@
-"""Guards of stages: whether each comes to its end, and what it trims."""
+"""Guards of stages: whether each comes to its end, what it trims, and what its tools do to each other."""
 
+from .crossing import ToolsCross
 from .ends import StageEnds
 from .trims import Trims
 
-__all__ = ["StageEnds", "Trims"]
+__all__ = ["StageEnds", "ToolsCross", "Trims"]

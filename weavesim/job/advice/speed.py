@@ -12,7 +12,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..fabric.fabric import Fabric
+from ...fabric.fabric import Fabric
 
 # Share of the work of shearing that the kinetic energy may have, and the shear angle of that work [rad].
 KINETIC_SHARE = 0.01

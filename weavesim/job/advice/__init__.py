@@ -1,0 +1,1 @@
+"""What a new set-up is advised: speeds and damping, with the reasons."""

@@ -1,0 +1,1 @@
+"""Mass scaling by a stated error: what was tried and chosen."""

@@ -55,8 +55,8 @@ def check_command(
             say(table_of(checked.rows, shutil.get_terminal_size((WIDTH, 24)).columns))
             if file.job.solver.mass_scaling_angle is not None or file.job.solver.mass_scaling_draw_in is not None:
                 say(
-                    "Before it, weavesim form looks for the largest mass scaling that keeps the tolerances of [solver], "
-                    f"by up to {len(FACTORS) + 1} runs on elements 1.5 times as large, together about as long as one run."
+                    "Before it, weavesim form looks for the largest mass scaling that keeps the tolerances of "
+                    f"[solver]: up to {len(FACTORS) + 1} runs on elements 1.5 times as large, about as long as one run."
                 )
             count = sum(row.judgement == "look" for row in checked.rows)
             say(

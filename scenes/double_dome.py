@@ -58,6 +58,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
+# Sizes of elements whose surface sinks more than 0.1 mm between nodes that touch (0.19 mm at 5 mm), and which are not
+# so large that friction between nodes, over the edge of the die, sets the blank holder vibrating (decision 53) [m].
+BETWEEN_NODES = (3.5e-3, 7.5e-3)
 PUNCH_RAMP = 6.0e-3
 REST = 2.0e-3
 # Of a free sheet at rest [m/s]: about a millimetre is left to its slowest bending then; single precision makes 1 mm/s.
@@ -94,8 +97,10 @@ class DoubleDomeParameters(HolderOptions):
     self_contact: bool = Field(
         default=False, description="the sheet meets itself in folds, with its friction on the tools"
     )
-    contact_samples: Literal["nodes", "surface"] = Field(
-        default="nodes", description="where the sheet meets tools: at its nodes, or between them too, on its surface"
+    contact_samples: Literal["auto", "surface", "nodes"] = Field(
+        default="auto",
+        description="where the sheet meets tools: at its nodes, or between them too, on its surface; auto: there too "
+        "if elements are larger than 3.5 mm, up to 7.5 mm, and no tool is a mesh",
     )
     contact_allowance: Annotated[NotNegative, Quantity("contact allowance")] = Field(
         default=0.04, description="depth of the surface over the thickness from which it is pushed out between nodes"
@@ -136,7 +141,7 @@ class DoubleDomeParameters(HolderOptions):
     )
 
     needs: ClassVar[Mapping[str, Need]] = {
-        "contact_allowance": Need("contact_samples = surface", lambda options: options.contact_samples == "surface"),
+        "contact_allowance": Need("contact_samples = surface", lambda options: options.meets_between_nodes),
         "shear_modulus": Need("shear_law = linear", lambda options: options.shear_law == "linear"),
         "release_duration": Need("release", lambda options: options.release),
         "release_damping": Need("release", lambda options: options.release),
@@ -151,6 +156,13 @@ class DoubleDomeParameters(HolderOptions):
     def has_meshes(self) -> bool:
         """Whether a tool is the user's."""
         return any((self.punch, self.die, self.blank_holder))
+
+    @property
+    def meets_between_nodes(self) -> bool:
+        """Whether tools are met on the surface between nodes too."""
+        if self.contact_samples == "auto":
+            return BETWEEN_NODES[0] < self.mesh_size <= BETWEEN_NODES[1] and not self.has_meshes
+        return self.contact_samples == "surface"
 
     def blank_area(self) -> float:
         """Of the part that is computed [m^2]."""
@@ -266,8 +278,8 @@ def double_dome(parameters: DoubleDomeParameters, fabric: Fabric | None = None) 
             damping=parameters.damping,
             director_damping=DIRECTOR_DAMPING,
             contact_thickness=parameters.contact_thickness,
-            contact_samples=parameters.contact_samples,
-            contact_allowance=parameters.contact_allowance if parameters.contact_samples == "surface" else 0.0,
+            contact_samples="surface" if parameters.meets_between_nodes else "nodes",
+            contact_allowance=parameters.contact_allowance if parameters.meets_between_nodes else 0.0,
         ),
         **process(parameters, tools[0].motion.duration + REST, supports), solver=parameters.solver(),
         accept_unusual=parameters.accept_unusual,

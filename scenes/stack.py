@@ -89,6 +89,12 @@ class StackParameters(RunOptions):
         default=None,
         description="Coulomb coefficient between plies and tools; by default 0 in the hemisphere, 0.2 on the dome",
     )
+    contact_samples: Literal["nodes", "surface"] = Field(
+        default="nodes", description="where plies meet tools: at their nodes, or between them too, on their surface"
+    )
+    contact_allowance: Annotated[NotNegative, Quantity("contact allowance")] = Field(
+        default=0.04, description="depth of the surface over the thickness from which it is pushed out between nodes"
+    )
     self_contact: bool = Field(
         default=False, description="every ply meets itself in folds too, with the friction between plies"
     )
@@ -111,6 +117,7 @@ class StackParameters(RunOptions):
     frame_count: int = Field(default=60, ge=1, description="frames after the first")
 
     needs: ClassVar[Mapping[str, Need]] = {
+        "contact_allowance": Need("contact_samples = surface", lambda options: options.contact_samples == "surface"),
         "blank_holder_force": Need("tools = double-dome", lambda options: options.tools == "double-dome"),
     }
 
@@ -219,6 +226,8 @@ def stack(parameters: StackParameters, fabric: Fabric | None = None) -> Setup:
         "stack", sheets=sheets, tools=tools, symmetry=parameters.planes, interfaces=interfaces,
         dynamics=Dynamics(
             damping=parameters.chosen("damping"), director_damping=double_dome.DIRECTOR_DAMPING,
+            contact_samples=parameters.contact_samples,
+            contact_allowance=parameters.contact_allowance if parameters.contact_samples == "surface" else 0.0,
             gravity=(0.0, 0.0, -gravity),
         ),
         duration=tools[0].motion.duration + double_dome.REST, frame_count=parameters.frame_count,

@@ -44,6 +44,7 @@ def variant(number: int, mesh_size: float, device: str, share: float) -> Setup:
         blank_holder_force=float(rng.uniform(500.0, 5000.0)),
         stroke=STROKES[number % len(STROKES)],
         frame_count=1,
+        contact_samples="nodes",
     )
     setup = double_dome(options)
     (world,), fabric = setup.worlds, setup.sheet.fabric

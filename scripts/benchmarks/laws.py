@@ -84,7 +84,7 @@ def measured(variants: dict[str, Any], precision: str, mesh_size: float, turns: 
     from weavesim.run.simulation import Simulation
     from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 
-    parameters = DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1)
+    parameters = DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1, contact_samples="nodes")
     simulations = []
     for fabric, dynamics in variants.values():
         setup = double_dome(parameters, fabric)

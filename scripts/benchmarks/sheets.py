@@ -34,7 +34,9 @@ def sheets(
     from weavesim.run.simulation import Simulation
     from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 
-    setup = double_dome(DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1))
+    setup = double_dome(
+        DoubleDomeParameters(mesh_size=mesh_size, precision=precision, threads=1, contact_samples="nodes")
+    )
     (world,) = setup.worlds
     counts = counts or [1, 2, 4, 16]
     simulations = []

@@ -61,9 +61,10 @@ def test_draw_in_follows_the_taut_path(summary):
     assert abs(summary["taut_path_draw_in_mm"] - 30.8) < 0.05
 
 
-# Version 0.1.0 (docs/validation.md), before unit cells were plugs and laws had a history: the default is the same.
+# Version 0.1.0 (docs/validation.md), before unit cells were plugs, laws had a history and tools were met between nodes
+# too, which added 0.03 degrees to the largest angle.
 RECORDED_ANGLES = (0.0, 9.16, 20.50, 42.36, 40.36, 20.57, 1.00, 0.63, 0.02, 0.0)
-RECORDED = {"draw_in_long_axis_mm": 30.36, "draw_in_short_axis_mm": 30.72, "max_shear_angle_deg": 47.70}
+RECORDED = {"draw_in_long_axis_mm": 30.36, "draw_in_short_axis_mm": 30.72, "max_shear_angle_deg": 47.73}
 
 
 def test_the_default_answer_is_what_it_was(summary):
@@ -86,6 +87,7 @@ def test_yarns_and_cells_stay_in_their_range(summary):
     assert summary["unit_cell_failures"] == 0
     assert summary["unit_cell_max_residual"] < 1e-3
     assert summary["penetration_at_nodes_mm"] < 0.06
+    assert summary["penetration_of_surface_mm"] < 0.1
 
 
 def test_the_shear_map_has_no_zigzag(summary):
@@ -162,7 +164,8 @@ def test_bad_input_is_refused_before_the_run(values, words, tmp_path):
 
 def test_own_tool_meshes_take_the_place_of_the_default(tmp_path):
     """The default tools exported as meshes and read back in millimetres give the same draw-in."""
-    reference = Simulation(double_dome(DoubleDomeParameters(mesh_size=0.015, threads=1, stroke=0.03)))
+    coarse = {"mesh_size": 0.015, "threads": 1, "stroke": 0.03}
+    reference = Simulation(double_dome(DoubleDomeParameters(**coarse)))
     paths = {}
     for tool, shift, option in zip(reference.setup.tools, (-1, 1, -1), ("punch", "die", "blank_holder"), strict=True):
         mesh = tool.display_mesh()
@@ -170,7 +173,7 @@ def test_own_tool_meshes_take_the_place_of_the_default(tmp_path):
         mesh.apply_scale(1000.0)
         paths[option] = tmp_path / f"{option}.stl"
         mesh.export(paths[option])
-    parameters = DoubleDomeParameters(mesh_size=0.015, threads=1, stroke=0.03, unit_scale=0.001, **paths)
+    parameters = DoubleDomeParameters(**coarse, unit_scale=0.001, **paths)
     own = Simulation(double_dome(parameters))
     for simulation in (reference, own):
         simulation.run()

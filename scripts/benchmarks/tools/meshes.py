@@ -52,7 +52,7 @@ def _double_dome(precision: str, kind: str, mesh_size: float) -> Any:
             made = MeshShape.from_triangles(*_cut(made.surface, vertices[:, 2].min() - 0.02), name=tool.name)
         return made.placed(shape.origin, shape.rotation)
 
-    setup = double_dome(DoubleDomeParameters(mesh_size=mesh_size))
+    setup = double_dome(DoubleDomeParameters(mesh_size=mesh_size, contact_samples="nodes"))
     return _with_shapes(setup, (lambda tool: tool.shape) if kind == "built-in" else mesh, precision)
 
 

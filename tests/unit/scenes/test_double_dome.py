@@ -1,5 +1,7 @@
 """The default tools of the double dome fit the fabric (field case 16), and own tools are checked against it."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -113,3 +115,23 @@ def test_the_length_of_a_release_needs_one():
 def test_a_free_sheet_without_a_middle_node_is_refused():
     with pytest.raises(InputError, match="no node in its middle"):
         double_dome(DoubleDomeParameters(release=True, part="full", mesh_size=0.03))
+
+
+@pytest.mark.parametrize(
+    ("given", "samples"),
+    [
+        ({}, "surface"),
+        ({"mesh_size": 0.0025}, "nodes"),
+        ({"mesh_size": 0.01}, "nodes"),
+        ({"mesh_size": 0.0025, "contact_samples": "surface"}, "surface"),
+        ({"contact_samples": "nodes"}, "nodes"),
+        ({"punch": Path("punch.stl")}, "nodes"),
+    ],
+)
+def test_elements_that_would_sink_meet_the_default_tools_between_nodes_too(given, samples):
+    """Samples near meshes are looked at in every step, which is slow."""
+    assert DoubleDomeParameters(**given).meets_between_nodes == (samples == "surface")
+    if "punch" not in given:
+        (world,) = double_dome(DoubleDomeParameters(**given)).worlds
+        assert world.dynamics.contact_samples == samples
+        assert world.dynamics.contact_allowance == (0.04 if samples == "surface" else 0.0)

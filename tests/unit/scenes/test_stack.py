@@ -68,6 +68,12 @@ def test_plies_meet_themselves_if_asked():
     assert made(lay_up="0/90").sheets[0].self_contact is None
 
 
+def test_plies_meet_tools_between_their_nodes_if_asked():
+    dynamics = made(lay_up="0/90", contact_samples="surface").worlds[0].dynamics
+    assert (dynamics.contact_samples, dynamics.contact_allowance) == ("surface", 0.04)
+    assert made(lay_up="0/90").worlds[0].dynamics.contact_allowance == 0.0
+
+
 def test_one_ply_has_no_interface():
     assert made(lay_up="45").worlds[0].interfaces == ()
 
@@ -80,6 +86,7 @@ def test_one_ply_has_no_interface():
         ({"part": "quarter"}, "a ply at 45 degrees is not symmetric"),
         ({"lay_up": "0.785398"}, "45 degrees in radians"),
         ({"blank_holder_force": 100.0}, "has no effect without"),
+        ({"contact_allowance": 0.1}, "has no effect without"),
         ({"tools": "double-dome", "lay_up": "[0/90]30"}, "wider than the blank"),
         ({"ply_thickness": 1.0}, "at most 0.05 m"),
     ],

@@ -118,7 +118,6 @@ TESTED_ELSEWHERE = {
     "weavesim/output/paraview/sheets.py": "unit/output/paraview/test_series.py",
     "weavesim/output/files.py": "unit/output/test_folder.py",
     "weavesim/output/report/page.py": "unit/output/test_folder.py",
-    "weavesim/app/session.py": "unit/app/test_command_line.py",
     "weavesim/job/overrides.py": "unit/job/test_read.py",
     "weavesim/job/placing.py": "unit/job/test_build.py",
     "weavesim/job/schema.py": "unit/job/test_read.py",

@@ -43,7 +43,7 @@ from .results.export import export_command
 from .results.film import film_command
 from .results.kinematic import kinematic_command
 from .results.verdict import verdict_command
-from .session import announce_compilation, announced, interruptible
+from .session import announce_compilation, announced, interruptible, uncollected
 from .study_command import study_command
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
@@ -200,7 +200,8 @@ def _add_scene(name: str, scene: Any) -> None:
     def command(context: typer.Context) -> None:
         # plain help: boxed columns would truncate the option names
         scene_application = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
-        loaded = scene.load()
+        with uncollected():
+            loaded = scene.load()
         scene_command(scene_application, name, loaded.parameters, loaded.run, scene.help)
         scene_application(args=context.args, prog_name=f"weavesim {name}")
 
@@ -270,7 +271,8 @@ def scene_command(
 
 def _run_to_its_end(name: str, out: Path, run: Callable[[], dict[str, Any]]) -> None:
     """Run, say where the results are, and exit with a code."""
-    from ..engine.compilation import side_by_side
+    with uncollected():
+        from ..engine.compilation import side_by_side
 
     with interruptible() as interrupted, side_by_side(partial(announce_compilation, name)), announced():
         result = run()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError
 from ..run.checkpoint.pace import INTERVAL
 from .progress import ProgressBar, RunLog
+from .session import uncollected
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup
@@ -85,7 +86,8 @@ def run_into_folder(
         run_id, stop_on = (None, stop_on) if job is None else (job.run_id, job.stop_on)
         simulation = Simulation(setup, run_id=run_id, stop_on=stop_on)
         simulation.stops.pass_over(job.passed if job is not None else ())
-        info = simulation.prepare().info
+        with uncollected():
+            info = simulation.prepare().info
         if info.expected is not None:
             check_room(info.expected, setup, folder.path)
         _rehearse(simulation, measure)

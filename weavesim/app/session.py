@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import signal
 from collections.abc import Iterator
@@ -45,6 +46,18 @@ def announce_compilation(name: str, kernel_count: int) -> None:
     kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
     text = f"{name}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
     say(text, error=True)
+
+
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Leave out the search for garbage in cycles: what is imported and prepared stays, and is searched in vain."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 class _Announcements(logging.Handler):

@@ -92,7 +92,8 @@ def test_every_dotted_name_can_be_imported(document):
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
 def test_every_identifier_is_a_word_of_the_code(document):
-    spans = code_spans(text_of(document))
+    # columns of files are put together from parts; test_columns.py holds them against real ones
+    spans = code_spans(text_of(document).partition("\n## Columns and entries\n")[0])
     names = {span for span in spans if re.fullmatch(r"[A-Za-z]\w*(?:\.\w+)*(?:\(\))?", span)}
     names = {name for name in names if not name.endswith(RESULTS)}
     assert not [name for name in sorted(names) if not words_of_the_code().issuperset(re.findall(r"\w+", name))]

@@ -256,10 +256,11 @@ class RunLog:
 
     def start(self, info: RunInfo) -> None:
         self._begin_file(f"run {info.run_id}")
+        counts = " or ".join(map(str, info.thread_counts))
         lines = [
             f"weavesim {__version__}, Python {platform.python_version()}, {platform.platform()}",
             f"{info.name}: {info.precision} on {info.device} with "
-            f"{' or '.join(map(str, info.thread_counts))} threads, "
+            f"{counts} thread{'s' * (counts != '1')}, "
             f"duration {info.duration:g} s",
         ]
         for sheet in info.sheets:

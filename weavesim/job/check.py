@@ -23,7 +23,7 @@ from ..tools.mesh_tool import MeshSurface
 from ..tools.mesh_topology import place
 from ..tools.sampling import DOUBTFUL_ERROR
 from ..tools.shapes import Shape
-from ..tools.surfaces.flaws import holes_of, sharper_than
+from ..tools.surfaces.flaws import forgotten_holes, holes_of, sharper_than
 from .advice.speed import suggested_speed
 from .advice.told import LOOK, NOTE, OK, Row, damping_rows
 from .stages.told import stage_lines
@@ -177,12 +177,10 @@ def _in_world(part: Shape, point: np.ndarray) -> np.ndarray:
 
 def _holes(part: Shape, surface: MeshSurface) -> Iterator[Row]:
     """Holes in an open sheet: large ones are openings, and small ones were probably forgotten."""
-    holes = holes_of(surface)
-    small = [hole for hole in holes if not hole.is_opening]
-    if len(holes) > len(small):
-        widths = ", ".join(f"{1e3 * hole.width:.3g}" for hole in holes if hole not in small)
+    if openings := [hole for hole in holes_of(surface) if hole.is_opening]:
+        widths = ", ".join(f"{1e3 * hole.width:.3g}" for hole in openings)
         yield Row("tools", "opening", f"{widths} mm across, with nothing of the tool in it")
-    if small:
+    if small := forgotten_holes(part):
         yield Row(
             "tools",
             "holes",

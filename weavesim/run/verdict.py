@@ -98,9 +98,11 @@ class Judged:
         scale = self.scale
         if scale is None:
             return []
+        # what contact stores at the start, as under a ring in touch, was neither supplied nor made by the run
+        start = self.history[0]["balance_error"]
         return [
             (
-                abs(entry["balance_error"])
+                abs(entry["balance_error"] - start)
                 / max(abs(entry["supplied"]), entry["used"], self.least_energy, LEAST_WORK * scale),
                 entry["time"],
             )

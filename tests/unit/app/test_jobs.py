@@ -1,12 +1,9 @@
 """The commands for jobs, as a user types them."""
 
 import json
-import re
 import shutil
-import subprocess
 
 import meshio
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -169,67 +166,6 @@ def test_what_new_cannot_do_is_refused(tmp_path, monkeypatch, words, message):
     monkeypatch.chdir(tmp_path)
     assert message in problem("new", *words)
     assert not (tmp_path / "part").exists()
-
-
-@pytest.mark.slow
-def test_the_hour_of_a_newcomer(tmp_path, monkeypatch):
-    """A die that is not ours: new, check, form, view; no edit but the fabric's name, and coarse to be quick."""
-    from tests.support.jobs import tray_surface, write_stl
-
-    monkeypatch.chdir(tmp_path)
-    write_stl(tmp_path / "die.stl", *tray_surface())
-    made = call("new", "tray", "--die", "die.stl", "--thickness", "1.2", "--mesh-size", "10")
-    assert made.exit_code == 0, made.output
-    for text in ("Unit: mm, guessed", "Up: +z", "an opening of 160 x 120 mm with a flat rim", "weavesim check"):
-        assert text in " ".join(made.output.split()), made.output
-    job = tmp_path / "tray" / "job.toml"
-    assert "it exists" in problem("new", "tray", "--die", "die.stl")
-    job.write_text(job.read_text().replace('"glass-polypropylene"', '"glass-polypropylene-polynomial"'))
-    checked = call("check", job)
-    assert checked.exit_code == 0, checked.output
-    assert "die - punch" in checked.output and (tmp_path / "tray" / "job_check.png").stat().st_size > 20_000
-    formed = call(
-        "form",
-        job,
-        "--set",
-        "output.frame_count=6",
-        "--set",
-        "tools.punch.speed=1.5 m/s",
-        "--set",
-        'output.write=["summary", "pictures", "results"]',
-    )
-    assert "Results are in" in formed.output, formed.output
-    seen = call("view", tmp_path / "tray" / "out", "--no-open")
-    assert "glass" in json.loads((tmp_path / "tray" / "out" / "summary.json").read_text())["fabric"]
-    assert "pictures/formed_sheet.png" in seen.output
-    summary = json.loads((tmp_path / "tray" / "out" / "summary.json").read_text())
-    assert summary["outcome"] == "finished"
-    assert 30.0 < summary["max_shear_angle_deg"] < 75.0
-    left = call("export", tmp_path / "tray" / "out", "--to", "calculix")
-    assert left.exit_code == 0, left.output
-    if shutil.which("ccx"):
-        assert _bent_by_calculix(tmp_path / "tray" / "out" / "export") > 0.0
-
-
-def _bent_by_calculix(folder):
-    """Deflection of the exported part under its weight times ten, held around its border [m]."""
-    import meshio
-
-    (deck,) = folder.glob("*_calculix.inp")
-    points = meshio.read(deck).points
-    elements = re.search(r"\*ELEMENT, TYPE=\w+, ELSET=(\w+)", deck.read_text())[1]
-    # the corner nodes and those in the middles of the sides; the flange is held
-    flange = np.flatnonzero(points[:, 2] > points[:, 2].max() - 1e-3) + 1
-    lines = [f"*INCLUDE, INPUT={deck.name}", "*NSET, NSET=FLANGE", *(f"{label}," for label in flange)]
-    lines += ["*NSET, NSET=ALLNODES, GENERATE", f"1, {len(points)}, 1", "*BOUNDARY", "FLANGE, 1, 6", "*STEP", "*STATIC"]
-    lines += ["*DLOAD", f"{elements}, GRAV, 98.1, 0., 0., -1.", "*NODE PRINT, NSET=ALLNODES", "U", "*END STEP", ""]
-    (folder / "run.inp").write_text("\n".join(lines))
-    done = subprocess.run(["ccx", "run"], cwd=folder, capture_output=True, text=True, timeout=300)
-    assert "Job finished" in done.stdout, done.stdout[-2000:]
-    rows = [line.split() for line in (folder / "run.dat").read_text().splitlines()]
-    down = np.array([float(row[3]) for row in rows if len(row) == 4])
-    assert np.isfinite(down).all() and np.abs(down).max() < 0.01
-    return float(-down.min())
 
 
 def test_fields_of_a_later_version_and_another_commit_do_not_make_a_run_another(job_folder, tmp_path):

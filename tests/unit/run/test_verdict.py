@@ -117,6 +117,18 @@ def test_energy_from_nothing_is_still_doubted(pulled):
     assert summary(run)["energy_balance_error"] == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(("made", "ratio"), [(0.0, 0.0), (0.2, 0.2)])
+def test_what_is_stored_at_the_start_is_no_error(pulled, made, ratio):
+    """A ring in touch stores a little in contact before anything moves: energy that is made afterwards counts."""
+    run, stored = Grown(pulled, 0.0), 1.0e-3
+    rest = dict.fromkeys(run.watch.history[0], 0.0)
+    first = rest | {"contact": stored, "used": stored, "balance_error": -stored}
+    work = rest | {"internal": 1.0, "contact": stored, "tool_work": 1.0, "supplied": 1.0, "time": 1.0,
+                   "used": 1.0 + stored + made, "balance_error": -stored - made}  # fmt: skip
+    run.watch.history[:] = [first, work]
+    assert summary(run)["energy_balance_error"] == pytest.approx(ratio / (1.0 + stored + made), abs=1e-12)
+
+
 class Grown:
     """A run to which nothing is supplied, and whose energy grows all the same [J]."""
 

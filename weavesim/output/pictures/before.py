@@ -9,7 +9,7 @@ import numpy as np
 from ...tools.mesh_features import convex_radii
 from ...tools.mesh_topology import directed_edges, edge_keys
 from ...tools.sampling import DOUBTFUL_ERROR, sampled_distance
-from ...tools.surfaces.flaws import holes_of
+from ...tools.surfaces.flaws import forgotten_holes
 from .sections import plane_cut
 from .style import ACCENT, INK, LINE_COLOURS, MEASURED, new_axes, new_figure, words
 
@@ -153,14 +153,13 @@ def _plan(axes: Axes, setup: Setup, tool: Tool, size: float) -> set[str]:
         if len(surface.sharp_edges):
             lines = 1.0e3 * vertices[surface.sharp_edges][:, :, :2]
             axes.add_collection(LineCollection(list(lines), colors=MEASURED, linewidths=1.6))
-        for hole in holes_of(surface):
-            if not hole.is_opening:
-                lines = 1.0e3 * (hole.edges @ turn + origin)[:, :, :2]
-                axes.add_collection(LineCollection(list(lines), colors=HOLE, linewidths=2.4, zorder=4))
-                # a small one would not be seen
-                middle = 1.0e3 * (hole.place @ turn + origin)
-                axes.plot(*middle[:2], marker="o", markersize=14.0, fillstyle="none", color=HOLE, zorder=4)
-                found.add("hole")
+        for hole in forgotten_holes(part):
+            lines = 1.0e3 * (hole.edges @ turn + origin)[:, :, :2]
+            axes.add_collection(LineCollection(list(lines), colors=HOLE, linewidths=2.4, zorder=4))
+            # a small one would not be seen
+            middle = 1.0e3 * (hole.place @ turn + origin)
+            axes.plot(*middle[:2], marker="o", markersize=14.0, fillstyle="none", color=HOLE, zorder=4)
+            found.add("hole")
     for sheet in setup.worlds[0].sheets:
         loop = sheet.blank.boundary_loop()
         outline = 1.0e3 * sheet.blank.node_position[np.append(loop, loop[0])][:, :2]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..colours import LARGEST_SHOWN_ANGLE
-from .style import FAINT, INK, colour_map, new_axes, new_figure
+from .style import FAINT, INK, colour_map, fitting_height, new_axes, new_figure
 from .surface import OBLIQUE, draw_elements, scaled_colours, signed_colours, view
 
 if TYPE_CHECKING:
@@ -26,9 +26,14 @@ def net_picture(drape: KinematicDrape) -> Figure:
         _draw_net(new_axes(figure, 1, 1, 1, title=f"Kinematic drape on {drape.tool}"), drape)
         add_bar(figure, figure.axes, "Shear angle [degrees]", colour_map(), 0.0, LARGEST_SHOWN_ANGLE)
         return figure
-    figure = new_figure(16.0, 5.4)
+    _, screen = view(OBLIQUE)
+    whole = drape.sheet.symmetry.mirrored(drape.sheet.position) @ screen
+    net_points = drape.net.position[np.isfinite(drape.net.position).all(axis=-1)] @ screen
+    ratios = [_ratio(points) for points in (whole, net_points, whole)]
+    figure = new_figure(16.0, fitting_height(16.0, ratios, 1.2))
+    grid = figure.add_gridspec(1, 3, width_ratios=[1.0 / ratio for ratio in ratios])
     formed, net, difference = (
-        new_axes(figure, 1, 3, k + 1, title=title)
+        new_axes(figure, grid[0, k], title=title)
         for k, title in enumerate(("Formed sheet", f"Kinematic drape on {drape.tool}", "Formed less kinematic"))
     )
     draw_elements(formed, drape.sheet, scaled_colours(drape.sheet.shear_angle_deg, LARGEST_SHOWN_ANGLE), OBLIQUE)
@@ -40,6 +45,12 @@ def net_picture(drape: KinematicDrape) -> Figure:
     text = "Difference [degrees]; grey where the net does not reach"
     add_bar(figure, [difference], text, "coolwarm", -_SHOWN_DIFFERENCE, _SHOWN_DIFFERENCE)
     return figure
+
+
+def _ratio(points: np.ndarray) -> float:
+    """Height over width of points on the screen, (n, 2)."""
+    width, height = np.ptp(points, axis=0)
+    return float(np.clip(height / width, 0.15, 6.0))
 
 
 def _draw_net(axes: Axes, drape: KinematicDrape) -> None:

@@ -11,6 +11,7 @@ from ..mesh_features import convex_radii, face_normals
 from ..mesh_repair import diagonal
 from ..mesh_tool import MeshSurface
 from ..mesh_topology import directed_edges, labels
+from ..shapes import Shape
 
 # A hole that is wider than this share of its surface is an opening that is meant.
 OPENING = 0.25
@@ -50,6 +51,14 @@ def holes_of(surface: MeshSurface) -> list[Hole]:
             middle = 0.5 * (loops[k].min(axis=(0, 1)) + loops[k].max(axis=(0, 1)))
             holes.append(Hole(loops[k], middle, widths[k], widths[k] > OPENING * size))
     return sorted(holes, key=lambda hole: hole.width)
+
+
+def forgotten_holes(shape: Shape) -> list[Hole]:
+    """Holes in a mesh of a file that are no openings, the smallest first; what is made from another tool has none."""
+    mesh = getattr(shape, "mesh", None)
+    if mesh is None or mesh.path is None:
+        return []
+    return [hole for hole in holes_of(mesh.surface) if not hole.is_opening]
 
 
 class SharpPart(NamedTuple):

@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from .process.loads import NodalLoads
     from .process.motions.paths import PathMotion, Rotation
     from .process.pressure import Pressure
+    from .process.scaling.mass import MassScaling
     from .process.self_contact import SelfContact
     from .process.stages import AtForce, AtRest, AtStroke, FrictionOf, Move, SheetLoads, SheetPressure, Stage, StageEnd
     from .process.strokes import Fixed, ForceDriven, Motion, SmoothStroke, Stroke
@@ -81,7 +82,7 @@ if TYPE_CHECKING:
     from .run.batch.batch_run import BatchRun
     from .run.frame import Frame, Observer, Outcome, RunInfo, SheetFrame
     from .run.relaxation import relax
-    from .run.scaling.mass import choose_mass_scaling
+    from .run.scaling.mass import choose_mass_scaling, with_mass_scaling
     from .run.simulation import Simulation
     from .sheet.blank import Blank
     from .sheet.sheet import Sheet
@@ -160,6 +161,7 @@ _names_in = {
     "process.loads": ("NodalLoads",),
     "process.motions.paths": ("PathMotion", "Rotation"),
     "process.pressure": ("Pressure",),
+    "process.scaling.mass": ("MassScaling",),
     "process.self_contact": ("SelfContact",),
     "process.stages": (
         "AtForce",
@@ -179,7 +181,7 @@ _names_in = {
     "run.batch.batch_run": ("BatchRun",),
     "run.frame": ("Frame", "Observer", "Outcome", "RunInfo", "SheetFrame"),
     "run.relaxation": ("relax",),
-    "run.scaling.mass": ("choose_mass_scaling",),
+    "run.scaling.mass": ("choose_mass_scaling", "with_mass_scaling"),
     "run.simulation": ("Simulation",),
     "sheet.blank": ("Blank",),
     "sheet.sheet": ("Sheet",),

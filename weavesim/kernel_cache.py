@@ -41,7 +41,7 @@ UNUSED_AGE = 24.0 * 3600.0
 # Our folders in the cache, one per kind of processor; others may keep theirs beside them.
 OWN_FOLDER = re.compile(r"[0-9a-f]{12}")
 # Folders in which Warp compiles, and an age at which no compiler is still at work in one [s].
-LEFTOVER = re.compile(r"_p\d+_t\d+$")
+LEFTOVER = re.compile(r"_p(\d+)_t\d+$")
 LEFTOVER_AGE = 24.0 * 3600.0
 
 logger = logging.getLogger(__name__)
@@ -156,7 +156,7 @@ def own_folders(base: Path) -> list[Path]:
 
 
 def clear(base: Path) -> None:
-    """Remove all of weavesim's modules from a cache, and the folders that are empty then.
+    """Remove all of weavesim's modules from a cache, what ended compilers left, and the folders that are empty then.
 
     Raises:
         InputError: some cannot be removed.
@@ -165,6 +165,7 @@ def clear(base: Path) -> None:
         try:
             for module in modules(folder):
                 shutil.rmtree(module.folder)
+            _remove_leftovers(folder, of_the_ended=True)
         except OSError as error:
             raise InputError(
                 f"compiled kernels in {folder} cannot be removed: {error.strerror or error}; end the runs that use "
@@ -175,12 +176,31 @@ def clear(base: Path) -> None:
                 emptied.rmdir()
 
 
-def _remove_leftovers(folder: Path) -> None:
-    """Remove what compilers left that were ended in the middle of a kernel: folders named by process and thread."""
+def _remove_leftovers(folder: Path, of_the_ended: bool = False) -> None:
+    """Remove what compilers left that were ended in the middle of a kernel: folders named by process and thread.
+
+    Those of a day ago; or also those whose process has ended on this machine: others may share the cache.
+    """
     with suppress(OSError):
         for path in folder.iterdir():
-            if LEFTOVER.search(path.name) and time.time() - path.stat().st_mtime > LEFTOVER_AGE:
+            if (found := LEFTOVER.search(path.name)) is None:
+                continue
+            old = time.time() - path.stat().st_mtime > LEFTOVER_AGE
+            if old or (of_the_ended and not _is_alive(int(found[1]))):
                 shutil.rmtree(path, ignore_errors=True)
+
+
+def _is_alive(process: int) -> bool:
+    """Whether a process may still be at work; it may where the system does not tell."""
+    if os.name != "posix":
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        pass
+    return True
 
 
 def use_temporary(error: OSError) -> None:

@@ -61,6 +61,11 @@ REFUSED = {
     f"{motion}: yarns a thousand times softer": "locking_stiffness = .* a tenth of the yarn stiffness per width"
     for motion in ("stretched", "sheared")
 }
+# Of those that stop in single precision alone: the sheet is crumpled in both, its elements sheared by 75 degrees,
+# folded and turned over; there it loses a node too.
+STOPPED_IN_SINGLE = {
+    "sheared: membrane 1000 : 1": "the state became non-finite after .* is the first suspect: shear angle 7",
+}
 # Of the stable step: at the largest that is allowed, fast vibrations have errors of their energy that the guard sees.
 STEP_SAFETY, LARGEST_STEP_SAFETY = 0.6, 0.9
 
@@ -237,15 +242,16 @@ def rows() -> Iterator[Row]:
         "fabric": glass_polypropylene(), "precision": "float32", "blank": square(707), "steps": 100})  # fmt: skip
 
 
-def judged(row: Row) -> tuple[bool, str]:
-    """Whether a run ends as its row says, and how it ended."""
+def judged(row: Row, precision: str | None = None) -> tuple[bool, str]:
+    """Whether a run ends as its row says, and how it ended; in another precision than the row's, if one is given."""
+    refused = (REFUSED | (STOPPED_IN_SINGLE if precision == "float32" else {})).get(row.name)
     try:
-        simulation = thrown(**row.make())
+        simulation = thrown(**(row.make() | ({} if precision is None else {"precision": precision})))
         simulation.run()
     except (InputError, RunError) as error:
-        return row.name in REFUSED and re.search(REFUSED[row.name], str(error)) is not None, str(error)[:200]
-    if name_of_refusal := REFUSED.get(row.name):
-        return False, f"it was not refused: {name_of_refusal}"
+        return bool(refused) and re.search(refused, str(error)) is not None, str(error)[:200]
+    if refused:
+        return False, f"it was not refused: {refused}"
     finite = all(np.isfinite(state.motion.numpy()).all() for state in simulation.state.sheets)
     said = {doubt.guard for doubt in simulation.doubts() if doubt.level > 0} - ALWAYS
     wanted = EXPECTED.get(row.name, set())
@@ -257,11 +263,20 @@ def judged(row: Row) -> tuple[bool, str]:
 
 
 def extremes(folder: Path, count: int, seed: int) -> bool:
-    """The first ``count`` rows."""
+    """The first ``count`` rows, each as it says; see ``extremes_in_single`` for the other precision."""
+    return _all_well(count, None)
+
+
+def extremes_in_single(folder: Path, count: int, seed: int) -> bool:
+    """The first ``count`` rows in single precision, the default of a run."""
+    return _all_well(count, "float32")
+
+
+def _all_well(count: int, precision: str | None) -> bool:
     well = True
     for row in list(rows())[:count]:
         started = time.monotonic()
-        good, text = judged(row)
+        good, text = judged(row, precision)
         well = well and good
         print(f"{'' if good else 'FAILED: '}{row.name}: {text} ({time.monotonic() - started:.1f} s)", flush=True)
     return well

@@ -38,6 +38,7 @@ PARTS = {
     "damage": Part(damage.damage, 10_000, "damaged files for every reader"),
     "cells": Part(cells.cells, 10_000_000, "random states of unit cells"),
     "extremes": Part(extremes.extremes, 1000, "extreme but legal runs, at most"),
+    "extremes-in-single": Part(extremes.extremes_in_single, 1000, "of these in single precision, at most"),
     "runs": Part(endurance.runs, 100, "runs in one process"),
     "steps": Part(endurance.steps, 1_000_000, "steps of one run"),
 }

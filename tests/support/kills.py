@@ -1,7 +1,8 @@
 """Runs that are killed at random moments and resumed until they end, in forked processes of one interpreter.
 
-``python -m tests.support.kills FOLDER COUNT SEED`` prints a line of JSON for every run: how it was killed, and what is
-different from a run that was never interrupted.
+``python -m tests.support.kills FOLDER COUNT SEED [KILLS]`` prints a line of JSON for every run: how it was killed, and
+what is different from a run that was never interrupted. After COUNT runs in stages follow those of a set-up without
+any, which take a third of the time, until there were so many KILLS.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tests.support.every_kind import IN_LANES, in_stages
+from tests.support.every_kind import IN_LANES, in_stages, two_worlds
 from weavesim.app.run_into_folder import run_into_folder
 from weavesim.engine.setup import Setup
 from weavesim.output import ResultFolder
@@ -42,9 +43,11 @@ VOLATILE = {
 LONGEST_LIFE = 60.0
 
 
-def tiny_setup(threads: int = 1) -> Setup:
-    """Three sheets in two worlds, with every kind of state, in four stages; a few hundred steps."""
-    setup = in_stages(IN_LANES)
+def tiny_setup(threads: int = 1, short: bool = False) -> Setup:
+    """Three sheets in two worlds, with every kind of state: a few hundred steps in four stages, or fifty in none."""
+    setup = two_worlds(IN_LANES) if short else in_stages(IN_LANES)
+    if short:
+        setup = setup.model_copy(update={"duration": 1.0e-4, "frame_count": 2, "accept_unusual": True})
     solver = setup.solver.model_copy(update={"threads": threads})
     return setup.model_copy(update={"solver": solver, "name": "tiny"})
 
@@ -164,7 +167,7 @@ def forked(work: Callable[[], object], death: Death = NEVER) -> tuple[bool, str,
     return "result" in answer, answer.get("error", json.dumps(answer.get("result"))), seconds
 
 
-def run_or_resume(folder: Path, threads: int, death: Death) -> dict[str, Any]:
+def run_or_resume(folder: Path, threads: int, death: Death, short: bool = False) -> dict[str, Any]:
     """Begin a run in a folder, or go on with it if it has begun: what ``weavesim resume`` does, without its start."""
     checkpoints_module.LARGEST_SHARE = 1.0e9
     ended: dict[str, Any] = {}
@@ -176,7 +179,7 @@ def run_or_resume(folder: Path, threads: int, death: Death) -> dict[str, Any]:
         remove(self)
 
     Checkpoints.remove = digested  # type: ignore[method-assign]
-    setup = tiny_setup(threads)
+    setup = tiny_setup(threads, short)
     resumes = has_job(folder)
     operations = _Operations(death)
     operations.install()
@@ -216,24 +219,46 @@ def deaths(rng: random.Random, operation_count: int, seconds: float) -> Iterator
             yield Death(after=rng.uniform(0.0, seconds))
 
 
-def kill_and_resume(folder: Path, rng: random.Random, reference: dict[str, str], size: tuple[int, float]) -> dict:
-    """One run: how often it was killed, how, and how its end differs from the reference."""
+class Whole(NamedTuple):
+    """A run that was never interrupted: what it left, its operations on files, and how long it took [s]."""
+
+    outcome: dict[str, str]
+    operations: int
+    seconds: float
+
+
+def uninterrupted(folder: Path, short: bool) -> Whole:
+    """Run to the end, with whatever else that needs.
+
+    Raises:
+        RuntimeError: it did not come to its end.
+    """
     shutil.rmtree(folder, ignore_errors=True)
-    planned, tried = list(deaths(rng, *size)), []
+    done, said, seconds = forked(partial(run_or_resume, folder, 1, NEVER, short))
+    if not done:
+        raise RuntimeError(said)
+    ended = json.loads(said)
+    return Whole(outcome(folder, ended), ended["operations"], seconds)
+
+
+def kill_and_resume(folder: Path, rng: random.Random, whole: Whole, short: bool) -> dict:
+    """One run: how often it was killed, how, and how its end differs from the whole one."""
+    shutil.rmtree(folder, ignore_errors=True)
+    planned, tried = list(deaths(rng, whole.operations, whole.seconds)), []
     for death in planned:
         threads = rng.choice((1, 2))
-        done, said, _ = forked(partial(run_or_resume, folder, threads, death), death)
+        done, said, _ = forked(partial(run_or_resume, folder, threads, death, short), death)
         tried.append({"threads": threads, **death._asdict(), "ended": said if done or said != "killed" else "killed",
                       "resumable": has_job(folder)})  # fmt: skip
         if done or said != "killed":
             break
     else:
-        done, said, _ = forked(partial(run_or_resume, folder, 1, NEVER))
+        done, said, _ = forked(partial(run_or_resume, folder, 1, NEVER, short))
     if not done:
         return {"deaths": tried, "error": said}
     ended = outcome(folder, json.loads(said))
-    names = sorted({*ended, *reference})
-    return {"deaths": tried, "different": [name for name in names if ended.get(name) != reference.get(name)]}
+    names = sorted({*ended, *whole.outcome})
+    return {"deaths": tried, "different": [name for name in names if ended.get(name) != whole.outcome.get(name)]}
 
 
 def warmed_up() -> None:
@@ -241,26 +266,28 @@ def warmed_up() -> None:
     FilmWriter.load()
     for threads in (1, 2):
         Simulation(tiny_setup(threads)).prepare()
+        Simulation(tiny_setup(threads, short=True)).prepare()
 
 
-def main(folder: str, count: str, seed: str) -> int:
+def main(folder: str, count: str, seed: str, kills: str = "0") -> int:
     base, rng = Path(folder), random.Random(int(seed))
     base.mkdir(parents=True, exist_ok=True)
     with contextlib.redirect_stdout(sys.stderr):
         warmed_up()
-    shutil.rmtree(base / "reference", ignore_errors=True)
-    done, said, seconds = forked(partial(run_or_resume, base / "reference", 1, NEVER))
-    if not done:
-        print(json.dumps({"error": said}), flush=True)
-        return 1
-    ended = json.loads(said)
-    reference = outcome(base / "reference", ended)
-    print(json.dumps({"reference": len(reference), "operations": ended["operations"], "seconds": seconds}), flush=True)
-    failed = 0
-    for _ in range(int(count)):
-        found = kill_and_resume(base / "killed", rng, reference, (ended["operations"], seconds))
-        failed += bool(found.get("error") or found.get("different"))
-        print(json.dumps(found), flush=True)
+    failed = killed = 0
+    for short, number in ((False, int(count)), (True, int(kills))):
+        if not number:
+            continue
+        whole = uninterrupted(base / "reference", short)
+        about = {"reference": len(whole.outcome), "operations": whole.operations, "seconds": whole.seconds}
+        print(json.dumps(about), flush=True)
+        for _ in range(number):
+            if short and killed >= number:
+                break
+            found = kill_and_resume(base / "killed", rng, whole, short)
+            killed += sum(death["ended"] == "killed" for death in found["deaths"])
+            failed += bool(found.get("error") or found.get("different"))
+            print(json.dumps(found), flush=True)
     return int(failed > 0)
 
 

@@ -253,3 +253,17 @@ def test_the_cache_is_shown_and_cleared(tmp_path):
     assert command() == shown and command("--clear") == f"{shown}Removed.\n"
     assert command() == f"{cache}: no compiled kernels\n"
     assert sorted(path.parent.name for path in cache.rglob("kernel.o")) == ["of others too", "theirs"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the system does not tell whether a process has ended")
+def test_what_ended_compilers_left_is_cleared_at_once(tmp_path):
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    folder = tmp_path / "0123456789ab" / "1.0"
+    for process in (ended.pid, os.getpid()):
+        (folder / f"wp_module_p{process}_t1").mkdir(parents=True)
+    kernel_cache.clear(tmp_path)
+    assert [path.name for path in folder.iterdir()] == [f"wp_module_p{os.getpid()}_t1"]
+    os.utime(folder / f"wp_module_p{os.getpid()}_t1", (0.0, 0.0))
+    kernel_cache.clear(tmp_path)
+    assert list(tmp_path.iterdir()) == []

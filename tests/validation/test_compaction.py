@@ -20,7 +20,9 @@ def test_compaction_follows_its_law_beside_a_measured_curve(tmp_path):
     summary = compaction.SCENE.run(
         CompactionParameters(out=tmp_path / "out", measured=tmp_path / "plates.csv", write="summary,pictures", **COARSE)
     )
-    assert summary["energy_balance_error"] < 0.01
+    # of the work of the run: the first watched state has a hundredth of it, at strains of 1e-5 in single precision
+    energies = summary["energies_j"]
+    assert abs(energies["balance_error"]) < 0.01 * energies["used"]
     assert summary["pressure_pa"] == pytest.approx(1.0e5, rel=1e-3)
     assert summary["plates_thickness_mm"] == pytest.approx(1.2 / (1.0 + 1.0e5 / modulus), rel=1e-5)
     assert summary["largest_thickness_error_ratio"] < 1e-5

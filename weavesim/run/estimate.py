@@ -134,9 +134,15 @@ def check_room(expected: Estimate, setup: Setup, folder: Path) -> None:
     """Ask about a run whose results have no room on the disk.
 
     Raises:
-        InputError: they have none, and the set-up does not accept what is unusual.
+        InputError: they have none, and the set-up does not accept what is unusual; the folder has gone.
     """
-    free = shutil.disk_usage(folder).free
+    try:
+        free = shutil.disk_usage(folder).free
+    except OSError as error:
+        raise InputError(
+            f"output folder {folder}: it was there, and is no longer ({error.strerror or error}); run it again, or "
+            "give another folder"
+        ) from None
     if expected.disk > free and not setup.accept_unusual:
         raise InputError(
             f"output folder {folder}: {free / 1e6:,.0f} MB are free, but this run would take {expected}; give a folder "

@@ -97,3 +97,9 @@ def test_results_without_room_are_asked_about(monkeypatch, tmp_path):
     monkeypatch.setattr(module.shutil, "disk_usage", lambda folder: type("Usage", (), {"free": 1000}))
     with pytest.raises(InputError, match="0 MB are free, but this run would take about"):
         check_room(estimate(given), given, tmp_path)
+
+
+def test_a_folder_that_has_gone_is_told(tmp_path):
+    given = setup()
+    with pytest.raises(InputError, match="it was there, and is no longer .No such file or directory.; run it again"):
+        check_room(estimate(given), given, tmp_path / "gone")

@@ -53,6 +53,21 @@ def test_extreme_runs(capsys):
     assert [extremes.judged(found[name])[0] for name in names] == [True, True, True]
 
 
+# As in double precision; the last one stops, with its message.
+IN_SINGLE = (
+    "stretched: one element", "stretched: one row", "falls on a table with 100 m/s", "sheared: membrane 1000 : 1",
+    "sheared: hardly any shear stiffness", "stretched: membrane 1000 : 1",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", IN_SINGLE)
+def test_extreme_runs_in_single_precision(name):
+    (row,) = [row for row in extremes.rows() if row.name == name]
+    good, text = extremes.judged(row, "float32")
+    assert good, text
+    assert ("non-finite" in text) == (name in extremes.STOPPED_IN_SINGLE)
+
+
 def test_an_extreme_run_that_says_something_else_is_seen(monkeypatch):
     row = next(row for row in extremes.rows() if row.name == "stretched: single precision")
     monkeypatch.setitem(extremes.EXPECTED, row.name, {"hourglass_energy"})

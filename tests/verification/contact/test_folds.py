@@ -15,8 +15,8 @@ from weavesim.tools import Plane
 
 # The twisted strip: length, width, elements over the thickness; turns; share of its length by which its ends approach.
 LENGTH, WIDTH, TWIST_SIZE, TURNS, APPROACH, TWISTING = 120.0, 9.0, 1.5, 2.0, 0.15, 0.04
-# The falling square: side, length and height of its waves [m], speed [m/s], time [s].
-SIDE, WAVE, AMPLITUDE, SPEED, FALLING = 0.12, 0.06, 0.01, 8.0, 0.02
+# The falling square: side, length and height of its waves [m], speed [m/s], time [s], elements over the thickness.
+SIDE, WAVE, AMPLITUDE, SPEED, FALLING, FALLING_SIZE = 0.12, 0.06, 0.01, 8.0, 0.02, 1.5
 
 
 class Pressed(Observer):
@@ -71,7 +71,7 @@ def waved_square(self_contact: SelfContact | None) -> Sheet:
     height = np.linspace(0.0, SIDE, 8001)
     wave = AMPLITUDE * np.sin(2.0 * np.pi * height / WAVE) * np.minimum(1.0, 4.0 * height / WAVE)
     arc = np.append(0.0, np.cumsum(np.hypot(np.diff(height), np.diff(wave))))
-    size = 2.0 * THICKNESS
+    size = FALLING_SIZE * THICKNESS
     blank = bent_strip(
         lambda s: np.column_stack([np.interp(s, arc, wave), np.interp(s, arc, height)]), arc[-1], size,
         width=round(SIDE / size),

@@ -35,6 +35,7 @@ def check_command(
     from ...output.pictures.before import before_run
     from ...output.pictures.style import write_picture
     from ...output.writer import chosen_writers
+    from ...run.scaling.mass import FACTORS
 
     file = read_job(job, set_ or (), files_from or ())
     if picture is not None and picture.suffix.lower() not in SUFFIXES:
@@ -52,6 +53,11 @@ def check_command(
                 write_picture(before_run(setup, with_errors=True), path)
             say(f"{file.job.name}{f', {case}' if case else ''}")
             say(table_of(checked.rows, shutil.get_terminal_size((WIDTH, 24)).columns))
+            if file.job.solver.mass_scaling_angle is not None or file.job.solver.mass_scaling_draw_in is not None:
+                say(
+                    "Before it, weavesim form looks for the largest mass scaling that keeps the tolerances of "
+                    f"[solver]: up to {len(FACTORS) + 1} runs on elements 1.5 times as large, about as long as one run."
+                )
             count = sum(row.judgement == "look" for row in checked.rows)
             say(
                 f'Look at {count} line{"s" if count != 1 else ""} marked "look" before you run it.'

@@ -45,9 +45,9 @@ class PlyLaunches:
         }
         normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
         self._passes = [
-            (MirrorLaunches if isinstance(each, MirrorModel) else PassLaunches)(
-                each, state, index, self._group_speeds, normals
-            )
+            MirrorLaunches(each, state, index, self._group_speeds, normals)
+            if isinstance(each, MirrorModel)
+            else PassLaunches(each, state, index, self._group_speeds, normals)
             for index, each in enumerate(model.passes)
         ]
         self._own = {

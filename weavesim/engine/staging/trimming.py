@@ -177,8 +177,8 @@ def _place_of(trim: Trim, sheets: Sequence[Sheet], touching: frozenset[str]) -> 
     if sheet.name in touching or sheet.self_contact is not None:
         what = "may touch itself" if sheet.self_contact is not None else "touches another sheet"
         raise ValueError(
-            f"sheet {sheet.name} {what}, and only a sheet that meets tools alone is trimmed; form it untrimmed, and "
-            "take the blank of weavesim export --trim"
+            f"sheet {sheet.name} {what}, which is looked for on whole sheets, and only a sheet that meets tools alone "
+            "is trimmed; form it untrimmed, and take the blank of weavesim export --trim"
         )
     return place
 

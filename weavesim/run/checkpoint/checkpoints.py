@@ -69,6 +69,7 @@ class Checkpoints:
         self._journal = FrameJournal(self.folder / FRAMES_NAME)
         self._backlog: list[Frame] = []
         self._number = 0
+        self._setup_hash = ""
         self._tried_at = 0
         self._next = time.monotonic() + interval
         self._last = "there is none yet"
@@ -136,7 +137,8 @@ class Checkpoints:
         values, arrays = memory_of(simulation)
         model = simulation.model
         about = {
-            "run_id": simulation.info.run_id, "identity": _identity(simulation), "machine": machine(model.device.name),
+            "run_id": simulation.info.run_id, "identity": self._identity(simulation),
+            "machine": machine(model.device.name),
             "frame_count": self._journal.count, "frames_size": self._journal.size,
             "written": datetime.now(UTC).isoformat(timespec="seconds"), "parts": list(simulation.info.parts),
         }  # fmt: skip
@@ -147,6 +149,12 @@ class Checkpoints:
         for path in self._files()[KEPT_COUNT:]:
             with suppress(OSError):
                 path.unlink()
+
+    def _identity(self, simulation: Simulation) -> dict[str, object]:
+        """What a checkpoint must share with a run to continue it, in any stage."""
+        # once: a set-up with meshes takes a second
+        self._setup_hash = self._setup_hash or hash_of_run(simulation.setup)
+        return {**simulation.model.identity, "setup": self._setup_hash}
 
     def _try(self, action: Any, then: str) -> bool:
         try:
@@ -218,7 +226,7 @@ class Checkpoints:
                 f"checkpoint {path}: it is of weavesim {before.get('weavesim')}, and this is {here['weavesim']}; "
                 "resume it with that version, or run it again (--overwrite)"
             )
-        for name, wanted in _identity(simulation).items():
+        for name, wanted in self._identity(simulation).items():
             if values["identity"].get(name) != wanted:
                 found = "another one" if name == "setup" else f"{values['identity'].get(name)}, not {wanted}"
                 raise InputError(
@@ -244,11 +252,6 @@ class Checkpoints:
             yield from self._journal.frames(values["frame_count"], values["frames_size"])
         except (OSError, DamageError) as error:
             raise InputError(f"{self._journal.path}: {error}; run it again (--overwrite)") from None
-
-
-def _identity(simulation: Simulation) -> dict[str, object]:
-    """What a checkpoint must share with a run to continue it, in any stage."""
-    return {**simulation.model.identity, "setup": hash_of_run(simulation.setup)}
 
 
 def read_job(folder: str | Path) -> tuple[Job, Content]:

@@ -99,7 +99,7 @@ class KineticEnergy(_Placed):
         """With a scaling of the mass that was found for a stated error, what that error says, and what it does not."""
         chosen = run.run.setup.solver.mass_scaling
         for doubt in super().after(run):
-            yield doubt if chosen is None else replace(doubt, advice=SCALED)
+            yield replace(doubt, advice=SCALED) if chosen and chosen.target_step else doubt
 
     def most(self, ledger: SheetLedger) -> tuple[float, np.ndarray]:
         """Of a node."""
@@ -159,7 +159,8 @@ class AddedMass(LimitGuard):
         """A note where the scaling was found for a stated error."""
         chosen = run.run.setup.solver.mass_scaling
         for doubt in super().after(run):
-            yield doubt if chosen is None else replace(doubt, level=Level.NOTE, advice=SCALED)
+            is_found = chosen and chosen.target_step
+            yield replace(doubt, level=Level.NOTE, advice=SCALED) if is_found else doubt
 
     def where(self, run: Judged) -> Mapping[str, Any]:
         """The sheet with most of it; it is there from the start."""

@@ -27,8 +27,9 @@ USELESS_SHARE = 0.01
 # Beyond a symmetry plane, of the thickness: what is not doubted, and from which on the sheet is in its mirror image.
 LARGEST_BEYOND = 0.05
 USELESS_BEYOND = 1.0
-# Element size over thickness up to which nodes on facets keep every fold apart (contact of edges is not computed).
-LARGEST_SIZE = 2.0
+# Element size over thickness up to which nodes on facets keep every fold apart (contact of edges is not computed, and
+# necks of folds that are as tight as two elements are not seen): see docs/decisions/0055-no-contact-of-edges.md.
+LARGEST_SIZE = 1.5
 
 
 class NotFinite(Guard):
@@ -286,7 +287,7 @@ class SelfContactMesh(Guard):
     watches = "elements that are large for self-contact"
 
     def before(self, start: Start) -> Iterable[Doubt]:
-        """Sheets with self-contact whose elements are larger than twice the thickness."""
+        """Sheets with self-contact whose elements are larger than 1.5 thicknesses."""
         for sheet, info in zip(start.model.sheets, start.model.setup.sheets, strict=True):
             if info.self_contact is None:
                 continue

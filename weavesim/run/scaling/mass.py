@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -125,11 +126,25 @@ def _check_coarsened(own: Setup, coarse: Setup) -> None:
 
 
 def _run(setup: Setup) -> Simulation:
-    """A finished run, for its numbers alone."""
+    """A finished run, for its numbers alone: what its guards say is not the user's run."""
     simulation = Simulation(setup)
-    if simulation.run() is Outcome.INTERRUPTED:
+    with _unheard_guards():
+        outcome = simulation.run()
+    if outcome is Outcome.INTERRUPTED:
         raise Interrupted(signal.Signals[simulation.interrupted_by]) if simulation.interrupted_by else KeyboardInterrupt
     return simulation
+
+
+@contextmanager
+def _unheard_guards() -> Iterator[None]:
+    """Guards log no warnings."""
+    guards = logging.getLogger("weavesim.run.guards")
+    level = guards.level
+    guards.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        guards.setLevel(level)
 
 
 def _finite(value: float | None) -> float | None:

@@ -1,5 +1,7 @@
 """The largest mass scaling that keeps a stated error."""
 
+import logging
+
 import numpy as np
 import pytest
 
@@ -47,7 +49,7 @@ def test_the_largest_factor_within_both_tolerances_is_chosen():
     assert "chosen: step x 2" in text and "step x 1.5 (mass x 2.25)" in text
 
 
-def test_the_search_ends_where_a_tolerance_is_lost():
+def test_the_search_ends_where_a_tolerance_is_lost(caplog):
     errors = choose_mass_scaling(pressed, SIZE, angle_tolerance=5.0, draw_in_tolerance=0.02, factors=(2.0, 6.0)).tries
     assert errors[1].angle_error > errors[0].angle_error > 0.0 < errors[0].draw_in_error
     between = 0.5 * (errors[0].angle_error + errors[1].angle_error)
@@ -58,6 +60,8 @@ def test_the_search_ends_where_a_tolerance_is_lost():
     assert "too much" in found.report()
     found = choose_mass_scaling(pressed, SIZE, draw_in_tolerance=1e-12, factors=(2.0, 6.0))
     assert found.target_step is None and found.factor == 1.0 and "no scaling keeps" in found.report()
+    # what guards say of the tries is not said of a run
+    assert not [record for record in caplog.records if record.levelno >= logging.WARNING]
 
 
 @pytest.mark.parametrize("given", [{"factors": ()}, {"factors": (1.0, 2.0)}, {"factors": (3.0, 2.0)}])

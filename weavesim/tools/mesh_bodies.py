@@ -98,9 +98,10 @@ def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: floa
     notes: list[str] = []
     outwards = [_outwards(name, vertices, body) for body in bodies]
     if len(bodies) > 1:
-        turned = sum(body is not given for body, given in zip(outwards, bodies, strict=True))
+        turned_count = sum(body is not given for body, given in zip(outwards, bodies, strict=True))
         notes.append(
-            f"{name}: {len(bodies)} closed bodies" + (f", {turned} of them faced inwards: turned" if turned else "")
+            f"{name}: {len(bodies)} closed bodies"
+            + (f", {turned_count} of them faced inwards: turned" if turned_count else "")
         )
     bodies = _nested(name, vertices, outwards, notes)
     turned = np.concatenate([np.empty((0, 3), dtype=faces.dtype), *odd])

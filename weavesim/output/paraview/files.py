@@ -180,5 +180,5 @@ def _block_of(values: np.ndarray | Packed) -> bytes:
 
 def _block(values: np.ndarray, level: int) -> bytes:
     """One block of zlib with VTK's header: how many blocks, their size, that of a last partial one, and compressed."""
-    compressed = zlib.compress(np.ascontiguousarray(values), level)
+    compressed = zlib.compress(np.ascontiguousarray(values).data, level)
     return _HEADER.pack(1, values.nbytes, 0, len(compressed)) + compressed

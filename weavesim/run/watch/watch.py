@@ -111,8 +111,8 @@ class Watch:
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Have seen what ``memory`` tells, and nothing else."""
         self.history[:] = [dict(entry) for entry in memory["history"]]
-        *values, place, time = memory["penetration"]
-        self.penetration = Penetration(*values, (place[0], place[1]), time)
+        at_nodes, at_surface, at_element_centres, sheet, place, time = memory["penetration"]
+        self.penetration = Penetration(at_nodes, at_surface, at_element_centres, sheet, (place[0], place[1]), time)
         self.extremes.recall(memory["extremes"])
         for condition, own in zip(self.conditions, memory["conditions"], strict=True):
             condition.recall(own)

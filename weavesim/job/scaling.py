@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ..engine.setup import Setup
 from ..errors import InputError
-from ..run.scaling.mass import choose_mass_scaling, with_mass_scaling
+from ..run.scaling.mass import ANGLE_TOLERANCE, DRAW_IN_TOLERANCE, choose_mass_scaling, with_mass_scaling
 from .build import setup_of
 from .read import JobFile
 
@@ -20,9 +20,8 @@ def scaled_setup_of(file: JobFile) -> Setup:
         KeyboardInterrupt: a signal ended the search.
     """
     setup, solver = setup_of(file), file.job.solver
-    wanted = {"angle_tolerance": solver.mass_scaling_angle, "draw_in_tolerance": solver.mass_scaling_draw_in}
-    given = {name: value for name, value in wanted.items() if value is not None}
-    if not given:
+    angle, draw_in = solver.mass_scaling_angle, solver.mass_scaling_draw_in
+    if angle is None and draw_in is None:
         return setup
     smallest = min(ply.mesh_size for ply in file.job.ply)
 
@@ -32,9 +31,14 @@ def scaled_setup_of(file: JobFile) -> Setup:
         other = setup_of(replace(file, job=file.job.model_copy(update={"ply": plies}))) if share != 1.0 else setup
         return other.model_copy(update={"solver": other.solver.model_copy(update={"target_step": target_step})})
 
-    key = "mass_scaling_angle" if solver.mass_scaling_angle is not None else "mass_scaling_draw_in"
+    key = "mass_scaling_draw_in" if angle is None else "mass_scaling_angle"
     try:
-        found = choose_mass_scaling(make, smallest, **given)
+        found = choose_mass_scaling(
+            make,
+            smallest,
+            angle_tolerance=ANGLE_TOLERANCE if angle is None else angle,
+            draw_in_tolerance=DRAW_IN_TOLERANCE if draw_in is None else draw_in,
+        )
     except InputError as error:
         file.refuse(["solver", key], f"{key}: {error}")
     return with_mass_scaling(setup, found)

@@ -91,7 +91,7 @@ def test_one_tolerance_is_enough_and_without_any_nothing_is_sought(tmp_path, mon
     assert scaled_setup_of(job(tmp_path, "")).solver.target_step is None and not asked
     setup = scaled_setup_of(job(tmp_path, 'mass_scaling_draw_in = "0.2 mm"'))
     ((coarse, mesh_size, tolerances),) = asked
-    assert mesh_size == 0.006 and tolerances == {"draw_in_tolerance": 2e-4}
+    assert mesh_size == 0.006 and tolerances == {"angle_tolerance": 0.5, "draw_in_tolerance": 2e-4}
     assert coarse.sheet.blank.element_count == 16 and coarse.solver.target_step == 2e-6
     assert setup.solver.target_step == 4e-6 and setup.sheet.blank.element_count == 36
 

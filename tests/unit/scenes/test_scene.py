@@ -90,7 +90,7 @@ def test_a_scene_looks_for_a_mass_scaling_in_every_case(tmp_path, monkeypatch):
     parameters = scene.parameters(out=tmp_path, mesh_size=0.02, mass_scaling_draw_in=1e-3)
     setups = scene.setups(parameters)
     scene.run(parameters)
-    assert len(asked) == 1 and asked[0][2:] == (3e-6, {"draw_in_tolerance": 1e-3})
+    assert len(asked) == 1 and asked[0][2:] == (3e-6, {"angle_tolerance": 0.5, "draw_in_tolerance": 1e-3})
     assert asked[0][1] < next(iter(setups.values())).sheet.blank.element_count
     assert run[0].solver.target_step == 4e-6 and run[0].solver.mass_scaling.factor == 2.0
     assert run[0].sheet == next(iter(setups.values())).sheet

@@ -104,8 +104,8 @@ def parts_of(name: str, vertices: np.ndarray, faces: np.ndarray, tolerance: floa
             + (f", {turned_count} of them faced inwards: turned" if turned_count else "")
         )
     bodies = _nested(name, vertices, outwards, notes)
-    turned = np.concatenate([np.empty((0, 3), dtype=faces.dtype), *odd])
-    return Parts(bodies, faces[~closed_face], component[~closed_face], border, given[~closed_face], turned, notes)
+    odd_ones = np.concatenate([np.empty((0, 3), dtype=faces.dtype), *odd])
+    return Parts(bodies, faces[~closed_face], component[~closed_face], border, given[~closed_face], odd_ones, notes)
 
 
 def _odd_ones(given: np.ndarray, body: np.ndarray) -> np.ndarray:

@@ -46,7 +46,7 @@ SMALL = KernelSet(
 def made(name: str, precision: str) -> list[Simulation]:
     """The simulations of a scene's default set-up on its coarsest sensible mesh, on two threads."""
     scene = SCENES[name].load()
-    coarse = {"double-dome": {"mesh_size": 0.02}, "hemisphere": {"mesh_size": 0.02, "case": "low-bending"}}
+    coarse = {"double-dome": {"mesh_size": 0.0075}, "hemisphere": {"mesh_size": 0.02, "case": "low-bending"}}
     parameters = scene.parameters(precision=precision, threads=2, **coarse.get(name, {}))
     return [Simulation(setup) for setup in scene.setups(parameters).values()]
 

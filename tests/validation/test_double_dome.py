@@ -245,12 +245,3 @@ def test_a_run_that_is_not_to_be_trusted_says_so():
     assert any("quasi-static" in warning for warning in simulation.warnings)
     with pytest.raises(RunError, match="has been run"):
         simulation.run()
-
-
-def test_between_nodes_the_surface_sinks_at_most_a_tenth_of_a_millimetre():
-    """With samples between its nodes; without them 0.18 mm (docs/decisions/0036-tools-between-nodes.md)."""
-    simulation = Simulation(double_dome(DoubleDomeParameters(contact_samples="surface", frame_count=40)))
-    simulation.run()
-    summary = simulation.summary()
-    assert 0.03 < summary["penetration_of_surface_mm"] <= 0.1
-    assert summary["energy_balance_error"] < 0.01

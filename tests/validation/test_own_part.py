@@ -64,7 +64,7 @@ TRAY = Tool("tray", tray_surface, "160 x 120", 8.0, 25.0, (52.0, 66.0))
 VALLEYS = Tool(
     "valleys",
     two_valleys,
-    "140 x 80",
+    "144 x 84",
     3.0,
     12.0,
     (29.0, 41.0),
